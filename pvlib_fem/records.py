@@ -1,0 +1,411 @@
+"""Check what comes in, once and in one place: times, columns, units, ranges."""
+
+import numbers
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+#: values a sensor cannot have measured; they are not used, and counted
+POSSIBLE = {
+    "poa_global": (-np.inf, 2000.0, "W/m²"),
+    "temp_air": (-60.0, 100.0, "°C"),
+    "wind_speed": (0.0, 60.0, "m/s"),
+    "temp_module": (-60.0, 100.0, "°C"),
+}
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+MOST_IMPOSSIBLE = 0.2  # share of a column beyond which the record is refused
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """Columns on common times, ready for the kernel."""
+
+    columns: dict[str, np.ndarray]
+    steps: np.ndarray | float  # time since the row before, in units
+    unit: float  # seconds in one unit of ``steps``
+    index: pd.Index
+    is_series: bool
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+    def restore(self, values, name=None):
+        """Give values back in the form the input came in."""
+        return pd.Series(values, self.index, name=name) if self.is_series else values
+
+    def resume(self, initial):
+        """State to carry on from, and the steps counted from its time."""
+        if initial is None:
+            return None, self.steps
+        rows = len(self.index)
+        steps = np.array(np.broadcast_to(self.steps, rows), dtype=float)
+        if isinstance(initial, pd.Series):
+            initial = initial.dropna()
+            if initial.empty:
+                raise ValueError("initial holds no value; drop it to start anew")
+            if not isinstance(self.index, pd.DatetimeIndex):
+                raise ValueError(
+                    "initial is a Series, but values bring no times; give the "
+                    "state as a number"
+                )
+            last = getattr(initial.index, "tz", None)
+            if (last is None) != (self.index.tz is None):
+                raise ValueError(
+                    f"initial has times in zone {last}, values in {self.index.tz}; "
+                    "give both a zone or neither"
+                )
+            since = self.index[0] - initial.index[-1]
+            steps[0] = since.total_seconds() / self.unit
+            state = initial.iloc[-1]
+        elif np.ndim(self.steps) == 0:
+            steps[0], state = self.steps, initial
+        else:
+            raise ValueError(
+                "initial is a number, but the steps are uneven; give the output of "
+                "the record before as a Series, which brings its time"
+            )
+        if not steps[0] > 0:
+            raise ValueError(
+                f"initial is at {initial.index[-1]}, not before the first sample at "
+                f"{self.index[0]}; carry the state from earlier rows"
+            )
+        return float(state), steps
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A measured record that has passed its checks."""
+
+    inputs: Inputs
+    missing: dict[str, int]  # NaN by column
+    impossible: dict[str, int]  # values not used, by column
+    clipped: int  # negative irradiance, set to 0
+
+    @property
+    def index(self):
+        return self.inputs.index
+
+    def __getitem__(self, name):
+        return self.inputs.columns[name]
+
+    @property
+    def days(self):
+        """Number of each row's day among the days that are there, from 0."""
+        return pd.factorize(self.dates)[0]
+
+    @property
+    def dates(self):
+        """Calendar day of each row in the record's own zone, from 1970-01-01."""
+        local = self.index.tz_localize(None).to_numpy()
+        return local.astype("datetime64[D]").astype(int)
+
+
+def read(columns, step=None, times=None, purpose="this model"):
+    """
+    Bring series, arrays and numbers onto common times.
+
+    Parameters
+    ----------
+    columns : dict
+        Name to Series, array or number; at least one is not a number. Their
+        values may be NaN, not infinite.
+    step : float, optional
+        Even time step of arrays. [s]
+    times : DatetimeIndex or array, optional
+        Times of arrays: datetimes, or numbers. [s]
+    purpose : str
+        Who asks, for the messages.
+
+    Raises
+    ------
+    ValueError
+        Naming the column, the first offending time and the remedy.
+    """
+    series = {k: v for k, v in columns.items() if isinstance(v, pd.Series)}
+    lengths = {k: len(v) for k, v in columns.items() if np.ndim(v)}
+    if not lengths:
+        raise ValueError(
+            f"{purpose} needs a series, not single numbers: what a module does now "
+            "depends on what it went through before; give Series with a "
+            "DatetimeIndex, or arrays with step"
+        )
+    for name, value in columns.items():
+        if np.ndim(value) > 1:
+            raise ValueError(f"{name} has {np.ndim(value)} dimensions; give one column")
+    if len(set(lengths.values())) > 1:
+        raise ValueError(
+            f"the lengths differ: {lengths}; give all columns the same rows"
+        )
+    rows = next(iter(lengths.values()))
+    if rows == 0:
+        raise ValueError(f"{next(iter(lengths))} is empty; give at least one row")
+    index = common_index(series)
+    if index is None and times is not None:
+        index = as_times(times, rows)
+    elif times is not None:
+        raise ValueError("a Series brings its own times; drop the argument times")
+    if index is None or not isinstance(index, pd.DatetimeIndex):
+        index, steps, unit = plain_steps(index, rows, step, purpose, series)
+    else:
+        if step is not None:
+            raise ValueError(
+                f"step = {step}, but the times are given already; drop step"
+            )
+        steps, unit = datetime_steps(index, next(iter(series), "times"))
+    checked = {
+        name: np.broadcast_to(as_numbers(name, value, index), rows)
+        for name, value in columns.items()
+    }
+    return Inputs(checked, steps, unit, index, bool(series))
+
+
+def common_index(series):
+    """The one index of several series, or None without any."""
+    if not series:
+        return None
+    (first, one), *others = series.items()
+    for name, other in others:
+        if other.index.equals(one.index):
+            continue
+        zones = [getattr(s.index, "tz", None) for s in (one, other)]
+        if (zones[0] is None) != (zones[1] is None):
+            raise ValueError(
+                f"the times of {first} have zone {zones[0]}, those of {name} "
+                f"{zones[1]}; give both a zone (tz_localize) or neither"
+            )
+        raise ValueError(
+            f"{name} and {first} have different indexes: they part at "
+            f"{first_difference(one.index, other.index)}; align them first, for "
+            "example as columns of one DataFrame"
+        )
+    return one.index
+
+
+def first_difference(one, other):
+    shared = min(len(one), len(other))
+    unequal = np.flatnonzero(np.asarray(one[:shared] != other[:shared]))
+    at = unequal[0] if len(unequal) else shared - 1
+    return one[at]
+
+
+def as_times(times, rows):
+    times = pd.Index(times)
+    if len(times) != rows:
+        raise ValueError(f"times has {len(times)} entries for {rows} samples")
+    return times
+
+
+def plain_steps(index, rows, step, purpose, series):
+    """Steps of rows without datetimes: from ``step``, or numbers in seconds."""
+    if step is not None:
+        if not (isinstance(step, numbers.Real) and 0 < step < np.inf):
+            raise ValueError(f"step = {step} must be a positive number of seconds")
+        return (pd.RangeIndex(rows) if index is None else index), float(step), 1.0
+    if index is None:
+        raise ValueError(
+            f"{purpose} needs the time step of arrays: give step in seconds, or "
+            "Series with a DatetimeIndex"
+        )
+    if series:
+        raise ValueError(
+            f"{next(iter(series))} has no DatetimeIndex but a "
+            f"{type(index).__name__}; set one with pd.to_datetime, or give step in "
+            "seconds"
+        )
+    seconds = as_numbers("times", index.to_numpy(), index)
+    steps = np.diff(seconds, prepend=seconds[0])
+    check_order(steps, index, "times")
+    return index, steps, 1.0
+
+
+def datetime_steps(index, name):
+    """Steps of a DatetimeIndex, as whole counts of its own resolution."""
+    if index.hasnans:
+        raise ValueError(
+            f"{name} has no time (NaT) at row {int(np.argmax(index.isna()))}; drop "
+            "such rows"
+        )
+    unit = SECONDS[index.unit]
+    if isinstance(index.freq, pd.offsets.Tick) and index.freq.n > 0:
+        return pd.Timedelta(index.freq) / pd.Timedelta(seconds=1) / unit, unit
+    count = instants(index).view("i8")
+    steps = np.empty(len(count), dtype="i8")
+    steps[0] = 0
+    np.subtract(count[1:], count[:-1], out=steps[1:])
+    check_order(steps, index, name)
+    if len(steps) > 1 and steps[1:].min() == steps[1:].max():
+        return float(steps[1]), unit
+    return steps, unit
+
+
+def instants(index):
+    """The times as numpy has them, in UTC where they have a zone."""
+    return (index if index.tz is None else index.tz_convert(None)).to_numpy()
+
+
+def check_order(steps, index, name):
+    if len(steps) < 2 or steps[1:].min() > 0:
+        return
+    at = 1 + int(np.argmax(steps[1:] <= 0))
+    if steps[at] == 0:
+        raise ValueError(
+            f"{name} has the time {index[at]} twice (row {at}); keep one, for "
+            "example with data[~data.index.duplicated()]"
+        )
+    raise ValueError(
+        f"{name} is not sorted: {index[at]} (row {at}) comes after "
+        f"{index[at - 1]}; use data.sort_index()"
+    )
+
+
+def as_numbers(name, value, index):
+    """Floats of one column; text and infinities are refused by name and time."""
+    values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
+    if values.dtype.kind not in "fiub":
+        for at, entry in enumerate(np.atleast_1d(values)):
+            if not (isinstance(entry, numbers.Real) or pd.isna(entry)):
+                raise ValueError(
+                    f"{name} holds {entry!r} at {at_time(index, at)}, which is not a "
+                    "number; clean the column, for example with "
+                    "pd.to_numeric(column, errors='coerce')"
+                )
+        values = np.where(pd.isna(values), np.nan, values)
+    values = values.astype(float, copy=False)
+    # an infinity or NaN in the column shows in its sum, which is one fast pass
+    if not np.isfinite(values.sum()):
+        infinite = np.isinf(values)
+        if infinite.any():
+            raise ValueError(
+                f"{name} is infinite at {at_time(index, int(np.argmax(infinite)))}; "
+                "replace it with NaN"
+            )
+    return values
+
+
+def at_time(index, row):
+    return f"{index[row]} (row {row})" if len(index) > row else f"row {row}"
+
+
+def measured(poa_global, temp_air, wind_speed, temp_module, check_units=True):
+    """
+    Check a measured record for a fit.
+
+    Impossible values become NaN and are counted, negative irradiance is
+    clipped to 0 and counted; nothing else is changed.
+
+    Raises
+    ------
+    ValueError
+        If times or columns are unusable (see :func:`read`), a column looks to
+        be in another unit, or more than 20 % of a column is impossible.
+    """
+    columns = {
+        "poa_global": poa_global,
+        "temp_air": temp_air,
+        "wind_speed": wind_speed,
+        "temp_module": temp_module,
+    }
+    for name, column in columns.items():
+        if not isinstance(column, pd.Series):
+            raise ValueError(
+                f"{name} is a {type(column).__name__}; a fit needs Series with a "
+                "DatetimeIndex, since days are held out"
+            )
+        if not isinstance(column.index, pd.DatetimeIndex):
+            raise ValueError(
+                f"{name} has no DatetimeIndex but a {type(column.index).__name__}; "
+                "set one with pd.to_datetime"
+            )
+    inputs = read(columns, purpose="fit_fem")
+    for name in columns:
+        if np.isnan(inputs[name]).all():
+            raise ValueError(
+                f"{name} holds no value from {inputs.index[0]} to "
+                f"{inputs.index[-1]}; check the column's name and the logger"
+            )
+    if check_units:
+        refuse_units(inputs)
+    usable, impossible = {}, {}
+    for name, (low, high, unit) in POSSIBLE.items():
+        values = inputs[name]
+        outside = (values < low) | (values > high)
+        impossible[name] = int(outside.sum())
+        share = impossible[name] / np.isfinite(values).sum()
+        if share > MOST_IMPOSSIBLE:
+            at = int(np.argmax(outside))
+            raise ValueError(
+                f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
+                f"{high:g} {unit}), first {values[at]:g} at {inputs.index[at]}; "
+                "check its unit and sensor"
+            )
+        usable[name] = np.where(outside, np.nan, values)
+    clipped = int((usable["poa_global"] < 0).sum())
+    usable["poa_global"] = np.where(usable["poa_global"] < 0, 0.0, usable["poa_global"])
+    missing = {name: int(np.isnan(inputs[name]).sum()) for name in columns}
+    inputs = Inputs(usable, inputs.steps, inputs.unit, inputs.index, True)
+    return Record(inputs, missing, impossible, clipped)
+
+
+def refuse_units(inputs):
+    """
+    Refuse a column that looks to be in another unit.
+
+    The thermal laws tie the columns together: over-temperature follows
+    irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
+    of the air, and wind changes the resistance by 4 to 20 % per m/s.
+    """
+    poa, air, wind, module = (inputs[name] for name in POSSIBLE)
+    over = module - air
+    seen = np.isfinite(poa) & np.isfinite(over)
+    if seen.sum() < 100:
+        return
+    bright = np.nanpercentile(poa, 99.9)
+    if bright <= 0:
+        return
+    sunny = seen & (poa > 0.2 * bright)
+    dark = seen & (poa < 0.02 * bright)
+    slope = slope_of(over[sunny], poa[sunny])
+    if bright < 3.0 and slope > 1.0:
+        raise unit_error("poa_global", "kW/m²", f"its largest values are {bright:.2f}")
+    night = np.median(over[dark]) if dark.sum() >= 20 else np.nan
+    if night > 12.0:
+        raise unit_error("temp_module", "°F", f"at night it is {night:.0f} above air")
+    if night < -12.0:
+        raise unit_error("temp_air", "°F", f"at night it is {-night:.0f} above module")
+    hot = np.nanpercentile(air, 99)
+    if hot > 57.0 or slope > 0.075:
+        raise unit_error(
+            "temp_air and temp_module",
+            "°F",
+            f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
+            "1000 W/m²",
+        )
+    strong = np.nanpercentile(wind, 95)
+    ratio = over[sunny] / poa[sunny]
+    windy = np.isfinite(wind[sunny]) & (ratio > 0)
+    effect = -slope_of(np.log(ratio[windy]), wind[sunny][windy])
+    # in m/s, a site that windy has an effect of 5 % per m/s and more
+    weak = 0.004 < effect < 0.005 * (strong - 6.0)
+    if strong > 18.0 or (strong > 12.0 and weak):
+        raise unit_error(
+            "wind_speed",
+            "km/h",
+            f"5 % of it is above {strong:.0f}, and one unit of it changes the "
+            f"over-temperature by {100 * effect:.1f} %",
+        )
+
+
+def slope_of(y, x):
+    """Slope of the regression line, 0 where there is none."""
+    if len(x) < 20 or np.ptp(x) == 0:
+        return 0.0
+    x = x - x.mean()
+    return float(x @ (y - y.mean()) / (x @ x))
+
+
+def unit_error(name, unit, why):
+    return ValueError(
+        f"{name} looks to be in {unit}: {why}. Convert it first; if the unit is "
+        "right, pass check_units=False"
+    )

@@ -1,0 +1,249 @@
+"""First-order relaxation on uneven steps: the kernel of every dynamic answer.
+
+The exact response of a first-order system to an input held constant over each
+step is ``y[i] = decay[i]*y[i-1] + (1 - decay[i])*x[i]`` with
+``decay = exp(-step/tau)``: a lower bidiagonal linear system, which BLAS solves.
+"""
+
+import numpy as np
+import pandas as pd
+from scipy.linalg.blas import dtbsv
+
+from pvlib_fem.records import read
+
+BLOCK = 1 << 15  # rows solved at a time, so that all arrays stay in the cache
+WIDE = 16  # rows that one matrix product answers, where all steps are even
+FORGOTTEN = 5.0  # time constants after which a gap has erased the past
+
+
+def ewm(
+    values, tau, times=None, step=None, adjust=False, initial=None
+) -> pd.Series | np.ndarray:
+    r"""
+    Exponential weighted mean: the exact first-order response to a signal.
+
+    A signal that is held constant over each step :math:`\Delta t`, seen through
+    a time constant :math:`\tau` [1]_:
+
+    .. math::
+
+        y_i = e^{-\Delta t_i/\tau} y_{i-1} + (1 - e^{-\Delta t_i/\tau}) x_i
+
+    Parameters
+    ----------
+    values : Series or 1-D array
+        The signal. [any unit]
+    tau : float or array
+        Time constant, one number or one for each sample. [s]
+    times : DatetimeIndex or array, optional
+        Time of each sample when ``values`` is an array: datetimes, or numbers.
+        [s]
+    step : float, optional
+        Even time step, instead of ``times``. [s]
+    adjust : bool, default False
+        Divide by the sum of the weights seen so far, as
+        ``pandas.Series.ewm(alpha=1 - exp(-step/tau), adjust=True)`` does and
+        the listing in [1]_ uses. It differs at start-up only.
+    initial : float or Series, optional
+        State to continue from: the output of the record before. A Series
+        brings its time; a number counts as one ``step`` before the first
+        sample. Without it the response starts at the first sample.
+
+    Returns
+    -------
+    Series or array
+        Smoothed signal, in the unit and with the index of ``values``. It is
+        NaN where ``values`` is NaN, and only there.
+
+    Raises
+    ------
+    ValueError
+        If the times are missing, unsorted or duplicate, ``tau`` is not
+        positive, or ``values`` is not a numeric series.
+
+    Notes
+    -----
+    Over a gap or a NaN the state relaxes towards the next sample by the true
+    duration. After a gap longer than 5 ``tau`` it starts anew; a step counts
+    as a gap where it is longer than twice the median step of the record.
+    ``pandas.Series.ewm(times=...)`` weights samples and not durations, which
+    is not this response on uneven steps.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eqs. 24 to 27.
+       :doi:`10.22541/au.166922866.68736478`
+
+    Examples
+    --------
+    >>> ewm([0.0, 1000.0, 1000.0], tau=378.0, step=60.0).round(1)
+    array([  0. , 146.8, 272. ])
+    """
+    inputs = read({"values": values}, step=step, times=times, purpose="ewm")
+    tau = time_constant(tau, len(inputs.index))
+    if adjust and initial is not None:
+        raise ValueError(
+            "initial does not go with adjust=True: the paper's weights start at the "
+            "first sample; use adjust=False to carry a state"
+        )
+    state, steps = inputs.resume(initial)
+    tau = tau / inputs.unit
+    if adjust:
+        smooth = weighted_mean(inputs["values"], steps, tau)
+    else:
+        smooth = relax(inputs["values"], steps, tau, state)
+    return inputs.restore(smooth, getattr(values, "name", None))
+
+
+def time_constant(tau, rows, name="tau"):
+    """Check a time constant: positive, a number or one for each row. [s]"""
+    values = np.asarray(tau, dtype=float)
+    if values.ndim and values.shape != (rows,):
+        raise ValueError(
+            f"{name} has {values.size} values for {rows} samples; give one number, "
+            "or one for each sample"
+        )
+    if not (values > 0).all():
+        worst = values if values.ndim == 0 else values[~(values > 0)][0]
+        raise ValueError(f"{name} = {worst} must be positive [s]")
+    return float(values) if values.ndim == 0 else values
+
+
+def over_nan(solve):
+    """Let a solver see the rows that are there, and the true steps between them."""
+
+    def solved(target, steps, tau, *state):
+        if not np.isnan(target.sum()):  # one fast pass; infinities are refused before
+            return solve(target, steps, tau, *state)
+        valid = np.flatnonzero(~np.isnan(target))
+        if not len(valid):
+            return solve(target, steps, tau, *state)
+        # a step answers to the sample that ends it, and so to its tau
+        steps, tau = across(steps, valid), part(tau, valid)
+        found = solve(target[valid], steps, tau, *state)
+        result = np.full((*found.shape[:-1], len(target)), np.nan)
+        result[..., valid] = found
+        return result
+
+    return solved
+
+
+@over_nan
+def relax(target, steps, tau, state=None):
+    """
+    Response to ``target``, row by row, whatever its steps, gaps and NaN.
+
+    ``steps`` is the time since the row before (one number if even) and ``tau``
+    the time constant, both in the same unit; the first step counts from
+    ``state`` and is ignored without one.
+    """
+    state = target[0] if state is None else state
+    rate = -1.0 / tau
+    if np.ndim(steps) == 0 and np.ndim(tau) == 0:
+        return relax_even(target, np.exp(steps * rate), state)
+    rows = len(target)
+    limit = gap_limit(steps, tau)
+    result = np.empty(rows)
+    decay = np.empty(min(rows, BLOCK))
+    band = np.empty((2, len(decay)), order="F")
+    for start in range(0, rows, BLOCK):
+        block = slice(start, min(start + BLOCK, rows))
+        x, y = target[block], result[block]
+        decay = decay[: len(x)]
+        np.multiply(part(steps, block), part(rate, block), out=decay)
+        np.exp(decay, out=decay)
+        if limit is not None:
+            decay[part(steps, block) > part(limit, block)] = 0.0
+        np.multiply(decay, x, out=y)
+        np.subtract(x, y, out=y)
+        respond(decay, y, state, band)
+        state = y[-1]
+    return result
+
+
+def relax_even(target, decay, state):
+    """The same with one decay: sixteen rows at a time are one matrix product."""
+    result = np.empty(len(target))
+    age = np.arange(WIDE)[None, :] - np.arange(WIDE)[:, None]
+    weights = np.where(age >= 0, (1.0 - decay) * decay ** np.abs(age), 0.0)
+    fading = decay ** np.arange(1, WIDE + 1)
+    for start in range(0, len(target), BLOCK):
+        x, y = target[start : start + BLOCK], result[start : start + BLOCK]
+        whole = len(x) // WIDE * WIDE
+        wide = y[:whole].reshape(-1, WIDE)
+        np.matmul(x[:whole].reshape(-1, WIDE), weights, out=wide)
+        ends = respond(np.full(len(wide), fading[-1]), wide[:, -1].copy(), state)
+        wide += np.concatenate(([state], ends))[:-1, None] * fading
+        state = ends[-1] if whole else state
+        rest = x[whole:] * (1.0 - decay)
+        if len(rest):
+            y[whole:] = respond(np.full(len(rest), decay), rest, state)
+    return result
+
+
+def respond(decay, source, state=0.0, band=None):
+    """Solve ``y[i] - decay[i]*y[i-1] = source[i]``, ``y[-1] = state``, in place."""
+    rows = len(source)
+    if not rows:
+        return source
+    band = np.empty((2, rows), order="F") if band is None else band[:, :rows]
+    np.negative(decay[1:], out=band[1, :-1])
+    source[0] += decay[0] * state
+    return dtbsv(1, band, source, lower=1, diag=1, overwrite_x=1)
+
+
+@over_nan
+def weighted_mean(target, steps, tau):
+    """The mean by fading weights of all since the start, as pandas adjusts it."""
+    decay = decays(steps, tau, len(target))
+    weights = respond(decay, np.ones(len(target)))
+    return respond(decay, target.copy()) / weights
+
+
+@over_nan
+def relax_slope(target, steps, tau):
+    """Response to ``target`` and its slope by a constant ``tau``, in two rows."""
+    decay = decays(steps, tau, len(target))
+    result = respond(decay, (1.0 - decay) * target)
+    gap = before(result) - target
+    return np.stack([result, respond(decay, gap * decay * (steps / tau**2))])
+
+
+def decays(steps, tau, rows):
+    """Share of the past left at each row: ``exp(-steps/tau)``, 0 where it starts."""
+    decay = np.exp(np.broadcast_to(-steps / tau, rows))
+    limit = gap_limit(steps, tau)
+    if limit is not None:
+        decay[steps > limit] = 0.0
+    decay[0] = 0.0
+    return decay
+
+
+def before(values):
+    """Each row's predecessor; the first row has none and stands for itself."""
+    return np.concatenate((values[:1], values[:-1]))
+
+
+def gap_limit(steps, tau):
+    """Step beyond which the past is forgotten; None if no step is that long."""
+    limit = FORGOTTEN * tau
+    if np.ndim(steps) == 0 or not (steps.max() > np.min(limit)):
+        return None
+    if len(steps) < 2:
+        return limit
+    # a record whose every step is that long has no gaps: it is merely slow
+    return np.maximum(limit, 2.0 * np.median(steps[1:]))
+
+
+def across(steps, valid):
+    """Steps between the ``valid`` rows, over those left out."""
+    if np.ndim(steps) == 0:
+        return np.diff(valid, prepend=-1) * steps
+    first = np.concatenate(([0], valid[:-1] + 1))
+    return np.add.reduceat(steps[: valid[-1] + 1], first)
+
+
+def part(values, rows):
+    """Those rows of an array, or the number that serves every row."""
+    return values if np.ndim(values) == 0 else values[rows]
