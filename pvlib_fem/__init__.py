@@ -1,8 +1,9 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
-from pvlib_fem import datasets
+from pvlib_fem import datasets, layers, scores
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.temperature import fem_temperature, heat_balance, wm1, wm2
+from pvlib_fem.translate import translate, translation_mismatch
 
 __version__ = "0.1.0"
 
@@ -11,6 +12,10 @@ __all__ = [
     "ewm",
     "fem_temperature",
     "heat_balance",
+    "layers",
+    "scores",
+    "translate",
+    "translation_mismatch",
     "wm1",
     "wm2",
 ]

@@ -1,0 +1,89 @@
+"""Scores in K and in energy, and the delayed sensor."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pvlib_fem import scores
+
+
+def test_the_bias_is_what_has_to_be_added():
+    """The paper's MBE is measured minus modelled."""
+    measured, modelled = np.array([20.0, 30.0, np.nan]), np.array([22.0, 33.0, 9.0])
+    assert scores.mbe(measured, modelled) == -2.5
+    assert scores.mbe(measured, modelled - 2.5) == 0.0
+    assert scores.mae(measured, modelled) == 2.5
+    assert scores.rmse(measured, modelled) == np.sqrt((4 + 9) / 2)
+
+
+def test_without_a_pair_there_is_no_score():
+    assert np.isnan(scores.rmse([np.nan], [1.0]))
+
+
+def test_the_papers_energy_example_adds_up():
+    """KUL Ghent at 1 s: 1.96 over and -2.13 under make 4.09 kWh/kWp in all,
+    -0.17 net and 0.39 points of PR; so its year had 1049 kWh/m²."""
+    error = scores.EnergyError(1.96 + 2.13, 1.96, -2.13, insolation=4.09 / 0.0039)
+    assert error.total == pytest.approx(4.09)
+    assert error.net == pytest.approx(-0.17)
+    assert error.performance_ratio == pytest.approx(0.39)
+    # Eq. PR estimation: MAE x gamma, with the MAE of WM1 at that site
+    assert pytest.approx(0.39, abs=0.005) == 1.12 * -scores.GAMMA * 100
+
+
+def test_energy_error_takes_the_side_of_each_sample():
+    """An hour at 1000 W/m², 2 K too cold: 1 kWh/m² x 0.7 % over-estimated."""
+    times = pd.date_range("2024-05-01 12:00", periods=120, freq="1min")
+    sun = pd.Series(1000.0, times)
+    measured = pd.Series(50.0, times)
+    modelled = measured + np.where(np.arange(120) < 60, -2.0, 3.0)
+    error = scores.energy_error(sun, measured, modelled)
+    assert error.over_estimate == pytest.approx(0.007)
+    assert error.under_estimate == pytest.approx(-0.0105)
+    assert error.total == pytest.approx(0.0175)
+    assert error.net == pytest.approx(-0.0035)
+    assert error.insolation == pytest.approx(2.0)
+    assert error.performance_ratio == pytest.approx(0.875)
+    arrays = [column.to_numpy() for column in (sun, measured, modelled)]
+    assert scores.energy_error(*arrays, step=60) == error
+
+
+def test_energy_error_leaves_out_what_was_not_measured():
+    times = pd.date_range("2024-05-01 12:00", periods=60, freq="1min")
+    sun = pd.Series(1000.0, times)
+    measured = pd.Series(50.0, times).where(np.arange(60) < 30)
+    error = scores.energy_error(sun, measured, pd.Series(52.0, times))
+    assert error.insolation == pytest.approx(0.5)
+    assert error.under_estimate == pytest.approx(-0.0035)
+
+
+def test_arrays_need_a_step_and_series_one_index():
+    with pytest.raises(ValueError, match="give step in seconds"):
+        scores.energy_error(np.ones(3), np.ones(3), np.ones(3))
+    one = pd.Series([1.0, 2.0], pd.date_range("2024-05-01", periods=2, freq="1min"))
+    other = one.shift(freq="1min")
+    with pytest.raises(ValueError, match="different indexes"):
+        scores.rmse(one, other)
+    with pytest.raises(ValueError, match="different indexes"):
+        scores.energy_error(one, other, other)
+
+
+def test_a_late_sensor_on_a_ramp_is_off_by_the_slope_times_the_delay():
+    times = pd.date_range("2024-05-01", periods=600, freq="10s")
+    ramp = pd.Series(0.05 * 10 * np.arange(600), times)  # 0.05 K/s
+    table = scores.delayed_sensor(ramp, delays=[0, 60, 600])
+    assert table["rmse"].tolist() == pytest.approx([0.0, 3.0, 30.0])
+    assert table["mae"].tolist() == pytest.approx([0.0, 3.0, 30.0])
+    assert table["points"].tolist() == [600, 594, 540]
+
+
+def test_the_delayed_sensor_needs_times():
+    with pytest.raises(ValueError, match="no DatetimeIndex"):
+        scores.delayed_sensor(pd.Series([1.0, 2.0]))
+
+
+def test_on_the_measured_week_a_delay_costs_kelvins(week):
+    """The yardstick of the paper's last figure: it grows with the delay."""
+    table = scores.delayed_sensor(week["temp_module"])
+    assert table["rmse"].is_monotonic_increasing
+    assert 0.3 < table.loc[60, "rmse"] < 1.0
