@@ -1,18 +1,25 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
-from pvlib_fem import datasets, layers, scores
+from pvlib_fem import datasets, layers, paper, scores
+from pvlib_fem.fitting import fit_fem
+from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.relaxation import ewm
+from pvlib_fem.result import FemFit
 from pvlib_fem.temperature import fem_temperature, heat_balance, wm1, wm2
 from pvlib_fem.translate import translate, translation_mismatch
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "DynamicCellTemperature",
+    "FemFit",
     "datasets",
     "ewm",
     "fem_temperature",
+    "fit_fem",
     "heat_balance",
     "layers",
+    "paper",
     "scores",
     "translate",
     "translation_mismatch",

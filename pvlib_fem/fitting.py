@@ -1,0 +1,323 @@
+"""Fit the FEM coefficients to a measured record, with honest errors."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem import paper, scores
+from pvlib_fem.leastsquares import day_errors, gauss_newton
+from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
+from pvlib_fem.records import measured
+from pvlib_fem.result import FemFit
+
+METHODS = ("least_squares", "paper")
+FEWEST_DAYS = 5  # below this the spread between days is no error
+UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
+
+
+def fit_fem(
+    poa_global,
+    temp_air,
+    wind_speed,
+    temp_module,
+    model="wm1",
+    dynamics="ewm",
+    method="least_squares",
+    holdout=None,
+    calm_wind=0.5,
+    check_units=True,
+) -> FemFit:
+    """
+    Fit a steady model, made dynamic, to measured module temperature.
+
+    The FEM method: Filter, Exponential weighted mean, Mean bias [1]_. By
+    default all coefficients, the time constant and the bias are fitted
+    together by least squares.
+
+    Parameters
+    ----------
+    poa_global : Series
+        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²]
+    temp_air : Series
+        Air temperature. [°C]
+    wind_speed : Series
+        Wind speed. [m/s]
+    temp_module : Series
+        Measured module temperature. [°C]
+    model : str, default "wm1"
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"`` or ``"wm2"``.
+    dynamics : str, default "ewm"
+        ``"steady"``; ``"ewm"``, the paper's smoothing of irradiance and wind
+        with one tau; ``"balance"``, the exact heat balance.
+    method : str, default "least_squares"
+        Or ``"paper"``: the paper's own recipe, with regressions of five-minute
+        averages for the coefficients, step changes for tau and the mean error
+        of the training days for the bias.
+    holdout : Series of bool, optional
+        Rows to hold out. By default the weekend days where the record has two
+        weekends, as in the paper, else every other day.
+    calm_wind : float, default 0.5
+        Wind below which ``method="paper"`` takes the air as calm. [m/s]
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+
+    Returns
+    -------
+    FemFit
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable (times, columns, units, too many impossible
+        values), a name is unknown, or a step has too few points. The message
+        names the column or step, the value and the remedy.
+
+    Notes
+    -----
+    The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
+    the recursion runs over all rows, night included. Errors come from leaving
+    out each training day in turn, so they survive autocorrelation within a
+    day; below 5 training days they are NaN and the fit goes on.
+
+    The tau of ``method="paper"`` runs backwards: it falls as the true time
+    constant grows, see the table at :func:`pvlib_fem.paper.time_constant`.
+    That method gives no errors.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eq. 28.
+       :doi:`10.22541/au.166922866.68736478`
+    """
+    target = thermal_model(model, dynamics)
+    if method not in METHODS:
+        raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
+    if method == "paper" and dynamics == "balance":
+        raise ValueError(
+            "method='paper' has no heat balance; use dynamics='ewm', or "
+            "method='least_squares'"
+        )
+    record = measured(poa_global, temp_air, wind_speed, temp_module, check_units)
+    filtered = paper.daytime(*(record[name] for name in paper.COLUMNS))
+    notes = []
+    out = held_out(record, filtered, holdout, notes)
+    train = filtered & ~out
+    if method == "paper":
+        stages = paper_stages(target, record, train, ~out, calm_wind, notes)
+        stderr = dict.fromkeys(stages["fem"][1], np.nan)
+        at_bound, converged = (), True
+        notes.append("no errors: the paper's recipe gives none")
+    else:
+        stages, minimum = least_squares_stages(target, record, train, ~out)
+        free = list(target.parameters)
+        at_bound = tuple(np.array(free)[minimum.at_bound].tolist())
+        converged = minimum.converged
+        stderr = errors(target, record, train, stages["fem"][1], at_bound, notes)
+        if not converged:
+            notes.append("the search did not converge: do not trust the numbers")
+    modelled = {name: modelled_by(m, record, c) for name, (m, c) in stages.items()}
+    coefficients = public(target, stages["fem"][1])
+    residual = pd.Series(
+        record["temp_module"] - modelled["fem"], record.index, name="residual"
+    )
+    days = record.days
+    return FemFit(
+        model=model,
+        dynamics=dynamics,
+        method=method,
+        coefficients=coefficients,
+        stderr={name: stderr.get(name, 0.0) for name in coefficients},
+        scores=score_table(record, modelled, train, filtered & out),
+        residual=residual,
+        at_bound=at_bound,
+        converged=converged,
+        notes=tuple(notes),
+        train_days=len(np.unique(days[train])),
+        test_days=len(np.unique(days[filtered & out])),
+        holdout=pd.Series(out, record.index, name="holdout"),
+        record=record,
+    )
+
+
+def held_out(record, filtered, holdout, notes):
+    """Boolean array of the rows that the fit does not see."""
+    index = record.index
+    if holdout is not None:
+        if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
+            raise ValueError("holdout must be a boolean Series, True where held out")
+        if not holdout.index.equals(index):
+            raise ValueError("holdout and the record have different indexes")
+        out = holdout.to_numpy()
+    else:
+        weekend = np.asarray(index.day_of_week >= 5)
+        weeks = (record.dates + 3) // 7  # 1970-01-01 was a Thursday
+        two = len(np.unique(weeks[weekend & filtered])) >= 2
+        out = weekend if two else record.days % 2 == 1
+        if not (filtered & ~out).any():
+            out = np.zeros(len(index), dtype=bool)
+    if not (filtered & out).any():
+        notes.append("no daytime row is held out: test scores are NaN")
+    return out
+
+
+def needed(step, rows, parameters):
+    if rows <= parameters:
+        raise ValueError(
+            f"{step} needs more than {parameters} rows and has {rows}: training "
+            "rows with all four columns, more than 20 W/m², the module at 0 to 80 "
+            "°C, air at -20 to 60 °C and wind up to 25 m/s; use a longer record"
+        )
+
+
+def least_squares_stages(target, record, train, not_held_out):
+    """Model and coefficients after each step, and the last minimum."""
+    needed("least squares", int(train.sum()), len(target.parameters))
+    complete = np.isfinite(sum(record[name] for name in paper.COLUMNS))
+    steady = ThermalModel(target.law, "steady")
+    start = {name: row.start for name, row in target.parameters.items()}
+    stages = {}
+    for name, model, rows, biased in (
+        ("standard", steady, complete & not_held_out, False),
+        ("filter", steady, train, False),
+        ("ewm", target, train, False),
+        ("fem", target, train, True),
+    ):
+        minimum, start = minimise(model, record, rows, start, biased)
+        stages[name] = (model, natural(model, start)[0])
+    return stages, minimum
+
+
+def minimise(model, record, rows, start, biased):
+    """Least squares of one stage, over its parameters as the search sees them."""
+    # the bias is last, so leaving it out leaves the others where they are
+    names = list(model.parameters)[: None if biased else -1]
+    table = [model.parameters[name] for name in names]
+    measured_rows = record["temp_module"][rows]
+
+    def evaluate(x):
+        coefficients, chain = natural(model, {**start, **dict(zip(names, x))})
+        temperature, slopes = model.slopes(record.inputs, coefficients)
+        jacobian = np.stack([slopes[name][rows] for name in names], axis=1)
+        chain = chain[: len(names), : len(names)]
+        return measured_rows - temperature[rows], jacobian @ chain
+
+    minimum = gauss_newton(
+        evaluate,
+        [start[name] for name in names],
+        [row.lower for row in table],
+        [row.upper for row in table],
+    )
+    found = {**start, **dict(zip(names, minimum.x.tolist()))}
+    return minimum, found
+
+
+def natural(model, searched):
+    """Coefficients from what the search varies, and the slopes of that map."""
+    names = list(model.parameters)
+    values = {name: searched[name] for name in names}
+    chain = np.eye(len(names))
+    for i, (name, row) in enumerate(model.parameters.items()):
+        if row.share_of is not None:
+            whole = searched[row.share_of]
+            values[name] = searched[name] * whole
+            chain[i, i] = whole
+            chain[i, names.index(row.share_of)] = searched[name]
+    return {**values, **model.law.fixed}, chain
+
+
+def errors(target, record, train, coefficients, at_bound, notes):
+    """Standard errors by the day, NaN with a note where there are none."""
+    names = [name for name in target.parameters if name not in at_bound]
+    stderr = dict.fromkeys(target.parameters, np.nan)
+    if at_bound:
+        notes.append(
+            f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
+            "others hold it fixed"
+        )
+    days = record.days[train]
+    if len(np.unique(days)) < FEWEST_DAYS:
+        notes.append(
+            f"errors are NaN: the spread between days needs {FEWEST_DAYS} training "
+            f"days, and there are {len(np.unique(days))}"
+        )
+        return stderr
+    temperature, slopes = target.slopes(record.inputs, coefficients)
+    jacobian = np.stack([slopes[name][train] for name in names], axis=1)
+    size = np.sqrt((jacobian**2).sum(axis=0))
+    size[size == 0] = 1.0
+    values, vectors = np.linalg.eigh((jacobian / size).T @ (jacobian / size))
+    if not values[0] > UNKNOWN * values[-1]:
+        tied = [n for n, v in zip(names, np.abs(vectors[:, 0])) if v > 0.1]
+        notes.append(
+            f"errors are NaN: the record does not determine {' and '.join(tied)} "
+            "(does wind_speed vary?)"
+        )
+        return stderr
+    residual = record["temp_module"][train] - temperature[train]
+    covariance = day_errors(jacobian, residual, days)
+    return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}
+
+
+def paper_stages(target, record, train, not_held_out, calm_wind, notes):
+    """Model and coefficients after each step of the paper's recipe."""
+    frame = pd.DataFrame({n: record[n] for n in paper.COLUMNS}, record.index)
+    kept = frame[train]
+    rows = tuple(kept[name] for name in paper.COLUMNS)
+    everything = frame[not_held_out]
+    plain = paper.standard(
+        target.law.name, tuple(everything[name] for name in paper.COLUMNS)
+    )
+    filtered = paper.recipe(target.law.name, rows, calm_wind)
+    points = {name: estimate.points for name, estimate in filtered.items()}
+    steady = ThermalModel(target.law, "steady")
+    values = {n: e.value for n, e in filtered.items()} | target.law.fixed
+    memory = {}
+    if target.dynamics == "ewm":
+        k = paper.r_eq_max(*rows, calm_wind)
+        tau = paper.time_constant(*rows, k.value)
+        memory = {"tau": tau.value}
+        points["tau"] = tau.points
+        notes.append(
+            "tau is the paper's, from step changes; it runs backwards (see "
+            "paper.time_constant)"
+        )
+    counted = ", ".join(f"{name} {count}" for name, count in points.items())
+    notes.append(f"points used: {counted}")
+    without = {**values, **memory, "bias": 0.0}
+    bias = scores.mbe(
+        record["temp_module"][train], modelled_by(target, record, without)[train]
+    )
+    standard = {n: e.value for n, e in plain.items()} | target.law.fixed
+    return {
+        "standard": (steady, {**standard, "bias": 0.0}),
+        "filter": (steady, {**values, "bias": 0.0}),
+        "ewm": (target, without),
+        "fem": (target, {**without, "bias": bias}),
+    }
+
+
+def modelled_by(model, record, coefficients):
+    return model.slopes(record.inputs, coefficients)[0]
+
+
+def public(model, coefficients):
+    """Coefficients that unpack into the temperature function of the dynamics."""
+    names = list(model.parameters)
+    values = {name: float(coefficients[name]) for name in names}
+    if model.dynamics == "steady":
+        bias = values.pop("bias")
+        values = {**values, "tau": INSTANT, "bias": bias}
+    return values
+
+
+def score_table(record, modelled, train, test):
+    """RMSE, MAE and MBE of every stage on training and held-out rows."""
+    table = {}
+    for name, temperature in modelled.items():
+        table[name] = {
+            f"{score.__name__}_{part}": score(
+                record["temp_module"][rows], temperature[rows]
+            )
+            for part, rows in (("train", train), ("test", test))
+            for score in (scores.rmse, scores.mae, scores.mbe)
+        }
+    return pd.DataFrame.from_dict(table, orient="index")

@@ -1,0 +1,194 @@
+"""A dynamic cell temperature for ``pvlib.modelchain.ModelChain``."""
+
+import json
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.laws import LAWS
+from pvlib_fem.relaxation import ewm
+from pvlib_fem.temperature import TAU, fem_temperature, heat_balance
+
+WEATHER = ("poa_global", "temp_air", "wind_speed")
+#: what pvlib fills in, in silence, where weather lacks the column
+FILLED = {"wind_speed": (0.0, "m/s"), "temp_air": (20.0, "°C")}
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class DynamicCellTemperature:
+    """
+    Temperature model to pass to ``ModelChain(temperature_model=...)``.
+
+    It can be pickled, so it works in parallel runs.
+
+    Parameters
+    ----------
+    model : str or callable, default "wm1"
+        Steady model, as in :func:`pvlib_fem.fem_temperature`.
+    dynamics : str, default "ewm"
+        ``"ewm"`` or ``"steady"`` (which is ``"ewm"`` with a tau of an instant),
+        or ``"balance"`` for :func:`pvlib_fem.heat_balance`.
+    coefficients : dict, optional
+        Those of the model with ``tau`` or ``capacity`` and ``bias``. Without
+        them each array's ``temperature_model_parameters`` are taken, where
+        ``deltaT`` and ``k_bs_c`` may stand too.
+    deltaT : float, default 0
+        Cell minus back temperature at 1000 W/m², in the irradiance of the
+        moment, as in :func:`pvlib.temperature.sapm_cell`. [K]
+    k_bs_c : float, default 0
+        Back-to-cell resistance on smoothed irradiance [1]_. [K m²/W]
+    **drivers
+        Series by name, aligned on time with the run: ``poa_global``,
+        ``temp_air`` or ``wind_speed`` instead of the chain's, or further
+        arguments of a callable model, such as ``ir_down``.
+
+    Notes
+    -----
+    pvlib infers a *static* model from keys such as ``u0`` and ``u1`` in an
+    array's ``temperature_model_parameters`` when no ``temperature_model`` is
+    given.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eq. 35.
+       :doi:`10.22541/au.166922866.68736478`
+    """
+
+    model: object
+    dynamics: str
+    coefficients: dict | None
+    deltaT: float
+    k_bs_c: float
+    drivers: dict = field(repr=False)
+
+    def __init__(
+        self,
+        model="wm1",
+        dynamics="ewm",
+        coefficients=None,
+        deltaT=0.0,
+        k_bs_c=0.0,
+        **drivers,
+    ):
+        if dynamics not in ("steady", "ewm", "balance"):
+            raise ValueError(
+                f"unknown dynamics {dynamics!r}; they are steady, ewm, balance"
+            )
+        for name, series in drivers.items():
+            if not isinstance(getattr(series, "index", None), pd.DatetimeIndex):
+                raise ValueError(f"driver {name} must be a Series with a DatetimeIndex")
+            if name not in WEATHER and model in LAWS:
+                raise ValueError(
+                    f"{model} has no driver {name}; it has {', '.join(WEATHER)}"
+                )
+        values = dict(
+            model=model,
+            dynamics=dynamics,
+            coefficients=None if coefficients is None else dict(coefficients),
+            deltaT=deltaT,
+            k_bs_c=k_bs_c,
+            drivers=drivers,
+        )
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_json(cls, path, **options):
+        """
+        The model of a fit that ``FemFit.to_json`` or ``pvlib-fem fit`` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+        **options
+            ``deltaT``, ``k_bs_c`` and drivers.
+        """
+        with open(path, encoding="utf-8") as file:
+            fit = json.load(file)
+        return cls(fit["model"], fit["dynamics"], fit["coefficients"], **options)
+
+    def __call__(self, mc):
+        """Assign ``mc.results.cell_temperature``, as ModelChain expects."""
+        poa = irradiance(mc.results)
+        weather = mc.results.weather
+        one_for_all = not isinstance(weather, tuple)
+        cells = []
+        for i, (array, poa_global) in enumerate(zip(mc.system.arrays, poa)):
+            frame = weather if one_for_all else weather[i]
+            if i == 0 or not one_for_all:
+                self.warn_of_filled(frame)
+            cells.append(self.cell_temperature(poa_global, frame, array))
+        several = isinstance(mc.results.effective_irradiance, tuple)
+        mc.results.cell_temperature = tuple(cells) if several else cells[0]
+
+    def cell_temperature(self, poa_global, weather, array):
+        """Cell temperature of one array. [°C]"""
+        index = poa_global.index
+        own = {name: aligned(name, s, index) for name, s in self.drivers.items()}
+        poa_global = own.pop("poa_global", poa_global)
+        temp_air = own.pop("temp_air", weather["temp_air"])
+        wind_speed = own.pop("wind_speed", weather["wind_speed"])
+        coefficients = self.coefficients
+        delta, k_bs_c = self.deltaT, self.k_bs_c
+        if coefficients is None:
+            coefficients = dict(array.temperature_model_parameters)
+            if not callable(self.model):
+                delta = coefficients.pop("deltaT", delta)
+                coefficients.pop("irrad_ref", None)
+            k_bs_c = coefficients.pop("k_bs_c", k_bs_c)
+        function = heat_balance if self.dynamics == "balance" else fem_temperature
+        temperature = function(
+            poa_global, temp_air, wind_speed, model=self.model, **coefficients, **own
+        )
+        if delta:
+            temperature = temperature + poa_global / 1000.0 * delta
+        if k_bs_c:
+            smoothed = ewm(poa_global, coefficients.get("tau", TAU))
+            temperature = temperature + k_bs_c * smoothed
+        return temperature
+
+    def warn_of_filled(self, weather):
+        for name, (value, unit) in FILLED.items():
+            if name not in self.drivers and np.all(weather[name] == value):
+                warnings.warn(
+                    f"{name} is {value:g} {unit} throughout, which pvlib fills in "
+                    "where weather lacks it: the cell temperature is wrong unless "
+                    f"that is so; add {name} to weather, or pass it as "
+                    f"temperature_model({name}=...)",
+                    stacklevel=2,
+                )
+
+
+def irradiance(results):
+    """Plane-of-array irradiance of each array, or what pvlib takes instead."""
+    total, effective = results.total_irrad, results.effective_irradiance
+    if not isinstance(effective, tuple):
+        total, effective = (total,), (effective,)
+    elif not isinstance(total, tuple):
+        total = (total,) * len(effective)
+    return [
+        frame["poa_global"] if frame is not None and "poa_global" in frame else fallback
+        for frame, fallback in zip(total, effective)
+    ]
+
+
+def aligned(name, series, index):
+    """The rows of a driver at the times of the run."""
+    if (series.index.tz is None) != (index.tz is None):
+        raise ValueError(
+            f"driver {name} has times in zone {series.index.tz}, the run in "
+            f"{index.tz}; give both a zone or neither"
+        )
+    if series.index.has_duplicates:
+        at = series.index[series.index.duplicated()][0]
+        raise ValueError(f"driver {name} has the time {at} twice; keep one")
+    lacking = index.difference(series.index)
+    if len(lacking):
+        raise ValueError(
+            f"driver {name} lacks {len(lacking)} times of the run, first {lacking[0]}; "
+            "reindex or interpolate it"
+        )
+    return series.reindex(index)

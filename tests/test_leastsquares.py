@@ -1,0 +1,67 @@
+"""The search against a certified fit, scipy, and the jackknife it stands for."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from pvlib_fem.leastsquares import day_errors, gauss_newton
+
+# NIST StRD, Misra1a (nonlinear regression, lower difficulty), certified values
+MISRA_Y = [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05]
+MISRA_Y = np.array([*MISRA_Y, 61.01, 66.40, 75.47, 81.78])
+MISRA_X = [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3]
+MISRA_X = np.array([*MISRA_X, 536.8, 593.1, 689.1, 760.0])
+CERTIFIED = [2.3894212918e2, 5.5015643181e-4]
+CERTIFIED_SQUARES = 1.2455138894e-1
+
+
+def misra(b):
+    decay = np.exp(-b[1] * MISRA_X)
+    jacobian = np.column_stack([1 - decay, b[0] * MISRA_X * decay])
+    return MISRA_Y - b[0] * (1 - decay), jacobian
+
+
+@pytest.mark.parametrize("start", [(500, 1e-4), (250, 5e-4)])  # NIST's two starts
+def test_a_certified_fit(start):
+    found = gauss_newton(misra, start, [1, 1e-6], [1e4, 1e-1])
+    assert found.converged and not found.at_bound.any()
+    assert found.x == pytest.approx(CERTIFIED, rel=1e-6)
+    residual, _ = misra(found.x)
+    assert residual @ residual == pytest.approx(CERTIFIED_SQUARES, rel=1e-9)
+
+
+@pytest.mark.parametrize("upper", [(200, 1e-1), (1e4, 5e-4)])
+def test_a_bound_that_binds_is_scipys_too(upper):
+    lower = [1, 1e-6]
+    found = gauss_newton(misra, (100, 1e-4), lower, upper)
+    theirs = least_squares(
+        lambda b: -misra(b)[0],
+        (100, 1e-4),
+        lambda b: misra(b)[1],
+        (lower, upper),
+        x_scale=[100, 1e-4],
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-14,
+    )
+    assert found.x == pytest.approx(theirs.x, rel=1e-5)
+    assert found.at_bound.tolist() == np.isclose(found.x, upper).tolist()
+    assert found.at_bound.any()
+
+
+def test_too_few_steps_are_no_convergence():
+    assert not gauss_newton(misra, (500, 1e-4), [1, 1e-6], [1e4, 1e-1], 1).converged
+
+
+def test_day_errors_are_the_jackknife_over_days():
+    """For a linear model, leaving out each day in turn and solving again."""
+    random = np.random.default_rng(0)
+    days = np.repeat(np.arange(8), 30)
+    x = np.column_stack([np.ones(240), random.normal(size=240)])
+    y = x @ [1.0, 2.0] + np.repeat(random.normal(size=8), 30) + random.normal(size=240)
+    best = np.linalg.lstsq(x, y, rcond=None)[0]
+    without = np.array(
+        [np.linalg.lstsq(x[days != d], y[days != d], rcond=None)[0] for d in range(8)]
+    )
+    expected = 7 / 8 * (without - best).T @ (without - best)
+    np.testing.assert_allclose(day_errors(x, y - x @ best, days), expected, rtol=1e-9)
