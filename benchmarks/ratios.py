@@ -1,0 +1,85 @@
+"""Run the benchmarks once, in one process, and print them as ratios."""
+
+import os
+import resource
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from benchmarks import Ewm, FemTemperature, Fit, YearAtOneSecond
+
+
+def best(work, *arguments, repeat=5):
+    """Shortest of some runs. [s]"""
+    times = []
+    for _ in range(repeat):
+        start = time.perf_counter()
+        work(*arguments)
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def line(work, value, reach):
+    print(f"{work:<58}{value:>14}   {reach}")
+
+
+def main():
+    print(f"{os.cpu_count()} cores, best of 5 runs")
+    line("work", "measured", "reach")
+    for steps in Ewm.params:
+        bench = Ewm()
+        bench.setup(steps)
+        ours = best(bench.time_ewm, steps)
+        filtered = best(bench.time_lfilter, steps)
+        timed = best(bench.time_pandas_times, steps)
+        name = f"ewm, 10 M rows, {steps} steps"
+        line(f"{name}, against scipy lfilter", f"{ours / filtered:.2f} x", "<= 3 x")
+        line(f"{name}, against pandas times", f"1/{timed / ours:.1f}", "<= 1/5")
+    for record, reach in zip(FemTemperature.params, ("<= 1/5", "<= 1/1000")):
+        bench = FemTemperature()
+        bench.setup(record)
+        ours = best(bench.time_fem_temperature, record)
+        theirs = best(bench.time_prilliman, record, repeat=1)
+        line(
+            f"fem_temperature, {record}, against prilliman",
+            f"1/{theirs / ours:,.0f}",
+            reach,
+        )
+    for dynamics in Fit.params:
+        bench = Fit()
+        bench.setup(dynamics)
+        seconds = best(bench.time_fit_fem, dynamics)
+        line(f"fit_fem, year at 1 min, {dynamics}", f"{seconds:.2f} s", "<= 1 s")
+    bench = YearAtOneSecond()
+    bench.setup()
+    seconds = best(bench.time_fem_temperature, repeat=3)
+    line("fem_temperature, year at 1 s", f"{seconds:.2f} s", "<= 4 s")
+    if sys.platform == "linux":
+        line(
+            "its memory, against that of the input",
+            f"{memory_ratio(bench):.1f} x",
+            "<= 4 x",
+        )
+
+
+def memory_ratio(bench):
+    """Memory that the work adds at its peak, over that of its input."""
+    columns = sum(series.to_numpy().nbytes for series in bench.drivers)
+    held = columns + bench.drivers[0].index.nbytes
+    child = os.fork()
+    if child == 0:  # its own high-water mark, which starts where the input is
+        before = int(Path("/proc/self/statm").read_text().split()[1])
+        page = resource.getpagesize()
+        Path("/proc/self/clear_refs").write_text("5")
+        bench.time_fem_temperature()
+        status = Path("/proc/self/status").read_text()
+        peak = int(status.split("VmHWM:")[1].split()[0]) * 1024
+        Path("/tmp/pvlib_fem_peak").write_text(str(peak - before * page))
+        os._exit(0)
+    os.waitpid(child, 0)
+    return int(Path("/tmp/pvlib_fem_peak").read_text()) / held
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,38 @@
+"""The README's lines run as they stand, and print what it shows."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def test_its_lines_run_and_its_report_is_what_they_print(week, capsys):
+    names = {}
+    first, *others = blocks("python")
+    exec(first, names)
+    assert capsys.readouterr().out == blocks("text")[0]
+    scores = names["fit"].scores["rmse_test"].round(1)
+    sentence = f"leaves {scores['standard']} K (RMSE) on the two days that the fit "
+    assert f"{sentence}never saw, this one {scores['fem']} K." in README
+    for block in others:
+        exec(block, names)
+    assert names["modelled"].notna().all()
+    assert (names["cell"] > names["week"]["temp_air"] - 1).all()
+    assert names["energy"] > 5000
+
+
+def test_its_energies_are_those_of_the_script():
+    script = runpy.run_path(str(ROOT / "gallery" / "energy_of_a_year.py"))
+    shown = dict(re.findall(r"^(.+?\]) +(-?[\d.]+)$", blocks("text")[1], re.MULTILINE))
+    found = script["compare"]()
+    assert list(shown) == list(found)
+    for name, value in found.items():
+        assert float(shown[name]) == pytest.approx(value, abs=0.02), name
