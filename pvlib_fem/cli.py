@@ -1,5 +1,6 @@
 """The command ``pvlib-fem``: the one module that talks."""
 
+import textwrap
 from pathlib import Path
 
 import click
@@ -67,14 +68,22 @@ def fit_options(command):
     show_default=True,
     help="Format of the times, such as '%d/%m/%Y %H:%M'.",
 )
+@click.option("--sep", default=",", show_default=True, help="Between CSV columns.")
+@click.option("--decimal", default=".", show_default=True, help="In CSV numbers.")
+@click.option(
+    "--skip-rows",
+    metavar="N,N,…",
+    help="CSV lines to leave out, from 0: 0,2,3 for a TOA5 file.",
+)
 @fit_options
-def fit(file, renames, tz, time_format, **options):
+def fit(file, renames, tz, time_format, sep, decimal, skip_rows, **options):
     """Fit a CSV or Parquet FILE and print the report.
 
     The first column, or the one mapped to time, holds the times.
     """
     with one_line_errors():
-        run(read_file(file, columns_of(renames), tz, time_format), **options)
+        csv = {"sep": sep, "decimal": decimal, "skiprows": line_numbers(skip_rows)}
+        run(read_file(file, columns_of(renames), tz, time_format, **csv), **options)
 
 
 @main.command()
@@ -89,9 +98,10 @@ def demo(**options):
             data = datasets.load("sandia_week")
             click.echo(f"measured week: {data.attrs['source']}\n")
         except OSError as error:
+            reason = textwrap.shorten(str(error), 60, placeholder=" …")
             click.echo(
-                f"the measured week cannot be had ({str(error).splitlines()[0]:.80}), "
-                "so this is a made-up month\n"
+                f"the measured week cannot be had ({reason}), so this is a made-up "
+                "month\n"
             )
             data = datasets.synthetic(days=30)
         run(data, **options)
@@ -140,7 +150,16 @@ def columns_of(renames):
     return mapped
 
 
-def read_file(file, mapped, tz, time_format="ISO8601"):
+def line_numbers(text):
+    try:
+        return [int(number) for number in text.split(",")] if text else None
+    except ValueError as error:
+        raise click.BadParameter(
+            f"{text!r} are no line numbers", param_hint="--skip-rows"
+        ) from error
+
+
+def read_file(file, mapped, tz, time_format="ISO8601", **csv):
     """A logger file as a frame with a DatetimeIndex and the package's names."""
     if file.suffix.lower() in (".parquet", ".pq"):
         try:
@@ -150,7 +169,12 @@ def read_file(file, mapped, tz, time_format="ISO8601"):
                 "reading Parquet needs pyarrow: pip install pyarrow"
             ) from error
     else:
-        data = pd.read_csv(file)
+        data = pd.read_csv(file, **csv)
+        if data.shape[1] == 1:
+            raise ValueError(
+                f"{file.name} has the one column {data.columns[0]!r}; give --sep, such "
+                "as ';'"
+            )
     absent = [column for column in mapped.values() if column not in data]
     if absent:
         raise ValueError(

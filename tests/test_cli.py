@@ -102,6 +102,30 @@ def test_other_formats_of_time_are_given_and_not_guessed(frame, tmp_path):
     assert "2023-06-01 to 2023-06-08" in accepted.output
 
 
+def test_a_european_file(frame, tmp_path):
+    """Semicolons, decimal commas and a day first."""
+    path = tmp_path / "european.csv"
+    european = frame.set_axis(frame.index.strftime("%d.%m.%Y %H:%M"))
+    european.to_csv(path, sep=";", decimal=",")
+    assert "give --sep, such as ';'" in call("fit", path).output
+    format_ = ("--time-format", "%d.%m.%Y %H:%M")
+    result = call("fit", path, "--sep", ";", "--decimal", ",", *format_)
+    assert result.exit_code == 0, result.output
+    assert "2,304 rows, 2023-06-01 to 2023-06-08" in result.output
+
+
+def test_a_toa5_file(day):
+    """The logger's own file, with four lines of heading."""
+    file = datasets.fetch("MET_2015_11_11.dat")
+    columns = ("Global_Wm2_Avg", "Temp_C_Avg", "WS_ms_Mean", "Panel_Temp_C_Avg")
+    names = ("poa_global", "temp_air", "wind_speed", "temp_module")
+    maps = [f"--map={name}={column}" for name, column in zip(names, columns)]
+    toa5 = ("--skip-rows", "0,2,3", "--time-format", "%m/%d/%Y %H:%M")
+    result = call("fit", file, *toa5, *maps)
+    assert result.exit_code == 0, result.output
+    assert result.output.splitlines()[1].startswith("1,351 rows, 2015-11-11")
+
+
 @pytest.mark.parametrize(
     ("spoil", "arguments", "message"),
     [
@@ -140,6 +164,7 @@ def test_bad_data_end_with_one_line_and_exit_code_1(logger, spoil, arguments, me
         ("fit", __file__, "--model", "wm3"),
         ("fit", __file__, "--map", "poa_global"),
         ("fit", __file__, "--map", "rain=Irr"),
+        ("fit", __file__, "--skip-rows", "two"),
         ("forecast",),
     ],
 )
