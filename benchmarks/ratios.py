@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from benchmarks import Ewm, FemTemperature, Fit, YearAtOneSecond
+from benchmarks.speed import Ewm, FemTemperature, Fit, YearAtOneSecond
 
 
 def best(work, *arguments, repeat=5):
@@ -40,7 +40,7 @@ def main():
         bench = FemTemperature()
         bench.setup(record)
         ours = best(bench.time_fem_temperature, record)
-        theirs = best(bench.time_prilliman, record, repeat=1)
+        theirs = best(bench.time_prilliman, record, repeat=2)
         line(
             f"fem_temperature, {record}, against prilliman",
             f"1/{theirs / ours:,.0f}",
@@ -67,18 +67,18 @@ def memory_ratio(bench):
     """Memory that the work adds at its peak, over that of its input."""
     columns = sum(series.to_numpy().nbytes for series in bench.drivers)
     held = columns + bench.drivers[0].index.nbytes
+    reader, writer = os.pipe()
     child = os.fork()
     if child == 0:  # its own high-water mark, which starts where the input is
         before = int(Path("/proc/self/statm").read_text().split()[1])
-        page = resource.getpagesize()
         Path("/proc/self/clear_refs").write_text("5")
         bench.time_fem_temperature()
         status = Path("/proc/self/status").read_text()
         peak = int(status.split("VmHWM:")[1].split()[0]) * 1024
-        Path("/tmp/pvlib_fem_peak").write_text(str(peak - before * page))
+        os.write(writer, str(peak - before * resource.getpagesize()).encode())
         os._exit(0)
     os.waitpid(child, 0)
-    return int(Path("/tmp/pvlib_fem_peak").read_text()) / held
+    return int(os.read(reader, 100)) / held
 
 
 if __name__ == "__main__":

@@ -11,7 +11,9 @@ from scipy.linalg.blas import dtbsv
 
 from pvlib_fem.records import read
 
-BLOCK = 1 << 15  # rows solved at a time, so that all arrays stay in the cache
+# rows solved at a time: all arrays stay in the cache, and the matrix product below the
+# size at which BLAS starts threads, which cost more than they bring
+BLOCK = 1 << 14
 WIDE = 16  # rows that one matrix product answers, where all steps are even
 FORGOTTEN = 5.0  # time constants after which a gap has erased the past
 
@@ -168,13 +170,15 @@ def relax_even(target, decay, state):
     age = np.arange(WIDE)[None, :] - np.arange(WIDE)[:, None]
     weights = np.where(age >= 0, (1.0 - decay) * decay ** np.abs(age), 0.0)
     fading = decay ** np.arange(1, WIDE + 1)
+    past = np.empty((min(len(target), BLOCK) // WIDE, WIDE))
     for start in range(0, len(target), BLOCK):
         x, y = target[start : start + BLOCK], result[start : start + BLOCK]
         whole = len(x) // WIDE * WIDE
         wide = y[:whole].reshape(-1, WIDE)
         np.matmul(x[:whole].reshape(-1, WIDE), weights, out=wide)
         ends = respond(np.full(len(wide), fading[-1]), wide[:, -1].copy(), state)
-        wide += np.concatenate(([state], ends))[:-1, None] * fading
+        carried = np.concatenate(([state], ends))[:-1, None]
+        wide += np.multiply(carried, fading, out=past[: len(wide)])
         state = ends[-1] if whole else state
         rest = x[whole:] * (1.0 - decay)
         if len(rest):
