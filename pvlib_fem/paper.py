@@ -422,31 +422,36 @@ def time_constant(
     )
 
 
-def heat_capacities(tau_0, tau, r_eq_max, r_m) -> dict:
+def heat_capacities(tau, r_eq_max, r_m) -> dict:
     """
-    Heat capacities from time constants and resistances.
+    Heat capacities from time constants and resistances (Eqs. 16 and 17).
 
     As the paper's Table 3 has them: ``c_eq_max = tau_0/r_M`` and ``c_m =
-    tau/r_M``, whose difference is ``c_film``; its formula with exp(-WS/f) does
-    not give that table (Eqs. 16 and 17). ``c_eq_min`` is ``tau_0/r_eq,max``.
+    tau/r_M``, whose difference is ``c_film``; the formula of Eq. 17 with
+    exp(-WS/f) does not give that table. ``c_eq_min`` is ``tau_0/r_eq,max``.
 
     Parameters
     ----------
-    tau_0, tau : float
-        Time constant in calm air, and the chosen one. [s]
-    r_eq_max, r_m : float
-        [K m²/W]
+    tau : TimeConstant
+        From :func:`time_constant`. [s]
+    r_eq_max, r_m : Estimate
+        From :func:`r_eq_max` and :func:`r_m`. [K m²/W]
 
     Returns
     -------
-    dict
-        ``c_eq_min``, ``c_eq_max``, ``c_m``, ``c_film``. [J/(m² K)]
+    dict of Estimate
+        ``c_eq_min``, ``c_eq_max``, ``c_m``, ``c_film``; the points of each are
+        the fewest behind its parts. [J/(m² K)]
     """
+    parts = {
+        "c_eq_min": (tau.tau_0, r_eq_max),
+        "c_eq_max": (tau.tau_0, r_m),
+        "c_m": (tau.value, r_m),
+        "c_film": (tau.tau_0 - tau.value, r_m),
+    }
     return {
-        "c_eq_min": tau_0 / r_eq_max,
-        "c_eq_max": tau_0 / r_m,
-        "c_m": tau / r_m,
-        "c_film": (tau_0 - tau) / r_m,
+        name: Estimate(time / r.value, "J/(m² K)", min(tau.points, r.points))
+        for name, (time, r) in parts.items()
     }
 
 

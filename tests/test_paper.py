@@ -40,11 +40,18 @@ TABLE = {
 def test_the_heat_capacities_of_the_papers_table(site):
     """c_eq,max = tau_0/r_M and c_M = tau/r_M give every row, within its rounding."""
     r_max, r_m, c_max, c_m, c_film, tau_0, tau = TABLE[site]
-    found = paper.heat_capacities(tau_0, tau, r_max / 1e3, r_m / 1e3)
+    capacities = paper.heat_capacities(
+        paper.TimeConstant(tau, tau_0, f=np.inf, points=70, table=pd.DataFrame()),
+        paper.Estimate(r_max / 1e3, "K m²/W", points=50),
+        paper.Estimate(r_m / 1e3, "K m²/W", points=60),
+    )
+    assert capacities["c_eq_min"].points == 50 and capacities["c_m"].points == 60
+    found = {name: estimate.value / 1e3 for name, estimate in capacities.items()}
     slack = 0.05 / r_m + 0.5 / tau
-    assert found["c_eq_max"] / 1e3 == pytest.approx(c_max, abs=0.06 + slack * c_max)
-    assert found["c_m"] / 1e3 == pytest.approx(c_m, abs=0.06 + slack * c_m)
-    assert found["c_film"] / 1e3 == pytest.approx(c_film, abs=0.12 + slack * c_max)
+    assert found["c_eq_max"] == pytest.approx(c_max, abs=0.06 + slack * c_max)
+    assert found["c_m"] == pytest.approx(c_m, abs=0.06 + slack * c_m)
+    assert found["c_film"] == pytest.approx(c_film, abs=0.12 + slack * c_max)
+    assert found["c_eq_min"] == pytest.approx(tau_0 / r_max)
 
 
 def test_the_papers_formula_with_f_does_not_give_its_table():
