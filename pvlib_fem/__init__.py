@@ -1,6 +1,7 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
-from pvlib_fem import datasets, layers, paper, scores
+from pvlib_fem import datasets, effects, layers, paper, scores
+from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.fitting import fit_fem
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.relaxation import ewm
@@ -12,8 +13,12 @@ __version__ = "0.1.0"
 
 __all__ = [
     "DynamicCellTemperature",
+    "Effect",
     "FemFit",
+    "Parameter",
+    "Terms",
     "datasets",
+    "effects",
     "ewm",
     "fem_temperature",
     "fit_fem",

@@ -1,9 +1,12 @@
 """Fit the FEM coefficients to a measured record, with honest errors."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem import paper, scores
+from pvlib_fem.effects import find
 from pvlib_fem.leastsquares import day_errors, gauss_newton
 from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
 from pvlib_fem.records import measured
@@ -25,6 +28,8 @@ def fit_fem(
     holdout=None,
     calm_wind=0.5,
     check_units=True,
+    effects=(),
+    **drivers,
 ) -> FemFit:
     """
     Fit a steady model, made dynamic, to measured module temperature.
@@ -59,6 +64,14 @@ def fit_fem(
         Wind below which ``method="paper"`` takes the air as calm. [m/s]
     check_units : bool, default True
         Refuse columns that look to be in another unit.
+    effects : sequence of str or Effect, optional
+        Physical effects to fit beside the model, by name
+        (``pvlib_fem.effects.EFFECTS``) or of one's own. ``scores`` has a row for
+        each, in this order.
+    **drivers : Series
+        Further columns that the effects need, by name: ``wind_direction`` [°
+        from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
+        ``precipitation`` [mm/h].
 
     Returns
     -------
@@ -88,7 +101,8 @@ def fit_fem(
        thermal models at second-to-minute timescales", 2022, Eq. 28.
        :doi:`10.22541/au.166922866.68736478`
     """
-    target = thermal_model(model, dynamics)
+    target = thermal_model(model, dynamics, [find(name) for name in effects])
+    target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
     if method == "paper" and dynamics == "balance":
@@ -96,8 +110,15 @@ def fit_fem(
             "method='paper' has no heat balance; use dynamics='ewm', or "
             "method='least_squares'"
         )
-    record = measured(poa_global, temp_air, wind_speed, temp_module, check_units)
+    if method == "paper" and effects:
+        raise ValueError("method='paper' has no effects; use method='least_squares'")
+    record = measured(
+        poa_global, temp_air, wind_speed, temp_module, check_units, **drivers
+    )
+    record = replace(record, inputs=target.with_drivers(record.inputs))
     filtered = paper.daytime(*(record[name] for name in paper.COLUMNS))
+    for name in target.drivers:
+        filtered &= ~np.isnan(record[name])
     notes = []
     out = held_out(record, filtered, holdout, notes)
     train = filtered & ~out
@@ -111,19 +132,20 @@ def fit_fem(
         free = list(target.parameters)
         at_bound = tuple(np.array(free)[minimum.at_bound].tolist())
         converged = minimum.converged
-        stderr = errors(target, record, train, stages["fem"][1], at_bound, notes)
+        stderr = errors(target, record, train, last(stages)[1], at_bound, notes)
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
     modelled = {name: modelled_by(m, record, c) for name, (m, c) in stages.items()}
-    coefficients = public(target, stages["fem"][1])
+    coefficients = public(target, last(stages)[1])
     residual = pd.Series(
-        record["temp_module"] - modelled["fem"], record.index, name="residual"
+        record["temp_module"] - last(modelled), record.index, name="residual"
     )
     days = record.days
     return FemFit(
         model=model,
         dynamics=dynamics,
         method=method,
+        effects=target.effects,
         coefficients=coefficients,
         stderr={name: stderr.get(name, 0.0) for name in coefficients},
         scores=score_table(record, modelled, train, filtered & out),
@@ -173,13 +195,18 @@ def least_squares_stages(target, record, train, not_held_out):
     needed("least squares", int(train.sum()), len(target.parameters))
     complete = np.isfinite(sum(record[name] for name in paper.COLUMNS))
     steady = ThermalModel(target.law, "steady")
+    plain = ThermalModel(target.law, target.dynamics)
     start = {name: row.start for name, row in target.parameters.items()}
     stages = {}
     for name, model, rows, biased in (
         ("standard", steady, complete & not_held_out, False),
         ("filter", steady, train, False),
-        ("ewm", target, train, False),
-        ("fem", target, train, True),
+        ("ewm", plain, train, False),
+        ("fem", plain, train, True),
+        *(
+            (f"+ {added.name}", replace(plain, effects=target.effects[:i]), train, True)
+            for i, added in enumerate(target.effects, start=1)
+        ),
     ):
         minimum, start = minimise(model, record, rows, start, biased)
         stages[name] = (model, natural(model, start)[0])
@@ -293,6 +320,11 @@ def paper_stages(target, record, train, not_held_out, calm_wind, notes):
         "ewm": (target, without),
         "fem": (target, {**without, "bias": bias}),
     }
+
+
+def last(stages):
+    """What the last step came to."""
+    return list(stages.values())[-1]
 
 
 def modelled_by(model, record, coefficients):

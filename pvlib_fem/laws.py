@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.parameter import Parameter
+from pvlib_fem.effect import Parameter
 
 CLIP = 8.0  # m/s, where the paper clips the wind in WM2
 

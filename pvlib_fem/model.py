@@ -1,11 +1,13 @@
-"""A thermal model: a steady law and the dynamics that answers the heat balance."""
+"""A thermal model: a steady law, effects, and the dynamics that answers them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.effect import Parameter, Terms
 from pvlib_fem.laws import LAWS, Law, law
-from pvlib_fem.parameter import Parameter
+from pvlib_fem.records import read
 from pvlib_fem.relaxation import (
     across,
     before,
@@ -27,12 +29,13 @@ MEMORY = {
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ThermalModel:
-    """A steady law with one of three dynamics, and an offset of the sensor."""
+    """A law with one of three dynamics, an offset of the sensor, and effects."""
 
     law: Law
     dynamics: str
+    effects: tuple = ()
 
     def __post_init__(self):
         if self.dynamics not in MEMORY:
@@ -43,33 +46,90 @@ class ThermalModel:
     @property
     def parameters(self):
         """Rows of all fitted parameters, bias last."""
-        return {**self.law.parameters, **MEMORY[self.dynamics], "bias": BIAS}
+        rows = {**self.law.parameters, **MEMORY[self.dynamics]}
+        for effect in self.effects:
+            rows |= effect.rows()
+        return {**rows, "bias": BIAS}
 
-    def predict(self, poa_global, temp_air, wind_speed, coefficients):
-        """Module temperature through the public functions. [°C]"""
-        function = heat_balance if self.dynamics == "balance" else fem_temperature
-        return function(
-            poa_global, temp_air, wind_speed, model=self.law.name, **coefficients
-        )
+    @property
+    def drivers(self):
+        """Measured columns that the effects need beside the usual three."""
+        usual = ("poa_global", "temp_air", "wind_speed")
+        names = [name for effect in self.effects for name in effect.drivers]
+        return [name for name in needed_for(names) if name not in usual]
+
+    def with_drivers(self, inputs):
+        """The inputs with what is derived from them for the effects."""
+        names = [name for effect in self.effects for name in effect.drivers]
+        return replace(inputs, columns=completed(inputs.columns, names, inputs.seconds))
+
+    def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
+        """Module temperature. [°C]"""
+        self.check_drivers(drivers)
+        if not self.effects:
+            function = heat_balance if self.dynamics == "balance" else fem_temperature
+            return function(
+                poa_global, temp_air, wind_speed, model=self.law.name, **coefficients
+            )
+        columns = {
+            "poa_global": poa_global,
+            "temp_air": temp_air,
+            "wind_speed": wind_speed,
+            **drivers,
+        }
+        inputs = self.with_drivers(read(columns, purpose="a dynamic temperature"))
+        temperature, _ = self.slopes(inputs, {**self.law.fixed, **coefficients})
+        return inputs.restore(temperature)
+
+    def check_drivers(self, given):
+        """Refuse drivers that lack, or that nothing uses."""
+        if missing := [name for name in self.drivers if name not in given]:
+            using = [e.name for e in self.effects if set(missing) & needs(e)]
+            raise ValueError(
+                f"data lack {', '.join(missing)}, which {' and '.join(using)} needs; "
+                "add them or drop the effect"
+            )
+        if unused := [name for name in given if name not in self.drivers]:
+            raise ValueError(
+                f"no effect uses {', '.join(unused)}; the effects use "
+                f"{', '.join(self.drivers) or 'no further column'}"
+            )
 
     def slopes(self, inputs, coefficients):
         """
-        Module temperature and its exact slope by each parameter.
+        Module temperature and its slope by each parameter.
 
-        The slopes obey the recursion of the temperature itself, with another
+        Everything that is known adds to the four columns of the equation, and
+        so do the slopes of what is known: the dynamics answers both alike. The
+        slopes obey the recursion of the temperature itself, with another
         right-hand side, so each costs one more solve.
         """
-        coefficients = dict(coefficients)
-        bias = coefficients.pop("bias")
-        memory = [coefficients.pop(name) for name in MEMORY[self.dynamics]]
-        answer = {"steady": steady, "ewm": smoothed, "balance": balanced}
-        temperature, slopes = answer[self.dynamics](
-            self.law, inputs, *memory, coefficients
-        )
-        return temperature + bias, {**slopes, "bias": np.ones(len(temperature))}
+        added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
+        slopes = {"bias": Terms(offset=1.0)}
+        for effect in self.effects:
+            added = added.plus(effect.at(inputs.columns, coefficients))
+            slopes |= effect.slopes(inputs.columns, coefficients)
+        own = {n: coefficients[n] for n in (*self.law.parameters, *self.law.fixed)}
+        if self.dynamics == "steady":
+            temperature, slopes = steady(self.law, own, inputs, added, slopes)
+        elif self.dynamics == "ewm":
+            tau = coefficients["tau"]
+            temperature, slopes = smoothed(self.law, own, inputs, added, slopes, tau)
+        else:
+            added = added.plus(Terms(capacity=coefficients["capacity"]))
+            slopes["capacity"] = Terms(capacity=1.0)
+            temperature, slopes = balanced(self.law, own, inputs, added, slopes)
+        rows = len(temperature)
+        return temperature + added.offset, {
+            name: np.broadcast_to(slope, rows) for name, slope in slopes.items()
+        }
 
 
-def thermal_model(model, dynamics):
+def needs(effect):
+    return set(needed_for(effect.drivers))
+
+
+def thermal_model(model, dynamics, effects=()):
     """The thermal model of that name, which a fit can take."""
     if callable(model):
         raise ValueError(
@@ -77,69 +137,106 @@ def thermal_model(model, dynamics):
             f"callable: {', '.join(LAWS)}; translate() gives the coefficients of "
             "other models"
         )
-    return ThermalModel(law(model), dynamics)
+    return ThermalModel(law(model), dynamics, tuple(effects))
 
 
-def steady(law, inputs, coefficients):
-    """T = T_air + G·r_eq."""
-    poa, air, wind = columns(inputs)
-    slopes = law.slopes(wind, **coefficients)
-    by_law = {name: poa * slopes[name] for name in law.parameters}
-    return air + poa * law.resistance(wind, **coefficients), by_law
+def resistance(law, own, wind, loss):
+    """Resistance with further losses, its slopes, and its slope by those losses."""
+    r_law = law.resistance(wind, **own)
+    slopes = law.slopes(wind, **own)
+    if np.ndim(loss) == 0 and loss == 0.0:
+        return r_law, slopes, -(r_law**2)
+    # 1/(1/r + loss); where a loss would be negative there is no temperature
+    share = 1.0 / (1.0 + loss * r_law)
+    share = np.where(share > 0, share, np.nan)
+    r_eq = r_law * share
+    return r_eq, {n: s * share**2 for n, s in slopes.items()}, -(r_eq**2)
 
 
-def smoothed(law, inputs, tau, coefficients):
-    """The paper's form: the law on smoothed irradiance and wind."""
-    poa, air, wind = columns(inputs)
+def steady(law, own, inputs, added, slopes):
+    """T = T_air + heat·r_eq."""
+    r_eq, by_law, by_loss = resistance(law, own, inputs["wind_speed"], added.loss)
+    found = {name: added.heat * by_law[name] for name in law.parameters}
+    for name, slope in slopes.items():
+        found[name] = (
+            slope.heat * r_eq + added.heat * by_loss * slope.loss + slope.offset
+        )
+    return inputs["temp_air"] + added.heat * r_eq, found
+
+
+def smoothed(law, own, inputs, added, slopes, tau):
+    """The paper's form: the law on smoothed heat and wind."""
     tau = tau / inputs.unit
-    poa, poa_by_tau = relax_slope(poa, inputs.steps, tau)
-    wind, wind_by_tau = relax_slope(wind, inputs.steps, tau)
-    r_eq = law.resistance(wind, **coefficients)
-    slopes = law.slopes(wind, **coefficients)
-    by_law = {name: poa * slopes[name] for name in law.parameters}
-    by_tau = poa_by_tau * r_eq + poa * slopes["wind_speed"] * wind_by_tau
-    return air + poa * r_eq, {**by_law, "tau": by_tau / inputs.unit}
+
+    def smooth(column, whole=0.0):
+        """A column and its slope by tau; a part has the gaps of the whole."""
+        if np.ndim(column) == 0:
+            return column, 0.0
+        return relax_slope(column + 0.0 * whole, inputs.steps, tau)
+
+    heat, heat_by_tau = smooth(added.heat)
+    wind, wind_by_tau = smooth(inputs["wind_speed"])
+    loss, loss_by_tau = smooth(added.loss)
+    r_eq, by_law, by_loss = resistance(law, own, wind, loss)
+    found = {name: heat * by_law[name] for name in law.parameters}
+    r_by_tau = by_law["wind_speed"] * wind_by_tau + by_loss * loss_by_tau
+    found["tau"] = (heat_by_tau * r_eq + heat * r_by_tau) / inputs.unit
+    for name, slope in slopes.items():
+        found[name] = (
+            smooth(slope.heat, added.heat)[0] * r_eq
+            + heat * by_loss * smooth(slope.loss, added.loss)[0]
+            + slope.offset
+        )
+    return inputs["temp_air"] + heat * r_eq, found
 
 
-def balanced(law, inputs, capacity, coefficients):
+def balanced(law, own, inputs, added, slopes):
     """The exact heat balance, whose time constant is capacity·r_eq."""
-    poa, air, wind = columns(inputs)
-    valid = np.flatnonzero(~np.isnan(poa + air + wind))
-    steps = inputs.steps
-    if len(valid) < len(poa):
+    r_eq, by_law, by_loss = resistance(law, own, inputs["wind_speed"], added.loss)
+    target = inputs["temp_air"] + added.heat * r_eq
+    tau = added.capacity / inputs.unit * r_eq
+    valid = np.flatnonzero(~np.isnan(target))
+    rows, steps = len(target), inputs.steps
+    if len(valid) < rows:
         steps = across(steps, valid)
-        poa, air, wind = poa[valid], air[valid], wind[valid]
-    capacity = capacity / inputs.unit
-    r_eq = law.resistance(wind, **coefficients)
-    r_slopes = law.slopes(wind, **coefficients)
-    tau = capacity * r_eq
-    target = air + poa * r_eq
+
+    def there(column):
+        """The valid rows of a column, or the number that serves all."""
+        return column if np.ndim(column) == 0 or len(valid) == rows else column[valid]
+
+    def spread(column):
+        if len(valid) == rows:
+            return column
+        result = np.full(rows, np.nan)
+        result[valid] = column
+        return result
+
+    target, tau, r_eq = there(target), there(tau), there(r_eq)
     decay = decays(steps, tau, len(target))
     temperature = respond(decay, (1.0 - decay) * target)
-
-    rise = (1.0 - decay) * poa
+    rise = 1.0 - decay
     # slope of the decay by ln(tau), times what of the past is left to decay
     fading = (before(temperature) - target) * decay * (steps / tau)
-    relative = fading / r_eq
-    slopes = {
-        name: respond(decay, (rise + relative) * r_slopes[name])
+    by_r = rise * there(added.heat) + fading / r_eq  # what r_eq moves, in all
+
+    found = {
+        name: spread(respond(decay, by_r * there(by_law[name])))
         for name in law.parameters
     }
-    slopes["capacity"] = respond(decay, fading) / (capacity * inputs.unit)
-    return spread(temperature, valid, inputs), {
-        name: spread(slope, valid, inputs) for name, slope in slopes.items()
-    }
+    for name, slope in slopes.items():
+        found[name] = slope.offset
+        source = 0.0
+        if is_there(slope.heat):
+            source = source + rise * r_eq * there(slope.heat)
+        if is_there(slope.loss):
+            source = source + by_r * there(by_loss) * there(slope.loss)
+        if is_there(slope.capacity):
+            source = source + fading * there(slope.capacity / added.capacity)
+        if np.ndim(source):
+            found[name] = found[name] + spread(respond(decay, source))
+    return spread(temperature), found
 
 
-def columns(inputs):
-    return inputs["poa_global"], inputs["temp_air"], inputs["wind_speed"]
-
-
-def spread(values, valid, inputs):
-    """Values of the valid rows on all rows, NaN elsewhere."""
-    rows = len(inputs.index)
-    if len(valid) == rows:
-        return values
-    result = np.full(rows, np.nan)
-    result[valid] = values
-    return result
+def is_there(column):
+    """Whether a column of terms is more than the number 0."""
+    return np.ndim(column) > 0 or column != 0.0

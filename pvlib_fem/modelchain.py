@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.laws import LAWS
+from pvlib_fem.effects import find
+from pvlib_fem.model import thermal_model
 from pvlib_fem.relaxation import ewm
-from pvlib_fem.temperature import TAU, fem_temperature, heat_balance
+from pvlib_fem.temperature import TAU, fem_temperature
 
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 #: what pvlib fills in, in silence, where weather lacks the column
@@ -39,10 +40,12 @@ class DynamicCellTemperature:
         moment, as in :func:`pvlib.temperature.sapm_cell`. [K]
     k_bs_c : float, default 0
         Back-to-cell resistance on smoothed irradiance [1]_. [K m²/W]
+    effects : sequence of str or Effect, optional
+        Physical effects whose coefficients are among ``coefficients``.
     **drivers
         Series by name, aligned on time with the run: ``poa_global``,
-        ``temp_air`` or ``wind_speed`` instead of the chain's, or further
-        arguments of a callable model, such as ``ir_down``.
+        ``temp_air`` or ``wind_speed`` instead of the chain's, those of the
+        effects, or further arguments of a callable model, such as ``ir_down``.
 
     Notes
     -----
@@ -62,6 +65,7 @@ class DynamicCellTemperature:
     coefficients: dict | None
     deltaT: float
     k_bs_c: float
+    effects: tuple
     drivers: dict = field(repr=False)
 
     def __init__(
@@ -71,25 +75,27 @@ class DynamicCellTemperature:
         coefficients=None,
         deltaT=0.0,
         k_bs_c=0.0,
+        effects=(),
         **drivers,
     ):
-        if dynamics not in ("steady", "ewm", "balance"):
-            raise ValueError(
-                f"unknown dynamics {dynamics!r}; they are steady, ewm, balance"
-            )
+        if callable(model) and dynamics == "balance":
+            raise ValueError("a callable model has no heat balance; use dynamics='ewm'")
         for name, series in drivers.items():
             if not isinstance(getattr(series, "index", None), pd.DatetimeIndex):
                 raise ValueError(f"driver {name} must be a Series with a DatetimeIndex")
-            if name not in WEATHER and model in LAWS:
-                raise ValueError(
-                    f"{model} has no driver {name}; it has {', '.join(WEATHER)}"
-                )
+        if not callable(model):
+            wanted = thermal_model(model, dynamics, map(find, effects))
+            effects = wanted.effects
+            wanted.check_drivers([n for n in drivers if n not in WEATHER])
+        elif effects:
+            raise ValueError("a callable model takes no effects; give a law's name")
         values = dict(
             model=model,
             dynamics=dynamics,
             coefficients=None if coefficients is None else dict(coefficients),
             deltaT=deltaT,
             k_bs_c=k_bs_c,
+            effects=tuple(effects),
             drivers=drivers,
         )
         for name, value in values.items():
@@ -108,7 +114,13 @@ class DynamicCellTemperature:
         """
         with open(path, encoding="utf-8") as file:
             fit = json.load(file)
-        return cls(fit["model"], fit["dynamics"], fit["coefficients"], **options)
+        return cls(
+            fit["model"],
+            fit["dynamics"],
+            fit["coefficients"],
+            effects=fit["effects"],
+            **options,
+        )
 
     def __call__(self, mc):
         """Assign ``mc.results.cell_temperature``, as ModelChain expects."""
@@ -139,10 +151,20 @@ class DynamicCellTemperature:
                 delta = coefficients.pop("deltaT", delta)
                 coefficients.pop("irrad_ref", None)
             k_bs_c = coefficients.pop("k_bs_c", k_bs_c)
-        function = heat_balance if self.dynamics == "balance" else fem_temperature
-        temperature = function(
-            poa_global, temp_air, wind_speed, model=self.model, **coefficients, **own
-        )
+        if callable(self.model):
+            temperature = fem_temperature(
+                poa_global,
+                temp_air,
+                wind_speed,
+                model=self.model,
+                **coefficients,
+                **own,
+            )
+        else:
+            model = thermal_model(self.model, self.dynamics, self.effects)
+            temperature = model.predict(
+                poa_global, temp_air, wind_speed, coefficients, **own
+            )
         if delta:
             temperature = temperature + poa_global / 1000.0 * delta
         if k_bs_c:

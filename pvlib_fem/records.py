@@ -30,6 +30,13 @@ class Inputs:
     def __getitem__(self, name):
         return self.columns[name]
 
+    @property
+    def seconds(self):
+        """Time of each row since the first. [s]"""
+        steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
+        steps[0] = 0.0
+        return np.cumsum(steps) * self.unit
+
     def restore(self, values, name=None):
         """Give values back in the form the input came in."""
         return pd.Series(values, self.index, name=name) if self.is_series else values
@@ -287,9 +294,11 @@ def at_time(index, row):
     return f"{index[row]} (row {row})" if len(index) > row else f"row {row}"
 
 
-def measured(poa_global, temp_air, wind_speed, temp_module, check_units=True):
+def measured(
+    poa_global, temp_air, wind_speed, temp_module, check_units=True, **drivers
+):
     """
-    Check a measured record for a fit.
+    Check a measured record for a fit, with further drivers of effects.
 
     Impossible values become NaN and are counted, negative irradiance is
     clipped to 0 and counted; nothing else is changed.
@@ -305,6 +314,7 @@ def measured(poa_global, temp_air, wind_speed, temp_module, check_units=True):
         "temp_air": temp_air,
         "wind_speed": wind_speed,
         "temp_module": temp_module,
+        **drivers,
     }
     for name, column in columns.items():
         if not isinstance(column, pd.Series):
@@ -326,7 +336,7 @@ def measured(poa_global, temp_air, wind_speed, temp_module, check_units=True):
             )
     if check_units:
         refuse_units(inputs)
-    usable, impossible = {}, {}
+    usable, impossible = {name: inputs[name] for name in drivers}, {}
     for name, (low, high, unit) in POSSIBLE.items():
         values = inputs[name]
         outside = (values < low) | (values > high)

@@ -26,6 +26,8 @@ class FemFit:
     ----------
     model, dynamics, method : str
         As given to :func:`fit_fem`.
+    effects : tuple of Effect
+        Physical effects that were fitted beside the model.
     coefficients : dict
         Those of the model, ``tau`` [s] or ``capacity`` [J/(m² K)], and ``bias``
         [K].
@@ -35,7 +37,8 @@ class FemFit:
     scores : DataFrame
         What each step bought, in K on daytime rows: ``standard`` (steady,
         fitted to all rows), ``filter`` (steady, fitted to the filtered rows),
-        ``ewm`` (with the dynamics) and ``fem`` (with the bias: this fit).
+        ``ewm`` (with the dynamics) and ``fem`` (with the bias), then a row for
+        each effect; the last row is this fit.
     residual : Series
         Measured minus modelled temperature on all rows. [K]
     at_bound : tuple of str
@@ -55,6 +58,7 @@ class FemFit:
     model: str
     dynamics: str
     method: str
+    effects: tuple
     coefficients: dict
     stderr: dict
     scores: pd.DataFrame
@@ -67,7 +71,7 @@ class FemFit:
     holdout: pd.Series = field(repr=False)
     record: Record = field(repr=False)
 
-    def predict(self, poa_global, temp_air, wind_speed):
+    def predict(self, poa_global, temp_air, wind_speed, **drivers):
         """
         Module temperature with these coefficients.
 
@@ -75,14 +79,17 @@ class FemFit:
         ----------
         poa_global, temp_air, wind_speed : Series
             [W/m²], [°C], [m/s]
+        **drivers : Series
+            Those of the effects.
 
         Returns
         -------
         Series
             [°C]
         """
-        return thermal_model(self.model, self.dynamics).predict(
-            poa_global, temp_air, wind_speed, self.coefficients
+        model = thermal_model(self.model, self.dynamics, self.effects)
+        return model.predict(
+            poa_global, temp_air, wind_speed, self.coefficients, **drivers
         )
 
     def confidence_interval(self, level=0.95):
@@ -119,7 +126,11 @@ class FemFit:
         DynamicCellTemperature
         """
         return DynamicCellTemperature(
-            self.model, self.dynamics, self.coefficients, **options
+            self.model,
+            self.dynamics,
+            self.coefficients,
+            effects=self.effects,
+            **options,
         )
 
     def plot(self, ax=None):
@@ -153,6 +164,7 @@ class FemFit:
             "model": self.model,
             "dynamics": self.dynamics,
             "method": self.method,
+            "effects": [effect.name for effect in self.effects],
             "coefficients": self.coefficients,
             "stderr": self.stderr,
             "scores": self.scores.to_dict(orient="index"),
@@ -194,28 +206,31 @@ def report(fit):
     record = fit.record
     index = record.index
     step = float(np.median(np.diff(instants(index)) / np.timedelta64(1, "s")))
-    yield f"pvlib_fem: {fit.model}, {fit.dynamics}, {fit.method}"
+    added = "".join(f" + {effect.name}" for effect in fit.effects)
+    yield f"pvlib_fem: {fit.model}{added}, {fit.dynamics}, {fit.method}"
     yield (
         f"{len(index):,} rows, {index[0]:%Y-%m-%d} to {index[-1]:%Y-%m-%d}, "
         f"step {step:g} s; {fit.train_days} days fitted, {fit.test_days} held out"
     )
     yield ""
-    yield f"{'coefficient':<12}{'value':>12}{'± error':>12}   unit"
-    rows = thermal_model(fit.model, fit.dynamics).parameters
+    rows = thermal_model(fit.model, fit.dynamics, fit.effects).parameters
+    wide = max(12, *(len(name) + 1 for name in (*rows, *fit.scores.index)))
+    yield f"{'coefficient':<{wide}}{'value':>12}{'± error':>12}   unit"
     for name, row in rows.items():
         value, error = fit.coefficients[name], fit.stderr[name]
         bound = "   at its bound" if name in fit.at_bound else ""
         error = f"{float(f'{error:.2g}'):g}"  # two digits, and never 2e+03
-        yield f"{name:<12}{value:>12.5g}{error:>12}   {row.unit}{bound}"
+        yield f"{name:<{wide}}{value:>12.5g}{error:>12}   {row.unit}{bound}"
     yield ""
     yield "what each step bought, daytime [K]"
-    yield f"{'':<10}{'fitted days':^24}  {'held-out days':^24}".rstrip()
-    yield f"{'step':<10}" + "  ".join(
+    wide = wide if fit.effects else 10
+    yield f"{'':<{wide}}{'fitted days':^24}  {'held-out days':^24}".rstrip()
+    yield f"{'step':<{wide}}" + "  ".join(
         "".join(f"{score:>8}" for score in ("RMSE", "MAE", "MBE")) for _ in range(2)
     )
     for name, line in fit.scores.iterrows():
         cells = [f"{value:>8.2f}" for value in line]
-        yield f"{name:<10}{''.join(cells[:3])}  {''.join(cells[3:])}"
+        yield f"{name:<{wide}}{''.join(cells[:3])}  {''.join(cells[3:])}"
     yield ""
     for what, counts in (
         ("missing", record.missing),

@@ -3,19 +3,23 @@
 import ast
 from pathlib import Path
 
+import pytest
+
 import pvlib_fem
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 FLOORS = {
-    0: {"records", "parameter", "leastsquares", "layers"},
+    0: {"records", "effect", "leastsquares", "layers"},
     1: {"relaxation", "laws", "scores"},
-    2: {"temperature", "translate", "paper"},
-    3: {"model", "modelchain", "plotting", "datasets"},
-    4: {"result"},
-    5: {"fitting"},
+    2: {"temperature", "translate", "paper", "drivers"},
+    3: {"effects", "model", "plotting", "datasets"},
+    4: {"modelchain"},
+    5: {"result"},
+    6: {"fitting"},
     7: {"cli"},
 }
 FLOOR = {name: floor for floor, names in FLOORS.items() for name in names}
+FILES = [path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py"]
 
 
 def imports(path):
@@ -26,18 +30,31 @@ def imports(path):
             yield from ((node.module, f"{node.module}.{a.name}") for a in node.names)
 
 
-def test_imports_go_down_only():
-    for path in PACKAGE.glob("*.py"):
-        if path.stem == "__init__":
+def own_imports(path):
+    """Names below ``pvlib_fem`` that a file imports."""
+    for module, name in imports(path):
+        if module.split(".")[0] == "pvlib_fem" and name != "pvlib_fem.__version__":
+            yield (name if module == "pvlib_fem" else module).removeprefix("pvlib_fem.")
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_go_down_only(path):
+    is_registry = path.name == "__init__.py"
+    # an effect stands on the floors below its registry's, beside no other
+    floor = FLOOR[path.stem if path.parent == PACKAGE else "effects"]
+    for name in own_imports(path):
+        if is_registry and name.startswith("effects."):
             continue
-        for module, name in imports(path):
-            if module.split(".")[0] == "pvlib_fem" and name != "pvlib_fem.__version__":
-                below = (name if module == "pvlib_fem" else module).split(".")[1]
-                assert FLOOR[below] < FLOOR[path.stem], f"{path.stem} imports {below}"
+        assert FLOOR[name.split(".")[0]] < floor, f"{path.name} imports {name}"
+
+
+def test_every_effect_has_its_line_in_the_registry():
+    files = {path.stem for path in (PACKAGE / "effects").glob("*.py")} - {"__init__"}
+    assert files == set(pvlib_fem.effects.EFFECTS)
 
 
 def test_matplotlib_click_and_pooch_have_one_place_each():
     places = {"matplotlib": "plotting", "click": "cli", "pooch": "datasets"}
-    for path in PACKAGE.glob("*.py"):
+    for path in FILES:
         for module, _ in imports(path):
             assert places.get(module.split(".")[0], path.stem) == path.stem

@@ -250,7 +250,9 @@ def test_a_driver_must_cover_the_run(weather):
 
 
 def test_an_unknown_driver_or_dynamics_is_refused(weather):
-    with pytest.raises(ValueError, match="wm1 has no driver rain; it has poa_global"):
+    with pytest.raises(
+        ValueError, match="no effect uses rain; the effects use no further"
+    ):
         fem.DynamicCellTemperature("wm1", rain=weather["ghi"])
     with pytest.raises(ValueError, match="driver wind_speed must be a Series"):
         fem.DynamicCellTemperature("wm1", wind_speed=3.0)

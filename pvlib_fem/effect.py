@@ -1,0 +1,99 @@
+"""What a physical effect adds to the one equation, and the rows of its parameters."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """
+    One row of a parameter table.
+
+    ``share_of`` names another parameter of which start and bounds are shares:
+    the fit then runs over that share, so that a bound which moves with the
+    other parameter stays a plain bound.
+    """
+
+    start: float
+    lower: float
+    upper: float
+    unit: str
+    share_of: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """
+    What something adds to the four columns of the equation.
+
+    ``capacity · dT/dt = heat − loss · (T − T_air)``, ``measured = T + offset``.
+    """
+
+    heat: np.ndarray | float = 0.0  # [W/m²]
+    loss: np.ndarray | float = 0.0  # [W/(m² K)]
+    capacity: np.ndarray | float = 0.0  # [J/(m² K)]
+    offset: np.ndarray | float = 0.0  # [K]
+
+    def plus(self, other, times=1.0):
+        """The sum with another, ``times`` over."""
+        return Terms(
+            *(
+                getattr(self, column.name) + times * getattr(other, column.name)
+                for column in fields(Terms)
+            )
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """
+    A physical effect: a function and a table.
+
+    Parameters
+    ----------
+    name : str
+    terms : callable
+        Drivers by position, fitted parameters after the star, to
+        :class:`Terms`. With all parameters at their start it adds nothing.
+    parameters : dict of Parameter
+    """
+
+    name: str
+    terms: Callable
+    parameters: Mapping[str, Parameter]
+
+    @property
+    def drivers(self):
+        """Names of the columns that it needs."""
+        signature = inspect.signature(self.terms).parameters.values()
+        return tuple(p.name for p in signature if p.kind is not p.KEYWORD_ONLY)
+
+    def rows(self):
+        """Parameter rows by the name that they have in a model."""
+        return {f"{self.name}.{name}": row for name, row in self.parameters.items()}
+
+    def at(self, columns, coefficients):
+        """Terms with these coefficients of a model."""
+        drivers = {name: columns[name] for name in self.drivers}
+        own = {name: coefficients[f"{self.name}.{name}"] for name in self.parameters}
+        return self.terms(**drivers, **own)
+
+    def slopes(self, columns, coefficients):
+        """
+        Slope of the terms by each parameter, by central differences.
+
+        Most effects are linear in their parameters, for which this is exact.
+        """
+        slopes = {}
+        for name, row in self.rows().items():
+            step = 1e-4 * (row.upper - row.lower)
+            up, down = (
+                self.at(columns, {**coefficients, name: coefficients[name] + change})
+                for change in (step, -step)
+            )
+            difference = up.plus(down, -1.0)
+            slopes[name] = Terms().plus(difference, 0.5 / step)
+        return slopes

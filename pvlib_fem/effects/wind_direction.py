@@ -1,0 +1,33 @@
+"""Cooling that depends on where the wind comes from."""
+
+import numpy as np
+
+from pvlib_fem.effect import Effect, Parameter, Terms
+
+
+def terms(wind_speed, wind_direction, *, north, east):
+    """
+    Loss that depends on where the wind comes from [1]_.
+
+    The air on the windward face is renewed faster than on the leeward one, and
+    rows or walls shelter some directions. One harmonic: ``north`` is what wind
+    from the north adds to the loss for each m/s, ``east`` from the east.
+
+    References
+    ----------
+    .. [1] U.S. Department of Energy, "EnergyPlus Engineering Reference", outside
+       surface heat balance: MoWiTT, windward 3.26 v^0.89 and leeward 3.55
+       v^0.617 W/(m² K).
+    """
+    angle = np.radians(wind_direction)
+    return Terms(loss=wind_speed * (north * np.cos(angle) + east * np.sin(angle)))
+
+
+EFFECT = Effect(
+    "wind_direction",
+    terms,
+    {
+        "north": Parameter(0.0, -10.0, 10.0, "W s/(m³ K)"),
+        "east": Parameter(0.0, -10.0, 10.0, "W s/(m³ K)"),
+    },
+)

@@ -1,0 +1,359 @@
+"""Effects: what they add, and that a fit finds what was planted."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pvlib
+import pytest
+from conftest import COLUMNS, DRIVERS
+
+import pvlib_fem as fem
+from pvlib_fem import datasets, drivers
+from pvlib_fem.effects import EFFECTS, find
+from pvlib_fem.laws import LAWS
+from pvlib_fem.model import ThermalModel
+from pvlib_fem.records import read
+
+#: planted coefficients, of the size that is found outdoors
+PLANTED = {
+    "sky_radiation": {"share": 1.0},
+    "electrical_output": {"share": 1.33},
+    "wind_direction": {"north": -0.9, "east": 0.4},
+    "rain": {"film": 25.0},
+    "soiling": {"per_day": 0.003},
+    "sensitivity_drift": {"per_year": 0.03},
+}
+BASE = {"u0": 25.0, "u1": 6.84, "bias": -1.0}
+dynamics_ = pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])
+effects_ = pytest.mark.parametrize("name", EFFECTS)
+
+
+@pytest.fixture(scope="module")
+def plant():
+    """Sixty days at 5 min with every column that an effect needs."""
+    data = datasets.synthetic(60, 300, seed=7, noise=0).tz_localize(None)
+    random = np.random.default_rng(1)
+    rows = len(data)
+
+    def wandering(memory):
+        kicks = random.normal(size=rows) * np.sqrt(2 * memory)
+        return fem.ewm(kicks, 300.0 * memory, step=300)
+
+    data["wind_direction"] = (220 + 90 * wandering(200)) % 360
+    data["longwave_down"] = 330 + 30 * wandering(150)
+    curtailed = np.repeat(random.uniform(size=rows // 12) < 0.2, 12)
+    data["p_dc"] = 0.18 * data["poa_global"] * np.where(curtailed, 0.2, 1.0)
+    data["precipitation"] = np.where(wandering(20) > 1.6, 3.0, 0.0)
+    return data
+
+
+def model_with(dynamics, *names):
+    return ThermalModel(LAWS["faiman"], dynamics, tuple(find(name) for name in names))
+
+
+def coefficients(dynamics, *names, **planted):
+    values = dict(BASE)
+    values |= {"ewm": {"tau": 500.0}, "balance": {"capacity": 17e3}}.get(dynamics, {})
+    for name in names:
+        own = planted.get(name, PLANTED[name])
+        values |= {f"{name}.{key}": value for key, value in own.items()}
+    return values
+
+
+def columns(data, model):
+    return {name: data[name] for name in model.drivers}
+
+
+def predicted(data, model, values):
+    usual = (data[name] for name in DRIVERS)
+    return model.predict(*usual, values, **columns(data, model))
+
+
+@dynamics_
+@effects_
+def test_at_its_start_an_effect_adds_nothing(plant, name, dynamics):
+    model = model_with(dynamics, name)
+    start = {key: row.start for key, row in find(name).parameters.items()}
+    values = coefficients(dynamics, name, **{name: start})
+    without = coefficients(dynamics)
+    if dynamics == "steady":
+        without["tau"] = 1e-9
+    np.testing.assert_allclose(
+        predicted(plant, model, values),
+        predicted(plant, model_with(dynamics), without),
+        rtol=1e-12,
+    )
+
+
+@dynamics_
+def test_the_jacobian_with_all_effects_is_exact(plant, dynamics):
+    hours = plant.iloc[:2000].drop(plant.index[900:930]).copy()
+    hours.iloc[500:505, hours.columns.get_loc("wind_direction")] = np.nan
+    hours.iloc[700:703, hours.columns.get_loc("poa_global")] = np.nan
+    model = model_with(dynamics, *EFFECTS)
+    values = coefficients(dynamics, *EFFECTS)
+    inputs = {**{n: hours[n] for n in DRIVERS}, **columns(hours, model)}
+    inputs = model.with_drivers(read(inputs))
+    temperature, slopes = model.slopes(inputs, values)
+    missing = hours[[*DRIVERS, *model.drivers]].isna().any(axis=1)
+    assert (np.isnan(temperature) == missing).all()
+    assert set(slopes) == set(model.parameters)
+    for name, row in model.parameters.items():
+        step = 1e-6 * (abs(values[name]) + 1e-3 * (row.upper - row.lower))
+        up, down = (
+            model.slopes(inputs, {**values, name: values[name] + change})[0]
+            for change in (step, -step)
+        )
+        numeric = ((up - down) / (2 * step))[~missing]
+        largest = np.abs(numeric).max()
+        np.testing.assert_allclose(
+            slopes[name][~missing], numeric, atol=2e-6 * largest, err_msg=name
+        )
+
+
+@pytest.mark.parametrize("dynamics", ["ewm", "balance"])
+@effects_
+def test_a_planted_effect_is_found(plant, noise, name, dynamics):
+    """With 0.2 K of noise: within four of its errors, and better on held-out days."""
+    model = model_with(dynamics, name)
+    values = coefficients(dynamics, name)
+    module = predicted(plant, model, values) + noise(len(plant), 0.2)
+    fit = fem.fit_fem(
+        *(plant[n] for n in DRIVERS),
+        module,
+        model="faiman",
+        dynamics=dynamics,
+        effects=[name],
+        **columns(plant, model),
+    )
+    assert fit.converged
+    for key in find(name).rows():
+        error = fit.stderr[key]
+        assert abs(fit.coefficients[key] - values[key]) < 4 * error
+        assert error < 0.35 * abs(values[key])
+    rmse = fit.scores["rmse_test"]
+    assert list(fit.scores.index)[-2:] == ["fem", f"+ {name}"]
+    assert rmse[f"+ {name}"] < rmse["fem"]
+    assert rmse[f"+ {name}"] == pytest.approx(0.2, abs=0.01)
+    again = fit.predict(*(plant[n] for n in DRIVERS), **columns(plant, model))
+    np.testing.assert_allclose(module - again, fit.residual, atol=1e-9)
+
+
+@effects_
+def test_an_effect_that_is_not_there_comes_out_as_nothing(plant, noise, name):
+    module = predicted(plant, model_with("balance"), coefficients("balance"))
+    fit = fem.fit_fem(
+        *(plant[n] for n in DRIVERS),
+        module + noise(len(plant), 0.2),
+        model="faiman",
+        dynamics="balance",
+        effects=[name],
+        **columns(plant, model_with("balance", name)),
+    )
+    for key in find(name).rows():
+        nothing = fit.coefficients[key] == 0.0 or key in fit.at_bound
+        assert nothing or abs(fit.coefficients[key]) < 4 * fit.stderr[key]
+    gain = fit.scores.loc["fem", "rmse_test"] - fit.scores["rmse_test"].iloc[-1]
+    assert abs(gain) < 0.002
+
+
+def test_all_effects_at_once_are_told_apart(plant, noise):
+    model = model_with("balance", *EFFECTS)
+    values = coefficients("balance", *EFFECTS)
+    module = predicted(plant, model, values) + noise(len(plant), 0.2)
+    fit = fem.fit_fem(
+        *(plant[n] for n in DRIVERS),
+        module,
+        model="faiman",
+        dynamics="balance",
+        effects=EFFECTS,
+        **columns(plant, model),
+    )
+    for key, value in values.items():
+        assert abs(fit.coefficients[key] - value) < 4 * fit.stderr[key], key
+    assert fit.scores["rmse_train"].is_monotonic_decreasing
+
+
+def test_sky_radiation_is_pvlibs_radiative_faiman(plant):
+    """With emissivity times sky view as its share (pvlib counts no absorption)."""
+    values = coefficients(
+        "steady", "sky_radiation", sky_radiation={"share": 0.88 * 0.9}
+    )
+    answer = predicted(plant, model_with("steady", "sky_radiation"), values)
+    theirs = pvlib.temperature.faiman_rad(
+        *(plant[n] for n in DRIVERS),
+        ir_down=plant["longwave_down"],
+        u0=25.0,
+        u1=6.84,
+        sky_view=0.9,
+        emissivity=0.88,
+    )
+    np.testing.assert_allclose(answer, theirs - 1.0, rtol=1e-9)
+
+
+def test_wind_from_one_side_is_a_law_of_its_own():
+    """North wind with north = -2 is Faiman with u1 less by 2."""
+    sun = pd.Series(800.0, pd.date_range("2024-06-01", periods=200, freq="1min"))
+    model = model_with("balance", "wind_direction")
+    values = {**BASE, "capacity": 17e3}
+    values |= {"wind_direction.north": -2.0, "wind_direction.east": 5.0}
+    answer = model.predict(sun, 20.0, 3.0, values, wind_direction=0 * sun)
+    values = {**BASE, "capacity": 17e3, "u1": 4.84}
+    want = fem.heat_balance(sun, 20.0, 3.0, **values)
+    np.testing.assert_allclose(answer, want, rtol=1e-12)
+
+
+def test_rain_ends_where_the_film_has_dried():
+    minutes = np.arange(0, 7200, 60.0)
+    rain = np.where((minutes >= 600) & (minutes < 1200), 4.0, 0.0)
+    wet = drivers.wetness(rain, minutes)
+    assert (wet[:10] == 0).all()
+    assert wet[19] == 1.0
+    after = minutes - 1140
+    film = 3 * (1 - np.exp(-600 / 900)) * np.exp(-after / 900)
+    np.testing.assert_allclose(wet[20:], np.minimum(1, film[20:]), atol=1e-12)
+
+
+def test_dirt_gathers_until_rain_cleans():
+    hours = np.arange(0, 10 * 86400, 3600.0)
+    rain = np.where((hours >= 4 * 86400) & (hours < 4 * 86400 + 7200), 5.0, 0.0)
+    drizzle = np.where(hours == 7 * 86400, 0.2, 0.0)
+    days = drivers.days_since_rain(rain + drizzle, hours)
+    assert days[4 * 24 - 1] == pytest.approx(4 - 1 / 24)
+    assert days[4 * 24] == 0
+    assert days[-1] == pytest.approx(10 - 4 - 2 / 24, abs=0.1)
+
+
+def test_ones_own_effect_is_one_object(plant, noise):
+    """Heat from a vent that a column follows; nothing else is needed."""
+    vent = pd.Series(np.where(plant.index.hour < 8, 1.0, 0.0), plant.index)
+
+    def terms(vent_open, *, warmth):
+        """Heat of an open vent."""
+        return fem.Terms(heat=warmth * vent_open)
+
+    effect = fem.Effect(
+        "vent", terms, {"warmth": fem.Parameter(0.0, 0.0, 500.0, "W/m²")}
+    )
+    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    values = {**coefficients("balance"), "vent.warmth": 80.0}
+    usual = [plant[n] for n in DRIVERS]
+    module = model.predict(*usual, values, vent_open=vent) + noise(len(plant), 0.2)
+    fit = fem.fit_fem(
+        *usual,
+        module,
+        model="faiman",
+        dynamics="balance",
+        effects=[effect],
+        vent_open=vent,
+    )
+    assert fit.coefficients["vent.warmth"] == pytest.approx(80.0, rel=0.02)
+    assert "+ vent" in str(fit)
+
+
+def test_a_row_without_its_driver_is_not_used(plant):
+    holes = plant.copy()
+    holes.iloc[3000:3400, holes.columns.get_loc("wind_direction")] = np.nan
+    fit = fem.fit_fem(
+        *(holes[n] for n in COLUMNS),
+        model="faiman",
+        effects=["wind_direction"],
+        wind_direction=holes["wind_direction"],
+    )
+    assert fit.residual.isna().sum() == 400
+    assert fit.record.missing["wind_direction"] == 400
+    assert "missing: wind_direction 400" in str(fit)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            dict(effects=["wind_direction"]),
+            "data lack wind_direction, which wind_direction needs; add them or drop",
+        ),
+        (
+            dict(effects=["sky_radiation", "rain"]),
+            "data lack longwave_down, precipitation, which sky_radiation and rain need",
+        ),
+        (dict(effects=["ghosts"]), "unknown effect 'ghosts'; there are sky_radiation"),
+        (dict(rain=3), "no effect uses rain; the effects use no further column"),
+        (dict(effects=["rain"], method="paper"), "method='paper' has no effects"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(plant, options, message):
+    if options.get("method") == "paper":
+        options = {**options, "precipitation": plant["precipitation"]}
+    with pytest.raises(ValueError, match=message):
+        fem.fit_fem(*(plant[n] for n in COLUMNS), **options)
+
+
+def test_a_fit_with_effects_runs_in_a_chain_and_as_json(plant, tmp_path):
+    fit = fem.fit_fem(
+        *(plant[n] for n in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        effects=["wind_direction"],
+        wind_direction=plant["wind_direction"],
+    )
+    path = tmp_path / "fit.json"
+    fit.to_json(path)
+    assert json.loads(path.read_text())["effects"] == ["wind_direction"]
+    direction = plant["wind_direction"].tz_localize("Etc/GMT+7")
+    weather = plant[["ghi", "dni", "dhi", "temp_air", "wind_speed"]]
+    weather = weather.tz_localize("Etc/GMT+7").iloc[:600]
+    array = pvlib.pvsystem.Array(
+        pvlib.pvsystem.FixedMount(30, 180),
+        module_parameters={"pdc0": 1000.0, "gamma_pdc": -0.0035},
+    )
+    cells = []
+    for model in (
+        fit.temperature_model(wind_direction=direction),
+        fem.DynamicCellTemperature.from_json(path, wind_direction=direction),
+    ):
+        chain = pvlib.modelchain.ModelChain(
+            pvlib.pvsystem.PVSystem([array], inverter_parameters={"pdc0": 1000.0}),
+            pvlib.location.Location(35, -106),
+            aoi_model="physical",
+            spectral_model="no_loss",
+            temperature_model=model,
+        )
+        results = chain.run_model(weather).results
+        cells.append(results.cell_temperature)
+    want = fit.predict(
+        results.total_irrad["poa_global"],
+        weather["temp_air"],
+        weather["wind_speed"],
+        wind_direction=direction.iloc[:600],
+    )
+    for cell in cells:
+        np.testing.assert_allclose(cell, want, rtol=1e-12)
+    with pytest.raises(ValueError, match="data lack wind_direction"):
+        fit.temperature_model()
+
+
+def test_on_the_measured_day_the_wind_comes_from_somewhere(day):
+    """One day says nothing of other days; it does fit better with a direction."""
+    fit = fem.fit_fem(
+        *(day[n] for n in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        effects=["wind_direction"],
+        wind_direction=day["wind_direction"],
+    )
+    rmse = fit.scores["rmse_train"]
+    assert rmse["+ wind_direction"] < rmse["fem"]
+    assert np.isnan(list(fit.stderr.values())).all()
+
+
+def test_a_loss_below_nothing_has_no_temperature(plant):
+    """Far outside its bounds an effect may undo all losses; that is no number."""
+    model = model_with("balance", "wind_direction")
+    values = coefficients("balance", wind_direction={})
+    values |= {"wind_direction.north": -900.0, "wind_direction.east": 0.0}
+    calm_too = predicted(plant, model, values)
+    undone = 25 + plant["wind_speed"] * (
+        6.84 - 900 * np.cos(np.radians(plant["wind_direction"]))
+    )
+    assert (calm_too.isna() == (undone <= 0)).all()
