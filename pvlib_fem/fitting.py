@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem import paper, scores
 from pvlib_fem.effects import find
-from pvlib_fem.leastsquares import day_errors, gauss_newton
+from pvlib_fem.leastsquares import day_errors, gauss_newton, normal_equations
 from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
 from pvlib_fem.records import measured
 from pvlib_fem.result import FemFit
@@ -225,7 +225,9 @@ def minimise(model, record, rows, start, biased):
         temperature, slopes = model.slopes(record.inputs, coefficients)
         jacobian = np.stack([slopes[name][rows] for name in names], axis=1)
         chain = chain[: len(names), : len(names)]
-        return measured_rows - temperature[rows], jacobian @ chain
+        if np.any(chain != np.eye(len(names))):
+            jacobian = jacobian @ chain
+        return measured_rows - temperature[rows], jacobian
 
     minimum = gauss_newton(
         evaluate,
@@ -271,7 +273,9 @@ def errors(target, record, train, coefficients, at_bound, notes):
     jacobian = np.stack([slopes[name][train] for name in names], axis=1)
     size = np.sqrt((jacobian**2).sum(axis=0))
     size[size == 0] = 1.0
-    values, vectors = np.linalg.eigh((jacobian / size).T @ (jacobian / size))
+    residual = record["temp_module"][train] - temperature[train]
+    normal, _ = normal_equations(jacobian / size, residual)
+    values, vectors = np.linalg.eigh(normal)
     if not values[0] > UNKNOWN * values[-1]:
         tied = [n for n, v in zip(names, np.abs(vectors[:, 0])) if v > 0.1]
         notes.append(
@@ -279,7 +283,6 @@ def errors(target, record, train, coefficients, at_bound, notes):
             "(does wind_speed vary?)"
         )
         return stderr
-    residual = record["temp_module"][train] - temperature[train]
     covariance = day_errors(jacobian, residual, days)
     return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}
 

@@ -7,7 +7,9 @@ from scipy.optimize import lsq_linear
 
 STEPS = 60  # Gauss-Newton steps before it gives up
 HALVINGS = 12
-DONE = 1e-9  # relative fall of the cost, or relative step, that ends it
+BLOCK = 1 << 12  # rows of the normal equations taken at a time
+DONE = 1e-9  # relative step that ends it
+FLAT = 1e-12  # relative fall of the cost that ends it: far below any error of x
 
 
 @dataclass(frozen=True)
@@ -30,14 +32,14 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS):
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
     residual, jacobian = evaluate(x)
-    cost = residual @ residual
+    cost = squares(residual)
     converged = False
     for _ in range(steps):
         step = bounded_step(jacobian, residual, lower - x, upper - x)
         for halving in range(HALVINGS):
             new = np.clip(x + step / 2**halving, lower, upper)
             new_residual, new_jacobian = evaluate(new)
-            new_cost = new_residual @ new_residual
+            new_cost = squares(new_residual)
             if new_cost <= cost:
                 break
         else:
@@ -45,7 +47,7 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS):
             converged = True
             break
         small = np.abs(new - x) <= DONE * (np.abs(x) + 1e-3 * (upper - lower))
-        converged = small.all() or cost - new_cost <= DONE**1.5 * cost
+        converged = small.all() or cost - new_cost <= FLAT * cost
         x, residual, jacobian, cost = new, new_residual, new_jacobian, new_cost
         if converged:
             break
@@ -56,7 +58,7 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS):
 
 def bounded_step(jacobian, residual, lower, upper):
     """Best linear step within bounds, from the scaled normal matrix."""
-    normal = jacobian.T @ jacobian
+    normal, gradient = normal_equations(jacobian, residual)
     scale = np.sqrt(np.diag(normal))
     scale[scale == 0] = 1.0
     values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
@@ -64,7 +66,7 @@ def bounded_step(jacobian, residual, lower, upper):
     known = values > 1e-12 * values[-1]
     root = np.sqrt(values[known])
     matrix = root[:, None] * vectors[:, known].T
-    right = vectors[:, known].T @ (jacobian.T @ residual / scale) / root
+    right = vectors[:, known].T @ (gradient / scale) / root
     low, high = lower * scale, upper * scale
     free = high > low
     step = np.zeros(len(scale))
@@ -72,6 +74,25 @@ def bounded_step(jacobian, residual, lower, upper):
         bounds = (np.minimum(low, 0.0)[free], np.maximum(high, 0.0)[free])
         step[free] = lsq_linear(matrix[:, free], right, bounds, method="bvls").x
     return step / scale
+
+
+def squares(residual):
+    return np.einsum("i,i->", residual, residual)
+
+
+def normal_equations(jacobian, residual):
+    """J'J and J'r by blocks of rows: the same bits on any number of cores.
+
+    BLAS would start threads for the whole, which cost more than they bring on
+    matrices this narrow, and far more on a busy machine.
+    """
+    size = jacobian.shape[1]
+    normal, gradient = np.zeros((size, size)), np.zeros(size)
+    for start in range(0, len(residual), BLOCK):
+        rows = slice(start, start + BLOCK)
+        normal += jacobian[rows].T @ jacobian[rows]
+        gradient += jacobian[rows].T @ residual[rows]
+    return normal, gradient
 
 
 def day_errors(jacobian, residual, days):
@@ -89,7 +110,7 @@ def day_errors(jacobian, residual, days):
     """
     scale = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     jacobian = jacobian / scale
-    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    inverse = np.linalg.inv(normal_equations(jacobian, residual)[0])
     numbers, day = np.unique(days, return_inverse=True)
     size = jacobian.shape[1]
     normals = np.empty((len(numbers), size, size))

@@ -144,7 +144,7 @@ def resistance(law, own, wind, loss):
     """Resistance with further losses, its slopes, and its slope by those losses."""
     r_law = law.resistance(wind, **own)
     slopes = law.slopes(wind, **own)
-    if np.ndim(loss) == 0 and loss == 0.0:
+    if not is_there(loss):
         return r_law, slopes, -(r_law**2)
     # 1/(1/r + loss); where a loss would be negative there is no temperature
     share = 1.0 / (1.0 + loss * r_law)
@@ -158,9 +158,11 @@ def steady(law, own, inputs, added, slopes):
     r_eq, by_law, by_loss = resistance(law, own, inputs["wind_speed"], added.loss)
     found = {name: added.heat * by_law[name] for name in law.parameters}
     for name, slope in slopes.items():
-        found[name] = (
-            slope.heat * r_eq + added.heat * by_loss * slope.loss + slope.offset
-        )
+        found[name] = slope.offset
+        if is_there(slope.heat):
+            found[name] = found[name] + slope.heat * r_eq
+        if is_there(slope.loss):
+            found[name] = found[name] + added.heat * by_loss * slope.loss
     return inputs["temp_air"] + added.heat * r_eq, found
 
 
@@ -179,14 +181,17 @@ def smoothed(law, own, inputs, added, slopes, tau):
     loss, loss_by_tau = smooth(added.loss)
     r_eq, by_law, by_loss = resistance(law, own, wind, loss)
     found = {name: heat * by_law[name] for name in law.parameters}
-    r_by_tau = by_law["wind_speed"] * wind_by_tau + by_loss * loss_by_tau
+    r_by_tau = by_law["wind_speed"] * wind_by_tau
+    if is_there(loss):
+        r_by_tau = r_by_tau + by_loss * loss_by_tau
     found["tau"] = (heat_by_tau * r_eq + heat * r_by_tau) / inputs.unit
     for name, slope in slopes.items():
-        found[name] = (
-            smooth(slope.heat, added.heat)[0] * r_eq
-            + heat * by_loss * smooth(slope.loss, added.loss)[0]
-            + slope.offset
-        )
+        found[name] = slope.offset
+        if is_there(slope.heat):
+            found[name] = found[name] + smooth(slope.heat, added.heat)[0] * r_eq
+        if is_there(slope.loss):
+            part = smooth(slope.loss, added.loss)[0]
+            found[name] = found[name] + heat * by_loss * part
     return inputs["temp_air"] + heat * r_eq, found
 
 

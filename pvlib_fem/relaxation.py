@@ -209,9 +209,13 @@ def weighted_mean(target, steps, tau):
 def relax_slope(target, steps, tau):
     """Response to ``target`` and its slope by a constant ``tau``, in two rows."""
     decay = decays(steps, tau, len(target))
-    result = respond(decay, (1.0 - decay) * target)
-    gap = before(result) - target
-    return np.stack([result, respond(decay, gap * decay * (steps / tau**2))])
+    result, slope = both = np.empty((2, len(target)))
+    np.multiply(1.0 - decay, target, out=result)
+    respond(decay, result)
+    np.multiply(before(result) - target, decay, out=slope)
+    slope *= steps / tau**2
+    respond(decay, slope)
+    return both
 
 
 def decays(steps, tau, rows):
