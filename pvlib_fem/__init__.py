@@ -1,6 +1,7 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
 from pvlib_fem import datasets, effects, layers, paper, scores
+from pvlib_fem.diagnosis import rank_effects
 from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.fitting import fit_fem
 from pvlib_fem.modelchain import DynamicCellTemperature
@@ -25,6 +26,7 @@ __all__ = [
     "heat_balance",
     "layers",
     "paper",
+    "rank_effects",
     "scores",
     "translate",
     "translation_mismatch",

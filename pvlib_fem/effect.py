@@ -59,15 +59,21 @@ class Effect:
         Drivers by position, fitted parameters after the star, to
         :class:`Terms`. With all parameters at their start it adds nothing.
     parameters : dict of Parameter
+    columns : tuple of str, optional
+        Names of the columns for its drivers, in order, where they are not the
+        names of its arguments.
     """
 
     name: str
     terms: Callable
     parameters: Mapping[str, Parameter]
+    columns: tuple | None = None
 
     @property
     def drivers(self):
         """Names of the columns that it needs."""
+        if self.columns is not None:
+            return self.columns
         signature = inspect.signature(self.terms).parameters.values()
         return tuple(p.name for p in signature if p.kind is not p.KEYWORD_ONLY)
 
@@ -77,9 +83,9 @@ class Effect:
 
     def at(self, columns, coefficients):
         """Terms with these coefficients of a model."""
-        drivers = {name: columns[name] for name in self.drivers}
+        drivers = [columns[name] for name in self.drivers]
         own = {name: coefficients[f"{self.name}.{name}"] for name in self.parameters}
-        return self.terms(**drivers, **own)
+        return self.terms(*drivers, **own)
 
     def slopes(self, columns, coefficients):
         """

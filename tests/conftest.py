@@ -3,7 +3,7 @@ import os
 import numpy as np
 import pytest
 
-from pvlib_fem import datasets
+from pvlib_fem import datasets, ewm
 
 DRIVERS = ("poa_global", "temp_air", "wind_speed")
 COLUMNS = (*DRIVERS, "temp_module")
@@ -18,6 +18,25 @@ def month():
 @pytest.fixture(scope="session")
 def drivers(month):
     return tuple(month[name] for name in DRIVERS)
+
+
+@pytest.fixture(scope="session")
+def plant():
+    """Sixty days at 5 min with every column that an effect needs."""
+    data = datasets.synthetic(60, 300, seed=7, noise=0).tz_localize(None)
+    random = np.random.default_rng(1)
+    rows = len(data)
+
+    def wandering(memory):
+        kicks = random.normal(size=rows) * np.sqrt(2 * memory)
+        return ewm(kicks, 300.0 * memory, step=300)
+
+    data["wind_direction"] = (220 + 90 * wandering(200)) % 360
+    data["longwave_down"] = 330 + 30 * wandering(150)
+    curtailed = np.repeat(random.uniform(size=rows // 12) < 0.2, 12)
+    data["p_dc"] = 0.18 * data["poa_global"] * np.where(curtailed, 0.2, 1.0)
+    data["precipitation"] = np.where(wandering(20) > 2.1, 3.0, 0.0)
+    return data
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ import pytest
 from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
-from pvlib_fem import datasets, drivers
+from pvlib_fem import drivers
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.laws import LAWS
 from pvlib_fem.model import ThermalModel
@@ -27,25 +27,6 @@ PLANTED = {
 BASE = {"u0": 25.0, "u1": 6.84, "bias": -1.0}
 dynamics_ = pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])
 effects_ = pytest.mark.parametrize("name", EFFECTS)
-
-
-@pytest.fixture(scope="module")
-def plant():
-    """Sixty days at 5 min with every column that an effect needs."""
-    data = datasets.synthetic(60, 300, seed=7, noise=0).tz_localize(None)
-    random = np.random.default_rng(1)
-    rows = len(data)
-
-    def wandering(memory):
-        kicks = random.normal(size=rows) * np.sqrt(2 * memory)
-        return fem.ewm(kicks, 300.0 * memory, step=300)
-
-    data["wind_direction"] = (220 + 90 * wandering(200)) % 360
-    data["longwave_down"] = 330 + 30 * wandering(150)
-    curtailed = np.repeat(random.uniform(size=rows // 12) < 0.2, 12)
-    data["p_dc"] = 0.18 * data["poa_global"] * np.where(curtailed, 0.2, 1.0)
-    data["precipitation"] = np.where(wandering(20) > 1.6, 3.0, 0.0)
-    return data
 
 
 def model_with(dynamics, *names):

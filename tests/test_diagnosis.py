@@ -1,0 +1,187 @@
+"""The ranking puts the truth first, and says what it cannot know."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS
+from test_effects import coefficients, model_with, predicted
+
+import pvlib_fem as fem
+from pvlib_fem.effects import EFFECTS
+
+EFFECTS_ = pytest.mark.parametrize("name", EFFECTS)
+
+
+def base_fit(data):
+    return fem.fit_fem(
+        *(data[name] for name in COLUMNS), model="faiman", dynamics="balance"
+    )
+
+
+def correlated(rows, noise, seed=0):
+    """0.3 K of noise that remembers some hours, as a sensor's does."""
+    return 0.3 * np.sqrt(2 * 24) * fem.ewm(noise(rows, 1.0, seed), 7200.0, step=300)
+
+
+def record_with(plant, noise, *names, seed=0, **planted):
+    model = model_with("balance", *names)
+    values = coefficients("balance", *names, **planted)
+    module = predicted(plant, model, values) + correlated(len(plant), noise, seed)
+    return plant.assign(temp_module=module)
+
+
+#: sizes that sixty days can show, where those found outdoors need a year
+LARGER = {
+    "soiling": {"per_day": 0.008},
+    "sensitivity_drift": {"per_year": 0.19},
+}
+
+
+@EFFECTS_
+def test_the_planted_effect_comes_first(plant, noise, name):
+    larger = {name: LARGER[name]} if name in LARGER else {}
+    data = record_with(plant, noise, name, **larger)
+    table = fem.rank_effects(base_fit(data), data)
+    assert table.index[0] == name
+    best = table.iloc[0]
+    assert best["gain"] > 1.5 * best["detectable"] > 0
+    assert best["p_value"] < 1e-3 and best["physical"]
+    truth = coefficients("balance", name, **larger)
+    for key, value in best["coefficients"].items():
+        assert value == pytest.approx(truth[key], rel=0.3, abs=4 * best["stderr"][key])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_where_nothing_is_nothing_is_gained(plant, noise, seed):
+    data = record_with(plant, noise, seed=seed)
+    table = fem.rank_effects(base_fit(data), data)
+    assert set(EFFECTS) <= set(table.index)
+    assert (table["gain"].dropna() < 0.1).all()
+
+
+def test_the_gain_is_what_a_refit_gains(plant, noise):
+    """The tangent's held-out gain against that of fitting the effect."""
+    data = record_with(plant, noise, "wind_direction")
+    table = fem.rank_effects(base_fit(data), data)
+    with_it = fem.fit_fem(
+        *(data[name] for name in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        effects=["wind_direction"],
+        wind_direction=data["wind_direction"],
+    )
+    rmse = with_it.scores["rmse_test"]
+    gain = np.sqrt(rmse["fem"] ** 2 - rmse["+ wind_direction"] ** 2)
+    assert table.loc["wind_direction", "gain"] == pytest.approx(gain, rel=0.25)
+
+
+def test_what_a_fit_holds_is_not_ranked_again(plant, noise):
+    """And once the truth is in, nothing else gains."""
+    data = record_with(plant, noise, "sky_radiation")
+    fit = fem.fit_fem(
+        *(data[name] for name in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        effects=["sky_radiation"],
+        longwave_down=data["longwave_down"],
+    )
+    table = fem.rank_effects(fit, data)
+    assert "sky_radiation" not in table.index
+    assert (table["gain"].dropna() < 0.1).all()
+
+
+def test_a_column_of_the_users_own_is_found_by_its_name(plant, noise):
+    """A fan that blows warm air on the module at its own hours."""
+    data = record_with(plant, noise)
+    fan = np.where((data.index.hour >= 9) & (data.index.day_of_week == 2), 40.0, 5.0)
+    r_eq = 1 / (25 + 6.84 * data["wind_speed"])
+    data["temp_module"] += fem.ewm(2.0 * (fan - fan.mean()) * r_eq, 500.0)
+    table = fem.rank_effects(base_fit(data), data.assign(**{"fan speed [rpm]": fan}))
+    assert table.index[0] == "driver:fan speed [rpm]"
+    heat = table.iloc[0]["coefficients"]["driver:fan speed [rpm].heat"]
+    assert heat == pytest.approx(2.0, rel=0.1)
+
+
+def test_an_impossible_coefficient_is_said_to_be(plant, noise):
+    """Power that heats: a hint at the irradiance sensor, not at electricity."""
+    data = record_with(
+        plant, noise, "electrical_output", electrical_output={"share": -1.0}
+    )
+    row = fem.rank_effects(base_fit(data), data).loc["electrical_output"]
+    assert row["gain"] > 0.1
+    assert not row["physical"]
+
+
+def test_what_lacks_its_column_is_listed_with_the_reason(plant, noise):
+    data = record_with(plant, noise).drop(columns=["longwave_down", "p_dc"])
+    data["wind_direction"] = 270.0
+    data["precipitation"] = np.nan
+    notes = fem.rank_effects(base_fit(data), data)["note"]
+    assert notes["sky_radiation"] == "no longwave_down"
+    assert notes["electrical_output"] == "no p_dc"
+    assert notes["wind_direction"] == "wind_direction is constant"
+    assert notes["rain"] == "precipitation holds no value"
+
+
+def test_a_copy_of_the_answer_is_no_driver(plant, noise):
+    data = record_with(plant, noise)
+    spy = data.assign(
+        back_sensor_F=1.8 * data["temp_module"] + 32, label="x", sun2=data["poa_global"]
+    )
+    table = fem.rank_effects(base_fit(data), spy)
+    assert not any("back_sensor" in name or "sun2" in name for name in table.index)
+    assert not any("label" in name for name in table.index)
+
+
+def test_pvlibs_older_name_of_the_longwave_is_known(plant, noise):
+    data = record_with(plant, noise, "sky_radiation")
+    renamed = data.rename(columns={"longwave_down": "ir_down"})
+    fit = base_fit(data)
+    pd.testing.assert_frame_equal(
+        fem.rank_effects(fit, data), fem.rank_effects(fit, renamed)
+    )
+
+
+def test_a_short_record_is_suggestive_at_best(plant, noise):
+    data = record_with(plant, noise, "wind_direction").iloc[: 288 * 20]
+    table = fem.rank_effects(base_fit(data), data)
+    assert table.loc["wind_direction", "note"] == "suggestive at best: 20 days, of 60"
+
+
+def test_a_day_holds_nothing_out(day):
+    fit = fem.fit_fem(*(day[n] for n in COLUMNS), model="faiman", dynamics="balance")
+    table = fem.rank_effects(fit, day[[*COLUMNS, "wind_direction"]])
+    assert table.loc["wind_direction", "note"] == "1 days are too few to hold any out"
+    assert table["gain"].isna().all()
+
+
+def test_smaller_effects_than_detectable_are_rarely_significant(plant, noise):
+    """The smallest gain shown is about that of a coefficient of 2.8 errors."""
+    data = record_with(plant, noise)
+    row = fem.rank_effects(base_fit(data), data, ["sensitivity_drift"]).iloc[0]
+    (error,) = row["stderr"].values()
+    big = record_with(
+        plant, noise, "sensitivity_drift", sensitivity_drift={"per_year": 2.8 * error}
+    )
+    found = fem.rank_effects(base_fit(big), big, ["sensitivity_drift"]).iloc[0]
+    assert found["gain"] == pytest.approx(row["detectable"], rel=1.0)
+    assert 0.0 < row["detectable"] < 0.2
+
+
+def test_own_effects_and_names_can_be_asked_for(plant, noise):
+    data = record_with(plant, noise)
+    fit = base_fit(data)
+    table = fem.rank_effects(fit, data, ["rain", EFFECTS["soiling"]])
+    assert set(table.index) == {"rain", "soiling"}
+    with pytest.raises(ValueError, match="unknown effect 'ghosts'"):
+        fem.rank_effects(fit, data, ["ghosts"])
+    with pytest.raises(ValueError, match="data lack temp_module; they have"):
+        fem.rank_effects(fit, data.drop(columns="temp_module"))
+
+
+def test_the_ranking_is_the_same_whatever_the_order_of_columns(plant, noise):
+    data = record_with(plant, noise, "rain")
+    fit = base_fit(data)
+    one = fem.rank_effects(fit, data)
+    other = fem.rank_effects(fit, data[data.columns[::-1]])
+    pd.testing.assert_frame_equal(one, other.loc[one.index])
