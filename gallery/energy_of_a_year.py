@@ -43,7 +43,7 @@ def compare(days=365):
     weather = weather.drop(columns=["poa_global", "temp_module"])
     steady = run(
         weather,
-        fem.DynamicCellTemperature("faiman", "steady", {**FAIMAN, "tau": 1e-9}),
+        fem.DynamicCellTemperature("faiman", "steady", FAIMAN),
     )
     dynamic = run(
         weather,

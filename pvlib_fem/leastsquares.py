@@ -43,8 +43,8 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS):
             if new_cost <= cost:
                 break
         else:
-            # no shorter step is better either: rounding is all that is left
-            converged = True
+            # no shorter step is better either: at a minimum only rounding is left
+            converged = new_cost <= cost * (1.0 + DONE)
             break
         small = np.abs(new - x) <= DONE * (np.abs(x) + 1e-3 * (upper - lower))
         converged = small.all() or cost - new_cost <= FLAT * cost

@@ -64,8 +64,10 @@ class ThermalModel:
         return replace(inputs, columns=completed(inputs.columns, names, inputs.seconds))
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
-        """Module temperature. [°C]"""
+        """Module temperature; without a tau the default, without a bias none. [°C]"""
         self.check_drivers(drivers)
+        if self.dynamics == "steady":
+            coefficients = {"tau": INSTANT, **coefficients}
         if not self.effects:
             function = heat_balance if self.dynamics == "balance" else fem_temperature
             return function(
@@ -77,8 +79,11 @@ class ThermalModel:
             "wind_speed": wind_speed,
             **drivers,
         }
+        coefficients = {**self.law.fixed, "tau": TAU, "bias": 0.0, **coefficients}
+        if missing := [n for n in self.parameters if n not in coefficients]:
+            raise ValueError(f"{self.law.name} needs {', '.join(missing)}")
         inputs = self.with_drivers(read(columns, purpose="a dynamic temperature"))
-        temperature, _ = self.slopes(inputs, {**self.law.fixed, **coefficients})
+        temperature, _ = self.slopes(inputs, coefficients)
         return inputs.restore(temperature)
 
     def check_drivers(self, given):

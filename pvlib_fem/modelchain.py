@@ -110,17 +110,13 @@ class DynamicCellTemperature:
         ----------
         path : str or path-like
         **options
-            ``deltaT``, ``k_bs_c`` and drivers.
+            ``deltaT``, ``k_bs_c``, drivers, and ``effects`` where the fit has some
+            of the user's own, which the file knows by name only.
         """
         with open(path, encoding="utf-8") as file:
             fit = json.load(file)
-        return cls(
-            fit["model"],
-            fit["dynamics"],
-            fit["coefficients"],
-            effects=fit["effects"],
-            **options,
-        )
+        options.setdefault("effects", fit["effects"])
+        return cls(fit["model"], fit["dynamics"], fit["coefficients"], **options)
 
     def __call__(self, mc):
         """Assign ``mc.results.cell_temperature``, as ModelChain expects."""

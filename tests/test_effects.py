@@ -233,6 +233,29 @@ def test_ones_own_effect_is_one_object(plant, noise):
     assert "+ vent" in str(fit)
 
 
+def test_ones_own_effect_can_be_read_back(plant, tmp_path):
+    """The file knows it by name only, so it is given again."""
+    own = fem.Effect("own", EFFECTS["rain"].terms, EFFECTS["rain"].parameters)
+    fit = fem.fit_fem(
+        *(plant[n] for n in COLUMNS),
+        effects=[own],
+        precipitation=plant["precipitation"],
+    )
+    path = tmp_path / "fit.json"
+    fit.to_json(path)
+    rain = {"precipitation": plant["precipitation"]}
+    with pytest.raises(ValueError, match="unknown effect 'own'"):
+        fem.DynamicCellTemperature.from_json(path, **rain)
+    model = fem.DynamicCellTemperature.from_json(path, effects=[own], **rain)
+    assert model.coefficients == fit.coefficients
+
+
+def test_a_coefficient_that_lacks_is_named(plant):
+    values = {k: v for k, v in coefficients("balance", "rain").items() if k != "u1"}
+    with pytest.raises(ValueError, match="faiman needs u1"):
+        predicted(plant, model_with("balance", "rain"), values)
+
+
 def test_a_row_without_its_driver_is_not_used(plant):
     holes = plant.copy()
     holes.iloc[3000:3400, holes.columns.get_loc("wind_direction")] = np.nan

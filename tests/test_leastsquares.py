@@ -53,6 +53,18 @@ def test_too_few_steps_are_no_convergence():
     assert not gauss_newton(misra, (500, 1e-4), [1, 1e-6], [1e4, 1e-1], 1).converged
 
 
+def test_a_place_without_a_number_is_no_minimum():
+    """Where every step leads to NaN the search says that it failed."""
+
+    def nowhere(x):
+        residual, jacobian = misra(x)
+        return residual + (0.0 if x[0] == 250 else np.nan), jacobian
+
+    found = gauss_newton(nowhere, (250, 5e-4), [1, 1e-6], [1e4, 1e-1])
+    assert not found.converged
+    assert found.x.tolist() == [250, 5e-4]
+
+
 def test_day_errors_are_the_jackknife_over_days():
     """For a linear model, leaving out each day in turn and solving again."""
     random = np.random.default_rng(0)

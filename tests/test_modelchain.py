@@ -129,7 +129,7 @@ def test_steady_coefficients_give_pvlibs_own_cell_temperature(weather):
     """With nothing to remember, ModelChain(temperature_model="faiman")."""
     faiman = {"u0": 25.0, "u1": 6.84}
     own = chain(system(180, parameters=faiman), "faiman").run_model(weather)
-    steady = fem.DynamicCellTemperature("faiman", "steady", {**faiman, "tau": 1e-9})
+    steady = fem.DynamicCellTemperature("faiman", "steady", faiman)
     ours = chain(system(180), steady).run_model(weather)
     np.testing.assert_allclose(
         ours.results.cell_temperature, own.results.cell_temperature, rtol=1e-12
