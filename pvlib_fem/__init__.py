@@ -1,6 +1,6 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
-from pvlib_fem import datasets, effects, layers, paper, scores
+from pvlib_fem import datasets, effects, layers, paper, scores, simulator
 from pvlib_fem.diagnosis import rank_effects
 from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.fitting import fit_fem
@@ -28,6 +28,7 @@ __all__ = [
     "paper",
     "rank_effects",
     "scores",
+    "simulator",
     "translate",
     "translation_mismatch",
     "wm1",
