@@ -47,7 +47,8 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        A row for each absent effect, best first:
+        A row for each absent effect, best first, those with an impossible
+        coefficient after the others:
 
         ``gain``: what it takes off the held-out daytime error, the root of the
         fall of its mean square, negative for a rise [K];
@@ -81,7 +82,8 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     table = pd.DataFrame.from_dict(rows, orient="index")
     names = ["gain", "p_value", "coefficients", "stderr", "physical", "detectable"]
     table = table.reindex(columns=[*names, "note"]).rename_axis("effect")
-    return table.sort_values("gain", ascending=False, kind="stable")
+    order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
+    return table.loc[order.sort_values(["no", "loss"], kind="stable").index]
 
 
 def with_aliases(data):
@@ -193,18 +195,22 @@ def explained(fit, model, record, effect):
     own_scale = scale[len(base) :]
     coefficients = dict(zip(own, (step / own_scale).tolist()))
     change = before - after
+    reach = 2.0 * error / own_scale
+    physical = all(
+        row.lower - near <= coefficients[name] <= row.upper + near
+        for (name, row), near in zip(effect.rows().items(), reach)
+    )
     note = ""
-    if len(np.unique(days)) < ENOUGH_DAYS:
+    if not physical and change > 0:
+        note = f"informative, but not as {effect.name}: suspect the irradiance sensor"
+    elif len(np.unique(days)) < ENOUGH_DAYS:
         note = f"suggestive at best: {len(np.unique(days))} days, of {ENOUGH_DAYS}"
     return {
         "gain": float(np.sign(change) * np.sqrt(abs(change))),
         "p_value": float(chi2.sf(step @ np.linalg.solve(covariance, step), len(own))),
         "coefficients": coefficients,
         "stderr": dict(zip(own, (error / own_scale).tolist())),
-        "physical": all(
-            row.lower - reach <= coefficients[name] <= row.upper + reach
-            for (name, row), reach in zip(effect.rows().items(), 2 * error / own_scale)
-        ),
+        "physical": physical,
         "detectable": float(POWER * (error * size).max()),
         "note": note,
     }

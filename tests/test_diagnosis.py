@@ -107,9 +107,12 @@ def test_an_impossible_coefficient_is_said_to_be(plant, noise):
     data = record_with(
         plant, noise, "electrical_output", electrical_output={"share": -1.0}
     )
-    row = fem.rank_effects(base_fit(data), data).loc["electrical_output"]
+    table = fem.rank_effects(base_fit(data), data)
+    row = table.loc["electrical_output"]
     assert row["gain"] > 0.1
     assert not row["physical"]
+    assert "informative, but not as electrical_output: suspect the irr" in row["note"]
+    assert table["physical"].is_monotonic_decreasing
 
 
 def test_what_lacks_its_column_is_listed_with_the_reason(plant, noise):
@@ -185,3 +188,46 @@ def test_the_ranking_is_the_same_whatever_the_order_of_columns(plant, noise):
     one = fem.rank_effects(fit, data)
     other = fem.rank_effects(fit, data[data.columns[::-1]])
     pd.testing.assert_frame_equal(one, other.loc[one.index])
+
+
+#: switches of the simulator, which shares nothing with the models, and the effect
+#: that has to come first; the coefficient is what its physics gives
+OUTDOORS = {
+    "sky_radiation": {"sky_radiation.share": (1.0, 1.7)},
+    "wind_direction": {"wind_direction.north": (-2.0, -0.5)},
+    "electrical_output": {"electrical_output.share": (0.9, 1.6)},
+    "rain": {"rain.film": (5.0, 60.0)},
+}
+
+
+@pytest.fixture(scope="module")
+def outdoors():
+    """150 days at 5 min of the physical world, with one effect each and without."""
+    physics = fem.simulator.PHYSICS
+    scenarios = {name: physics | {name: 1.0} for name in OUTDOORS}
+    scenarios["nothing"] = physics
+    made = fem.simulator.records(
+        fem.simulator.RHINE, scenarios.values(), 150, 300, 5, start="2023-04-01"
+    )
+    return {
+        name: data.drop(columns="snow_depth") for name, data in zip(scenarios, made)
+    }
+
+
+@pytest.mark.parametrize("name", OUTDOORS)
+def test_in_a_world_of_other_equations_the_truth_comes_first(outdoors, name):
+    table = fem.rank_effects(base_fit(outdoors[name]), outdoors[name])
+    assert table.index[0] == name
+    best = table.iloc[0]
+    assert best["gain"] > 0.15 and best["p_value"] < 1e-3
+    for key, (least, most) in OUTDOORS[name].items():
+        assert least < best["coefficients"][key] < most
+
+
+def test_in_a_world_without_effects_nothing_is_material(outdoors):
+    """Power tells of the irradiance sensor's errors: informative, not physical."""
+    table = fem.rank_effects(base_fit(outdoors["nothing"]), outdoors["nothing"])
+    assert (table["gain"][table["physical"].eq(True)] < 0.15).all()
+    power = table.loc["electrical_output"]
+    assert power["gain"] > 0.15 and not power["physical"]
+    assert "suspect the irradiance sensor" in power["note"]

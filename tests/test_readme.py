@@ -27,6 +27,8 @@ def test_its_lines_run_and_its_report_is_what_they_print(week, capsys):
     assert names["modelled"].notna().all()
     assert (names["cell"] > names["week"]["temp_air"] - 1).all()
     assert names["energy"] > 5000
+    assert names["ranking"].index[0] == "rain"
+    assert names["ranking"]["gain"].iloc[0] > 2 * names["ranking"]["gain"].iloc[1]
 
 
 def test_its_energies_are_those_of_the_script():
