@@ -7,18 +7,32 @@ import pandas as pd
 from scipy.stats import chi2
 
 from pvlib_fem import paper
+from pvlib_fem.dailysums import FOLDS, daily_sums
 from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.effects import EFFECTS, find
-from pvlib_fem.leastsquares import day_errors
 from pvlib_fem.model import thermal_model
 from pvlib_fem.records import measured
+from pvlib_fem.relaxation import relax
 
-FOLDS = 5  # of whole weeks, interleaved
-WEEK = 7  # days in a block of a fold
 ENOUGH_DAYS = 60  # below this even pure noise looks like an effect
 POWER = 2.8  # errors that a coefficient needs to be seen 4 times in 5 at 5 %
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
-RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
+MOST_MISSING = 0.2  # of a driver's rows
+RIVAL = 0.6  # share of the best gain from which a candidate is a rival
+TIED = 0.15  # share of its own gain that is left beside a rival it is tied with
+YEAR = 365.25  # days
+
+
+COLUMNS = [
+    "gain",
+    "p_value",
+    "coefficients",
+    "stderr",
+    "physical",
+    "detectable",
+    "ties",
+    "note",
+]
 
 
 def rank_effects(fit, data, effects=None) -> pd.DataFrame:
@@ -26,8 +40,9 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     Rank absent effects by what each would explain on days it has not seen.
 
     Every effect enters as the tangent of the fitted model, beside the tangents
-    of all fitted coefficients, so that none is credited with repairing those.
-    Gains are measured on held-out weeks in turn.
+    of all fitted coefficients and beside shapes that any misfit leaves (a year's
+    swing, curvature, a slower mass), so that none is credited with repairing
+    those. Gains are measured on weeks left out in turn.
 
     This ranks; it names no cause. Effects that follow the same columns share
     their gain, and what no effect here can explain is not looked for.
@@ -57,6 +72,8 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
         ``coefficients``, ``stderr``: dicts of what it would take;
         ``physical``: whether those are within two errors of the effect's bounds;
         ``detectable``: the smallest gain that this record would have shown [K];
+        ``ties``: other candidates that explain as much, beside which it has
+        nothing left to explain: the record cannot tell them apart;
         ``note``: what stands in the way.
 
     Raises
@@ -67,21 +84,19 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     columns = with_aliases(data)
     usual = [columns.pop(name) for name in paper.COLUMNS]
     drivers, refused = usable_drivers(columns, usual)
-    candidates = absent(fit, drivers, effects)
-    record = measured(*usual, check_units=False, **drivers)
     model = thermal_model(fit.model, fit.dynamics, fit.effects)
-    rows = {}
-    for effect in candidates:
-        larger = replace(model, effects=(*fit.effects, effect))
-        lacking = [name for name in larger.drivers if name not in drivers]
-        if lacking:
+    rows, testable = {}, []
+    for effect in absent(fit, drivers, effects):
+        needed = replace(model, effects=(effect,)).drivers
+        if lacking := [name for name in needed if name not in drivers]:
             why = [refused.get(name, f"no {name}") for name in lacking]
             rows[effect.name] = {"note": "; ".join(why)}
         else:
-            rows[effect.name] = explained(fit, larger, record, effect)
+            testable.append(effect)
+    record = measured(*usual, check_units=False, **drivers)
+    rows |= explained(fit, model, record, testable)
     table = pd.DataFrame.from_dict(rows, orient="index")
-    names = ["gain", "p_value", "coefficients", "stderr", "physical", "detectable"]
-    table = table.reindex(columns=[*names, "note"]).rename_axis("effect")
+    table = table.reindex(columns=COLUMNS).rename_axis("effect")
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
     return table.loc[order.sort_values(["no", "loss"], kind="stable").index]
 
@@ -107,6 +122,8 @@ def usable_drivers(columns, usual):
             refused[name] = f"{name} is not numeric"
         elif column.notna().sum() == 0:
             refused[name] = f"{name} holds no value"
+        elif column.isna().mean() > MOST_MISSING:
+            refused[name] = f"{column.isna().mean():.0%} of {name} is missing"
         elif column.nunique() < 2:
             refused[name] = f"{name} is constant"
         elif copies := [n for n, other in seen.items() if same(column, other)]:
@@ -153,96 +170,107 @@ def driver(name, column):
     return Effect(f"driver:{name}", terms, {"heat": row}, columns=(name,))
 
 
-def explained(fit, model, record, effect):
-    """One row of the ranking."""
-    inputs = model.with_drivers(record.inputs)
-    start = {name: row.start for name, row in effect.rows().items()}
+def explained(fit, model, record, candidates):
+    """Rows of the ranking, all from one pass over the record."""
+    larger = replace(model, effects=(*fit.effects, *candidates))
+    inputs = larger.with_drivers(record.inputs)
+    own = {e.name: list(e.rows()) for e in candidates}
+    start = {n: row.start for e in candidates for n, row in e.rows().items()}
     values = {**model.law.fixed, **fit.coefficients, **start}
-    temperature, slopes = model.slopes(inputs, values)
-    rows = paper.daytime(*(record[name] for name in paper.COLUMNS))
-    rows &= np.isfinite(temperature)
-    days = record.dates[rows]
-    if len(np.unique(days)) < FOLDS:
-        return {"note": f"{len(np.unique(days))} days are too few to hold any out"}
-    own = list(start)
-    base = [n for n in model.parameters if n not in own and n not in fit.at_bound]
-    columns = np.stack([slopes[name][rows] for name in (*base, *own)], axis=1)
-    scale = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    if not scale[len(base) :].all():
-        return {"note": "it adds nothing in this record's weather"}
-    scale[scale == 0] = 1.0
-    columns /= scale
-    residual = record["temp_module"][rows] - temperature[rows]
+    temperature, slopes = larger.slopes(inputs, values)
+    seen = paper.daytime(*(record[name] for name in paper.COLUMNS))
+    seen &= np.isfinite(temperature)
+    dates = record.dates[seen]
+    if (days := len(np.unique(dates))) < FOLDS:
+        return {n: {"note": f"{days} days are too few to hold any out"} for n in own}
 
-    folds = fold_of(days)
-    before, after = (
-        held_out_square(columns[:, :width], residual, folds)
-        for width in (len(base), len(base) + len(own))
-    )
-    found = solved(columns, residual)
-    try:
-        left = residual - columns @ found
-        covariance = day_errors(columns, left, days)[len(base) :, len(base) :]
-    except np.linalg.LinAlgError:
+    base = [name for name in model.parameters if name not in fit.at_bound]
+    over = temperature - values["bias"] - record["temp_air"]
+    slopes = {**slopes, **shapes(over, record)}
+    names = [*base, *(n for n in slopes if n.startswith("shape:")), *start]
+    columns = np.stack([slopes[name][seen] for name in names], axis=1)
+    sums = daily_sums(columns, (record["temp_module"] - temperature)[seen], dates)
+    place = {name: i for i, name in enumerate(names)}
+    nuisance = [place[name] for name in names if name not in start]
+    where = {name: [place[n] for n in rows] for name, rows in own.items()}
+    before = sums.left(nuisance)
+    table = {
+        effect.name: weighed(effect, sums, nuisance, where[effect.name], before)
+        for effect in candidates
+    }
+    rivals = {n: row for n, row in table.items() if row.get("physical")}
+    for name, row in rivals.items():
+        row["ties"] = ties(name, rivals, sums, nuisance, where)
+    return table
+
+
+def weighed(effect, sums, nuisance, own, before):
+    """One row of the ranking."""
+    if not all(sums.beside(column, []) > 0 for column in own):
+        return {"note": "it adds nothing in this record's weather"}
+    beside = np.array([sums.beside(column, nuisance) for column in own])
+    if (beside < 1e-6).any():
         return {"note": "the record cannot tell it from the fitted coefficients"}
-    step = found[len(base) :]
+    kept = [*nuisance, *own]
+    step = sums.solve(kept)[len(nuisance) :]
+    covariance = sums.covariance(kept)[len(nuisance) :, len(nuisance) :]
     error = np.sqrt(np.diag(covariance))
-    # what of the effect is left beside the fitted coefficients, per error
-    beside = columns[:, len(base) :] - columns[:, : len(base)] @ solved(
-        columns[:, : len(base)], columns[:, len(base) :]
-    )
-    size = np.sqrt((beside**2).mean(axis=0))
-    own_scale = scale[len(base) :]
-    coefficients = dict(zip(own, (step / own_scale).tolist()))
-    change = before - after
-    reach = 2.0 * error / own_scale
+    names, scale = list(effect.rows()), sums.scale[own]
+    coefficients = dict(zip(names, (step / scale).tolist()))
     physical = all(
         row.lower - near <= coefficients[name] <= row.upper + near
-        for (name, row), near in zip(effect.rows().items(), reach)
+        for (name, row), near in zip(effect.rows().items(), 2.0 * error / scale)
     )
+    change = before - sums.left(kept)
     note = ""
     if not physical and change > 0:
         note = f"informative, but not as {effect.name}: suspect the irradiance sensor"
-    elif len(np.unique(days)) < ENOUGH_DAYS:
-        note = f"suggestive at best: {len(np.unique(days))} days, of {ENOUGH_DAYS}"
+    elif sums.days < ENOUGH_DAYS:
+        note = f"suggestive at best: {sums.days} days, of {ENOUGH_DAYS}"
     return {
         "gain": float(np.sign(change) * np.sqrt(abs(change))),
         "p_value": float(chi2.sf(step @ np.linalg.solve(covariance, step), len(own))),
         "coefficients": coefficients,
-        "stderr": dict(zip(own, (error / own_scale).tolist())),
+        "stderr": dict(zip(names, (error / scale).tolist())),
         "physical": physical,
-        "detectable": float(POWER * (error * size).max()),
+        "detectable": float(POWER * (error * beside).max()),
+        "ties": (),
         "note": note,
     }
 
 
-def fold_of(days):
-    """Fold of each row: whole weeks in turn, or days where there are few weeks."""
-    elapsed = days - days.min()
-    length = WEEK if elapsed.max() >= FOLDS * WEEK else 1
-    return elapsed // length % FOLDS
+def ties(name, rivals, sums, nuisance, where):
+    """Rivals beside which a candidate has nothing left to explain."""
+    own = max(rivals[name]["gain"], 0.0) ** 2
+    tied = []
+    for other, row in rivals.items():
+        if other == name or max(row["gain"], 0.0) ** 2 < RIVAL * own or own == 0.0:
+            continue
+        without = sums.left([*nuisance, *where[other]])
+        if without - sums.left([*nuisance, *where[other], *where[name]]) < TIED * own:
+            tied.append(other)
+    return tuple(tied)
 
 
-def held_out_square(columns, residual, folds):
-    """Mean square of the residual on each fold, solved on the others."""
-    total = 0.0
-    normals = {fold: products(columns, residual, folds == fold) for fold in set(folds)}
-    for fold in normals:
-        normal = sum(n for other, (n, _) in normals.items() if other != fold)
-        right = sum(r for other, (_, r) in normals.items() if other != fold)
-        rows = folds == fold
-        total += np.square(residual[rows] - columns[rows] @ ridged(normal, right)).sum()
-    return total / len(residual)
+def shapes(over, record):
+    """
+    What a misshapen model leaves, as columns that no effect is credited with.
 
-
-def products(columns, residual, rows):
-    part = columns[rows]
-    return part.T @ part, part.T @ residual[rows]
-
-
-def solved(columns, target):
-    return ridged(columns.T @ columns, columns.T @ target)
-
-
-def ridged(normal, right):
-    return np.linalg.solve(normal + RIDGE * np.diag(np.diag(normal)), right)
+    Functions of the usual inputs alone, which every cause without a driver of
+    its own shares: a year's swing, curvature in the over-temperature and in the
+    wind, its fall with air temperature, and a slower mass.
+    """
+    wind, air = record["wind_speed"], record["temp_air"]
+    turn = 2.0 * np.pi * record.dates / YEAR
+    hour = 3600.0 / record.inputs.unit
+    columns = {
+        "summer": over * np.cos(turn),
+        "spring": over * np.sin(turn),
+        "curved": over * np.sqrt(np.abs(over)),
+        "calm": over * np.exp(-wind / 0.7),
+        "gusty": over * np.sqrt(wind),
+        "warm": over * (air - np.nanmean(air)),
+        "slow": relax(over, record.inputs.steps, hour) - over,
+        "slower": relax(over, record.inputs.steps, 3.0 * hour) - over,
+    }
+    return {f"shape:{name}": column for name, column in columns.items()}

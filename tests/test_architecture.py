@@ -9,7 +9,7 @@ import pvlib_fem
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 FLOORS = {
-    0: {"records", "effect", "leastsquares", "layers"},
+    0: {"records", "effect", "leastsquares", "layers", "dailysums"},
     1: {"relaxation", "laws", "scores"},
     2: {"temperature", "translate", "paper", "drivers"},
     3: {"effects", "model", "plotting", "datasets"},

@@ -7,6 +7,7 @@ from conftest import COLUMNS
 from test_effects import coefficients, model_with, predicted
 
 import pvlib_fem as fem
+from pvlib_fem import datasets
 from pvlib_fem.effects import EFFECTS
 
 EFFECTS_ = pytest.mark.parametrize("name", EFFECTS)
@@ -31,13 +32,10 @@ def record_with(plant, noise, *names, seed=0, **planted):
 
 
 #: sizes that sixty days can show, where those found outdoors need a year
-LARGER = {
-    "soiling": {"per_day": 0.008},
-    "sensitivity_drift": {"per_year": 0.19},
-}
+LARGER = {"soiling": {"per_day": 0.008}}
 
 
-@EFFECTS_
+@pytest.mark.parametrize("name", [n for n in EFFECTS if n != "sensitivity_drift"])
 def test_the_planted_effect_comes_first(plant, noise, name):
     larger = {name: LARGER[name]} if name in LARGER else {}
     data = record_with(plant, noise, name, **larger)
@@ -169,6 +167,33 @@ def test_smaller_effects_than_detectable_are_rarely_significant(plant, noise):
     found = fem.rank_effects(base_fit(big), big, ["sensitivity_drift"]).iloc[0]
     assert found["gain"] == pytest.approx(row["detectable"], rel=1.0)
     assert 0.0 < row["detectable"] < 0.2
+
+
+@pytest.mark.parametrize(("days", "found"), [(60, False), (900, True)])
+def test_a_drift_is_told_from_a_season_after_years_only(noise, days, found):
+    """Within one season it bends as the year does; over two and a half it cannot."""
+    data = datasets.synthetic(days, 1800, seed=7, noise=0)
+    data = record_with(data, noise, "sensitivity_drift")
+    row = fem.rank_effects(base_fit(data), data).loc["sensitivity_drift"]
+    (drift,) = row["coefficients"].values()
+    assert (row["gain"] > 0.1) == found
+    if found:
+        assert drift == pytest.approx(0.03, rel=0.2)
+    else:
+        assert row["stderr"]["sensitivity_drift.per_year"] > 0.03
+
+
+def test_what_cannot_be_told_apart_is_tied(plant, noise):
+    """Two gauges of one wind: each explains all, neither adds to the other."""
+    data = record_with(plant, noise, "wind_direction")
+    twin = 100 * np.cos(np.radians(data["wind_direction"])) * data["wind_speed"]
+    heat = plant["poa_global"] * twin
+    data["gauge a"] = heat + noise(len(data), 0.02 * heat.std(), seed=1)
+    data["gauge b"] = heat + noise(len(data), 0.02 * heat.std(), seed=2)
+    ties = fem.rank_effects(base_fit(data), data)["ties"]
+    assert "driver:gauge b" in ties["driver:gauge a"]
+    assert "driver:gauge a" in ties["driver:gauge b"]
+    assert ties["wind_direction"] == ()
 
 
 def test_own_effects_and_names_can_be_asked_for(plant, noise):

@@ -1,0 +1,69 @@
+"""Sums by the day against the same things done on rows."""
+
+import numpy as np
+import pytest
+
+from pvlib_fem.dailysums import FOLDS, daily_sums
+from pvlib_fem.leastsquares import day_errors
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """Seventy days of four columns, the last made of two others and a rest."""
+    random = np.random.default_rng(0)
+    dates = np.repeat(np.arange(19_000, 19_070), 25)
+    columns = random.normal(size=(len(dates), 4)) * [1.0, 50.0, 1e-3, 1.0]
+    columns[:, 3] = columns[:, 0] - columns[:, 1] / 50 + 0.1 * columns[:, 3]
+    daily = np.repeat(random.normal(size=70), 25)
+    residual = (
+        columns @ [0.5, 0.02, 100.0, 0.3] + daily + random.normal(size=len(dates))
+    )
+    return columns, residual, dates
+
+
+def test_the_solution_is_least_squares(rows):
+    columns, residual, _ = rows
+    sums = daily_sums(*rows)
+    kept = [0, 2, 3]
+    want = np.linalg.lstsq(columns[:, kept], residual, rcond=None)[0]
+    np.testing.assert_allclose(sums.solve(kept) / sums.scale[kept], want, rtol=1e-6)
+
+
+def test_what_is_left_is_cross_validation_by_weeks(rows):
+    columns, residual, dates = rows
+    kept = [0, 1]
+    fold = (dates - dates[0]) // 7 % FOLDS
+    squares = []
+    for out in range(FOLDS):
+        x, y = columns[fold != out][:, kept], residual[fold != out]
+        found = np.linalg.lstsq(x, y, rcond=None)[0]
+        squares.append((residual - columns[:, kept] @ found)[fold == out] ** 2)
+    want = np.concatenate(squares).mean()
+    assert daily_sums(*rows).left(kept) == pytest.approx(want, rel=1e-6)
+
+
+def test_errors_are_those_of_days_left_out(rows):
+    columns, residual, dates = rows
+    kept = [0, 1, 3]
+    x = columns[:, kept]
+    left = residual - x @ np.linalg.lstsq(x, residual, rcond=None)[0]
+    sums = daily_sums(*rows)
+    found = sums.covariance(kept) / np.outer(sums.scale[kept], sums.scale[kept])
+    np.testing.assert_allclose(found, day_errors(x, left, dates), rtol=1e-5)
+
+
+def test_beside_others_is_what_they_do_not_explain(rows):
+    columns, _, _ = rows
+    sums = daily_sums(*rows)
+    others = columns[:, :3]
+    rest = (
+        columns[:, 3] - others @ np.linalg.lstsq(others, columns[:, 3], rcond=None)[0]
+    )
+    want = np.sqrt((rest**2).mean()) / sums.scale[3]
+    assert sums.beside(3, [0, 1, 2]) == pytest.approx(want, rel=1e-5)
+
+
+def test_few_weeks_are_folded_by_days():
+    columns = np.ones((100, 1))
+    sums = daily_sums(columns, np.arange(100.0), np.repeat(np.arange(20), 5))
+    assert sums.folds.tolist() == [day % FOLDS for day in range(20)]
