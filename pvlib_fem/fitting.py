@@ -9,6 +9,7 @@ from pvlib_fem import paper, scores
 from pvlib_fem.effects import find
 from pvlib_fem.leastsquares import day_errors, gauss_newton, normal_equations
 from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
+from pvlib_fem.recipe import paper_stages
 from pvlib_fem.records import measured
 from pvlib_fem.result import FemFit
 
@@ -135,7 +136,7 @@ def fit_fem(
         stderr = errors(target, record, train, last(stages)[1], at_bound, notes)
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
-    modelled = {name: modelled_by(m, record, c) for name, (m, c) in stages.items()}
+    modelled = {name: m.slopes(record.inputs, c)[0] for name, (m, c) in stages.items()}
     coefficients = public(target, last(stages)[1])
     residual = pd.Series(
         record["temp_module"] - last(modelled), record.index, name="residual"
@@ -287,51 +288,9 @@ def errors(target, record, train, coefficients, at_bound, notes):
     return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}
 
 
-def paper_stages(target, record, train, not_held_out, calm_wind, notes):
-    """Model and coefficients after each step of the paper's recipe."""
-    frame = pd.DataFrame({n: record[n] for n in paper.COLUMNS}, record.index)
-    kept = frame[train]
-    rows = tuple(kept[name] for name in paper.COLUMNS)
-    everything = frame[not_held_out]
-    plain = paper.standard(
-        target.law.name, tuple(everything[name] for name in paper.COLUMNS)
-    )
-    filtered = paper.recipe(target.law.name, rows, calm_wind)
-    points = {name: estimate.points for name, estimate in filtered.items()}
-    steady = ThermalModel(target.law, "steady")
-    values = {n: e.value for n, e in filtered.items()} | target.law.fixed
-    memory = {}
-    if target.dynamics == "ewm":
-        k = paper.r_eq_max(*rows, calm_wind)
-        tau = paper.time_constant(*rows, k.value)
-        memory = {"tau": tau.value}
-        points["tau"] = tau.points
-        notes.append(
-            "tau is the paper's, from step changes; it runs backwards (see "
-            "paper.time_constant)"
-        )
-    counted = ", ".join(f"{name} {count}" for name, count in points.items())
-    notes.append(f"points used: {counted}")
-    without = {**values, **memory, "bias": 0.0}
-    bias = scores.mbe(
-        record["temp_module"][train], modelled_by(target, record, without)[train]
-    )
-    standard = {n: e.value for n, e in plain.items()} | target.law.fixed
-    return {
-        "standard": (steady, {**standard, "bias": 0.0}),
-        "filter": (steady, {**values, "bias": 0.0}),
-        "ewm": (target, without),
-        "fem": (target, {**without, "bias": bias}),
-    }
-
-
 def last(stages):
     """What the last step came to."""
     return list(stages.values())[-1]
-
-
-def modelled_by(model, record, coefficients):
-    return model.slopes(record.inputs, coefficients)[0]
 
 
 def public(model, coefficients):

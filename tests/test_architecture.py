@@ -13,7 +13,7 @@ FLOORS = {
     1: {"relaxation", "laws", "scores"},
     2: {"temperature", "translate", "paper", "drivers"},
     3: {"effects", "model", "plotting", "datasets"},
-    4: {"modelchain", "diagnosis"},
+    4: {"modelchain", "diagnosis", "recipe"},
     5: {"result"},
     6: {"fitting"},
     7: {"cli"},

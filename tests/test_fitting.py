@@ -13,6 +13,7 @@ from pvlib_fem.fitting import natural
 from pvlib_fem.laws import LAWS
 from pvlib_fem.leastsquares import gauss_newton
 from pvlib_fem.model import MEMORY, ThermalModel
+from pvlib_fem.recipe import recipe
 from pvlib_fem.records import measured
 
 COEFFICIENTS = {
@@ -295,7 +296,7 @@ def test_the_papers_recipe(month, model):
     train = tuple(column[rows] for column in record)
     k = fem.paper.r_eq_max(*train, calm_wind=1.0).value
     assert fit.coefficients["tau"] == fem.paper.time_constant(*train, k).value
-    for name, estimate in fem.paper.recipe(model, train, calm_wind=1.0).items():
+    for name, estimate in recipe(model, train, calm_wind=1.0).items():
         assert fit.coefficients[name] == estimate.value
     assert fit.scores.loc["fem", "mbe_train"] == pytest.approx(0, abs=1e-9)
     assert fit.coefficients["bias"] == pytest.approx(fit.scores.loc["ewm", "mbe_train"])
