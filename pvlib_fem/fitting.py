@@ -7,7 +7,12 @@ import pandas as pd
 
 from pvlib_fem import paper, scores
 from pvlib_fem.effects import find
-from pvlib_fem.leastsquares import day_errors, gauss_newton, normal_equations
+from pvlib_fem.leastsquares import (
+    FLAT,
+    day_errors,
+    gauss_newton,
+    normal_equations,
+)
 from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
 from pvlib_fem.recipe import paper_stages
 from pvlib_fem.records import measured
@@ -15,6 +20,7 @@ from pvlib_fem.result import FemFit
 
 METHODS = ("least_squares", "paper")
 FEWEST_DAYS = 5  # below this the spread between days is no error
+ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 
 
@@ -136,7 +142,9 @@ def fit_fem(
         stderr = errors(target, record, train, last(stages)[1], at_bound, notes)
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
-    modelled = {name: m.slopes(record.inputs, c)[0] for name, (m, c) in stages.items()}
+    modelled = {
+        name: m.temperature(record.inputs, c) for name, (m, c) in stages.items()
+    }
     coefficients = public(target, last(stages)[1])
     residual = pd.Series(
         record["temp_module"] - last(modelled), record.index, name="residual"
@@ -198,23 +206,25 @@ def least_squares_stages(target, record, train, not_held_out):
     steady = ThermalModel(target.law, "steady")
     plain = ThermalModel(target.law, target.dynamics)
     start = {name: row.start for name, row in target.parameters.items()}
-    stages = {}
-    for name, model, rows, biased in (
+    steps = [
         ("standard", steady, complete & not_held_out, False),
         ("filter", steady, train, False),
         ("ewm", plain, train, False),
         ("fem", plain, train, True),
-        *(
-            (f"+ {added.name}", replace(plain, effects=target.effects[:i]), train, True)
-            for i, added in enumerate(target.effects, start=1)
-        ),
-    ):
-        minimum, start = minimise(model, record, rows, start, biased)
+    ]
+    for i, added in enumerate(target.effects, start=1):
+        larger = replace(plain, effects=target.effects[:i])
+        steps.append((f"+ {added.name}", larger, train, True))
+    stages = {}
+    for name, model, rows, biased in steps:
+        # what a later step starts from need not be as flat as the last
+        flat = FLAT if name == steps[-1][0] else ROUGH
+        minimum, start = minimise(model, record, rows, start, biased, flat)
         stages[name] = (model, natural(model, start)[0])
     return stages, minimum
 
 
-def minimise(model, record, rows, start, biased):
+def minimise(model, record, rows, start, biased, flat):
     """Least squares of one stage, over its parameters as the search sees them."""
     # the bias is last, so leaving it out leaves the others where they are
     names = list(model.parameters)[: None if biased else -1]
@@ -235,6 +245,7 @@ def minimise(model, record, rows, start, biased):
         [start[name] for name in names],
         [row.lower for row in table],
         [row.upper for row in table],
+        flat=flat,
     )
     found = {**start, **dict(zip(names, minimum.x.tolist()))}
     return minimum, found

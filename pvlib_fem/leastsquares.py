@@ -9,7 +9,7 @@ STEPS = 60  # Gauss-Newton steps before it gives up
 HALVINGS = 12
 BLOCK = 1 << 12  # rows of the normal equations taken at a time
 DONE = 1e-9  # relative step that ends it
-FLAT = 1e-12  # relative fall of the cost that ends it: far below any error of x
+FLAT = 1e-10  # relative fall of the cost that ends it: far below any error of x
 
 
 @dataclass(frozen=True)
@@ -21,13 +21,14 @@ class Minimum:
     at_bound: np.ndarray  # booleans
 
 
-def gauss_newton(evaluate, start, lower, upper, steps=STEPS):
+def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
     """
     Minimise the sum of squares of ``evaluate(x) -> (residual, jacobian)``.
 
     Every step solves the bounded linear problem on the square root of the
     small normal matrix, so a long record costs one pass a step. The residual
-    is measured minus modelled, the Jacobian that of the model.
+    is measured minus modelled, the Jacobian that of the model. ``flat`` is the
+    relative fall of the cost that ends the search.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
@@ -47,7 +48,7 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS):
             converged = new_cost <= cost * (1.0 + DONE)
             break
         small = np.abs(new - x) <= DONE * (np.abs(x) + 1e-3 * (upper - lower))
-        converged = small.all() or cost - new_cost <= FLAT * cost
+        converged = small.all() or cost - new_cost <= flat * cost
         x, residual, jacobian, cost = new, new_residual, new_jacobian, new_cost
         if converged:
             break

@@ -10,10 +10,11 @@ from pvlib_fem.laws import LAWS, Law, law
 from pvlib_fem.records import read
 from pvlib_fem.relaxation import (
     across,
+    banded,
     before,
     decays,
     relax_slope,
-    respond,
+    solve,
 )
 from pvlib_fem.temperature import TAU, fem_temperature, heat_balance
 
@@ -83,8 +84,7 @@ class ThermalModel:
         if missing := [n for n in self.parameters if n not in coefficients]:
             raise ValueError(f"{self.law.name} needs {', '.join(missing)}")
         inputs = self.with_drivers(read(columns, purpose="a dynamic temperature"))
-        temperature, _ = self.slopes(inputs, coefficients)
-        return inputs.restore(temperature)
+        return inputs.restore(self.temperature(inputs, coefficients))
 
     def check_drivers(self, given):
         """Refuse drivers that lack, or that nothing uses."""
@@ -100,9 +100,13 @@ class ThermalModel:
                 f"{', '.join(self.drivers) or 'no further column'}"
             )
 
-    def slopes(self, inputs, coefficients):
+    def temperature(self, inputs, coefficients):
+        """Module temperature of checked inputs, all coefficients given. [°C]"""
+        return self.slopes(inputs, coefficients, wanted=False)[0]
+
+    def slopes(self, inputs, coefficients, wanted=True):
         """
-        Module temperature and its slope by each parameter.
+        Module temperature and its slope by each parameter, where ``wanted``.
 
         Everything that is known adds to the four columns of the equation, and
         so do the slopes of what is known: the dynamics answers both alike. The
@@ -110,10 +114,11 @@ class ThermalModel:
         right-hand side, so each costs one more solve.
         """
         added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
-        slopes = {"bias": Terms(offset=1.0)}
+        slopes = {"bias": Terms(offset=1.0)} if wanted else {}
         for effect in self.effects:
             added = added.plus(effect.at(inputs.columns, coefficients))
-            slopes |= effect.slopes(inputs.columns, coefficients)
+            if wanted:
+                slopes |= effect.slopes(inputs.columns, coefficients)
         own = {n: coefficients[n] for n in (*self.law.parameters, *self.law.fixed)}
         if self.dynamics == "steady":
             temperature, slopes = steady(self.law, own, inputs, added, slopes)
@@ -122,7 +127,8 @@ class ThermalModel:
             temperature, slopes = smoothed(self.law, own, inputs, added, slopes, tau)
         else:
             added = added.plus(Terms(capacity=coefficients["capacity"]))
-            slopes["capacity"] = Terms(capacity=1.0)
+            if wanted:
+                slopes["capacity"] = Terms(capacity=1.0)
             temperature, slopes = balanced(self.law, own, inputs, added, slopes)
         rows = len(temperature)
         return temperature + added.offset, {
@@ -223,15 +229,16 @@ def balanced(law, own, inputs, added, slopes):
 
     target, tau, r_eq = there(target), there(tau), there(r_eq)
     decay = decays(steps, tau, len(target))
-    temperature = respond(decay, (1.0 - decay) * target)
-    rise = 1.0 - decay
+    band, rise = banded(decay), 1.0 - decay
+    temperature = solve(band, rise * target)
+    if not slopes:
+        return spread(temperature), {}
     # slope of the decay by ln(tau), times what of the past is left to decay
     fading = (before(temperature) - target) * decay * (steps / tau)
     by_r = rise * there(added.heat) + fading / r_eq  # what r_eq moves, in all
 
     found = {
-        name: spread(respond(decay, by_r * there(by_law[name])))
-        for name in law.parameters
+        name: spread(solve(band, by_r * there(by_law[name]))) for name in law.parameters
     }
     for name, slope in slopes.items():
         found[name] = slope.offset
@@ -243,7 +250,7 @@ def balanced(law, own, inputs, added, slopes):
         if is_there(slope.capacity):
             source = source + fading * there(slope.capacity / added.capacity)
         if np.ndim(source):
-            found[name] = found[name] + spread(respond(decay, source))
+            found[name] = found[name] + spread(solve(band, source))
     return spread(temperature), found
 
 

@@ -36,7 +36,7 @@ def paper_stages(target, record, train, not_held_out, calm_wind, notes):
     notes.append(f"points used: {counted}")
     without = {**values, **memory, "bias": 0.0}
     bias = scores.mbe(
-        record["temp_module"][train], target.slopes(record.inputs, without)[0][train]
+        record["temp_module"][train], target.temperature(record.inputs, without)[train]
     )
     return {
         "standard": (steady, {**without_filter, "bias": 0.0}),

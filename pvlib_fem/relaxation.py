@@ -188,12 +188,22 @@ def relax_even(target, decay, state):
 
 def respond(decay, source, state=0.0, band=None):
     """Solve ``y[i] - decay[i]*y[i-1] = source[i]``, ``y[-1] = state``, in place."""
-    rows = len(source)
-    if not rows:
+    if not len(source):
         return source
+    source[0] += decay[0] * state
+    return solve(banded(decay, band), source)
+
+
+def banded(decay, band=None):
+    """The system of :func:`respond` as BLAS has it; its diagonal is 1, unread."""
+    rows = len(decay)
     band = np.empty((2, rows), order="F") if band is None else band[:, :rows]
     np.negative(decay[1:], out=band[1, :-1])
-    source[0] += decay[0] * state
+    return band
+
+
+def solve(band, source):
+    """Solve a banded system in place; one band serves several sources."""
     return dtbsv(1, band, source, lower=1, diag=1, overwrite_x=1)
 
 
@@ -201,20 +211,21 @@ def respond(decay, source, state=0.0, band=None):
 def weighted_mean(target, steps, tau):
     """The mean by fading weights of all since the start, as pandas adjusts it."""
     decay = decays(steps, tau, len(target))
-    weights = respond(decay, np.ones(len(target)))
-    return respond(decay, target.copy()) / weights
+    band = banded(decay)
+    return solve(band, target.copy()) / solve(band, np.ones(len(target)))
 
 
 @over_nan
 def relax_slope(target, steps, tau):
     """Response to ``target`` and its slope by a constant ``tau``, in two rows."""
     decay = decays(steps, tau, len(target))
+    band = banded(decay)
     result, slope = both = np.empty((2, len(target)))
     np.multiply(1.0 - decay, target, out=result)
-    respond(decay, result)
+    solve(band, result)
     np.multiply(before(result) - target, decay, out=slope)
     slope *= steps / tau**2
-    respond(decay, slope)
+    solve(band, slope)
     return both
 
 
