@@ -34,7 +34,7 @@ class DynamicCellTemperature:
     coefficients : dict, optional
         Those of the model with ``tau`` or ``capacity`` and ``bias``. Without
         them each array's ``temperature_model_parameters`` are taken, where
-        ``deltaT`` and ``k_bs_c`` may stand too.
+        ``deltaT``, its ``irrad_ref`` and ``k_bs_c`` may stand too.
     deltaT : float, default 0
         Cell minus back temperature at 1000 W/m², in the irradiance of the
         moment, as in :func:`pvlib.temperature.sapm_cell`. [K]
@@ -140,12 +140,12 @@ class DynamicCellTemperature:
         temp_air = own.pop("temp_air", weather["temp_air"])
         wind_speed = own.pop("wind_speed", weather["wind_speed"])
         coefficients = self.coefficients
-        delta, k_bs_c = self.deltaT, self.k_bs_c
+        delta, k_bs_c, reference = self.deltaT, self.k_bs_c, 1000.0
         if coefficients is None:
             coefficients = dict(array.temperature_model_parameters)
             if not callable(self.model):
                 delta = coefficients.pop("deltaT", delta)
-                coefficients.pop("irrad_ref", None)
+                reference = coefficients.pop("irrad_ref", reference)
             k_bs_c = coefficients.pop("k_bs_c", k_bs_c)
         if callable(self.model):
             temperature = fem_temperature(
@@ -162,7 +162,7 @@ class DynamicCellTemperature:
                 poa_global, temp_air, wind_speed, coefficients, **own
             )
         if delta:
-            temperature = temperature + poa_global / 1000.0 * delta
+            temperature = temperature + poa_global / reference * delta
         if k_bs_c:
             smoothed = ewm(poa_global, coefficients.get("tau", TAU))
             temperature = temperature + k_bs_c * smoothed

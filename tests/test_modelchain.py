@@ -163,6 +163,16 @@ def test_coefficients_may_stand_with_each_array(weather):
     )
 
 
+def test_the_reference_irradiance_of_an_array_counts(weather):
+    """As in pvlib's sapm_cell: deltaT is at irrad_ref, 1000 W/m² without one."""
+    parameters = {**WM1, "deltaT": 3.0, "irrad_ref": 800.0}
+    plant = system(180, parameters=parameters)
+    results = chain(plant, fem.DynamicCellTemperature("wm1")).run_model(weather).results
+    sun = results.total_irrad["poa_global"]
+    want = expected(sun, weather, **WM1) + sun / 800.0 * 3.0
+    np.testing.assert_allclose(results.cell_temperature, want, rtol=1e-12)
+
+
 def test_an_array_without_coefficients_is_named(weather):
     with pytest.raises(ValueError, match="wm1 needs k, d"):
         chain(system(180), fem.DynamicCellTemperature("wm1")).run_model(weather)
