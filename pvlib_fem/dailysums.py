@@ -54,9 +54,7 @@ class DailySums:
         whole = normals.sum(axis=0)
         inverse = np.linalg.inv(whole + RIDGE * np.diag(np.diag(whole)))
         scores = self.sums[:, kept, -1] - normals @ self.solve(kept)
-        hat = np.eye(len(kept)) - normals @ inverse
-        shifts = np.linalg.solve(hat, scores[..., None])[..., 0] @ inverse
-        return (self.days - 1) / self.days * shifts.T @ shifts
+        return days_left_out(normals, scores, inverse)
 
     def beside(self, column, kept):
         """Root mean square of a column that the kept ones do not explain."""
@@ -78,6 +76,33 @@ def daily_sums(columns, residual, dates):
     # whole weeks in turn, or days where there are few weeks
     length = WEEK if elapsed[-1] >= FOLDS * WEEK else 1
     return DailySums(sums, scale, len(residual), elapsed // length % FOLDS)
+
+
+def days_left_out(normals, scores, inverse):
+    """
+    Covariance of a solution from its spread when each day in turn is left out.
+
+    To first order, from the normal matrices and scores of the days and the
+    inverse of the whole normal matrix: the jackknife over clusters, CR3 [1]_.
+
+    References
+    ----------
+    .. [1] A. C. Cameron and D. L. Miller, "A Practitioner's Guide to
+       Cluster-Robust Inference", J. Human Resources 50, 317-372, 2015, section
+       VI.B. :doi:`10.3368/jhr.50.2.317`
+    """
+    left_out = np.eye(len(inverse)) - normals @ inverse
+    shifts = np.linalg.solve(left_out, scores[..., None])[..., 0] @ inverse
+    return (len(scores) - 1) / len(scores) * shifts.T @ shifts
+
+
+def day_errors(jacobian, residual, days):
+    """Covariance of a minimum that survives autocorrelation within a day."""
+    sums = daily_sums(jacobian, residual, days)
+    normals, scores = sums.sums[:, :-1, :-1], sums.sums[:, :-1, -1]
+    inverse = np.linalg.inv(normals.sum(axis=0))
+    covariance = days_left_out(normals, scores, inverse)
+    return covariance / np.outer(sums.scale, sums.scale)
 
 
 def ridged(normal, right):

@@ -8,6 +8,7 @@ from scipy.stats import chi2
 
 from pvlib_fem import paper
 from pvlib_fem.dailysums import FOLDS, daily_sums
+from pvlib_fem.drivers import ALIASES, needed_for
 from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.model import thermal_model
@@ -87,8 +88,7 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     model = thermal_model(fit.model, fit.dynamics, fit.effects)
     rows, testable = {}, []
     for effect in absent(fit, drivers, effects):
-        needed = replace(model, effects=(effect,)).drivers
-        if lacking := [name for name in needed if name not in drivers]:
+        if lacking := [n for n in needed_for(effect.drivers) if n not in drivers]:
             why = [refused.get(name, f"no {name}") for name in lacking]
             rows[effect.name] = {"note": "; ".join(why)}
         else:
@@ -104,8 +104,9 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
 def with_aliases(data):
     """Columns of the record by the package's names."""
     columns = {str(name): data[name] for name in data}
-    if "ir_down" in columns:
-        columns.setdefault("longwave_down", columns.pop("ir_down"))
+    for alias, name in ALIASES.items():
+        if alias in columns:
+            columns.setdefault(name, columns.pop(alias))
     if missing := [name for name in paper.COLUMNS if name not in columns]:
         raise ValueError(
             f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
@@ -145,17 +146,13 @@ def same(one, other):
 def absent(fit, drivers, effects):
     """Candidates that the fit does not hold yet."""
     if effects is None:
-        known = {name for effect in EFFECTS.values() for name in needs(effect)}
+        known = {n for e in EFFECTS.values() for n in needed_for(e.drivers)}
         own = [driver(n, column) for n, column in drivers.items() if n not in known]
         candidates = [*EFFECTS.values(), *own]
     else:
         candidates = [find(name) for name in effects]
     there = {effect.name for effect in fit.effects}
     return [effect for effect in candidates if effect.name not in there]
-
-
-def needs(effect):
-    return thermal_model("ross", "balance", (effect,)).drivers
 
 
 def driver(name, column):

@@ -47,15 +47,17 @@ DERIVED = {
     "years": ((), years),
 }
 
+USUAL = ("poa_global", "temp_air", "wind_speed")
+#: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
 
 
 def needed_for(names):
-    """Measured columns behind drivers, each once."""
+    """Measured columns behind drivers beside the usual three, each once."""
     columns = []
     for name in names:
         for column in DERIVED.get(name, ((name,),))[0]:
-            if column not in columns:
+            if column not in (*USUAL, *columns):
                 columns.append(column)
     return columns
 

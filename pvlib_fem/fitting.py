@@ -6,13 +6,9 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import paper, scores
+from pvlib_fem.dailysums import day_errors
 from pvlib_fem.effects import find
-from pvlib_fem.leastsquares import (
-    FLAT,
-    day_errors,
-    gauss_newton,
-    normal_equations,
-)
+from pvlib_fem.leastsquares import FLAT, gauss_newton, normal_equations
 from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
 from pvlib_fem.recipe import paper_stages
 from pvlib_fem.records import measured

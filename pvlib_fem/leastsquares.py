@@ -1,4 +1,4 @@
-"""Bounded nonlinear least squares on an exact Jacobian, and errors by the day."""
+"""Bounded nonlinear least squares on an exact Jacobian."""
 
 from dataclasses import dataclass
 
@@ -94,34 +94,3 @@ def normal_equations(jacobian, residual):
         normal += jacobian[rows].T @ jacobian[rows]
         gradient += jacobian[rows].T @ residual[rows]
     return normal, gradient
-
-
-def day_errors(jacobian, residual, days):
-    """
-    Covariance of the minimum that survives autocorrelation within a day.
-
-    The spread of the solution when each day in turn is left out, to first
-    order (the jackknife over clusters, CR3 [1]_).
-
-    References
-    ----------
-    .. [1] A. C. Cameron and D. L. Miller, "A Practitioner's Guide to
-       Cluster-Robust Inference", J. Human Resources 50, 317-372, 2015, section
-       VI.B. :doi:`10.3368/jhr.50.2.317`
-    """
-    scale = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
-    jacobian = jacobian / scale
-    inverse = np.linalg.inv(normal_equations(jacobian, residual)[0])
-    numbers, day = np.unique(days, return_inverse=True)
-    size = jacobian.shape[1]
-    normals = np.empty((len(numbers), size, size))
-    scores = np.empty((len(numbers), size))
-    for i in range(size):
-        scores[:, i] = np.bincount(day, jacobian[:, i] * residual)
-        for j in range(i + 1):
-            normals[:, i, j] = normals[:, j, i] = np.bincount(
-                day, jacobian[:, i] * jacobian[:, j]
-            )
-    left_out = np.linalg.solve(np.eye(size) - normals @ inverse, scores[..., None])
-    shifts = left_out[..., 0] @ inverse / scale
-    return (len(numbers) - 1) / len(numbers) * shifts.T @ shifts

@@ -55,13 +55,18 @@ class ThermalModel:
     @property
     def drivers(self):
         """Measured columns that the effects need beside the usual three."""
-        usual = ("poa_global", "temp_air", "wind_speed")
-        names = [name for effect in self.effects for name in effect.drivers]
-        return [name for name in needed_for(names) if name not in usual]
+        return needed_for(self.effect_drivers)
+
+    @property
+    def effect_drivers(self):
+        """Drivers of the effects, measured or derived."""
+        return [name for effect in self.effects for name in effect.drivers]
 
     def with_drivers(self, inputs):
         """The inputs with what is derived from them for the effects."""
-        names = [name for effect in self.effects for name in effect.drivers]
+        names = self.effect_drivers
+        if not names:
+            return inputs
         return replace(inputs, columns=completed(inputs.columns, names, inputs.seconds))
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
@@ -89,7 +94,11 @@ class ThermalModel:
     def check_drivers(self, given):
         """Refuse drivers that lack, or that nothing uses."""
         if missing := [name for name in self.drivers if name not in given]:
-            using = [e.name for e in self.effects if set(missing) & needs(e)]
+            using = [
+                effect.name
+                for effect in self.effects
+                if set(missing) & set(needed_for(effect.drivers))
+            ]
             raise ValueError(
                 f"data lack {', '.join(missing)}, which {' and '.join(using)} needs; "
                 "add them or drop the effect"
@@ -134,10 +143,6 @@ class ThermalModel:
         return temperature + added.offset, {
             name: np.broadcast_to(slope, rows) for name, slope in slopes.items()
         }
-
-
-def needs(effect):
-    return set(needed_for(effect.drivers))
 
 
 def thermal_model(model, dynamics, effects=()):

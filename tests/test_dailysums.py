@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from pvlib_fem.dailysums import FOLDS, daily_sums
-from pvlib_fem.leastsquares import day_errors
+from pvlib_fem.dailysums import FOLDS, daily_sums, day_errors
 
 
 @pytest.fixture(scope="module")
