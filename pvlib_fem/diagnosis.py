@@ -1,28 +1,26 @@
 """Which absent effect could explain what a fit leaves."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
 
 from pvlib_fem import paper
-from pvlib_fem.dailysums import FOLDS, daily_sums
-from pvlib_fem.drivers import ALIASES, needed_for
+from pvlib_fem.dailysums import FOLDS
+from pvlib_fem.drivers import ALIASES, GEOMETRY, needed_for
 from pvlib_fem.effect import Effect, Parameter, Terms
-from pvlib_fem.effects import EFFECTS, find
+from pvlib_fem.effects import EFFECTS, VARIANTS, find
+from pvlib_fem.evidence import gather
 from pvlib_fem.model import thermal_model
 from pvlib_fem.records import measured
-from pvlib_fem.relaxation import relax
 
 ENOUGH_DAYS = 60  # below this even pure noise looks like an effect
-POWER = 2.8  # errors that a coefficient needs to be seen 4 times in 5 at 5 %
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
+#: the same sunlight in other planes: no cause of its own
+IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
+#: what a user gives where these columns lack
+SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
+SOME = 20_000  # rows that are enough to compare columns
+LEAK = 0.05  # of a column's variance that the answer leaves, where it is a leak
 MOST_MISSING = 0.2  # of a driver's rows
-RIVAL = 0.6  # share of the best gain from which a candidate is a rival
-TIED = 0.15  # share of its own gain that is left beside a rival it is tied with
-YEAR = 365.25  # days
-
 
 COLUMNS = [
     "gain",
@@ -85,20 +83,95 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     columns = with_aliases(data)
     usual = [columns.pop(name) for name in paper.COLUMNS]
     drivers, refused = usable_drivers(columns, usual)
+    there = {effect.name for effect in fit.effects}
+    testable, notes = candidates(drivers, refused, effects, there)
     model = thermal_model(fit.model, fit.dynamics, fit.effects)
-    rows, testable = {}, []
-    for effect in absent(fit, drivers, effects):
-        if lacking := [n for n in needed_for(effect.drivers) if n not in drivers]:
-            why = [refused.get(name, f"no {name}") for name in lacking]
-            rows[effect.name] = {"note": "; ".join(why)}
-        else:
-            testable.append(effect)
-    record = measured(*usual, check_units=False, **drivers)
-    rows |= explained(fit, model, record, testable)
+    record = measured(*usual, check_units=False, **filled(drivers))
+    seen = paper.counted(record.inputs.columns, fit.night)
+    rows = {name: {"note": note} for name, note in notes.items()}
+    if (days := len(np.unique(record.dates[seen]))) < FOLDS:
+        few = f"{days} days are too few to hold any out"
+        rows |= {effect.name: {"note": few} for effect in testable}
+    else:
+        coefficients = {**model.law.fixed, **fit.coefficients}
+        fixed = fit.at_bound
+        found = gather(model, coefficients, record, seen, testable, fixed)
+        rows |= ranked(found, days)
     table = pd.DataFrame.from_dict(rows, orient="index")
     table = table.reindex(columns=COLUMNS).rename_axis("effect")
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
     return table.loc[order.sort_values(["no", "loss"], kind="stable").index]
+
+
+def ranked(found, days):
+    """Rows of all candidates, each beside the shapes that any misfit leaves."""
+    rows = {name: {"note": note} for name, note in found.failed.items()}
+    beside = found.nuisances
+    for name in found.effects:
+        others = [other for other in beside if other != name]
+        effect = found.effects[name]
+        estimated = effect.settings.get("source")
+        note = f"from {estimated}" if estimated else ""
+        row = rows[name] = {"note": note, **found.weigh(name, others)}
+        if "gain" not in row:
+            continue
+        if not row["physical"] and row["gain"] > 0:
+            row["note"] = impossible(effect)
+        elif days < ENOUGH_DAYS:
+            row["note"] = f"suggestive at best: {days} days, of {ENOUGH_DAYS}"
+    gains = {name: row["gain"] for name, row in rows.items() if row.get("physical")}
+    for name in gains:
+        others = [other for other in beside if other != name]
+        rows[name]["ties"] = found.ties(name, gains, others)
+    return rows
+
+
+def impossible(effect):
+    """Words for what helps with a coefficient that cannot be."""
+    if effect.shape:
+        return f"informative, but not as {effect.name}: another shape would be it"
+    return f"informative, but not as {effect.name}: suspect the irradiance sensor"
+
+
+def filled(drivers):
+    """Drivers without gaps: their median says least where they are missing."""
+    return {name: column.fillna(column.median()) for name, column in drivers.items()}
+
+
+def candidates(drivers, refused, effects, there=()):
+    """Effects whose drivers are there, and for the others the reason they are not."""
+    if effects is None:
+        known = {n for e in EFFECTS.values() for n in measured_for(e)}
+        own = [driver(n, column) for n, column in drivers.items() if n not in known]
+        wanted = [*EFFECTS.values(), *own]
+    else:
+        wanted = [find(name) for name in effects]
+    testable, notes = [], {}
+    for effect in wanted:
+        if effect.name in there:
+            continue
+        variants = (
+            VARIANTS.get(effect.name, (effect,)) if effects is None else (effect,)
+        )
+        for variant in variants:
+            lacking = [n for n in needed_for(variant.drivers) if n not in drivers]
+            if not lacking:
+                testable.append(variant)
+                break
+        else:
+            lacking = [n for n in needed_for(effect.drivers) if n not in drivers]
+            why = [refused[name] for name in lacking if name in refused]
+            none = [SUN.get(name, name) for name in lacking if name not in refused]
+            if none:
+                why.append(f"no {', '.join(sorted(set(none)))}")
+            notes[effect.name] = "; ".join(why)
+    return testable, notes
+
+
+def measured_for(effect):
+    """Columns that any variant of an effect needs."""
+    variants = VARIANTS.get(effect.name, (effect,))
+    return [n for variant in variants for n in needed_for(variant.drivers)]
 
 
 def with_aliases(data):
@@ -125,7 +198,7 @@ def usable_drivers(columns, usual):
             refused[name] = f"{name} holds no value"
         elif column.isna().mean() > MOST_MISSING:
             refused[name] = f"{column.isna().mean():.0%} of {name} is missing"
-        elif column.nunique() < 2:
+        elif column.nunique() < 2 and name not in GEOMETRY:
             refused[name] = f"{name} is constant"
         elif copies := [n for n, other in seen.items() if same(column, other)]:
             refused[name] = f"{name} is a copy of {copies[0]}"
@@ -136,6 +209,11 @@ def usable_drivers(columns, usual):
 
 def same(one, other):
     """Whether one column is another, but for a factor and an offset."""
+    some = slice(None, None, max(1, len(one) // SOME))
+    return alike(one[some], other[some]) and alike(one, other)
+
+
+def alike(one, other):
     both = one.notna() & other.notna()
     x, y = one[both].astype(float), other[both].astype(float)
     if both.sum() < 3 or x.std() == 0 or y.std() == 0:
@@ -143,16 +221,31 @@ def same(one, other):
     return abs(np.corrcoef(x, y)[0, 1]) > 1.0 - 1e-9
 
 
-def absent(fit, drivers, effects):
-    """Candidates that the fit does not hold yet."""
-    if effects is None:
-        known = {n for e in EFFECTS.values() for n in needed_for(e.drivers)}
-        own = [driver(n, column) for n, column in drivers.items() if n not in known]
-        candidates = [*EFFECTS.values(), *own]
-    else:
-        candidates = [find(name) for name in effects]
-    there = {effect.name for effect in fit.effects}
-    return [effect for effect in candidates if effect.name not in there]
+def leaks(record, seen, modelled, names):
+    """
+    Columns that are the module temperature, or made from it.
+
+    Those that the measured temperature, as it is, a little before and after and
+    smoothed, foretells far better than all that a model knows.
+    """
+    module = pd.Series(record["temp_module"]).interpolate(limit_direction="both")
+    near = [module, module.shift(1), module.shift(-1), module.rolling(5, 1).mean()]
+    known = [record["poa_global"], record["temp_air"], record["wind_speed"], modelled]
+    rows = np.flatnonzero(seen & np.isfinite(modelled))[1:-1]
+    rows = rows[:: max(1, len(rows) // SOME)]
+    without = np.column_stack([np.ones(len(rows)), *(c[rows] for c in known)])
+    with_it = np.column_stack([without, *(c.to_numpy()[rows] for c in near)])
+    for name in names:
+        column = record[name][rows]
+        before, after = (unexplained(column, x) for x in (without, with_it))
+        if after < LEAK and after < 0.5 * before:
+            yield name
+
+
+def unexplained(column, others):
+    """Share of a column's variance that others leave."""
+    found = np.linalg.lstsq(others, column, rcond=None)[0]
+    return np.var(column - others @ found) / max(np.var(column), 1e-300)
 
 
 def driver(name, column):
@@ -164,110 +257,11 @@ def driver(name, column):
         return Terms(heat=heat * (values - mean))
 
     row = Parameter(0.0, -most, most, f"W/m² per unit of {name}")
-    return Effect(f"driver:{name}", terms, {"heat": row}, columns=(name,))
-
-
-def explained(fit, model, record, candidates):
-    """Rows of the ranking, all from one pass over the record."""
-    larger = replace(model, effects=(*fit.effects, *candidates))
-    inputs = larger.with_drivers(record.inputs)
-    own = {e.name: list(e.rows()) for e in candidates}
-    start = {n: row.start for e in candidates for n, row in e.rows().items()}
-    values = {**model.law.fixed, **fit.coefficients, **start}
-    temperature, slopes = larger.slopes(inputs, values)
-    seen = paper.daytime(*(record[name] for name in paper.COLUMNS))
-    seen &= np.isfinite(temperature)
-    dates = record.dates[seen]
-    if (days := len(np.unique(dates))) < FOLDS:
-        return {n: {"note": f"{days} days are too few to hold any out"} for n in own}
-
-    base = [name for name in model.parameters if name not in fit.at_bound]
-    over = temperature - values["bias"] - record["temp_air"]
-    slopes = {**slopes, **shapes(over, record)}
-    names = [*base, *(n for n in slopes if n.startswith("shape:")), *start]
-    columns = np.stack([slopes[name][seen] for name in names], axis=1)
-    sums = daily_sums(columns, (record["temp_module"] - temperature)[seen], dates)
-    place = {name: i for i, name in enumerate(names)}
-    nuisance = [place[name] for name in names if name not in start]
-    where = {name: [place[n] for n in rows] for name, rows in own.items()}
-    before = sums.left(nuisance)
-    table = {
-        effect.name: weighed(effect, sums, nuisance, where[effect.name], before)
-        for effect in candidates
-    }
-    rivals = {n: row for n, row in table.items() if row.get("physical")}
-    for name, row in rivals.items():
-        row["ties"] = ties(name, rivals, sums, nuisance, where)
-    return table
-
-
-def weighed(effect, sums, nuisance, own, before):
-    """One row of the ranking."""
-    if not all(sums.beside(column, []) > 0 for column in own):
-        return {"note": "it adds nothing in this record's weather"}
-    beside = np.array([sums.beside(column, nuisance) for column in own])
-    if (beside < 1e-6).any():
-        return {"note": "the record cannot tell it from the fitted coefficients"}
-    kept = [*nuisance, *own]
-    step = sums.solve(kept)[len(nuisance) :]
-    covariance = sums.covariance(kept)[len(nuisance) :, len(nuisance) :]
-    error = np.sqrt(np.diag(covariance))
-    names, scale = list(effect.rows()), sums.scale[own]
-    coefficients = dict(zip(names, (step / scale).tolist()))
-    physical = all(
-        row.lower - near <= coefficients[name] <= row.upper + near
-        for (name, row), near in zip(effect.rows().items(), 2.0 * error / scale)
+    return Effect(
+        f"driver:{name}",
+        terms,
+        {"heat": row},
+        columns=(name,),
+        shape=name in IRRADIANCES,
+        decided_by=f"what {name} stands for",
     )
-    change = before - sums.left(kept)
-    note = ""
-    if not physical and change > 0:
-        note = f"informative, but not as {effect.name}: suspect the irradiance sensor"
-    elif sums.days < ENOUGH_DAYS:
-        note = f"suggestive at best: {sums.days} days, of {ENOUGH_DAYS}"
-    return {
-        "gain": float(np.sign(change) * np.sqrt(abs(change))),
-        "p_value": float(chi2.sf(step @ np.linalg.solve(covariance, step), len(own))),
-        "coefficients": coefficients,
-        "stderr": dict(zip(names, (error / scale).tolist())),
-        "physical": physical,
-        "detectable": float(POWER * (error * beside).max()),
-        "ties": (),
-        "note": note,
-    }
-
-
-def ties(name, rivals, sums, nuisance, where):
-    """Rivals beside which a candidate has nothing left to explain."""
-    own = max(rivals[name]["gain"], 0.0) ** 2
-    tied = []
-    for other, row in rivals.items():
-        if other == name or max(row["gain"], 0.0) ** 2 < RIVAL * own or own == 0.0:
-            continue
-        without = sums.left([*nuisance, *where[other]])
-        if without - sums.left([*nuisance, *where[other], *where[name]]) < TIED * own:
-            tied.append(other)
-    return tuple(tied)
-
-
-def shapes(over, record):
-    """
-    What a misshapen model leaves, as columns that no effect is credited with.
-
-    Functions of the usual inputs alone, which every cause without a driver of
-    its own shares: a year's swing, curvature in the over-temperature and in the
-    wind, its fall with air temperature, and a slower mass.
-    """
-    wind, air = record["wind_speed"], record["temp_air"]
-    turn = 2.0 * np.pi * record.dates / YEAR
-    hour = 3600.0 / record.inputs.unit
-    columns = {
-        "summer": over * np.cos(turn),
-        "spring": over * np.sin(turn),
-        "curved": over * np.sqrt(np.abs(over)),
-        "calm": over * np.exp(-wind / 0.7),
-        "gusty": over * np.sqrt(wind),
-        "warm": over * (air - np.nanmean(air)),
-        "slow": relax(over, record.inputs.steps, hour) - over,
-        "slower": relax(over, record.inputs.steps, 3.0 * hour) - over,
-    }
-    return {f"shape:{name}": column for name, column in columns.items()}

@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -62,12 +62,31 @@ class Effect:
     columns : tuple of str, optional
         Names of the columns for its drivers, in order, where they are not the
         names of its arguments.
+    shape : bool, default False
+        Whether it is a function of irradiance, air temperature, wind and sun
+        alone. Several such shapes can look alike, so they are reported as a
+        class.
+    decided_by : str, optional
+        The measurement that would decide, in a phrase.
+    settings : dict, optional
+        What it was made with, where its name alone does not say it.
+    source : str, optional
+        Which of several drivers it uses; printed as "from ...".
     """
 
     name: str
     terms: Callable
     parameters: Mapping[str, Parameter]
     columns: tuple | None = None
+    shape: bool = False
+    decided_by: str = ""
+    settings: Mapping = field(default_factory=dict)
+    source: str = ""
+
+    @property
+    def spec(self):
+        """Its name, or a dict with its settings: what finds it again."""
+        return {"name": self.name, **self.settings} if self.settings else self.name
 
     @property
     def drivers(self):
@@ -103,3 +122,43 @@ class Effect:
             difference = up.plus(down, -1.0)
             slopes[name] = Terms().plus(difference, 0.5 / step)
         return slopes
+
+
+@dataclass(frozen=True, eq=False)
+class Tabled:
+    """An effect that is linear in its parameters, on one record: slopes say all."""
+
+    effect: Effect
+    units: Mapping  # slope of the terms by parameter
+
+    def __getattr__(self, name):
+        return getattr(self.effect, name)
+
+    def at(self, columns, coefficients):
+        """Terms with these coefficients, from the slopes."""
+        whole = Terms()
+        for name, row in self.effect.rows().items():
+            whole = whole.plus(self.units[name], coefficients[name] - row.start)
+        return whole
+
+    def slopes(self, columns, coefficients):
+        return self.units
+
+
+def tabled(effect, columns):
+    """The effect by its slopes on these columns, or as it is where not linear."""
+    if isinstance(effect, Tabled):
+        return effect
+    rows = effect.rows()
+    start = {name: row.start for name, row in rows.items()}
+    known = Tabled(effect, effect.slopes(columns, start))
+    # somewhere inside the bounds, and nowhere special
+    inside = {
+        name: row.lower + 0.37 * (row.upper - row.lower) for name, row in rows.items()
+    }
+    one, other = effect.at(columns, inside), known.at(columns, inside)
+    for column in fields(Terms):
+        a, b = getattr(one, column.name), getattr(other, column.name)
+        if not np.allclose(a, b, rtol=1e-6, atol=1e-9, equal_nan=True):
+            return effect
+    return known

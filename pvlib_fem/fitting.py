@@ -7,6 +7,7 @@ import pandas as pd
 
 from pvlib_fem import paper, scores
 from pvlib_fem.dailysums import day_errors
+from pvlib_fem.effect import tabled
 from pvlib_fem.effects import find
 from pvlib_fem.leastsquares import FLAT, gauss_newton, normal_equations
 from pvlib_fem.model import INSTANT, ThermalModel, thermal_model
@@ -32,6 +33,7 @@ def fit_fem(
     calm_wind=0.5,
     check_units=True,
     effects=(),
+    night=False,
     **drivers,
 ) -> FemFit:
     """
@@ -71,6 +73,9 @@ def fit_fem(
         Physical effects to fit beside the model, by name
         (``pvlib_fem.effects.EFFECTS``) or of one's own. ``scores`` has a row for
         each, in this order.
+    night : bool, default False
+        Whether night rows count, too. By day only, as in the paper, the
+        coefficients serve the energy; nights tell more of sky and storage.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
@@ -115,11 +120,13 @@ def fit_fem(
         )
     if method == "paper" and effects:
         raise ValueError("method='paper' has no effects; use method='least_squares'")
+    if method == "paper" and night:
+        raise ValueError("method='paper' is for daytime rows; use night=False")
     record = measured(
         poa_global, temp_air, wind_speed, temp_module, check_units, **drivers
     )
     record = replace(record, inputs=target.with_drivers(record.inputs))
-    filtered = paper.daytime(*(record[name] for name in paper.COLUMNS))
+    filtered = paper.counted(record.inputs.columns, night)
     for name in target.drivers:
         filtered &= ~np.isnan(record[name])
     notes = []
@@ -141,27 +148,41 @@ def fit_fem(
     modelled = {
         name: m.temperature(record.inputs, c) for name, (m, c) in stages.items()
     }
-    coefficients = public(target, last(stages)[1])
-    residual = pd.Series(
-        record["temp_module"] - last(modelled), record.index, name="residual"
+    return finished(
+        target,
+        record,
+        modelled,
+        (train, filtered & out, out),
+        (last(stages)[1], stderr, at_bound, converged),
+        notes,
+        method=method,
+        night=night,
     )
+
+
+def finished(target, record, modelled, parts, minimum, notes, **how):
+    """The result, from the temperatures of each step and the last minimum."""
+    train, test, out = parts
+    found, stderr, at_bound, converged = minimum
+    coefficients = public(target, found)
+    residual = record["temp_module"] - last(modelled)
     days = record.days
     return FemFit(
-        model=model,
-        dynamics=dynamics,
-        method=method,
+        model=target.law.name,
+        dynamics=target.dynamics,
         effects=target.effects,
         coefficients=coefficients,
         stderr={name: stderr.get(name, 0.0) for name in coefficients},
-        scores=score_table(record, modelled, train, filtered & out),
-        residual=residual,
+        scores=score_table(record, modelled, train, test),
+        residual=pd.Series(residual, record.index, name="residual"),
         at_bound=at_bound,
         converged=converged,
         notes=tuple(notes),
         train_days=len(np.unique(days[train])),
-        test_days=len(np.unique(days[filtered & out])),
+        test_days=len(np.unique(days[test])),
         holdout=pd.Series(out, record.index, name="holdout"),
         record=record,
+        **how,
     )
 
 
@@ -182,7 +203,7 @@ def held_out(record, filtered, holdout, notes):
         if not (filtered & ~out).any():
             out = np.zeros(len(index), dtype=bool)
     if not (filtered & out).any():
-        notes.append("no daytime row is held out: test scores are NaN")
+        notes.append("no row that counts is held out: test scores are NaN")
     return out
 
 
@@ -224,16 +245,26 @@ def minimise(model, record, rows, start, biased, flat):
     """Least squares of one stage, over its parameters as the search sees them."""
     # the bias is last, so leaving it out leaves the others where they are
     names = list(model.parameters)[: None if biased else -1]
+    model = replace(model, effects=tables(model.effects, record))
     table = [model.parameters[name] for name in names]
+    rows = np.flatnonzero(rows)
     measured_rows = record["temp_module"][rows]
 
     def evaluate(x):
         coefficients, chain = natural(model, {**start, **dict(zip(names, x))})
-        temperature, slopes = model.slopes(record.inputs, coefficients)
-        jacobian = np.stack([slopes[name][rows] for name in names], axis=1)
-        chain = chain[: len(names), : len(names)]
-        if np.any(chain != np.eye(len(names))):
-            jacobian = jacobian @ chain
+        temperature = model.temperature(record.inputs, coefficients)
+
+        def jacobian():
+            slopes = model.slopes(record.inputs, coefficients)[1]
+            columns = [slopes[name][rows] for name in names]
+            return [
+                columns[i]
+                if own[i] == 1.0 and len(own.nonzero()[0]) == 1
+                # a share moves with the whole that it is of
+                else sum(columns[j] * own[j] for j in np.flatnonzero(own))
+                for i, own in enumerate(chain[: len(names), : len(names)].T)
+            ]
+
         return measured_rows - temperature[rows], jacobian
 
     minimum = gauss_newton(
@@ -245,6 +276,11 @@ def minimise(model, record, rows, start, biased, flat):
     )
     found = {**start, **dict(zip(names, minimum.x.tolist()))}
     return minimum, found
+
+
+def tables(effects, record):
+    """The effects by their slopes on a record, where those say all."""
+    return tuple(tabled(effect, record.inputs.columns) for effect in effects)
 
 
 def natural(model, searched):
@@ -278,11 +314,13 @@ def errors(target, record, train, coefficients, at_bound, notes):
         )
         return stderr
     temperature, slopes = target.slopes(record.inputs, coefficients)
-    jacobian = np.stack([slopes[name][train] for name in names], axis=1)
-    size = np.sqrt((jacobian**2).sum(axis=0))
+    rows = np.flatnonzero(train)
+    columns = [slopes[name][rows] for name in names]
+    residual = record["temp_module"][rows] - temperature[rows]
+    normal, _ = normal_equations(columns, residual)
+    size = np.sqrt(np.diag(normal))
     size[size == 0] = 1.0
-    residual = record["temp_module"][train] - temperature[train]
-    normal, _ = normal_equations(jacobian / size, residual)
+    normal = normal / np.outer(size, size)
     values, vectors = np.linalg.eigh(normal)
     if not values[0] > UNKNOWN * values[-1]:
         tied = [n for n, v in zip(names, np.abs(vectors[:, 0])) if v > 0.1]
@@ -291,7 +329,7 @@ def errors(target, record, train, coefficients, at_bound, notes):
             "(does wind_speed vary?)"
         )
         return stderr
-    covariance = day_errors(jacobian, residual, days)
+    covariance = day_errors(columns, residual, days)
     return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}
 
 

@@ -27,8 +27,9 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
 
     Every step solves the bounded linear problem on the square root of the
     small normal matrix, so a long record costs one pass a step. The residual
-    is measured minus modelled, the Jacobian that of the model. ``flat`` is the
-    relative fall of the cost that ends the search.
+    is measured minus modelled; the Jacobian that of the model, a matrix or a
+    function that makes its columns, called only where a step begins. ``flat`` is
+    the relative fall of the cost that ends the search.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
@@ -59,6 +60,8 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
 
 def bounded_step(jacobian, residual, lower, upper):
     """Best linear step within bounds, from the scaled normal matrix."""
+    if callable(jacobian):
+        jacobian = jacobian()
     normal, gradient = normal_equations(jacobian, residual)
     scale = np.sqrt(np.diag(normal))
     scale[scale == 0] = 1.0
@@ -87,10 +90,12 @@ def normal_equations(jacobian, residual):
     BLAS would start threads for the whole, which cost more than they bring on
     matrices this narrow, and far more on a busy machine.
     """
-    size = jacobian.shape[1]
+    columns = list(jacobian.T) if isinstance(jacobian, np.ndarray) else jacobian
+    size = len(columns)
     normal, gradient = np.zeros((size, size)), np.zeros(size)
     for start in range(0, len(residual), BLOCK):
         rows = slice(start, start + BLOCK)
-        normal += jacobian[rows].T @ jacobian[rows]
-        gradient += jacobian[rows].T @ residual[rows]
+        block = np.stack([column[rows] for column in columns])
+        normal += block @ block.T
+        gradient += block @ residual[rows]
     return normal, gradient

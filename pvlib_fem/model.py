@@ -1,6 +1,6 @@
 """A thermal model: a steady law, effects, and the dynamics that answers them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pvlib_fem.relaxation import (
     banded,
     before,
     decays,
+    relax,
     relax_slope,
     solve,
 )
@@ -64,10 +65,7 @@ class ThermalModel:
 
     def with_drivers(self, inputs):
         """The inputs with what is derived from them for the effects."""
-        names = self.effect_drivers
-        if not names:
-            return inputs
-        return replace(inputs, columns=completed(inputs.columns, names, inputs.seconds))
+        return completed(inputs, self.effect_drivers)
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
         """Module temperature; without a tau the default, without a bias none. [°C]"""
@@ -99,9 +97,11 @@ class ThermalModel:
                 for effect in self.effects
                 if set(missing) & set(needed_for(effect.drivers))
             ]
+            place = "; pvlib_fem.drivers.sun finds the sun"
             raise ValueError(
                 f"data lack {', '.join(missing)}, which {' and '.join(using)} needs; "
                 "add them or drop the effect"
+                f"{place if 'solar_zenith' in missing else ''}"
             )
         if unused := [name for name in given if name not in self.drivers]:
             raise ValueError(
@@ -113,9 +113,12 @@ class ThermalModel:
         """Module temperature of checked inputs, all coefficients given. [°C]"""
         return self.slopes(inputs, coefficients, wanted=False)[0]
 
-    def slopes(self, inputs, coefficients, wanted=True):
+    def slopes(self, inputs, coefficients, wanted=True, also=None):
         """
         Module temperature and its slope by each parameter, where ``wanted``.
+
+        ``also`` holds slopes of terms by name, of effects that add nothing yet;
+        they are answered along.
 
         Everything that is known adds to the four columns of the equation, and
         so do the slopes of what is known: the dynamics answers both alike. The
@@ -124,6 +127,7 @@ class ThermalModel:
         """
         added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
         slopes = {"bias": Terms(offset=1.0)} if wanted else {}
+        slopes |= also or {}
         for effect in self.effects:
             added = added.plus(effect.at(inputs.columns, coefficients))
             if wanted:
@@ -157,21 +161,32 @@ def thermal_model(model, dynamics, effects=()):
 
 
 def resistance(law, own, wind, loss):
-    """Resistance with further losses, its slopes, and its slope by those losses."""
+    """Resistance with further losses, and the share that they leave of the law's."""
     r_law = law.resistance(wind, **own)
-    slopes = law.slopes(wind, **own)
     if not is_there(loss):
-        return r_law, slopes, -(r_law**2)
+        return r_law, 1.0
     # 1/(1/r + loss); where a loss would be negative there is no temperature
     share = 1.0 / (1.0 + loss * r_law)
     share = np.where(share > 0, share, np.nan)
-    r_eq = r_law * share
-    return r_eq, {n: s * share**2 for n, s in slopes.items()}, -(r_eq**2)
+    return r_law * share, share
+
+
+def resistance_slopes(law, own, wind, r_eq, share):
+    """Slopes of a resistance: by the law's parameters and wind, by further losses."""
+    slopes = law.slopes(wind, **own)
+    if is_there(share - 1.0):
+        slopes = {name: slope * share**2 for name, slope in slopes.items()}
+    return slopes, -(r_eq**2)
 
 
 def steady(law, own, inputs, added, slopes):
     """T = T_air + heat·r_eq."""
-    r_eq, by_law, by_loss = resistance(law, own, inputs["wind_speed"], added.loss)
+    wind = inputs["wind_speed"]
+    r_eq, share = resistance(law, own, wind, added.loss)
+    temperature = inputs["temp_air"] + added.heat * r_eq
+    if not slopes:
+        return temperature, {}
+    by_law, by_loss = resistance_slopes(law, own, wind, r_eq, share)
     found = {name: added.heat * by_law[name] for name in law.parameters}
     for name, slope in slopes.items():
         found[name] = slope.offset
@@ -179,7 +194,7 @@ def steady(law, own, inputs, added, slopes):
             found[name] = found[name] + slope.heat * r_eq
         if is_there(slope.loss):
             found[name] = found[name] + added.heat * by_loss * slope.loss
-    return inputs["temp_air"] + added.heat * r_eq, found
+    return temperature, found
 
 
 def smoothed(law, own, inputs, added, slopes, tau):
@@ -190,12 +205,18 @@ def smoothed(law, own, inputs, added, slopes, tau):
         """A column and its slope by tau; a part has the gaps of the whole."""
         if np.ndim(column) == 0:
             return column, 0.0
+        if not slopes:
+            return relax(column, inputs.steps, tau), 0.0
         return relax_slope(column + 0.0 * whole, inputs.steps, tau)
 
     heat, heat_by_tau = smooth(added.heat)
     wind, wind_by_tau = smooth(inputs["wind_speed"])
     loss, loss_by_tau = smooth(added.loss)
-    r_eq, by_law, by_loss = resistance(law, own, wind, loss)
+    r_eq, share = resistance(law, own, wind, loss)
+    temperature = inputs["temp_air"] + heat * r_eq
+    if not slopes:
+        return temperature, {}
+    by_law, by_loss = resistance_slopes(law, own, wind, r_eq, share)
     found = {name: heat * by_law[name] for name in law.parameters}
     r_by_tau = by_law["wind_speed"] * wind_by_tau
     if is_there(loss):
@@ -208,12 +229,13 @@ def smoothed(law, own, inputs, added, slopes, tau):
         if is_there(slope.loss):
             part = smooth(slope.loss, added.loss)[0]
             found[name] = found[name] + heat * by_loss * part
-    return inputs["temp_air"] + heat * r_eq, found
+    return temperature, found
 
 
 def balanced(law, own, inputs, added, slopes):
     """The exact heat balance, whose time constant is capacity·r_eq."""
-    r_eq, by_law, by_loss = resistance(law, own, inputs["wind_speed"], added.loss)
+    wind = inputs["wind_speed"]
+    r_eq, share = resistance(law, own, wind, added.loss)
     target = inputs["temp_air"] + added.heat * r_eq
     tau = added.capacity / inputs.unit * r_eq
     valid = np.flatnonzero(~np.isnan(target))
@@ -238,20 +260,21 @@ def balanced(law, own, inputs, added, slopes):
     temperature = solve(band, rise * target)
     if not slopes:
         return spread(temperature), {}
+    if len(valid) < rows:
+        wind, share = there(wind), there(share)
+    by_law, by_loss = resistance_slopes(law, own, wind, r_eq, share)
     # slope of the decay by ln(tau), times what of the past is left to decay
     fading = (before(temperature) - target) * decay * (steps / tau)
     by_r = rise * there(added.heat) + fading / r_eq  # what r_eq moves, in all
 
-    found = {
-        name: spread(solve(band, by_r * there(by_law[name]))) for name in law.parameters
-    }
+    found = {name: spread(solve(band, by_r * by_law[name])) for name in law.parameters}
     for name, slope in slopes.items():
         found[name] = slope.offset
         source = 0.0
         if is_there(slope.heat):
             source = source + rise * r_eq * there(slope.heat)
         if is_there(slope.loss):
-            source = source + by_r * there(by_loss) * there(slope.loss)
+            source = source + by_r * by_loss * there(slope.loss)
         if is_there(slope.capacity):
             source = source + fading * there(slope.capacity / added.capacity)
         if np.ndim(source):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.drivers import GEOMETRY, sun
 from pvlib_fem.effects import find
 from pvlib_fem.model import thermal_model
 from pvlib_fem.relaxation import ewm
@@ -40,8 +41,9 @@ class DynamicCellTemperature:
         moment, as in :func:`pvlib.temperature.sapm_cell`. [K]
     k_bs_c : float, default 0
         Back-to-cell resistance on smoothed irradiance [1]_. [K m²/W]
-    effects : sequence of str or Effect, optional
-        Physical effects whose coefficients are among ``coefficients``.
+    effects : sequence of str, dict or Effect, optional
+        Physical effects whose coefficients are among ``coefficients``. Where
+        they need the place of the sun and of the module, the chain's is taken.
     **drivers
         Series by name, aligned on time with the run: ``poa_global``,
         ``temp_air`` or ``wind_speed`` instead of the chain's, those of the
@@ -86,7 +88,10 @@ class DynamicCellTemperature:
         if not callable(model):
             wanted = thermal_model(model, dynamics, map(find, effects))
             effects = wanted.effects
-            wanted.check_drivers([n for n in drivers if n not in WEATHER])
+            given = [n for n in drivers if n not in WEATHER]
+            # the chain knows the sun and its mounts
+            known = [n for n in GEOMETRY if n in wanted.drivers and n not in given]
+            wanted.check_drivers([*given, *known])
         elif effects:
             raise ValueError("a callable model takes no effects; give a law's name")
         values = dict(
@@ -128,14 +133,37 @@ class DynamicCellTemperature:
             frame = weather if one_for_all else weather[i]
             if i == 0 or not one_for_all:
                 self.warn_of_filled(frame)
-            cells.append(self.cell_temperature(poa_global, frame, array))
+            place = self.geometry(mc, array, poa_global.index)
+            cells.append(self.cell_temperature(poa_global, frame, array, place))
         several = isinstance(mc.results.effective_irradiance, tuple)
         mc.results.cell_temperature = tuple(cells) if several else cells[0]
 
-    def cell_temperature(self, poa_global, weather, array):
+    def geometry(self, mc, array, index):
+        """Where sun and array stand, as far as effects need it and none gave it."""
+        if callable(self.model):
+            return {}
+        needed = thermal_model(self.model, self.dynamics, self.effects).drivers
+        lacking = [n for n in GEOMETRY if n in needed and n not in self.drivers]
+        if not lacking:
+            return {}
+        position = mc.results.solar_position
+        if position is not None and position.index.equals(index):
+            place = position[["zenith", "azimuth"]].add_prefix("solar_")
+        else:  # a run from effective irradiance leaves none, or that of a run before
+            place = sun(index, mc.location)
+        mounted = array.mount.get_orientation(
+            place["solar_zenith"], place["solar_azimuth"]
+        )
+        for name in ("surface_tilt", "surface_azimuth"):
+            # a tracker has no place at night, when its place is of no matter
+            place[name] = pd.Series(mounted[name], index).fillna(0.0)
+        return {name: place[name] for name in lacking}
+
+    def cell_temperature(self, poa_global, weather, array, place):
         """Cell temperature of one array. [°C]"""
         index = poa_global.index
         own = {name: aligned(name, s, index) for name, s in self.drivers.items()}
+        own |= place
         poa_global = own.pop("poa_global", poa_global)
         temp_air = own.pop("temp_air", weather["temp_air"])
         wind_speed = own.pop("wind_speed", weather["wind_speed"])

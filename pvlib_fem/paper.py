@@ -107,6 +107,31 @@ def night(poa_global, temp_air, wind_speed, temp_module):
     )
 
 
+def counted(columns, with_night=False):
+    """
+    Rows whose residual counts in a fit: daytime, and by choice the night.
+
+    Parameters
+    ----------
+    columns : mapping
+        The usual four by name. Where it has ``snow_depth``, modules below 0 °C
+        by day need not be left out with the night.
+    with_night : bool, default False
+
+    Returns
+    -------
+    boolean
+    """
+    usual = [columns[name] for name in COLUMNS]
+    seen = daytime(*usual)
+    if with_night:
+        seen = seen | night(*usual)
+        if "snow_depth" in columns:
+            cold = (usual[3] >= -20) & (usual[3] < 0)
+            seen = seen | (usable(usual[1], usual[2]) & cold)
+    return seen
+
+
 def averages(poa_global, temp_air, wind_speed, temp_module, interval=INTERVAL):
     """
     Five-minute averages of daytime rows, with the over-temperature.

@@ -53,6 +53,8 @@ class FemFit:
         Boolean, the rows held out.
     record : Record
         The record as it was checked.
+    night : bool
+        Whether night rows count, too.
     """
 
     model: str
@@ -70,6 +72,7 @@ class FemFit:
     test_days: int
     holdout: pd.Series = field(repr=False)
     record: Record = field(repr=False)
+    night: bool = False
 
     def predict(self, poa_global, temp_air, wind_speed, **drivers):
         """
@@ -164,7 +167,7 @@ class FemFit:
             "model": self.model,
             "dynamics": self.dynamics,
             "method": self.method,
-            "effects": [effect.name for effect in self.effects],
+            "effects": [effect.spec for effect in self.effects],
             "coefficients": self.coefficients,
             "stderr": self.stderr,
             "scores": self.scores.to_dict(orient="index"),
@@ -222,7 +225,7 @@ def report(fit):
         error = f"{float(f'{error:.2g}'):g}"  # two digits, and never 2e+03
         yield f"{name:<{wide}}{value:>12.5g}{error:>12}   {row.unit}{bound}"
     yield ""
-    yield "what each step bought, daytime [K]"
+    yield f"what each step bought, {'day and night' if fit.night else 'daytime'} [K]"
     wide = wide if fit.effects else 10
     yield f"{'':<{wide}}{'fitted days':^24}  {'held-out days':^24}".rstrip()
     yield f"{'step':<{wide}}" + "  ".join(

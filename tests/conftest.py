@@ -2,8 +2,10 @@ import os
 
 import numpy as np
 import pytest
+from pvlib.location import Location
 
 from pvlib_fem import datasets, ewm
+from pvlib_fem.drivers import sun
 
 DRIVERS = ("poa_global", "temp_air", "wind_speed")
 COLUMNS = (*DRIVERS, "temp_module")
@@ -36,6 +38,12 @@ def plant():
     curtailed = np.repeat(random.uniform(size=rows // 12) < 0.2, 12)
     data["p_dc"] = 0.18 * data["poa_global"] * np.where(curtailed, 0.2, 1.0)
     data["precipitation"] = np.where(wandering(20) > 2.1, 3.0, 0.0)
+    data["relative_humidity"] = np.clip(55 + 20 * wandering(80), 5, 100)
+    falls = np.where(random.uniform(size=rows) < 0.005, 5.0, 0.0)
+    data["snow_depth"] = ewm(12 * falls, 3600.0, step=300)  # it melts in an hour
+    place = sun(data.index, Location(35.0, -106.0))
+    data[place.columns] = place
+    data["surface_tilt"], data["surface_azimuth"] = 35.0, 180.0
     return data
 
 

@@ -9,14 +9,15 @@ import pvlib_fem
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 FLOORS = {
-    0: {"records", "effect", "leastsquares", "layers", "dailysums"},
-    1: {"relaxation", "laws", "scores"},
+    0: {"records", "effect", "leastsquares", "layers", "dailysums", "structure"},
+    1: {"relaxation", "laws", "scores", "clock", "coarse"},
     2: {"temperature", "translate", "paper", "drivers"},
-    3: {"effects", "model", "plotting", "datasets"},
-    4: {"modelchain", "diagnosis", "recipe"},
-    5: {"result"},
-    6: {"fitting"},
-    7: {"cli"},
+    3: {"effects", "model", "plotting", "datasets", "health"},
+    4: {"modelchain", "evidence", "recipe"},
+    5: {"result", "diagnosis", "report"},
+    6: {"fitting", "prepared", "findings"},
+    7: {"loop"},
+    8: {"cli"},
 }
 FLOOR = {name: floor for floor, names in FLOORS.items() for name in names}
 FILES = [

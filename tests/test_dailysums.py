@@ -20,9 +20,14 @@ def rows():
     return columns, residual, dates
 
 
+def summed(rows):
+    columns, residual, dates = rows
+    return daily_sums(list(columns.T), residual, dates)
+
+
 def test_the_solution_is_least_squares(rows):
     columns, residual, _ = rows
-    sums = daily_sums(*rows)
+    sums = summed(rows)
     kept = [0, 2, 3]
     want = np.linalg.lstsq(columns[:, kept], residual, rcond=None)[0]
     np.testing.assert_allclose(sums.solve(kept) / sums.scale[kept], want, rtol=1e-6)
@@ -31,29 +36,31 @@ def test_the_solution_is_least_squares(rows):
 def test_what_is_left_is_cross_validation_by_weeks(rows):
     columns, residual, dates = rows
     kept = [0, 1]
-    fold = (dates - dates[0]) // 7 % FOLDS
+    fold = np.unique((dates + 3) // 7, return_inverse=True)[1] % FOLDS
     squares = []
     for out in range(FOLDS):
         x, y = columns[fold != out][:, kept], residual[fold != out]
         found = np.linalg.lstsq(x, y, rcond=None)[0]
         squares.append((residual - columns[:, kept] @ found)[fold == out] ** 2)
     want = np.concatenate(squares).mean()
-    assert daily_sums(*rows).left(kept) == pytest.approx(want, rel=1e-6)
+    assert summed(rows).left(kept) == pytest.approx(want, rel=1e-6)
 
 
-def test_errors_are_those_of_days_left_out(rows):
+def test_errors_are_those_of_weeks_left_out(rows):
     columns, residual, dates = rows
     kept = [0, 1, 3]
     x = columns[:, kept]
     left = residual - x @ np.linalg.lstsq(x, residual, rcond=None)[0]
-    sums = daily_sums(*rows)
+    sums = summed(rows)
     found = sums.covariance(kept) / np.outer(sums.scale[kept], sums.scale[kept])
-    np.testing.assert_allclose(found, day_errors(x, left, dates), rtol=1e-5)
+    np.testing.assert_allclose(
+        found, day_errors(list(x.T), left, (dates + 3) // 7), rtol=1e-5
+    )
 
 
 def test_beside_others_is_what_they_do_not_explain(rows):
     columns, _, _ = rows
-    sums = daily_sums(*rows)
+    sums = summed(rows)
     others = columns[:, :3]
     rest = (
         columns[:, 3] - others @ np.linalg.lstsq(others, columns[:, 3], rcond=None)[0]
@@ -62,7 +69,18 @@ def test_beside_others_is_what_they_do_not_explain(rows):
     assert sums.beside(3, [0, 1, 2]) == pytest.approx(want, rel=1e-5)
 
 
+def test_a_column_added_later_is_as_good_as_one_from_the_start(rows):
+    columns, residual, dates = rows
+    first = daily_sums(list(columns[:, :3].T), residual, dates)
+    later = first.with_column(list(columns[:, :3].T), residual, dates, columns[:, 3])
+    whole = summed(rows)
+    np.testing.assert_allclose(later.sums, whole.sums, rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(later.scale, whole.scale)
+    fewer = whole.of([0, 2])
+    assert fewer.left([0, 1]) == pytest.approx(whole.left([0, 2]), rel=1e-9)
+
+
 def test_few_weeks_are_folded_by_days():
     columns = np.ones((100, 1))
-    sums = daily_sums(columns, np.arange(100.0), np.repeat(np.arange(20), 5))
+    sums = daily_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))
     assert sums.folds.tolist() == [day % FOLDS for day in range(20)]

@@ -28,14 +28,17 @@ def record_with(plant, noise, *names, seed=0, **planted):
     model = model_with("balance", *names)
     values = coefficients("balance", *names, **planted)
     module = predicted(plant, model, values) + correlated(len(plant), noise, seed)
-    return plant.assign(temp_module=module)
+    other_planes = [name for name in ("ghi", "dni", "dhi") if name in plant]
+    return plant.drop(columns=other_planes).assign(temp_module=module)
 
 
+#: effects with a driver of their own; a drift needs years
+DRIVEN = [n for n, e in EFFECTS.items() if not e.shape and n != "sensitivity_drift"]
 #: sizes that sixty days can show, where those found outdoors need a year
 LARGER = {"soiling": {"per_day": 0.008}}
 
 
-@pytest.mark.parametrize("name", [n for n in EFFECTS if n != "sensitivity_drift"])
+@pytest.mark.parametrize("name", DRIVEN)
 def test_the_planted_effect_comes_first(plant, noise, name):
     larger = {name: LARGER[name]} if name in LARGER else {}
     data = record_with(plant, noise, name, **larger)
@@ -110,7 +113,7 @@ def test_an_impossible_coefficient_is_said_to_be(plant, noise):
     assert row["gain"] > 0.1
     assert not row["physical"]
     assert "informative, but not as electrical_output: suspect the irr" in row["note"]
-    assert table["physical"].is_monotonic_decreasing
+    assert table["physical"].dropna().astype(bool).is_monotonic_decreasing
 
 
 def test_what_lacks_its_column_is_listed_with_the_reason(plant, noise):
@@ -118,7 +121,7 @@ def test_what_lacks_its_column_is_listed_with_the_reason(plant, noise):
     data["wind_direction"] = 270.0
     data["precipitation"] = np.nan
     notes = fem.rank_effects(base_fit(data), data)["note"]
-    assert notes["sky_radiation"] == "no longwave_down"
+    assert notes["sky_radiation"] == "from humidity"
     assert notes["electrical_output"] == "no p_dc"
     assert notes["wind_direction"] == "wind_direction is constant"
     assert notes["rain"] == "precipitation holds no value"

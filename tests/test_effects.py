@@ -1,6 +1,7 @@
 """Effects: what they add, and that a fit finds what was planted."""
 
 import json
+import pickle
 
 import numpy as np
 import pandas as pd
@@ -23,14 +24,32 @@ PLANTED = {
     "rain": {"film": 25.0},
     "soiling": {"per_day": 0.003},
     "sensitivity_drift": {"per_year": 0.03},
+    "snow": {"share": 0.9},
+    "shading": {"share": 0.8},
+    "natural_convection": {"free": 5.6},
+    "wind_shape": {"root": 4.0, "stall": -5.0},
+    "thermal_storage": {"hour": 0.1, "three_hours": 0.15, "air": 4.0},
+    "incidence_angle": {"b0": 0.05},
+    "rear_irradiance": {"share": 0.2},
+    "poa_misalignment": {"tilt": 3.0, "azimuth": -8.0},
+    "temperature_gain": {"gain": -0.03},
+    "air_shield": {"warm": 3.0},
+    "season": {"winter": 0.06, "spring": 0.06},
 }
+DRIVEN = [name for name, effect in EFFECTS.items() if not effect.shape]
+#: a window of the sky that the sun of June crosses before the module
+SHADED = {"name": "shading", "windows": [[90.0, 150.0, 30.0, 70.0]]}
 BASE = {"u0": 25.0, "u1": 6.84, "bias": -1.0}
 dynamics_ = pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])
 effects_ = pytest.mark.parametrize("name", EFFECTS)
 
 
+def planted_as(name):
+    return find(SHADED if name == "shading" else name)
+
+
 def model_with(dynamics, *names):
-    return ThermalModel(LAWS["faiman"], dynamics, tuple(find(name) for name in names))
+    return ThermalModel(LAWS["faiman"], dynamics, tuple(map(planted_as, names)))
 
 
 def coefficients(dynamics, *names, **planted):
@@ -105,11 +124,11 @@ def test_a_planted_effect_is_found(plant, noise, name, dynamics):
         module,
         model="faiman",
         dynamics=dynamics,
-        effects=[name],
+        effects=[planted_as(name)],
         **columns(plant, model),
     )
     assert fit.converged
-    for key in find(name).rows():
+    for key in planted_as(name).rows():
         error = fit.stderr[key]
         assert abs(fit.coefficients[key] - values[key]) < 4 * error
         assert error < 0.35 * abs(values[key])
@@ -129,26 +148,27 @@ def test_an_effect_that_is_not_there_comes_out_as_nothing(plant, noise, name):
         module + noise(len(plant), 0.2),
         model="faiman",
         dynamics="balance",
-        effects=[name],
+        effects=[planted_as(name)],
         **columns(plant, model_with("balance", name)),
     )
-    for key in find(name).rows():
+    for key in planted_as(name).rows():
         nothing = fit.coefficients[key] == 0.0 or key in fit.at_bound
         assert nothing or abs(fit.coefficients[key]) < 4 * fit.stderr[key]
     gain = fit.scores.loc["fem", "rmse_test"] - fit.scores["rmse_test"].iloc[-1]
     assert abs(gain) < 0.002
 
 
-def test_all_effects_at_once_are_told_apart(plant, noise):
-    model = model_with("balance", *EFFECTS)
-    values = coefficients("balance", *EFFECTS)
+def test_all_driven_effects_at_once_are_told_apart(plant, noise):
+    """Shapes of the usual columns are not: several of them look alike."""
+    model = model_with("balance", *DRIVEN)
+    values = coefficients("balance", *DRIVEN)
     module = predicted(plant, model, values) + noise(len(plant), 0.2)
     fit = fem.fit_fem(
         *(plant[n] for n in DRIVERS),
         module,
         model="faiman",
         dynamics="balance",
-        effects=EFFECTS,
+        effects=[planted_as(name) for name in DRIVEN],
         **columns(plant, model),
     )
     for key, value in values.items():
@@ -188,7 +208,7 @@ def test_wind_from_one_side_is_a_law_of_its_own():
 def test_rain_ends_where_the_film_has_dried():
     minutes = np.arange(0, 7200, 60.0)
     rain = np.where((minutes >= 600) & (minutes < 1200), 4.0, 0.0)
-    wet = drivers.wetness(rain, minutes)
+    wet = drivers.wetness(rain, read({"rain": rain}, times=minutes))
     assert (wet[:10] == 0).all()
     assert wet[19] == 1.0
     after = minutes - 1140
@@ -200,7 +220,8 @@ def test_dirt_gathers_until_rain_cleans():
     hours = np.arange(0, 10 * 86400, 3600.0)
     rain = np.where((hours >= 4 * 86400) & (hours < 4 * 86400 + 7200), 5.0, 0.0)
     drizzle = np.where(hours == 7 * 86400, 0.2, 0.0)
-    days = drivers.days_since_rain(rain + drizzle, hours)
+    rain = rain + drizzle
+    days = drivers.days_since_rain(rain, read({"rain": rain}, times=hours))
     assert days[4 * 24 - 1] == pytest.approx(4 - 1 / 24)
     assert days[4 * 24] == 0
     assert days[-1] == pytest.approx(10 - 4 - 2 / 24, abs=0.1)
@@ -280,6 +301,10 @@ def test_a_row_without_its_driver_is_not_used(plant):
         (
             dict(effects=["sky_radiation", "rain"]),
             "data lack longwave_down, precipitation, which sky_radiation and rain need",
+        ),
+        (
+            dict(effects=["rear_irradiance"]),
+            "data lack solar_zenith, .* or drop the effect; pvlib_fem.drivers.sun",
         ),
         (dict(effects=["ghosts"]), "unknown effect 'ghosts'; there are sky_radiation"),
         (dict(rain=3), "no effect uses rain; the effects use no further column"),
@@ -361,3 +386,151 @@ def test_a_loss_below_nothing_has_no_temperature(plant):
         6.84 - 900 * np.cos(np.radians(plant["wind_direction"]))
     )
     assert (calm_too.isna() == (undone <= 0)).all()
+
+
+MADE = [
+    SHADED,
+    {"name": "sky_radiation", "source": "humidity"},
+    {"name": "sky_radiation", "source": "humidity, without clouds"},
+    {"name": "sky_radiation", "source": "air temperature alone"},
+]
+
+
+@pytest.mark.parametrize(
+    "spec", MADE, ids=lambda spec: " ".join(map(str, spec.values()))
+)
+def test_an_effect_with_settings_is_made_again(spec):
+    """By what JSON makes of its own words, and by pickle."""
+    effect = find(spec)
+    assert json.loads(json.dumps(effect.spec)).items() >= spec.items()
+    again = find(json.loads(json.dumps(effect.spec)))
+    for other in (again, pickle.loads(pickle.dumps(effect))):
+        assert other.drivers == effect.drivers
+        assert other.settings == effect.settings
+
+
+@pytest.mark.parametrize("source", [spec["source"] for spec in MADE[1:]])
+def test_a_sky_from_other_columns_is_found(plant, noise, source):
+    effect = find({"name": "sky_radiation", "source": source})
+    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    values = coefficients("balance", "sky_radiation")
+    module = predicted(plant, model, values) + noise(len(plant), 0.2)
+    fit = fem.fit_fem(
+        *(plant[n] for n in DRIVERS),
+        module,
+        model="faiman",
+        dynamics="balance",
+        effects=[effect],
+        **columns(plant, model),
+    )
+    found, error = (d["sky_radiation.share"] for d in (fit.coefficients, fit.stderr))
+    assert abs(found - 1.0) < 4 * error < 0.8
+    assert json.loads(fit.to_json())["effects"] == [effect.spec]
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        ({"name": "rain", "windows": []}, "rain has no settings; drop windows"),
+        ({"name": "ghosts"}, "unknown effect 'ghosts'; there are sky_radiation"),
+        (
+            {"name": "sky_radiation", "source": "stars"},
+            "unknown source 'stars' of sky_radiation; there are measured longwave; hum",
+        ),
+        (
+            {"name": "shading", "windows": [[90, 120, 20, 10]]},
+            "is no window of the sky; give azimuth_from",
+        ),
+    ],
+)
+def test_settings_that_make_nothing_are_refused(spec, message):
+    with pytest.raises(ValueError, match=message):
+        find(spec)
+
+
+def test_a_window_of_the_sky_may_contain_north():
+    azimuth = np.array([340.0, 350.0, 0.0, 10.0, 20.0, 355.0])
+    zenith = np.array([80.0, 80.0, 80.0, 80.0, 80.0, 60.0])
+    around = find({"name": "shading", "windows": [[345, 15, 0, 20], [0, 360, 25, 90]]})
+    heat = around.terms(np.full(6, 500.0), azimuth, zenith, share=0.5).heat
+    np.testing.assert_allclose(heat, [0, -250, -250, -250, 0, -250])
+
+
+@pytest.mark.parametrize("tracker", [False, True])
+@pytest.mark.parametrize("way", ["weather", "effective irradiance"])
+def test_a_chain_knows_where_sun_and_module_are(plant, tmp_path, tracker, way):
+    """No driver of the place is given; the answer is that with pvlib's own."""
+    zone, site = "Etc/GMT+7", pvlib.location.Location(35, -106)
+    weather = plant[["ghi", "dni", "dhi", "temp_air", "wind_speed"]]
+    weather = weather.tz_localize(zone).iloc[:600].fillna(0.0)
+    mount = (
+        pvlib.pvsystem.SingleAxisTrackerMount()
+        if tracker
+        else pvlib.pvsystem.FixedMount(30, 170)
+    )
+    array = pvlib.pvsystem.Array(
+        mount, module_parameters={"pdc0": 1000.0, "gamma_pdc": -0.0035}
+    )
+    names = ("shading", "incidence_angle")
+    values = coefficients("balance", *names)
+    fit = {
+        "model": "faiman",
+        "dynamics": "balance",
+        "coefficients": values,
+        "effects": [SHADED, "incidence_angle"],
+    }
+    (tmp_path / "fit.json").write_text(json.dumps(fit))
+    model = fem.DynamicCellTemperature.from_json(tmp_path / "fit.json")
+    chain = pvlib.modelchain.ModelChain(
+        pvlib.pvsystem.PVSystem([array], inverter_parameters={"pdc0": 1000.0}),
+        site,
+        aoi_model="physical",
+        spectral_model="no_loss",
+        temperature_model=pickle.loads(pickle.dumps(model)),
+    )
+    total = chain.run_model(weather).results.total_irrad["poa_global"]
+    if way == "effective irradiance":
+        usual = weather[["temp_air", "wind_speed"]]
+        data = usual.assign(poa_global=total, effective_irradiance=total)
+        chain.results.solar_position = None
+        chain.run_model_from_effective_irradiance(data)
+    sun = site.get_solarposition(weather.index)[["zenith", "azimuth"]]
+    place = mount.get_orientation(sun["zenith"], sun["azimuth"])
+    expected = model_with("balance", *names).predict(
+        total,
+        weather["temp_air"],
+        weather["wind_speed"],
+        values,
+        solar_zenith=sun["zenith"],
+        solar_azimuth=sun["azimuth"],
+        surface_tilt=pd.Series(place["surface_tilt"], sun.index).fillna(0.0),
+        surface_azimuth=pd.Series(place["surface_azimuth"], sun.index).fillna(0.0),
+    )
+    found = chain.results.cell_temperature
+    assert (found.isna() == total.isna()).all()  # a tracker has none at night
+    np.testing.assert_allclose(found, expected, atol=0.02 if way != "weather" else 1e-9)
+    plain = model_with("balance").predict(
+        total, weather["temp_air"], weather["wind_speed"], coefficients("balance")
+    )
+    assert (plain - found).max() > 3.0
+
+
+def test_natural_convection_is_tarps_in_calm_air():
+    """At 35° and 0.03 K m²/W: from 15 K at 500 W/m² to 6 and 30 K."""
+
+    def tarp(excess):
+        tilt = np.cos(np.radians(35))
+        return np.cbrt(excess) * (9.482 / (7.283 - tilt) + 1.810 / (1.382 + tilt))
+
+    irradiance = np.array([200.0, 500.0, 1000.0])
+    loss = EFFECTS["natural_convection"].terms(irradiance, 0.0, free=5.65).loss
+    np.testing.assert_allclose(loss, tarp(0.03 * irradiance) - tarp(15.0), atol=0.02)
+
+
+def test_incidence_angle_is_pvlibs_ashrae():
+    """Up to where the loss is held, 1/cos = 6."""
+    angle = np.array([0.0, 40.0, 60.0, 80.0])
+    effect = EFFECTS["incidence_angle"]
+    heat = effect.terms(100.0, np.cos(np.radians(angle)), b0=0.05).heat
+    want = 100.0 * (pvlib.iam.ashrae(angle, b=0.05) - 1.0)
+    np.testing.assert_allclose(heat, want, atol=1e-9)

@@ -212,7 +212,7 @@ def test_nothing_is_held_out_of_a_single_day(day):
     fit = fem.fit_fem(*(day[name] for name in COLUMNS))
     assert np.isnan(fit.scores.loc["fem", "rmse_test"])
     assert fit.scores.loc["fem", "rmse_train"] < 1.6
-    assert "no daytime row is held out: test scores are NaN" in fit.notes
+    assert "no row that counts is held out: test scores are NaN" in fit.notes
 
 
 @pytest.mark.parametrize("days", [1, 4, 5])

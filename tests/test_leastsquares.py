@@ -77,4 +77,6 @@ def test_day_errors_are_the_jackknife_over_days():
         [np.linalg.lstsq(x[days != d], y[days != d], rcond=None)[0] for d in range(8)]
     )
     expected = 7 / 8 * (without - best).T @ (without - best)
-    np.testing.assert_allclose(day_errors(x, y - x @ best, days), expected, rtol=1e-9)
+    np.testing.assert_allclose(
+        day_errors(list(x.T), y - x @ best, days), expected, rtol=1e-9
+    )

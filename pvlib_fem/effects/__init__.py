@@ -1,12 +1,29 @@
 """The registry of effects: one file each, one line here."""
 
+from collections.abc import Mapping
+
 from pvlib_fem.effect import Effect
+from pvlib_fem.effects.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.electrical_output import EFFECT as electrical_output
+from pvlib_fem.effects.electrical_output import below, of_record
+from pvlib_fem.effects.incidence_angle import EFFECT as incidence_angle
+from pvlib_fem.effects.natural_convection import EFFECT as natural_convection
+from pvlib_fem.effects.poa_misalignment import EFFECT as poa_misalignment
 from pvlib_fem.effects.rain import EFFECT as rain
+from pvlib_fem.effects.rear_irradiance import EFFECT as rear_irradiance
+from pvlib_fem.effects.season import EFFECT as season
 from pvlib_fem.effects.sensitivity_drift import EFFECT as sensitivity_drift
+from pvlib_fem.effects.shading import EFFECT as shading
+from pvlib_fem.effects.shading import EVERYWHERE, scan, within
 from pvlib_fem.effects.sky_radiation import EFFECT as sky_radiation
+from pvlib_fem.effects.sky_radiation import VARIANTS as SKIES
+from pvlib_fem.effects.sky_radiation import out_of
+from pvlib_fem.effects.snow import EFFECT as snow
 from pvlib_fem.effects.soiling import EFFECT as soiling
+from pvlib_fem.effects.temperature_gain import EFFECT as temperature_gain
+from pvlib_fem.effects.thermal_storage import EFFECT as thermal_storage
 from pvlib_fem.effects.wind_direction import EFFECT as wind_direction
+from pvlib_fem.effects.wind_shape import EFFECT as wind_shape
 
 EFFECTS = {
     effect.name: effect
@@ -17,14 +34,53 @@ EFFECTS = {
         rain,
         soiling,
         sensitivity_drift,
+        snow,
+        shading,
+        natural_convection,
+        wind_shape,
+        thermal_storage,
+        incidence_angle,
+        rear_irradiance,
+        poa_misalignment,
+        temperature_gain,
+        air_shield,
+        season,
     )
 }
+#: effects that can take their driver from several columns, the best source first
+VARIANTS = {"sky_radiation": SKIES}
+#: effects that are made with settings, and what makes them
+MAKERS = {"electrical_output": below, "shading": within, "sky_radiation": out_of}
+#: effects that take settings from a record and the rows that may be looked at
+OF_RECORD = {"electrical_output": of_record}
+
+#: effects that a scan of what is left finds: what it begins with, and the scan
+SCANS = {"shading": (EVERYWHERE, scan)}
 
 
-def find(name):
-    """An effect by name, or one of the user's own as it is."""
-    if isinstance(name, Effect):
-        return name
+def find(effect):
+    """
+    An effect by name, or one of the user's own as it is.
+
+    Parameters
+    ----------
+    effect : str, dict or Effect
+        A name; a dict of the name and its settings, as ``{"name": "shading",
+        "windows": [...]}`` or ``{"name": "sky_radiation", "source":
+        "humidity"}``; or an effect.
+
+    Returns
+    -------
+    Effect
+    """
+    if isinstance(effect, Effect):
+        return effect
+    settings = dict(effect) if isinstance(effect, Mapping) else {"name": effect}
+    name = settings.pop("name", None)
     if name not in EFFECTS:
         raise ValueError(f"unknown effect {name!r}; there are {', '.join(EFFECTS)}")
-    return EFFECTS[name]
+    if not settings:
+        return EFFECTS[name]
+    if name not in MAKERS:
+        raise ValueError(f"{name} has no settings; drop {', '.join(settings)}")
+    return MAKERS[name](**settings)

@@ -1,5 +1,7 @@
 """Longwave loss to a sky that is colder than the air."""
 
+from dataclasses import replace
+
 from pvlib_fem.effect import Effect, Parameter, Terms
 
 
@@ -21,4 +23,38 @@ def terms(sky_deficit, *, share):
     return Terms(heat=-share * sky_deficit)
 
 
-EFFECT = Effect("sky_radiation", terms, {"share": Parameter(0.0, 0.0, 3.0, "-")})
+def estimated(source, column, shape=False):
+    """The same effect where longwave is not measured."""
+    return replace(
+        EFFECT,
+        columns=(column,),
+        shape=shape,
+        settings={"source": source},
+        source=source,
+    )
+
+
+EFFECT = Effect(
+    "sky_radiation",
+    terms,
+    {"share": Parameter(0.0, 0.0, 3.0, "-")},
+    decided_by="a pyrgeometer",
+    source="measured longwave",
+)
+FROM_HUMIDITY = estimated("humidity", "sky_deficit_humid")
+FROM_MOISTURE = estimated("humidity, without clouds", "sky_deficit_moist")
+FROM_AIR = estimated("air temperature alone", "sky_deficit_air", shape=True)
+
+#: by what is known of the sky, the best first
+VARIANTS = (EFFECT, FROM_HUMIDITY, FROM_MOISTURE, FROM_AIR)
+
+
+def out_of(source):
+    """The effect from one of its sources."""
+    for effect in VARIANTS:
+        if effect.source == source:
+            return effect
+    raise ValueError(
+        f"unknown source {source!r} of sky_radiation; there are "
+        f"{'; '.join(effect.source for effect in VARIANTS)}"
+    )

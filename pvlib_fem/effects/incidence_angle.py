@@ -1,0 +1,30 @@
+"""Beam that the glass reflects when the sun strikes at a flat angle."""
+
+import numpy as np
+
+from pvlib_fem.effect import Effect, Parameter, Terms
+
+
+def terms(beam, aoi_projection, *, b0):
+    """
+    Beam reflected beyond that at normal incidence [1]_.
+
+    A thermopile's dome does not lose it; a reference cell under the same glass
+    does, and then ``b0`` is 0.
+
+    References
+    ----------
+    .. [1] A. F. Souka and H. H. Safwat, Solar Energy 10, 170 (1966), as in
+       :func:`pvlib.iam.ashrae`: 1 - b0·(1/cos - 1) with 0.05.
+    """
+    excess = 1.0 / np.maximum(aoi_projection, 0.01) - 1.0
+    return Terms(heat=-b0 * beam * np.minimum(excess, 5.0))
+
+
+EFFECT = Effect(
+    "incidence_angle",
+    terms,
+    {"b0": Parameter(0.0, 0.0, 0.2, "-")},
+    shape=True,
+    decided_by="a reference cell beside the pyranometer",
+)

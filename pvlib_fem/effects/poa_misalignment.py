@@ -1,0 +1,30 @@
+"""An irradiance sensor that does not stand as the module does."""
+
+from pvlib_fem.effect import Effect, Parameter, Terms
+
+
+def terms(beam_by_tilt, beam_by_azimuth, *, tilt, azimuth):
+    """
+    Beam that the module gets beside a sensor in another plane [1]_.
+
+    ``tilt`` and ``azimuth`` are those of the module beyond the stated ones, in
+    which the sensor is taken to stand; to the first order in both.
+
+    References
+    ----------
+    .. [1] J. A. Duffie and W. A. Beckman, "Solar Engineering of Thermal
+       Processes", section 1.6, of which the slopes are taken.
+    """
+    return Terms(heat=tilt * beam_by_tilt + azimuth * beam_by_azimuth)
+
+
+EFFECT = Effect(
+    "poa_misalignment",
+    terms,
+    {
+        "tilt": Parameter(0.0, -15.0, 15.0, "°"),
+        "azimuth": Parameter(0.0, -25.0, 25.0, "°"),
+    },
+    shape=True,
+    decided_by="an inclinometer, or irradiance before and after noon on clear days",
+)

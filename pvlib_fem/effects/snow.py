@@ -1,0 +1,27 @@
+"""Snow on the module, which the sun does not reach."""
+
+from pvlib_fem.effect import Effect, Parameter, Terms
+
+
+def terms(poa_global, snow_cover, *, share):
+    """
+    Sunlight that the irradiance sensor sees and a covered module does not [1]_.
+
+    ``share`` is near 1 under some centimetres, and less where the sensor is
+    covered too or only a part of the module is.
+
+    References
+    ----------
+    .. [1] B. Marion et al., "Measured and modeled photovoltaic system energy
+       losses from snow for Colorado and Wisconsin locations", Solar Energy 97,
+       112 (2013), as in :func:`pvlib.snow.coverage_nrel`.
+    """
+    return Terms(heat=-share * snow_cover * poa_global)
+
+
+EFFECT = Effect(
+    "snow",
+    terms,
+    {"share": Parameter(0.0, 0.0, 1.0, "-")},
+    decided_by="a camera, or the module's power on the days after snow",
+)
