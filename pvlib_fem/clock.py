@@ -1,0 +1,462 @@
+"""Is the module's logger late? What physics allows no model to hide.
+
+A module cannot answer before the sun asks. So the change of its temperature, seen
+lag by lag after the changes of irradiance, tells where the answer begins: at no lag
+where both clocks agree. No thermal model is fitted; how much and how slowly the
+module answers is free, as long as it is a sum of decays that all begin at once.
+"""
+
+from dataclasses import dataclass, field
+from itertools import combinations, pairwise
+
+import numpy as np
+import pandas as pd
+from scipy.fft import irfft, next_fast_len, rfft
+from scipy.ndimage import uniform_filter1d
+from scipy.optimize import minimize_scalar, nnls
+from scipy.stats import t as student
+
+DAY = 86400.0  # s
+HOUR = 3600.0  # s
+#: a contact sensor answers in 40 s, a thermopile in 8: what is left between them [s]
+SENSOR = 32.0
+DECAYS = np.array([150.0, 300.0, 600.0, 1200.0, 2400.0])  # s, of modules and roofs
+BEFORE, AFTER = 720.0, 2700.0  # s, lags around the onset
+FARTHEST = 7200.0  # s, of a clock
+FINEST, COARSEST = 60.0, 900.0  # s; a module answers within less than an hour
+FADE = 3600.0  # s; slower changes are the sun's path and the weather's, not clouds'
+#: seconds beyond one sample that sensors and averaging may differ by
+SLACK = 30.0
+CLEAR_PEAK = 5.0  # height of a correlation over its own scatter
+JUMP = (3300.0, 3900.0)  # s, 60 ± 5 min: daylight-saving time
+SURE = 0.99865  # one-sided, of three standard errors
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """
+    How late the module's logger is, from :func:`clock_shift`.
+
+    Notes
+    -----
+    Positive is late: what happened at ``t`` is written at ``t + late``, so that
+    ``temp_module(t + late)`` belongs to ``poa_global(t)``.
+    """
+
+    late: float = np.nan  # at the middle of the record, outside daylight saving [s]
+    stderr: float = np.nan  # [s]
+    drift: float = np.nan  # [s/day]
+    drift_stderr: float = np.nan  # [s/day]
+    blocks: pd.DataFrame = field(default_factory=pd.DataFrame)
+    jumps: tuple = ()  # (first day after it, seconds)
+    faults: dict = field(default_factory=dict)  # name: one line
+    why: str = ""  # one line; "" when the clock is fine
+    middle: float = 0.0  # of the record, from its start [s]
+    hours: tuple = ()  # (from here on [s], late by that [s])
+
+    @property
+    def fault(self) -> bool:
+        return bool(self.faults)
+
+    def at(self, seconds):
+        """How late the clock is, of what its faults say; 0 if it has none. [s]"""
+        late = np.zeros(len(seconds))
+        if {"clock_shift", "clock_drift"} & set(self.faults):
+            late += self.late
+        if "clock_drift" in self.faults:
+            late += self.drift * (np.asarray(seconds) - self.middle) / DAY
+        return late + offsets(self.hours, seconds)
+
+    def corrected(self, seconds, values):
+        """
+        A column of the module's logger by the clock of the irradiance.
+
+        Parameters
+        ----------
+        seconds : array
+            Times since the record's first row, as ``record.inputs.seconds``. [s]
+        values : array
+            ``temp_module``, or ``p_dc`` where the same logger wrote it.
+
+        Returns
+        -------
+        array
+            Interpolated to what happened at ``seconds``; NaN beyond the record's
+            ends, and beside a NaN. A clock without fault changes nothing.
+        """
+        values = np.asarray(values, dtype=float)
+        if not self.fault:
+            return values.copy()
+        asked = seconds + self.at(seconds)
+        return np.interp(asked, seconds, values, left=np.nan, right=np.nan)
+
+
+def clock_shift(record, skip=None) -> Clock:
+    """
+    How late ``temp_module`` is written against ``poa_global``, by causality.
+
+    Parameters
+    ----------
+    record : Record
+        From ``records.measured``; its rows are 15 min apart at most.
+    skip : array of bool, optional
+        Rows that are not to be used, as those of a stuck sensor.
+
+    Returns
+    -------
+    Clock
+        ``late`` [s] with its ``stderr``, ``drift`` [s/day], ``jumps`` of an hour,
+        and ``blocks`` of some days each. ``late`` is NaN, and ``why`` says so,
+        where the record is too short, too coarse or too clear to tell.
+
+    Notes
+    -----
+    Changes of temperature are regressed on changes of irradiance, lag by lag,
+    both less what is slower than an hour [1]_. The response is that of a sum of
+    decays, each with a weight that is not negative, seen by a contact sensor
+    (40 s) and held over each step; the time at which it begins is fitted. Errors
+    leave days whole, since clouds of one day are not independent.
+
+    A clock is at fault if it is out by more than one sample and half a minute:
+    whether a row holds its step's mean or end moves it by half a sample, and
+    contact sensors differ by half a minute. A drift must add up to that over the
+    record.
+
+    References
+    ----------
+    .. [1] L. Ljung, "System identification", 1999, ch. 6: impulse response by
+       correlation; a delay is where it begins.
+    """
+    seconds = record.inputs.seconds
+    if len(seconds) < 2 or seconds[-1] < 1.5 * DAY:
+        return unknown("the record is shorter than two days")
+    if (base := np.median(np.diff(seconds))) > COARSEST:
+        return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
+    poa, module = record["poa_global"], record["temp_module"]
+    if skip is not None:
+        module = np.where(skip, np.nan, module)
+    sums = daily_sums(seconds, base, poa, module)
+    blocks = measured_blocks(sums, [])
+    if changes := jumps_between(sums, blocks):
+        blocks = measured_blocks(sums, [change["day"] for change in changes])
+    if not blocks:
+        return unknown("too little broken cloud, whose edges show where it begins")
+    return judge(record.index[0], seconds, sums, blocks, changes)
+
+
+def unknown(reason):
+    return Clock(why=f"the module's clock was not checked: {reason}")
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Products of the two columns of changes, by the day and by the lag."""
+
+    own: np.ndarray  # irradiance with itself, lags 0 … reach
+    cross: np.ndarray  # temperature that many rows later, lags −reach … reach
+    step: float  # [s]
+    start: float  # of the first day, from the record's first row [s]
+    day: float  # rows of a day are whole, so it may be off by a part of one [s]
+
+    def __len__(self):
+        return len(self.own)
+
+    @property
+    def reach(self):
+        return self.own.shape[1] - 1
+
+    def later(self, lag, count, days=slice(None)):
+        """Products at ``count`` lags from ``lag`` on, by the day."""
+        return self.cross[days, self.reach + lag : self.reach + lag + count]
+
+
+def daily_sums(seconds, base, poa, module):
+    """Products by the day, of rows a minute apart or more; days end in the dark."""
+    # short steps are taken together: the mean of what came in, the end of the answer
+    gather = max(1, round(FINEST / base))
+    step = base * gather
+    count = round(DAY / step)
+    front = round(-night(seconds, poa) / step) * gather
+    row = front + np.round(seconds / base).astype(int)
+    size = -(-(row[-1] + 1) // (count * gather)) * count * gather
+
+    def fold(values):
+        table = np.full(size, np.nan)
+        table[row] = values
+        return table.reshape(-1, gather)
+
+    came = fold(poa)
+    came = came.mean(axis=1) if gather > 1 else came[:, 0]
+    x = changes(came, step).reshape(-1, count)
+    y = changes(fold(module)[:, -1], step).reshape(-1, count)
+    reach = int((FARTHEST + AFTER) / step)
+    # transforms by the day are small and alike on any number of cores
+    length = next_fast_len(count + reach, real=True)
+    fx, fy = rfft(x, length), rfft(y, length)
+    own = irfft(fx.real**2 + fx.imag**2, length)[:, : reach + 1]
+    cross = irfft(fy * fx.conj(), length)
+    cross = np.concatenate((cross[:, -reach:], cross[:, : reach + 1]), axis=1)
+    return Sums(own, cross, step, -front * base, count * step)
+
+
+def night(seconds, poa):
+    """The dark half a day before the record's mean noon, at or before its start. [s]"""
+    part = (seconds % DAY // 600).astype(int)
+    sun = np.bincount(part, np.nan_to_num(poa), 144)
+    turn = np.exp(2j * np.pi * np.arange(144) / 144)
+    noon = np.angle((sun * turn).sum()) / (2 * np.pi) * DAY
+    return round((noon - DAY / 2) % DAY / 600.0) * 600.0 - DAY
+
+
+def changes(values, step):
+    """Changes from row to row, less their mean over an hour; 0 beside a NaN."""
+    change = np.diff(values, prepend=values[:1])
+    change[~np.isfinite(change)] = 0.0
+    return change - uniform_filter1d(change, round(FADE / step), mode="constant")
+
+
+def decays(lags, step, onset):
+    """Change per row after a step of irradiance, of each decay: lags × decays."""
+    edges = np.append(lags, lags[-1] + 1) * step - onset
+    return np.diff(response(edges[:, None]), axis=0)
+
+
+def response(since):
+    """Of a decay, seen by the sensor, to a step at 0."""
+    since = np.maximum(since, 0.0)
+    own, seen = np.exp(-since / DECAYS), np.exp(-since / SENSOR)
+    return 1.0 - (DECAYS * own - SENSOR * seen) / (DECAYS - SENSOR)
+
+
+def plain(step):
+    """The answer of a usual module, to look for. [-]"""
+    lags = np.arange(1 + round(1800 / step))
+    return decays(lags, step, 0.0)[:, 1:3].mean(axis=1)
+
+
+def measured_blocks(sums, changes):
+    """Blocks of 2 to 14 days, eight of them if they can; none across a change."""
+    length = np.clip(len(sums) / 8, 2, 14)
+    blocks = []
+    for first, end in pairwise([0, *changes, len(sums)]):
+        parts = np.array_split(
+            np.arange(first, end), max(1, round((end - first) / length))
+        )
+        blocks += [measure(sums, days) for days in parts]
+    return [block for block in blocks if block is not None]
+
+
+def measure(sums, days):
+    """Onset in some days together, or None where clouds do not show it."""
+    own, cross = sums.own[days].sum(axis=0), sums.cross[days].sum(axis=0)
+    shape = plain(sums.step)
+    height = np.correlate(cross, shape, "valid")
+    coarse = int(np.argmax(height)) - sums.reach
+    # a clear sky's answer has no peak that stands out
+    scatter = 1.4826 * np.median(np.abs(height))
+    if len(days) < 2 or not height.max() > CLEAR_PEAK * scatter > 0:
+        return None
+    first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
+    last = min(coarse + round(AFTER / sums.step), sums.reach)
+    lags = np.arange(first, last + 1)
+    normal, cross = own[np.abs(lags[:, None] - lags)], cross[sums.reach + lags]
+
+    def weigh(onset):
+        """Weights of the decays, none below 0, and the misfit but a constant."""
+        shapes = decays(lags, sums.step, onset)
+        square = shapes.T @ normal @ shapes
+        if not square.trace() > 0:  # it would begin beyond the last lag
+            return np.zeros(len(DECAYS)), 0.0
+        square += 1e-10 * np.trace(square) * np.eye(len(DECAYS))
+        root = np.linalg.cholesky(square)
+        right = np.linalg.solve(root, shapes.T @ cross)
+        weights, rest = nnls(root.T, right)
+        return weights, rest**2 - right @ right
+
+    onset = least(lambda onset: weigh(onset)[1], coarse * sums.step, sums.step)
+    weights = weigh(onset)[0]
+    if not weights.any():
+        return None
+    stderr, told = error(sums, days, lags, onset, weights, normal)
+    if not stderr < 2 * sums.step:
+        return None
+    middle = sums.start + sums.day * (np.average(days, weights=told) + 0.5)
+    return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
+
+
+def least(misfit, near, step):
+    """Where a function of time is least: on a grid, then between its neighbours."""
+    width = max(step / 2, 60.0)
+    grid = near + width * np.arange(-8, 9)
+    best = grid[np.argmin([misfit(onset) for onset in grid])]
+    bounds, options = (best - width, best + width), {"xatol": 1e-3 * step}
+    return minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x
+
+
+def error(sums, days, lags, onset, weights, normal):
+    """Standard error of the onset, from whole days; what each day tells of it."""
+    step, small = sums.step, 0.01 * sums.step
+    used = decays(lags, step, onset)[:, weights > 0]
+    answer = used @ weights[weights > 0]
+    ahead, behind = (decays(lags, step, onset + d) @ weights for d in (small, -small))
+    slope = (ahead - behind) / (2 * small)
+    # what a change of the weights would do as well tells nothing of the onset
+    same = used.T @ normal
+    slope -= used @ np.linalg.lstsq(same @ used, same @ slope, rcond=None)[0]
+    own = sums.own[days][:, : len(lags)]
+    found = np.einsum("ij,j->i", sums.later(lags[0], len(lags), days), slope)
+    score = found - quadratic(own, slope, answer)
+    told = np.maximum(quadratic(own, slope, slope), 0.0)
+    if not told.sum() > 0:
+        return np.inf, told
+    spread = np.einsum("i,i->", score, score) * len(days) / (len(days) - 1)
+    return np.sqrt(spread) / told.sum(), told
+
+
+def quadratic(own, one, other):
+    """``one · R · other`` by the day, R the Toeplitz matrix of its lags."""
+    lags = np.correlate(one, other, "full")
+    middle = len(one) - 1
+    both = lags[middle:].copy()
+    both[1:] += lags[:middle][::-1]
+    return np.einsum("ij,j->i", own, both)
+
+
+def jumps_between(sums, blocks):
+    """Days at which the clock moved by an hour, and by what. [s]"""
+    shape, found = plain(sums.step), []
+    for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
+        if not JUMP[0] < abs(other["late"] - one["late"]) < JUMP[1]:
+            continue
+        days = np.arange(one["day"], end["day"])
+        fit = (sums.later(block["coarse"], len(shape), days) for block in (one, other))
+        before, after = (np.einsum("ij,j->i", part, shape) for part in fit)
+        gain = np.concatenate(([0.0], np.cumsum(before - after)))
+        day = int(one["day"] + np.argmax(gain))
+        hour = HOUR * float(np.sign(other["late"] - one["late"]))
+        found.append({"day": day, "seconds": sums.start + day * sums.day, "by": hour})
+    return found
+
+
+def judge(origin, seconds, sums, blocks, changes):
+    """The line through the blocks, hours apart, and what is wrong with it."""
+    hours = hours_of(blocks, changes)
+    blocks, middle, span = (
+        pd.DataFrame(blocks),
+        float(seconds[-1] / 2),
+        seconds[-1] / DAY,
+    )
+    late = blocks["late"] - offsets(hours, blocks["seconds"])
+    days = (blocks["seconds"] - middle) / DAY
+    found = line(days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
+    value, stderr, drift, drift_stderr, centre, rest = found
+    limit, gained, faults = sums.step + SLACK, drift * span / 60, {}
+    if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1) * drift_stderr:
+        value -= drift * centre
+        way = "later" if drift > 0 else "earlier"
+        faults["clock_drift"] = (
+            f"temp_module is written {way} by {abs(drift):.1f} ± {drift_stderr:.1f} s "
+            f"every day, {abs(gained):.0f} min over the record; correct its clock, or "
+            "the column with Clock.corrected"
+        )
+    if abs(value) > limit and abs(value) > sure(rest) * stderr:
+        faults["clock_shift"] = (
+            f"temp_module is written {abs(value) / 60:.1f} ± {stderr / 60:.2f} min too "
+            f"{'late' if value > 0 else 'early'} beside poa_global; correct its clock, "
+            "or the column with Clock.corrected"
+        )
+    jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
+    if jumps:
+        dates = ", ".join(f"{c / 60:+.0f} min on {d.date()}" for d, c in jumps)
+        faults["dst"] = (
+            f"the clock of temp_module jumps by {dates}, as daylight-saving time does; "
+            "keep one zone, or correct the column with Clock.corrected"
+        )
+    blocks["start"] = [
+        day_of(origin, sums.start + day * sums.day) for day in blocks["day"]
+    ]
+    return Clock(
+        float(value),
+        float(stderr),
+        float(drift),
+        float(drift_stderr),
+        blocks[["start", "seconds", "late", "stderr"]],
+        jumps,
+        faults,
+        "; ".join(faults.values()),
+        middle,
+        hours,
+    )
+
+
+def hours_of(blocks, changes):
+    """From when on [s] the clock is by how many hours [s] off its standard time."""
+    if not changes:
+        return ()
+    hours = [(-np.inf, 0.0)]
+    for change in changes:
+        hours.append((change["seconds"], hours[-1][1] + change["by"]))
+    # standard time is where the clock is least wrong
+    ends = [start for start, _ in hours[1:]] + [np.inf]
+    wrong = [
+        abs(
+            np.mean(
+                [b["late"] for b in blocks if start <= b["seconds"] < end] or np.inf
+            )
+        )
+        for (start, _), end in zip(hours, ends)
+    ]
+    standard = hours[int(np.argmin(wrong))][1]
+    return tuple((start, late - standard) for start, late in hours)
+
+
+def offsets(hours, seconds):
+    late = np.zeros(len(seconds))
+    for start, offset in hours:
+        late[np.asarray(seconds) >= start] = offset
+    return late
+
+
+def line(x, y, stderr):
+    """Mean and slope of blocks with their errors, their centre, and how many more."""
+    # blocks that are out of line by an accident do not count
+    slopes = [(b - a) / (t - s) for (s, a), (t, b) in combinations(zip(x, y), 2)]
+    slope = np.median(slopes) if len(x) > 3 else 0.0
+    off = y - slope * x
+    off = np.abs(off - np.median(off))
+    kept = off <= 6 * 1.4826 * max(np.median(off), 3.0) if len(x) > 3 else off < np.inf
+    x, y, stderr = x[kept], y[kept], np.hypot(stderr[kept], 3.0)
+    weight, rest = stderr**-2, len(x) - 1
+    centre, mean = (np.average(v, weights=weight) for v in (x, y))
+    x, y = x - centre, y - mean
+    told = weight @ x**2
+    if rest < 2 or not told > 0:
+        spread = weight @ y**2 / max(rest, 1)
+        return (
+            mean,
+            np.sqrt(max(spread, 1) / weight.sum()),
+            np.nan,
+            np.nan,
+            centre,
+            rest,
+        )
+    slope = weight @ (x * y) / told
+    spread = max(weight @ (y - slope * x) ** 2 / (rest - 1), 1.0)
+    return (
+        mean,
+        np.sqrt(spread / weight.sum()),
+        slope,
+        np.sqrt(spread / told),
+        centre,
+        rest,
+    )
+
+
+def sure(rest):
+    """Standard errors that are three of a long record, by what was left over."""
+    return student.ppf(SURE, max(rest, 2))
+
+
+def day_of(origin, seconds):
+    """The day that begins nearest to a time."""
+    return (origin + pd.Timedelta(seconds=seconds + DAY / 2)).normalize()

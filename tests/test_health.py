@@ -1,0 +1,225 @@
+"""Faults of sensors and loggers are found, and none where there is none."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS
+from pvlib.location import Location
+
+from pvlib_fem import datasets, simulator
+from pvlib_fem.health import check, doubtful, solar_noon_shift, stuck
+from pvlib_fem.records import measured
+from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
+
+DRIVERS = (
+    "wind_direction",
+    "relative_humidity",
+    "precipitation",
+    "longwave_down",
+    "snow_depth",
+    "p_dc",
+)
+
+
+def checked(data):
+    drivers = {name: data[name] for name in DRIVERS if name in data}
+    return measured(*(data[name] for name in COLUMNS), **drivers)
+
+
+def place(site):
+    location = Location(site.latitude, site.longitude, tz=site.tz)
+    return location, site.surface_tilt, site.surface_azimuth
+
+
+def simulated(effects=None, days=60, step=300.0, seed=1, site=RHINE, **options):
+    return simulator.record(
+        site, OUTDOORS | (effects or {}), days, step, seed, **options
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(("days", "step"), [(150, 300.0), (30, 60.0)])
+def test_a_plain_site_has_no_fault(days, step, seed):
+    record = checked(simulated({}, days, step, seed))
+    for where in ((), place(RHINE)):
+        found = check(record, *where)
+        assert found.faults == {}
+        assert found.notes == ()
+        assert not found.mask.any()
+
+
+def test_the_measured_records_have_no_fault(week, day):
+    location = Location(35.05, -106.54, tz="Etc/GMT+7")
+    assert check(checked(week), location, 35.0).notes == ()
+    found = check(checked(day), location)
+    assert found.faults == {}
+    assert len(found.notes) == 1
+    assert "shorter than two days" in found.notes[0]
+
+
+def test_a_made_up_record_has_no_fault():
+    assert check(checked(datasets.synthetic(days=10))).faults == {}
+
+
+# sensors that stand still
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_stuck_sensor_is_found(seed):
+    """12 h once in 30 days, by day or by night."""
+    data = simulated({"stuck": 1.0}, 30, 60.0, seed)
+    found = check(checked(data))
+    assert list(found.faults) == ["stuck"]
+    as_it_was = simulated({}, 30, 60.0, seed)
+    frozen = (data != as_it_was)["temp_module"].to_numpy()
+    assert (found.mask & frozen).sum() > 0.99 * frozen.sum()
+    assert found.stuck["temp_module"] == found.mask.sum() <= frozen.sum() + 30
+    at = data.index[np.argmax(found.mask)]
+    assert (
+        f"temp_module stands still at {data['temp_module'][at]:g} from {at}"
+        in (found.faults["stuck"])
+    )
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "start", "hours"),
+    [
+        ("poa_global", 512.0, "2023-06-03 09:00", 6),
+        ("poa_global", 0.0, "2023-06-03 02:00", 40),
+        ("temp_air", 17.3, "2023-06-03 08:00", 8),
+        ("wind_speed", 2.5, "2023-06-03 20:00", 8),
+        ("wind_speed", 0.0, "2023-06-03 20:00", 100),
+        ("temp_module", 0.0, "2023-06-03 02:00", 40),
+    ],
+)
+def test_every_column_can_be_stuck(column, value, start, hours):
+    data = simulated({}, 10, 60.0, 2, start="2023-06-01")
+    end = pd.Timestamp(start) + pd.Timedelta(hours=hours)
+    rows = slice(start, str(end - pd.Timedelta("1min")))
+    data.loc[rows, column] = value
+    found = stuck(checked(data))
+    # the nights before and after an irradiance of 0 are of the same run
+    rest = 720 if (column, value) == ("poa_global", 0) else 30
+    assert 60 * hours <= found.pop(column).sum() <= 60 * hours + rest
+    assert not np.any(list(found.values()))
+
+
+def test_stillness_alone_is_no_fault():
+    """A calm night at 0.1 K, an hour of no wind, snow that melts at 0 °C."""
+    data = simulated({}, 10, 60.0, 2, start="2023-06-01")
+    night = slice("2023-06-03 23:00", "2023-06-04 03:00")
+    data.loc[night, ["temp_air", "temp_module"]] = [8.2, 6.9]
+    data.loc["2023-06-04 12:00":"2023-06-04 20:00", "wind_speed"] = 0.0
+    data.loc["2023-06-05 10:00":"2023-06-05 12:00", "temp_module"] = 0.0
+    assert not np.any(list(stuck(checked(data)).values()))
+
+
+def test_coarse_sensors_are_not_stuck():
+    data = simulated({}, 30, 60.0, 2)
+    data[["temp_air", "temp_module"]] = data[["temp_air", "temp_module"]].round()
+    data["wind_speed"] = data["wind_speed"].round()
+    assert not np.any(list(stuck(checked(data)).values()))
+
+
+# whole files
+
+
+@pytest.mark.parametrize("where", [(), place(RHINE)], ids=["nowhere", "located"])
+@pytest.mark.parametrize("step", [300.0, 3600.0])
+def test_a_file_in_daylight_saving_time_is_found_with_its_dates(where, step):
+    data = simulated({"file_dst": 1.0}, 365, step)
+    found = check(checked(data), *where)
+    assert list(found.faults) == ["file_dst"]
+    days, hours = zip(*found.noon.jumps)
+    assert hours == (3600.0, -3600.0)
+    for day, date in zip(days, ("2023-03-26", "2023-10-29")):
+        assert abs(day.tz_localize(None) - pd.Timestamp(date)) < pd.Timedelta("5D")
+
+
+def test_a_logger_in_daylight_saving_time_is_not_the_file():
+    found = check(checked(simulated({"dst": 1.0}, 365)), *place(RHINE))
+    assert list(found.faults) == ["dst"]
+    assert not found.mask.any()
+
+
+def test_a_file_with_its_zone_moves_by_no_hour():
+    """Daylight saving is in the zone of the index, where it belongs."""
+    data = simulated({}, 60, start="2023-03-01").tz_convert("Europe/Berlin")
+    assert check(checked(data), *place(RHINE)).faults == {}
+
+
+@pytest.mark.parametrize("site", [RHINE, ALBUQUERQUE])
+@pytest.mark.parametrize("minutes", [-120, -45, 60])
+def test_a_file_in_another_zone_is_found(site, minutes):
+    data = simulated({"file_shift": minutes}, site=site)
+    found = check(checked(data), *place(site))
+    assert list(found.faults) == ["file_shift"]
+    assert found.noon.late / 60 == pytest.approx(minutes, abs=6)
+    way = "late" if minutes > 0 else "early"
+    assert f"{abs(found.noon.late) / 60:.0f} min too {way}" in found.notes[0]
+    assert check(checked(data)).faults == {}
+
+
+def test_times_without_a_zone_are_the_locations_standard_time():
+    data = simulated(start="2023-05-01").tz_localize(None)
+    location = Location(RHINE.latitude, RHINE.longitude, tz="Europe/Berlin")
+    assert abs(solar_noon_shift(data["poa_global"], data.index, location).late) < 360
+    location = Location(RHINE.latitude, RHINE.longitude, tz="Asia/Tokyo")
+    noon = solar_noon_shift(data["poa_global"], data.index, location)
+    assert noon.late == pytest.approx(-8 * 3600, abs=360)
+    assert "480 min too early" in noon.faults["file_shift"]
+
+
+@pytest.mark.parametrize(
+    "effects", [{"poa_misalignment": 10.0}, {"shading_sensor": 1.0}]
+)
+def test_a_turned_or_shaded_sensor_is_no_clock(effects):
+    data = simulated(effects, site=ALBUQUERQUE)
+    found = check(checked(data), *place(ALBUQUERQUE))
+    assert found.faults == {}
+    assert abs(found.noon.late) < 600
+
+
+@pytest.mark.parametrize("azimuth", [90.0, 270.0])
+def test_a_plane_to_the_east_or_west_has_its_own_noon(azimuth):
+    site = simulator.Site(surface_azimuth=azimuth, surface_tilt=60.0)
+    found = check(checked(simulated(site=site)), *place(site))
+    assert found.faults == {}
+    assert abs(found.noon.late) < 1200
+
+
+# units
+
+
+@pytest.mark.parametrize(
+    ("column", "change", "reason"),
+    [
+        ("relative_humidity", lambda x: x / 100, "a fraction; multiply it by 100"),
+        ("relative_humidity", lambda x: x * 10, "it should be in %"),
+        ("longwave_down", lambda x: x - 400, "net signal needs"),
+        ("wind_direction", np.radians, "radians; use np.degrees"),
+        ("wind_direction", lambda x: x - 180, "use it modulo 360"),
+        ("precipitation", lambda x: x - 0.1, "a counter needs its resets taken out"),
+        ("p_dc", lambda x: 1.6 * 20 * x, "and no module gives 0.4; divide W by"),
+    ],
+)
+def test_a_driver_in_another_unit_is_doubted(column, change, reason):
+    data = simulated({}, 10)
+    data[column] = change(data[column])
+    found = check(checked(data))
+    assert list(found.doubtful) == [column]
+    assert found.faults[f"units:{column}"].startswith(column)
+    assert reason in found.faults[f"units:{column}"]
+
+
+def test_kelvin_is_refused_or_doubted():
+    """The four columns are physically impossible in kelvin, others are doubted."""
+    data = simulated({}, 10)
+    for column in ("temp_air", "temp_module"):
+        with pytest.raises(ValueError, match=f"{column} is physically impossible|°F"):
+            checked(data.assign(**{column: data[column] + 273.15}))
+    assert "subtract 273.15" in doubtful({"temp_dew": [280.0, 290.0]})["temp_dew"]
+
+
+def test_drivers_without_a_value_are_not_doubted():
+    assert doubtful({"relative_humidity": [np.nan], "snow_depth": [0.0]}) == {}
