@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from benchmarks.speed import Ewm, FemTemperature, Fit, YearAtOneSecond
+from benchmarks.speed import Ewm, FemTemperature, Fit, Loop, YearAtOneSecond
 
 
 def best(work, *arguments, repeat=5):
@@ -54,6 +54,19 @@ def main():
         bench.setup(dynamics)
         seconds = best(bench.time_fit_fem, dynamics)
         line(f"fit_fem, year at 1 min, {dynamics}", f"{seconds:.2f} s", "<= 1 s")
+    seconds = {}
+    for years in Loop.params:
+        bench = Loop()
+        bench.setup(years)
+        seconds[years] = best(bench.time_close_loop, years, repeat=2)
+        if years == 1:
+            line("close_loop, year at 1 min", f"{seconds[1]:.1f} s", "<= 6 s")
+            if sys.platform == "linux":
+                peak = peak_memory(bench.time_close_loop, years) / 2**30
+                line("its process at the peak", f"{peak:.2f} GiB", "<= 2 GiB")
+        else:
+            ratio = seconds[years] / seconds[1]
+            line(f"close_loop, {years} years, against one", f"{ratio:.1f} x", "linear")
     bench = YearAtOneSecond()
     bench.setup()
     seconds = best(bench.time_fem_temperature, repeat=3)
@@ -70,18 +83,24 @@ def memory_ratio(bench):
     """Memory that the work adds at its peak, over that of its input."""
     columns = sum(series.to_numpy().nbytes for series in bench.drivers)
     held = columns + bench.drivers[0].index.nbytes
+    before = int(Path("/proc/self/statm").read_text().split()[1])
+    added = peak_memory(bench.time_fem_temperature) - before * resource.getpagesize()
+    return added / held
+
+
+def peak_memory(work, *arguments):
+    """High-water mark of a copy of this process that does the work. [byte]"""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:  # its own high-water mark, which starts where the input is
-        before = int(Path("/proc/self/statm").read_text().split()[1])
         Path("/proc/self/clear_refs").write_text("5")
-        bench.time_fem_temperature()
+        work(*arguments)
         status = Path("/proc/self/status").read_text()
         peak = int(status.split("VmHWM:")[1].split()[0]) * 1024
-        os.write(writer, str(peak - before * resource.getpagesize()).encode())
+        os.write(writer, str(peak).encode())
         os._exit(0)
     os.waitpid(child, 0)
-    return int(os.read(reader, 100)) / held
+    return int(os.read(reader, 100))
 
 
 if __name__ == "__main__":

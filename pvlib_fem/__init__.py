@@ -3,7 +3,9 @@
 from pvlib_fem import datasets, effects, layers, paper, scores, simulator
 from pvlib_fem.diagnosis import rank_effects
 from pvlib_fem.effect import Effect, Parameter, Terms
+from pvlib_fem.findings import Finding, Loop
 from pvlib_fem.fitting import fit_fem
+from pvlib_fem.loop import close_loop
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.result import FemFit
@@ -16,8 +18,11 @@ __all__ = [
     "DynamicCellTemperature",
     "Effect",
     "FemFit",
+    "Finding",
+    "Loop",
     "Parameter",
     "Terms",
+    "close_loop",
     "datasets",
     "effects",
     "ewm",

@@ -1,16 +1,33 @@
 """The command ``pvlib-fem``: the one module that talks."""
 
 import textwrap
+from importlib.util import find_spec
 from pathlib import Path
+from zoneinfo import available_timezones
 
 import click
 import pandas as pd
+from pvlib.location import Location
+from tqdm import tqdm
 
-from pvlib_fem import __version__, datasets
+from pvlib_fem import __version__, datasets, simulator
+from pvlib_fem.diagnosis import ENOUGH_DAYS
 from pvlib_fem.fitting import METHODS, fit_fem
 from pvlib_fem.laws import LAWS
+from pvlib_fem.loop import Search
 from pvlib_fem.model import MEMORY
 from pvlib_fem.paper import COLUMNS
+
+#: columns by which the loop knows an effect
+OPTIONAL = (
+    "wind_direction",
+    "relative_humidity",
+    "longwave_down",
+    "precipitation",
+    "p_dc",
+    "snow_depth",
+)
+HIDDEN = ("sky_radiation", "wind_direction", "electrical_output")  # in the demo
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -51,30 +68,54 @@ def fit_options(command):
     return command
 
 
+def reading_options(command):
+    """The file, and options of every command that reads one."""
+    for option in (
+        click.argument(
+            "file", type=click.Path(exists=True, dir_okay=False, path_type=Path)
+        ),
+        click.option(
+            "--map",
+            "renames",
+            multiple=True,
+            metavar="NAME=COLUMN",
+            help="Column of the file that is poa_global, temp_air, wind_speed, "
+            "temp_module, another that the command knows, or time; once for each.",
+        ),
+        click.option(
+            "--tz", help="Zone of the times, such as Europe/Brussels or Etc/GMT+7."
+        ),
+        click.option(
+            "--time-format",
+            default="ISO8601",
+            show_default=True,
+            help="Format of the times, such as '%d/%m/%Y %H:%M'.",
+        ),
+        click.option(
+            "--sep", default=",", show_default=True, help="Between CSV columns."
+        ),
+        click.option(
+            "--decimal", default=".", show_default=True, help="In CSV numbers."
+        ),
+        click.option(
+            "--skip-rows",
+            metavar="N,N,…",
+            help="CSV lines to leave out, from 0: 0,2,3 for a TOA5 file.",
+        ),
+    )[::-1]:
+        command = option(command)
+    return command
+
+
+report_option = click.option(
+    "--report",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the report with pictures as one HTML file (needs matplotlib).",
+)
+
+
 @main.command()
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option(
-    "--map",
-    "renames",
-    multiple=True,
-    metavar="NAME=COLUMN",
-    help="Column of the file that is poa_global, temp_air, wind_speed, temp_module "
-    "or time; once for each.",
-)
-@click.option("--tz", help="Zone of the times, such as Europe/Brussels or Etc/GMT+7.")
-@click.option(
-    "--time-format",
-    default="ISO8601",
-    show_default=True,
-    help="Format of the times, such as '%d/%m/%Y %H:%M'.",
-)
-@click.option("--sep", default=",", show_default=True, help="Between CSV columns.")
-@click.option("--decimal", default=".", show_default=True, help="In CSV numbers.")
-@click.option(
-    "--skip-rows",
-    metavar="N,N,…",
-    help="CSV lines to leave out, from 0: 0,2,3 for a TOA5 file.",
-)
+@reading_options
 @fit_options
 def fit(file, renames, tz, time_format, sep, decimal, skip_rows, **options):
     """Fit a CSV or Parquet FILE and print the report.
@@ -87,35 +128,202 @@ def fit(file, renames, tz, time_format, sep, decimal, skip_rows, **options):
 
 
 @main.command()
-@fit_options
-def demo(**options):
-    """Fit a measured week and print the report.
+@reading_options
+@click.option(
+    "--model", type=click.Choice(list(LAWS)), default="faiman", show_default=True
+)
+@click.option("--lat", type=click.FloatRange(-90, 90), help="North positive [°].")
+@click.option("--lon", type=click.FloatRange(-180, 180), help="East positive [°].")
+@click.option("--tilt", type=click.FloatRange(0, 180), help="Of the module [°].")
+@click.option(
+    "--azimuth",
+    type=click.FloatRange(-360, 360),
+    help="Of the module, from north by east [°].",
+)
+@click.option(
+    "--min-gain",
+    type=click.FloatRange(min=0),
+    default=0.15,
+    show_default=True,
+    help="Gain below which no effect is added [K].",
+)
+@report_option
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the loop as JSON.",
+)
+def loop(
+    file, renames, tz, time_format, sep, decimal, skip_rows, report, out, **options
+):
+    """Find which physical effects the model lacks in a CSV or Parquet FILE.
 
-    Where the public file cannot be had, a made-up month takes its place.
+    Beside the columns of a fit it takes wind_direction [° from north],
+    relative_humidity [%], longwave_down [W/m²], precipitation [mm/h], p_dc [W per
+    m² of module] and snow_depth [cm]; every other numeric column is tried as a
+    cause of its own. With --lat, --lon, --tilt and --azimuth it tries effects that
+    follow the sun, too; times without a zone are then local standard time.
     """
     with one_line_errors():
-        try:
-            data = datasets.load("sandia_week")
-            click.echo(f"measured week: {data.attrs['source']}\n")
-        except OSError as error:
-            reason = textwrap.shorten(str(error), 60, placeholder=" …")
-            click.echo(
-                f"the measured week cannot be had ({reason}), so this is a made-up "
-                "month\n"
-            )
-            data = datasets.synthetic(days=30)
-        run(data, **options)
+        check_partners(options)
+        check_writable(report, out)
+        csv = {"sep": sep, "decimal": decimal, "skiprows": line_numbers(skip_rows)}
+        mapped = columns_of(renames, (*COLUMNS, *OPTIONAL))
+        data = read_file(file, mapped, tz, time_format, **csv)
+        found = closed(data, **options)
+        click.echo(str(found))
+        if out is not None:
+            found.to_json(out)
+            click.echo(f"\nwrote {out}")
+        write_report(found, report)
 
 
-def run(data, model, dynamics, method, calm_wind, no_unit_check, out, plot):
-    """The one path from a frame to the report, the JSON and the picture."""
-    lacking = [name for name in COLUMNS if name not in data]
-    if lacking:
+@main.command()
+@click.option("--days", type=click.IntRange(1), default=365, show_default=True)
+@click.option(
+    "--step",
+    type=click.FloatRange(1, 3600),
+    default=60,
+    show_default=True,
+    help="Of the simulated record [s].",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@report_option
+def demo(days, step, seed, report):
+    """Find effects hidden in a simulated site, then look at a measured week.
+
+    The simulation is made from first principles; its truth is told after the
+    answer.
+    """
+    with one_line_errors():
+        check_writable(report)
+        demo_site(days, step, seed, report)
+        demo_week()
+
+
+def demo_site(days, step, seed, report):
+    """A simulated site as a user has it, the answer, and then the truth."""
+    click.echo(
+        f"a simulated site, {days} days at {step / 60:g} min, with {len(HIDDEN)} "
+        "effects that the loop is not told of\n"
+    )
+    site = simulator.RHINE
+    with progress() as bar:
+        bar.set_description_str("simulating")
+        effects = simulator.PHYSICS | dict.fromkeys(HIDDEN, 1.0)
+        data = simulator.record(site, effects, days, step, seed)
+    # few sites have these, so the sky has to come from the humidity
+    found = closed(
+        data.drop(columns=["longwave_down", "snow_depth"]),
+        lat=site.latitude,
+        lon=site.longitude,
+        tilt=site.surface_tilt,
+        azimuth=site.surface_azimuth,
+    )
+    click.echo(f"{found}\n\nthe truth, which the loop has not seen")
+    for name in HIDDEN:
+        what = simulator.SWITCHES[name].split(";")[0]
+        click.echo(f"  {name:<22}{what}: {answer(name, found)}")
+    always = [name for name in simulator.PHYSICS if name not in HIDDEN]
+    click.echo(f"  {'in every module':<22}{', '.join(always)}")
+    for name in found.effects:
+        if name not in effects:
+            click.echo(f"  {name:<22}is not in the simulation")
+    write_report(found, report)
+
+
+def answer(name, found):
+    """What a loop said of an effect that is there."""
+    for finding in found.findings:
+        if name in finding.candidates and finding.verdict != "unknown":
+            under = "" if name == finding.effect else f", under {finding.effect}"
+            how = "a hint only" if finding.verdict == "suggestive" else "found"
+            return f"{how}{under}, {finding.gain:.2f} K"
+    return "not found"
+
+
+def demo_week():
+    """The measured week, or the reason why it cannot be had."""
+    try:
+        data = datasets.load("sandia_week")
+    except (OSError, ValueError) as error:
+        reason = textwrap.shorten(str(error), 60, placeholder=" …")
+        click.echo(f"\nthe measured week cannot be had ({reason})")
+        return
+    found = closed(data)
+    days = found.fit.train_days + found.fit.test_days
+    click.echo(
+        f"\na measured week: {data.attrs['source']}\n\n{found}\n\n"
+        f"what {days} days can say: what memory and bias are worth, on days that the "
+        f"fit has not seen\nwhat they cannot: the name of an effect, which takes "
+        f"{ENOUGH_DAYS} days and its driver"
+    )
+
+
+def closed(
+    data, model="faiman", lat=None, lon=None, tilt=None, azimuth=None, min_gain=0.15
+):
+    """The loop of a frame, with its progress on a terminal."""
+    check_columns(data)
+    place = {"surface_tilt": tilt, "surface_azimuth": azimuth}
+    place["location"] = None if lat is None else location(data.index, lat, lon)
+    with progress() as bar:
+        bar.set_description_str("checking the record")
+        search = Search.of(data, model, place, None, min_gain, None)
+        return search.run(bar.set_description_str)
+
+
+def progress():
+    """One line on a terminal, which goes away; nothing elsewhere."""
+    return tqdm(disable=None, leave=False, bar_format="{desc} [{elapsed}]")
+
+
+def location(index, lat, lon):
+    """Where the record is from, in its zone or in local standard time."""
+    tz = str(index.tz) if getattr(index, "tz", None) is not None else ""
+    if not tz:
+        tz = f"Etc/GMT{-round(lon / 15):+d}"  # this zone's sign is reversed
+    elif tz not in available_timezones():  # an offset, which is no zone
+        tz = "UTC"
+    return Location(lat, lon, tz=tz)
+
+
+def check_partners(options):
+    """Refuse half a place."""
+    for pair in (("lat", "lon"), ("tilt", "azimuth")):
+        given = [name for name in pair if options[name] is not None]
+        if len(given) == 1:
+            (other,) = set(pair) - set(given)
+            raise ValueError(f"--{given[0]} needs --{other} beside it")
+
+
+def check_writable(report, out=None):
+    """Refuse before the work what cannot be written after it."""
+    if report is not None and find_spec("matplotlib") is None:
+        raise ValueError("--report needs matplotlib: pip install 'pvlib_fem[plot]'")
+    for path in (report, out):
+        if path is not None and not path.absolute().parent.is_dir():
+            raise ValueError(f"there is no folder {path.parent} for {path.name}")
+
+
+def write_report(found, path):
+    if path is not None:
+        found.to_html(path)
+        click.echo(f"\nwrote {path}")
+
+
+def check_columns(data):
+    if lacking := [name for name in COLUMNS if name not in data]:
         raise ValueError(
             f"no column {', '.join(lacking)} among "
             f"{', '.join(map(str, data.columns))}; name it with --map "
             f"{lacking[0]}=COLUMN"
         )
+
+
+def run(data, model, dynamics, method, calm_wind, no_unit_check, out, plot):
+    """The one path from a frame to the report, the JSON and the picture."""
+    check_columns(data)
     result = fit_fem(
         *(data[name] for name in COLUMNS),
         model=model,
@@ -133,7 +341,7 @@ def run(data, model, dynamics, method, calm_wind, no_unit_check, out, plot):
         click.echo(f"\nwrote {plot}")
 
 
-def columns_of(renames):
+def columns_of(renames, names=COLUMNS):
     """The map of --map, from the package's names to those of the file."""
     mapped = {}
     for entry in renames:
@@ -142,9 +350,9 @@ def columns_of(renames):
             raise click.BadParameter(
                 f"{entry!r} is not NAME=COLUMN", param_hint="--map"
             )
-        if name not in (*COLUMNS, "time"):
+        if name not in (*names, "time"):
             raise click.BadParameter(
-                f"{name!r} is none of {', '.join(COLUMNS)}, time", param_hint="--map"
+                f"{name!r} is none of {', '.join(names)}, time", param_hint="--map"
             )
         mapped[name] = column
     return mapped
@@ -169,7 +377,7 @@ def read_file(file, mapped, tz, time_format="ISO8601", **csv):
                 "reading Parquet needs pyarrow: pip install pyarrow"
             ) from error
     else:
-        data = pd.read_csv(file, **csv)
+        data = pd.read_csv(file, na_values=["NAN"], **csv)  # as TOA5 writes it
         if data.shape[1] == 1:
             raise ValueError(
                 f"{file.name} has the one column {data.columns[0]!r}; give --sep, such "
@@ -187,8 +395,11 @@ def read_file(file, mapped, tz, time_format="ISO8601", **csv):
         data = data.drop(columns=time).set_index(index)
     if tz is not None:
         data.index = zoned(data.index, tz)
-    # a mapped column takes the name, whatever else the file calls by it
-    return data.assign(**{n: data[c] for n, c in mapped.items() if n != "time"})
+    # a mapped column takes the name, whatever else the file calls by it, and leaves
+    # its own, under which it would be one more driver
+    taken = {name: column for name, column in mapped.items() if name != "time"}
+    named = {name: data[column] for name, column in taken.items()}
+    return data.drop(columns=list(dict.fromkeys(taken.values()))).assign(**named)
 
 
 def times(column, name, time_format):

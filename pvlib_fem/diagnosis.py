@@ -129,8 +129,8 @@ def ranked(found, days):
 def impossible(effect):
     """Words for what helps with a coefficient that cannot be."""
     if effect.shape:
-        return f"informative, but not as {effect.name}: another shape would be it"
-    return f"informative, but not as {effect.name}: suspect the irradiance sensor"
+        return "informative, but not as this effect: another shape would be it"
+    return "informative, but not as this effect: suspect the irradiance sensor"
 
 
 def filled(drivers):
@@ -194,6 +194,8 @@ def usable_drivers(columns, usual):
     for name, column in columns.items():
         if not pd.api.types.is_numeric_dtype(column):
             refused[name] = f"{name} is not numeric"
+        elif np.isinf(column).any():
+            refused[name] = f"{name} is infinite at {np.isinf(column).idxmax()}"
         elif column.notna().sum() == 0:
             refused[name] = f"{name} holds no value"
         elif column.isna().mean() > MOST_MISSING:

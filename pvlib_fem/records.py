@@ -417,5 +417,5 @@ def slope_of(y, x):
 def unit_error(name, unit, why):
     return ValueError(
         f"{name} looks to be in {unit}: {why}. Convert it first; if the unit is "
-        "right, pass check_units=False"
+        "right, fit_fem takes check_units=False"
     )

@@ -9,7 +9,8 @@ import pvlib_fem
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 FLOORS = {
-    0: {"records", "effect", "leastsquares", "layers", "dailysums", "structure"},
+    0: {"records", "effect", "leastsquares", "layers", "dailysums", "structure"}
+    | {"simulator"},
     1: {"relaxation", "laws", "scores", "clock", "coarse"},
     2: {"temperature", "translate", "paper", "drivers"},
     3: {"effects", "model", "plotting", "datasets", "health"},
@@ -60,7 +61,12 @@ def test_every_effect_has_its_line_in_the_registry():
 
 
 def test_matplotlib_click_and_pooch_have_one_place_each():
-    places = {"matplotlib": "plotting", "click": "cli", "pooch": "datasets"}
+    places = {
+        "matplotlib": "plotting",
+        "click": "cli",
+        "tqdm": "cli",
+        "pooch": "datasets",
+    }
     for path in FILES:
         for module, _ in imports(path):
             assert places.get(module.split(".")[0], path.stem) == path.stem

@@ -1,14 +1,17 @@
 """The command, as it is called: output, files and exit codes."""
 
+import io
 import json
 import re
+import sys
 
-import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from pvlib.location import Location
 
-from pvlib_fem import DynamicCellTemperature, cli, datasets
+from pvlib_fem import DynamicCellTemperature, cli, datasets, simulator
+from pvlib_fem.loop import close_loop
 
 
 def call(*arguments):
@@ -165,6 +168,11 @@ def test_bad_data_end_with_one_line_and_exit_code_1(logger, spoil, arguments, me
         ("fit", __file__, "--map", "poa_global"),
         ("fit", __file__, "--map", "rain=Irr"),
         ("fit", __file__, "--skip-rows", "two"),
+        ("loop",),
+        ("loop", __file__, "--model", "wm3"),
+        ("loop", __file__, "--map", "snow=Irr"),
+        ("loop", __file__, "--lat", "95", "--lon", "8"),
+        ("demo", "--days", "0"),
         ("forecast",),
     ],
 )
@@ -178,24 +186,135 @@ def test_a_unit_can_be_insisted_on(logger):
     assert call("fit", logger, *MAP, "--no-unit-check").exit_code == 0
 
 
-def test_the_demo_is_the_fit_of_the_measured_week(week, tmp_path):
-    path = tmp_path / "week.csv"
-    week.to_csv(path)
-    demo = call("demo").output
-    assert demo.startswith("measured week: ")
-    assert demo.split("\n", 2)[2] == call("fit", path).output
+@pytest.fixture(scope="module")
+def plant():
+    """Four months with a cold sky, as a logger has them, and their site."""
+    site = simulator.ALBUQUERQUE
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0}
+    data = simulator.record(site, effects, days=120, step=900, seed=1)
+    return data.drop(columns=["snow_depth"]).tz_localize(None), site
 
 
-def test_without_the_week_the_demo_makes_a_month_and_says_so(monkeypatch):
+@pytest.fixture
+def plant_file(plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    names = {"longwave_down": "LW", "wind_direction": "WD", "temp_module": "T<1>"}
+    plant[0].rename(columns=names).assign(state="ok").to_csv(path)
+    return path
+
+
+PLANT = [f"--map={n}" for n in ("longwave_down=LW", "wind_direction=WD")]
+PLANT += ["--map=temp_module=T<1>"]
+PLACE = ("--lat", 35.05, "--lon", -106.54, "--tilt", 35, "--azimuth", 180)
+
+
+def test_the_loop_prints_what_close_loop_finds(plant, plant_file, tmp_path):
+    """With other names, a column of text and times without a zone, too."""
+    data, site = plant
+    out, report = tmp_path / "loop.json", tmp_path / "loop.html"
+    files = ("--out", out, "--report", report)
+    result = call("loop", plant_file, *PLANT, *PLACE, "--model", "sapm", *files)
+    assert result.exit_code == 0, result.output
+    place = Location(site.latitude, site.longitude, tz=site.tz)
+    found = close_loop(data.assign(state="ok"), "sapm", place, 35.0, 180.0)
+    assert "sky_radiation" in found.effects
+    assert result.output == f"{found}\n\nwrote {out}\n\nwrote {report}\n"
+    assert json.loads(out.read_text(encoding="utf-8"))["findings"]
+    assert report.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_a_gain_can_be_asked_for(plant_file):
+    asked = call("loop", plant_file, *PLANT, "--min-gain", 50)
+    assert asked.exit_code == 0
+    assert "\n+ " not in asked.output
+
+
+def test_a_pipe_hears_no_progress_and_a_terminal_does(plant_file, capsys, monkeypatch):
+    arguments = ["loop", str(plant_file), *PLANT]
+    cli.main(arguments, standalone_mode=False)
+    assert capsys.readouterr().err == ""
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
+    monkeypatch.setattr(sys, "stderr", terminal)
+    cli.main(arguments, standalone_mode=False)
+    assert "fitting the model without effects" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\r")  # nothing stays
+
+
+@pytest.mark.parametrize(
+    ("index", "tz"),
+    [
+        (pd.DatetimeIndex(["2024-01-01"]), "Etc/GMT+7"),  # local standard time
+        (pd.DatetimeIndex(["2024-01-01"], tz="America/Denver"), "America/Denver"),
+        (pd.DatetimeIndex(["2024-01-01T00:00-07:00"]), "UTC"),  # instants say it all
+    ],
+)
+def test_a_place_has_the_zone_of_the_record(index, tz):
+    assert str(cli.location(index, 35.05, -106.54).tz) == tz
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--lat", 35), "--lat needs --lon beside it"),
+        (("--lon", 8), "--lon needs --lat beside it"),
+        (("--tilt", 35), "--tilt needs --azimuth beside it"),
+        (("--azimuth", 180), "--azimuth needs --tilt beside it"),
+        (("--out", "nowhere/loop.json"), "there is no folder nowhere for loop.json"),
+        (("--report", "nowhere/a.html"), "there is no folder nowhere for a.html"),
+        (("--map", "wind_direction=Dir"), "plant.csv has no column Dir; it has"),
+        ((), "no column temp_module among"),
+    ],
+)
+def test_a_loop_that_cannot_be_ends_with_one_line(plant_file, arguments, message):
+    result = call("loop", plant_file, *arguments)
+    assert result.exit_code == 1
+    assert result.output.startswith("Error: ")
+    assert message in result.output
+    assert len(result.output.splitlines()) == 1
+
+
+def test_a_report_without_matplotlib_is_refused_before_the_work(
+    plant_file, monkeypatch
+):
+    monkeypatch.setattr(cli, "find_spec", lambda name: None)
+    result = call("loop", plant_file, *PLANT, "--report", "a.html")
+    assert result.exit_code == 1
+    assert "pip install 'pvlib_fem[plot]'" in result.output
+
+
+def test_missing_values_as_a_campbell_logger_writes_them(plant, tmp_path):
+    path = tmp_path / "toa5.csv"
+    plant[0].assign(wind_speed=plant[0]["wind_speed"].where(lambda w: w > 1)).to_csv(
+        path, na_rep='"NAN"', quoting=3, quotechar="'"
+    )
+    assert '"NAN"' in path.read_text()
+    assert cli.read_file(path, {}, None)["wind_speed"].isna().any()
+
+
+QUICK = ("demo", "--days", 120, "--step", 900)
+
+
+def test_the_demo_finds_what_is_hidden_and_tells_the_truth_after(week, tmp_path):
+    path = tmp_path / "demo.html"
+    result = call(*QUICK, "--report", path)
+    assert result.exit_code == 0, result.output
+    answer, truth = result.output.split("the truth, which the loop has not seen")
+    assert "not told of" in answer
+    for name in cli.HIDDEN:
+        assert f"+ {name}" in answer
+        assert re.search(rf"^  {name} .*: found, \d\.\d\d K$", truth, re.MULTILINE)
+    assert path.stat().st_size > 50_000
+    assert str(close_loop(week)) in truth
+    assert "what 7 days can say" in truth
+
+
+def test_without_the_week_the_demo_goes_on_and_says_so(monkeypatch):
     def offline(name):
         raise OSError("no route to host")
 
     monkeypatch.setattr(datasets, "load", offline)
-    result = call("demo")
-    assert result.exit_code == 0
-    assert "cannot be had (no route to host), so this is a made-up month" in (
-        result.output
-    )
-    assert "43,200 rows" in result.output
-    shown = dict(re.findall(r"^(k|tau) +(\S+)", result.output, re.MULTILINE))
-    assert np.isfinite([float(value) for value in shown.values()]).all()
+    result = call("demo", "--days", 30, "--step", 1800, "--seed", 4)
+    assert result.exit_code == 0, result.output
+    last = "the measured week cannot be had (no route to host)"
+    assert result.output.splitlines()[-1] == last

@@ -375,7 +375,8 @@ def test_the_plot_shows_a_held_out_day(week):
     fit = fem.fit_fem(*(week[name] for name in COLUMNS))
     axes = fit.plot()
     measured_line, modelled_line = axes.get_lines()
-    shown = pd.DatetimeIndex(measured_line.get_xdata())
+    day = pd.Timestamp(axes.get_title().split(",")[0])
+    shown = (day + pd.to_timedelta(measured_line.get_xdata(), unit="h")).round("s")
     assert fit.holdout[shown].all()
     np.testing.assert_allclose(
         measured_line.get_ydata() - modelled_line.get_ydata(), fit.residual[shown]

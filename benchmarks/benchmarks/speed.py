@@ -106,3 +106,28 @@ class Fit:
 
     def time_fit_fem(self, dynamics):
         fem.fit_fem(*self.record, model="faiman", dynamics=dynamics)
+
+
+class Loop:
+    """The closed loop over years at 1 min of the simulated world, with all effects."""
+
+    params = [1, 2, 4]
+    timeout = 300
+
+    def setup(self, years):
+        simulator = fem.simulator
+        hidden = ("sky_radiation", "wind_direction", "electrical_output")
+        effects = simulator.PHYSICS | dict.fromkeys(hidden, 1.0)
+        self.record = simulator.record(effects=effects, days=365 * years)
+        site = simulator.RHINE
+        self.place = dict(
+            location=pvlib.location.Location(site.latitude, site.longitude, site.tz),
+            surface_tilt=site.surface_tilt,
+            surface_azimuth=site.surface_azimuth,
+        )
+
+    def time_close_loop(self, years):
+        fem.close_loop(self.record, **self.place)
+
+    def peakmem_close_loop(self, years):
+        fem.close_loop(self.record, **self.place)

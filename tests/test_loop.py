@@ -1,0 +1,392 @@
+"""The loop finds what was hidden, and says what it cannot know."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pvlib
+import pytest
+from conftest import COLUMNS
+
+import pvlib_fem as fem
+from pvlib_fem import datasets, simulator
+from pvlib_fem.coarse import coarse
+from pvlib_fem.effects import EFFECTS
+from pvlib_fem.records import measured
+from pvlib_fem.simulator import PHYSICS, RHINE
+
+RHEIN = pvlib.location.Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
+PLACE = dict(location=RHEIN, surface_tilt=35, surface_azimuth=180)
+HALF = dict(days=200, step=300, seed=4, start="2023-04-01")
+
+
+def hidden(*names, **changed):
+    """Half a year of the simulated world, of which the loop is told nothing."""
+    data = simulator.record(
+        effects=PHYSICS | dict.fromkeys(names, 1.0), **{**HALF, **changed}
+    )
+    data.attrs = {}
+    return data.drop(columns="snow_depth")
+
+
+@pytest.fixture(scope="module")
+def two():
+    """Sky and wind direction, and the loop on them."""
+    data = hidden("sky_radiation", "wind_direction")
+    return data, fem.close_loop(data, **PLACE)
+
+
+def test_hidden_effects_are_named_with_their_size(two):
+    """Absorbed share 0.92·0.97 less 0.2 of electricity; emissivity and view of 35°."""
+    _, loop = two
+    assert set(loop.effects[:2]) == {"sky_radiation", "wind_direction"}
+    named = {f.effect: f for f in loop.findings if f.verdict == "named"}
+    assert set(named) == {"sky_radiation", "wind_direction"}
+    share = named["sky_radiation"].coefficients["sky_radiation.share"]
+    # both faces of a rack see all of the sky between them
+    assert share == pytest.approx(0.865 / (0.92 - 0.2), rel=0.2)
+    for finding in named.values():
+        assert finding.gain > 0.3 and finding.candidates == (finding.effect,)
+        for key, error in finding.stderr.items():
+            assert 0 < error < 0.2 * max(map(abs, finding.coefficients.values())), key
+
+
+def test_every_step_is_better_on_sealed_days(two):
+    _, loop = two
+    table = loop.table
+    assert list(table.index[:3]) == ["steady", "fem", "balance"]
+    steps = [name for name in table.index if name.startswith("+")]
+    assert steps == [f"+{name}" for name in loop.effects]
+    rmse = table.loc[[loop_base(loop), *steps], "rmse_test"]
+    assert (rmse.diff().dropna() <= 0).all()
+    assert rmse.iloc[-1] < 0.55 * rmse.iloc[0]
+    assert table.notna().all(axis=None)
+
+
+def loop_base(loop):
+    return "fem" if loop.fit.dynamics == "ewm" else "balance"
+
+
+def test_the_table_is_that_of_the_predictions(two):
+    data, loop = two
+    sealed = loop.fit.holdout & loop.fit.residual.notna()
+    error = (data["temp_module"] - loop.predict(data))[sealed]
+    last = loop.table.iloc[-1]
+    assert np.sqrt((error**2).mean()) == pytest.approx(last["rmse_test"], rel=1e-3)
+    weeks = pd.Series(loop.fit.holdout.index.isocalendar().week)
+    share = loop.fit.holdout.mean()
+    assert 0.15 < share < 0.25
+    assert loop.fit.holdout.groupby(weeks.to_numpy()).nunique().max() == 1
+
+
+def test_contributions_are_what_leaving_one_out_changes(two):
+    data, loop = two
+    parts = loop.contributions(data)
+    assert list(parts) == [effect.name for effect in loop.fit.effects]
+    nothing = {k: 0.0 for k in loop.fit.coefficients if k.startswith("wind_direction")}
+    model = fem.DynamicCellTemperature  # the same model, as a chain has it
+    assert model is not None
+    coefficients = {**loop.fit.coefficients, **nothing}
+    without = fem.model.thermal_model(
+        loop.fit.model, loop.fit.dynamics, loop.fit.effects
+    ).predict(*(data[n] for n in COLUMNS[:3]), coefficients, **loop.drivers(data))
+    want = loop.predict(data) - without
+    np.testing.assert_allclose(parts["wind_direction"], want, atol=1e-9)
+    assert parts["sky_radiation"].max() < 0.1  # the sky cools
+
+
+def test_the_report_says_all(two):
+    _, loop = two
+    text = str(loop)
+    head = text.splitlines()[0]
+    assert head.startswith("pvlib_fem: the loop on 200 days at 5 min · 57,600 rows")
+    for words in ("steady", "fem (the paper's form)", "+ sky_radiation", "named"):
+        assert words in text
+    assert "from measured longwave" in text
+    assert "never from these columns" in text
+    for name in loop.untestable:
+        assert name in text
+
+
+def test_the_loop_is_json(two, tmp_path):
+    _, loop = two
+    path = tmp_path / "loop.json"
+    content = json.loads(loop.to_json(path))
+    assert json.loads(path.read_text(encoding="utf-8")) == content
+    assert [f["effect"] for f in content["findings"]] == [
+        f.effect for f in loop.findings
+    ]
+    assert content["table"].keys() == set(loop.table.index)
+
+
+def test_the_same_record_gives_the_same_bits(two, tmp_path):
+    """Whatever the number of threads."""
+    data, _ = two
+    short = data.iloc[: 288 * 90]
+    short.to_pickle(tmp_path / "data.pkl")
+    code = (
+        "import sys, pandas as pd, pvlib_fem as fem;"
+        "print(fem.close_loop(pd.read_pickle(sys.argv[1])).to_json())"
+    )
+    answers = {
+        subprocess.run(
+            [sys.executable, "-c", code, str(tmp_path / "data.pkl")],
+            env={**os.environ, "OPENBLAS_NUM_THREADS": threads},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "2")
+    }
+    assert answers == {fem.close_loop(short).to_json() + "\n"}
+
+
+def test_it_runs_in_a_chain(two):
+    data, loop = two
+    system = pvlib.pvsystem.PVSystem(
+        [
+            pvlib.pvsystem.Array(
+                pvlib.pvsystem.FixedMount(35, 180),
+                module_parameters={"pdc0": 1000.0, "gamma_pdc": -0.0035},
+            )
+        ],
+        inverter_parameters={"pdc0": 1000.0},
+    )
+    chain = pvlib.modelchain.ModelChain(
+        system,
+        RHEIN,
+        aoi_model="no_loss",
+        spectral_model="no_loss",
+        temperature_model=loop.temperature_model(),
+    )
+    some = data.iloc[: 288 * 3]
+    poa = some[["poa_global", "temp_air", "wind_speed"]].assign(
+        poa_direct=0.7 * some["poa_global"], poa_diffuse=0.3 * some["poa_global"]
+    )
+    cells = chain.run_model_from_poa(poa).results.cell_temperature
+    np.testing.assert_allclose(cells, loop.predict(some), atol=0.3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_where_nothing_is_hidden_nothing_is_named(noise, seed):
+    """The fitted form and noise that remembers hours, with drivers to mislead."""
+    data = hidden(seed=seed)
+    base = fem.heat_balance(
+        *(data[n] for n in COLUMNS[:3]), model="faiman", u0=25, u1=6, capacity=15e3
+    )
+    random = 0.7 * np.sqrt(2 * 36) * noise(len(data), 1.0, seed)
+    data["temp_module"] = base - 1 + fem.ewm(random, 3 * 3600.0, step=300)
+    loop = fem.close_loop(data, **PLACE)
+    assert loop.effects == []
+    assert not [f for f in loop.findings if f.verdict in ("named", "class")]
+    assert loop.table["rmse_test"]["balance"] == pytest.approx(0.7, rel=0.15)
+
+
+def test_what_is_in_no_catalogue_is_said_to_be_unknown():
+    data = hidden("weekend_exhaust")
+    loop = fem.close_loop(data, **PLACE)
+    first = loop.unexplained[0]
+    assert set(first.candidates) == {"hour", "weekend"}
+    assert first.gain > 0.8
+    low, high = first.where["hour"]
+    assert 8 <= low <= 10 and 15 <= high <= 17
+    assert "weekend" in first.why and "nothing in the catalogue" in first.why
+    assert not [f for f in loop.findings if f.verdict == "named"]
+    assert loop.table["rmse_test"].iloc[-1] <= loop.table["rmse_test"][loop_base(loop)]
+
+
+def test_with_its_column_it_is_found_by_name():
+    data = hidden("weekend_exhaust")
+    heat = simulator.forcing.undeclared(
+        data.index,
+        data["temp_air"].to_numpy(),
+        simulator.switches.amplitudes({"weekend_exhaust": 1.0}),
+    )[1]
+    loop = fem.close_loop(data.assign(**{"fan <W>": heat}), **PLACE)
+    assert loop.findings[0].effect == "driver:fan <W>"
+    assert loop.findings[0].verdict == "named"
+    assert not loop.unexplained or loop.unexplained[0].gain < 0.3
+
+
+def test_a_column_made_from_the_answer_is_recognised():
+    data = hidden("wind_direction", days=90)
+    module = data["temp_module"]
+    spies = data.assign(
+        twin=module + np.random.default_rng(0).normal(0, 0.2, len(data)),
+        excess=module - data["temp_air"],
+        slow=module.rolling(3, min_periods=1).mean(),
+        fahrenheit=1.8 * module + 32,
+        label="text",
+        nothing=np.nan,
+        still=5.0,
+    )
+    loop = fem.close_loop(spies, **PLACE)
+    assert loop.effects[0] == "wind_direction"
+    for name in ("twin", "excess", "slow"):
+        assert loop.untestable[f"driver:{name}"].startswith("the module temperature")
+    reasons = " ".join(loop.notes)
+    for words in ("fahrenheit is a copy of temp_module", "label is not numeric"):
+        assert words in reasons
+    for words in ("nothing holds no value", "still is constant"):
+        assert words in reasons
+
+
+def test_ones_own_effect_is_found_among_the_others():
+    """A vent that blows on the module, in one object."""
+    data = hidden("wind_direction", days=120)
+    vent = pd.Series(np.where(data.index.hour % 7 == 3, 1.0, 0.0), data.index)
+    r_eq = 1 / (28 + 5 * data["wind_speed"])
+    data["temp_module"] += fem.ewm(90.0 * vent * r_eq, 400.0)
+
+    def terms(vent_open, *, warmth):
+        """Heat of an open vent."""
+        return fem.Terms(heat=warmth * vent_open)
+
+    row = fem.Parameter(0.0, 0.0, 500.0, "W/m²")
+    own = fem.Effect("vent", terms, {"warmth": row})
+    loop = fem.close_loop(
+        data.assign(vent_open=vent), effects=[own, "wind_direction", "rain"], **PLACE
+    )
+    assert set(loop.effects) == {"vent", "wind_direction"}
+    (found,) = [f for f in loop.findings if f.effect == "vent"]
+    assert found.coefficients["vent.warmth"] == pytest.approx(90, rel=0.25)
+
+
+def test_an_effect_that_raises_does_not_stop_the_others():
+    def broken(wind_speed, *, size):
+        raise RuntimeError("not today")
+
+    row = fem.Parameter(0.0, 0.0, 1.0, "-")
+    own = fem.Effect("broken", broken, {"size": row})
+    data = hidden("wind_direction", days=90)
+    loop = fem.close_loop(data, effects=[own, "wind_direction"], **PLACE)
+    assert loop.untestable["broken"] == "RuntimeError: not today"
+    assert loop.effects == ["wind_direction"]
+
+
+def test_what_lacks_its_driver_is_not_testable():
+    data = hidden("rain", days=90).drop(
+        columns=["precipitation", "p_dc", "longwave_down", "relative_humidity"]
+    )
+    loop = fem.close_loop(data)
+    assert loop.untestable["rain"] == "no precipitation"
+    assert loop.untestable["electrical_output"] == "no p_dc"
+    need = "no location, surface_azimuth, surface_tilt"
+    assert loop.untestable["rear_irradiance"] == need
+    assert "no relative_humidity" in loop.untestable["sky_radiation"]
+    assert not [f for f in loop.findings if f.verdict == "named"]
+
+
+@pytest.mark.parametrize("days", [20, 45])
+def test_a_short_record_suggests_at_best(days):
+    data = hidden("sky_radiation", "electrical_output", days=days)
+    loop = fem.close_loop(data, **PLACE)
+    assert loop.effects == []
+    assert {f.verdict for f in loop.findings} <= {"suggestive", "unknown"}
+    assert any("too few for a name, of 60" in f.why for f in loop.findings)
+
+
+def test_a_late_clock_is_found_and_corrected():
+    late = simulator.record(effects=PHYSICS | {"clock_shift": 10.0}, **HALF)
+    right = simulator.record(effects=PHYSICS, **HALF)
+    found, fine = fem.close_loop(late, **PLACE), fem.close_loop(right, **PLACE)
+    first = found.findings[0]
+    assert first.effect == "clock_shift" and first.verdict == "named"
+    minutes = first.coefficients["clock_shift.minutes"]
+    assert minutes == pytest.approx(10.0, abs=0.6)
+    assert "clock_shift" not in [f.effect for f in fine.findings]
+    before, after = (found.table["rmse_test"][n] for n in ("balance", "+clock_shift"))
+    assert after < 0.7 * before
+    assert after == pytest.approx(fine.table["rmse_test"]["balance"], rel=0.1)
+
+
+def test_nothing_that_is_sealed_is_looked_at():
+    """Nonsense in the sealed weeks changes no finding of the open ones."""
+    data = hidden("sky_radiation", days=120)
+    loop = fem.close_loop(data, **PLACE)
+    sealed = loop.fit.holdout
+    random = np.random.default_rng(1)
+    spoilt = data.copy()
+    nonsense = spoilt["temp_air"] + random.normal(0, 5, len(spoilt))
+    spoilt.loc[sealed, "temp_module"] = nonsense[sealed]
+    other = fem.close_loop(spoilt, holdout=sealed, **PLACE)
+    pd.testing.assert_series_equal(
+        loop.ranking["gain"].iloc[:0], other.ranking["gain"].iloc[:0]
+    )
+    one, two_ = loop.findings[0], other.findings[0]
+    assert (one.effect, one.gain) == (two_.effect, two_.gain)
+
+
+def test_the_measured_week_is_too_short_to_name_anything(week):
+    loop = fem.close_loop(week)
+    assert loop.effects == [] and loop.notes == ()
+    rmse = loop.table["rmse_test"]
+    assert rmse["fem"] < 1.5 < 4.0 < rmse["steady"]
+    assert loop.untestable["wind_direction"] == "no wind_direction"
+    assert "too few to leave any out" in loop.untestable["thermal_storage"]
+
+
+def test_on_the_measured_day_fifteen_sensors_are_no_drivers(day):
+    loop = fem.close_loop(day)
+    assert loop.effects == []
+    twins = [n for n in loop.untestable if n.startswith("driver:temp_module")]
+    assert len(twins) == 16
+    assert "driver:power_string" in loop.untestable
+    assert np.isnan(loop.table["rmse_test"]).all()
+    assert "nothing is sealed" in str(loop)
+
+
+def test_coarse_steps_lose_no_day_and_no_kelvin(month):
+    """Means over five minutes of a month at one minute, inputs up to their time."""
+    record = measured(*(month[n] for n in COLUMNS))
+    short = coarse(record)
+    assert len(short.index) == pytest.approx(len(month) / 5, abs=2)
+    assert short.index.tz == month.index.tz
+    at = short.index[1000]
+    want = month["poa_global"][at - pd.Timedelta("4min") : at].mean()
+    assert short["poa_global"][1000] == pytest.approx(max(want, 0), abs=1e-9)
+    around = pd.Timedelta("2min")
+    want = month["temp_module"][at - around : at + around].mean()
+    assert short["temp_module"][1000] == pytest.approx(want, abs=0.3)
+    assert coarse(short) is short
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (dict(model="ghosts"), "unknown model 'ghosts'"),
+        (dict(effects=["ghosts"]), "unknown effect 'ghosts'"),
+        (dict(holdout=[True]), "holdout must be a boolean Series"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, message):
+    data = datasets.synthetic(3, 300)
+    with pytest.raises(ValueError, match=message):
+        fem.close_loop(data, **change)
+    with pytest.raises(ValueError, match="data lack wind_speed"):
+        fem.close_loop(data.drop(columns="wind_speed"))
+
+
+def test_names_of_the_effects_are_those_of_the_contract():
+    assert list(EFFECTS) == [
+        "sky_radiation",
+        "electrical_output",
+        "wind_direction",
+        "rain",
+        "soiling",
+        "sensitivity_drift",
+        "snow",
+        "shading",
+        "natural_convection",
+        "wind_shape",
+        "thermal_storage",
+        "incidence_angle",
+        "rear_irradiance",
+        "poa_misalignment",
+        "temperature_gain",
+        "air_shield",
+        "season",
+    ]

@@ -1,0 +1,113 @@
+"""Where a residual lives, against residuals that are put somewhere."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pvlib_fem.dailysums import calendar_weeks
+from pvlib_fem.structure import axes, find_structure
+
+TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
+DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
+FOLDS = np.unique(calendar_weeks(DATES), return_inverse=True)[1] % 5
+SECONDS = np.arange(len(TIMES)) * 900.0
+RANDOM = np.random.default_rng(3)
+WIND = RANDOM.weibull(2.0, len(TIMES)) * 3
+CLOUDS = RANDOM.uniform(0.1, 1.0, len(TIMES))
+SUN = CLOUDS * np.maximum(0, 900 * np.sin((TIMES.hour - 6) * np.pi / 12)).to_numpy()
+DIRECTION = RANDOM.uniform(0, 360, len(TIMES))
+DRIVERS = {"poa_global": SUN, "wind_speed": WIND, "wind_direction": DIRECTION}
+HOUR, WEEKDAY = np.asarray(TIMES.hour), np.asarray(TIMES.day_of_week)
+
+
+def strongest(residual, without=()):
+    sorts = list(axes(TIMES, DATES, DRIVERS))
+    return find_structure(residual, SECONDS, FOLDS, sorts, 900.0, without)
+
+
+def noise(sd=0.5):
+    return RANDOM.normal(0, sd, len(TIMES))
+
+
+PLACES = {
+    "hour × weekend": (
+        (WEEKDAY >= 5) & (HOUR >= 9) & (HOUR < 16),
+        {"hour": (9, 16), "weekend": ("weekend", "weekend")},
+        "hour 9–16 × weekend",
+    ),
+    "hour × month": (
+        (TIMES.month >= 6) & (TIMES.month <= 8) & (HOUR >= 13) & (HOUR < 19),
+        {"hour": (13, 19), "month": (6, 8)},
+        "hour 13–19 × month 6–8",
+    ),
+    "hour": (
+        (HOUR >= 22) | (HOUR < 4),
+        {"hour": (22, 4)},
+        "hour 22–4",  # over midnight
+    ),
+    "hour × alternate_day": (
+        (DATES % 2 == 0) & (HOUR == 6),
+        {"hour": (6, 7), "alternate_day": ("every second day", "every second day")},
+        "hour 6–7 × every second day",
+    ),
+    "wind_direction": (
+        (DIRECTION > 247.5) & (DIRECTION < 292.5),
+        {"wind_direction": ("W", "W")},
+        "wind_direction W",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PLACES)
+def test_it_is_found_where_it_was_put(name):
+    there, ranges, words = PLACES[name]
+    residual = noise() + 3.0 * np.asarray(there)
+    found = strongest(residual - residual.mean())
+    assert found.name == name
+    assert found.ranges == ranges and found.where == words
+    share = np.mean(there)
+    assert found.size == pytest.approx(3.0 * (1 - share), rel=0.2)
+    variance = 9.0 * share * (1 - share)
+    assert found.gain == pytest.approx(np.sqrt(variance), rel=0.12)
+
+
+def test_its_values_are_of_other_weeks():
+    """What one week has alone foretells nothing of it."""
+    residual = np.zeros(len(TIMES))
+    residual[: 96 * 7] = 5.0
+    found = strongest(residual)
+    assert found is None or found.gain < 0.3
+    there = PLACES["hour × weekend"][0]
+    found = strongest(3.0 * there)
+    residual = 3.0 * there - 3.0 * there.mean()
+    left = residual - found.values
+    gain = np.sqrt(np.mean(residual**2) - np.mean(left**2))
+    assert gain == pytest.approx(found.gain, rel=1e-9)
+
+
+def test_noise_lives_nowhere():
+    """Not even noise that remembers a day."""
+    steps = noise(1.0)
+    slow = pd.Series(steps).ewm(alpha=0.02).mean().to_numpy()
+    slow = slow / slow.std()
+    for residual in (noise(1.0), slow):
+        found = strongest(residual)
+        assert found is None or found.gain < 0.12
+
+
+def test_a_driver_can_be_left_out():
+    there = PLACES["wind_direction"][0]
+    found = strongest(noise() + 2.0 * there, without=("wind_direction",))
+    assert found is None or found.gain < 0.1
+
+
+def test_a_driver_that_does_not_vary_sorts_nothing():
+    columns = {"still": np.full(len(TIMES), 3.0), "none": np.full(len(TIMES), np.nan)}
+    names = {axis.name for axis in axes(TIMES, DATES, columns)}
+    assert names == {"hour", "weekend", "alternate_day", "month"}
+
+
+def test_few_days_have_no_weekend():
+    rows = slice(0, 96 * 7)
+    names = {axis.name for axis in axes(TIMES[rows], DATES[rows], {})}
+    assert names == {"hour"}
