@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test lint benchmark energy clean
+.PHONY: demo test lint benchmark energy study clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -26,6 +26,9 @@ benchmark: $(VENV)/.installed
 
 energy: $(VENV)/.installed
 	$(BIN)/python gallery/energy_of_a_year.py
+
+study: $(VENV)/.installed
+	$(BIN)/python tests/study.py --out docs/study.md
 
 clean:
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis

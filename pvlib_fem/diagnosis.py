@@ -128,9 +128,12 @@ def ranked(found, days):
 
 def impossible(effect):
     """Words for what helps with a coefficient that cannot be."""
+    suspect = "suspect its sensor"
     if effect.shape:
-        return "informative, but not as this effect: another shape would be it"
-    return "informative, but not as this effect: suspect the irradiance sensor"
+        suspect = "another shape would be it"
+    elif "p_dc" in effect.drivers:  # power measures irradiance, too
+        suspect = "suspect the irradiance sensor"
+    return f"informative, but not as this effect: {suspect}"
 
 
 def filled(drivers):
@@ -143,17 +146,17 @@ def candidates(drivers, refused, effects, there=()):
     if effects is None:
         known = {n for e in EFFECTS.values() for n in measured_for(e)}
         own = [driver(n, column) for n, column in drivers.items() if n not in known]
-        wanted = [*EFFECTS.values(), *own]
+        wanted = [*EFFECTS, *own]
     else:
-        wanted = [find(name) for name in effects]
+        wanted = list(effects)
     testable, notes = [], {}
-    for effect in wanted:
+    for choice in wanted:
+        effect = find(choice)
         if effect.name in there:
             continue
-        variants = (
-            VARIANTS.get(effect.name, (effect,)) if effects is None else (effect,)
-        )
-        for variant in variants:
+        # by its name alone it takes the best of what is there
+        variants = VARIANTS.get(choice) if isinstance(choice, str) else None
+        for variant in variants or (effect,):
             lacking = [n for n in needed_for(variant.drivers) if n not in drivers]
             if not lacking:
                 testable.append(variant)

@@ -15,8 +15,12 @@ STEFAN_BOLTZMANN = 5.670374419e-8  # W/(m² K⁴), CODATA 2018
 ZERO_CELSIUS = 273.15  # K
 HOUR = 3600.0  # s
 YEAR = 365.2425 * 86400.0  # s
-DRYING = 900.0  # s that a film of water keeps its memory of rain
-CLEANING = 1.0  # mm of rain in an hour that clean a module
+DRYING = 1800.0  # s that a film of water keeps its memory of rain
+SOAKED = 5.0  # times that memory at which a module is all wet
+CLEANING = 1.0  # mm of rain that clean a module
+SHOWER = 3.0 * HOUR  # s over which they fall
+DIRTIEST = 60.0  # days after which dirt gathers no more
+RESISTANCE = 0.025  # K m²/W, of a module that is not asked
 SOLAR_CONSTANT = 1361.0  # W/m²
 HALVINGS = 12  # of the range of the clearness: to 1/4096
 ALBEDO = 0.2  # of ground of which nothing is known
@@ -152,12 +156,9 @@ def beam(poa_global, clearness, aoi_projection, inputs):
     return np.minimum(direct * np.maximum(aoi_projection, 0.0), poa_global)
 
 
-def beam_around(beam, solar_zenith, aoi_projection, inputs):
+def beam_clear(solar_zenith, aoi_projection, inputs):
     """
-    Beam in the plane as the hours around let expect it. [W/m²]
-
-    That of the clear sky [1]_ times the share of it that was there before and
-    after: what an irradiance sensor in the shade does not see.
+    Beam in the plane under a clear sky [1]_. [W/m²]
 
     References
     ----------
@@ -166,12 +167,27 @@ def beam_around(beam, solar_zenith, aoi_projection, inputs):
     """
     up = np.cos(np.radians(solar_zenith))
     clear = np.where(up > 0, 1160.0 * np.exp(-0.175 / np.maximum(up, 0.02)), 0.0)
-    clear = clear * np.maximum(aoi_projection, 0.0)
+    return clear * np.maximum(aoi_projection, 0.0)
+
+
+def elapsed(inputs):
+    """Time since the record began. [s]"""
+    return inputs.seconds
+
+
+def beam_around(beam, beam_clear, elapsed, inputs=None, seen=1.0):
+    """
+    Beam in the plane as the hours around let expect it. [W/m²]
+
+    That of the clear sky times the share of it that was there before and after,
+    where it was ``seen``: what an irradiance sensor in the shade does not see.
+    """
+    steps = np.diff(elapsed, prepend=elapsed[:1])
     there, whole = (
-        smoothed(column, inputs, AROUND) + backwards(column, inputs, AROUND)
-        for column in (beam, clear + 0.0 * beam)
+        relax(column, steps, AROUND) + backwards(column, steps, AROUND)
+        for column in (beam * seen, beam_clear * seen + 0.0 * beam)
     )
-    return clear * np.minimum(there / np.maximum(whole, 1.0), 1.0)
+    return beam_clear * np.minimum(there / np.maximum(whole, 1.0), 1.0)
 
 
 def ghi_estimated(clearness, solar_zenith, inputs):
@@ -223,6 +239,11 @@ def sky_deficit(longwave_down, temp_air, inputs):
     return black_body(temp_air) - longwave_down
 
 
+def saturation(celsius):
+    """Saturation vapour pressure over water, by Magnus. [hPa]"""
+    return 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
+
+
 def moist_emissivity(relative_humidity, temp_air):
     """
     Emissivity of the clear sky, by the vapour at the ground [1]_. [-]
@@ -233,8 +254,7 @@ def moist_emissivity(relative_humidity, temp_air):
        clear-sky radiation at the surface", Q. J. R. Meteorol. Soc. 122, 1127
        (1996), :doi:`10.1002/qj.49712253306`.
     """
-    magnus = 6.112 * np.exp(17.62 * temp_air / (243.12 + temp_air))  # hPa
-    vapour = relative_humidity / 100.0 * magnus
+    vapour = relative_humidity / 100.0 * saturation(temp_air)
     water = 46.5 * vapour / (temp_air + ZERO_CELSIUS)  # g/cm² above
     return 1.0 - (1.0 + water) * np.exp(-np.sqrt(1.2 + 3.0 * water))
 
@@ -248,6 +268,11 @@ def sky_deficit_moist(relative_humidity, temp_air, inputs):
 def sky_deficit_humid(sky_deficit_moist, cloud_share, inputs):
     """:func:`sky_deficit` from humidity and the clouds of the day. [W/m²]"""
     return (1.0 - CLOUD_BASE * cloud_share) * sky_deficit_moist
+
+
+def sky_deficit_clouds(sky_deficit_air, cloud_share, inputs):
+    """:func:`sky_deficit` from air temperature and the clouds of the day. [W/m²]"""
+    return (1.0 - CLOUD_BASE * cloud_share) * sky_deficit_air
 
 
 def sky_deficit_air(temp_air, inputs):
@@ -289,15 +314,36 @@ def cloud_share(clearness, solar_zenith, inputs):
 def wetness(precipitation, inputs):
     """Share of a module that is wet: 1 in rain, and drying after it. [-]"""
     falling = np.where(np.isnan(precipitation), np.nan, precipitation > 0)
-    return np.minimum(1.0, 3.0 * smoothed(falling, inputs, DRYING))
+    return np.minimum(1.0, SOAKED * smoothed(falling, inputs, DRYING))
+
+
+def film_vapour(wetness, relative_humidity, temp_air, irradiance_smoothed, inputs):
+    """Vapour pressure of a wet module above that of the air, times wetness. [hPa]"""
+    warm = temp_air + RESISTANCE * irradiance_smoothed
+    above = saturation(warm) - relative_humidity / 100.0 * saturation(temp_air)
+    return wetness * np.maximum(above, 0.0)
 
 
 def days_since_rain(precipitation, inputs):
-    """Time since rain that cleans, or since the record began. [days]"""
+    """
+    Time since rain that cleans, or since the record began, two months at most [1]_.
+
+    [days]
+
+    References
+    ----------
+    .. [1] M. Coello and L. Boyle, "Simple Model for Predicting Time Series Soiling
+       of Photovoltaic Panels", IEEE J. Photovoltaics 9, 1382 (2019): 1 mm cleans,
+       as in :func:`pvlib.soiling.hsu`.
+    """
     seconds = inputs.seconds
-    hourly = smoothed(np.nan_to_num(precipitation), inputs, HOUR)  # mm/h
-    last = np.where(hourly >= CLEANING, seconds, seconds[0])
-    return (seconds - np.maximum.accumulate(last)) / 86400.0
+    rain = np.nan_to_num(precipitation)
+    hours = np.diff(seconds, prepend=seconds[0]) / HOUR
+    fallen = np.cumsum(rain * hours)
+    shower = fallen - np.interp(seconds - SHOWER, seconds, fallen, left=0.0)
+    cleans = (rain > 0) & (shower >= CLEANING)
+    last = np.maximum.accumulate(np.where(cleans, seconds, seconds[0]))
+    return np.minimum((seconds - last) / 86400.0, DIRTIEST)
 
 
 def snow_cover(snow_depth, temp_air, poa_global, inputs):
@@ -331,13 +377,10 @@ def smoothed(column, inputs, memory):
     return relax(column, inputs.steps, memory / inputs.unit)
 
 
-def backwards(column, inputs, memory):
-    """The same from the end: what comes after."""
-    steps = inputs.steps
-    if np.ndim(steps):
-        steps = np.append(steps[:1], steps[:0:-1])
-    column = np.asarray(column, dtype=float)[::-1]
-    return relax(np.ascontiguousarray(column), steps, memory / inputs.unit)[::-1]
+def backwards(column, steps, memory):
+    """A column through a first-order memory of what comes after."""
+    turned = np.append(steps[:1], steps[:0:-1])
+    return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
 
 
 def stored(memory):
@@ -380,7 +423,9 @@ DERIVED = {
         clearness,
     ),
     "beam": (("poa_global", "clearness", "aoi_projection"), beam),
-    "beam_around": (("beam", "solar_zenith", "aoi_projection"), beam_around),
+    "beam_clear": (("solar_zenith", "aoi_projection"), beam_clear),
+    "elapsed": ((), elapsed),
+    "beam_around": (("beam", "beam_clear", "elapsed"), beam_around),
     "ghi_estimated": (("clearness", "solar_zenith"), ghi_estimated),
     "beam_by_tilt": (("beam", "aoi_projection", *GEOMETRY), beam_by_tilt),
     "beam_by_azimuth": (("beam", "aoi_projection", *GEOMETRY), beam_by_azimuth),
@@ -389,6 +434,11 @@ DERIVED = {
     "cloud_share": (("clearness", "solar_zenith"), cloud_share),
     "sky_deficit_humid": (("sky_deficit_moist", "cloud_share"), sky_deficit_humid),
     "sky_deficit_air": (("temp_air",), sky_deficit_air),
+    "sky_deficit_clouds": (("sky_deficit_air", "cloud_share"), sky_deficit_clouds),
+    "film_vapour": (
+        ("wetness", "relative_humidity", "temp_air", "irradiance_smoothed"),
+        film_vapour,
+    ),
     "wetness": (("precipitation",), wetness),
     "days_since_rain": (("precipitation",), days_since_rain),
     "snow_cover": (("snow_depth", "temp_air", "poa_global"), snow_cover),

@@ -13,6 +13,9 @@ from pvlib_fem.relaxation import relax
 POWER = 2.8  # errors that a coefficient needs to be seen 4 times in 5 at 5 %
 RIVAL = 0.6  # share of the best gain from which a candidate is a rival
 TIED = 0.15  # share of its own gain that is left beside a rival it is tied with
+#: the same of shapes, which the sun drives all alike
+LIKE, ALIKE = 0.35, 0.4
+SLACK = 0.35  # of a bound, by which a tangent may miss it where a refit would not
 NOWHERE = "nothing is left that a window of the sky would explain"
 UNSEEN = 1e-6  # of a column: below this nothing is left of it beside others
 
@@ -98,7 +101,9 @@ class Evidence:
         coefficients = dict(zip(rows, (step / scale).tolist()))
         near = 2.0 * error / scale
         physical = all(
-            row.lower - n <= coefficients[key] <= row.upper + n
+            row.lower - max(n, SLACK * abs(row.lower))
+            <= coefficients[key]
+            <= row.upper + max(n, SLACK * abs(row.upper))
             for (key, row), n in zip(rows.items(), near)
         )
         change = self.sums.left(nuisance) - self.sums.left(kept)
@@ -116,15 +121,14 @@ class Evidence:
     def ties(self, name, gains, beside=()):
         """Rivals beside which an effect has nothing left to explain."""
         own = max(gains[name], 0.0) ** 2
-        if own == 0.0:
-            return ()
+        rival, tied = (LIKE, ALIKE) if self.effects[name].shape else (RIVAL, TIED)
         rivals = [
             other
             for other, gain in gains.items()
-            if other != name and max(gain, 0.0) ** 2 >= RIVAL * own
+            if other != name and max(gain, 0.0) ** 2 >= rival * own > 0.0
         ]
         return tuple(
-            other for other in rivals if self.gain(name, [*beside, other]) < TIED * own
+            other for other in rivals if self.gain(name, [*beside, other]) < tied * own
         )
 
 
@@ -187,29 +191,29 @@ def gather(model, coefficients, record, seen, candidates, fixed=()):
 
 def narrowed(found, name, model, coefficients, inputs, seen):
     """The evidence with an effect only where a scan of what is left shows it."""
-    keys = found.own[name]
+    keys, scan = found.own[name], SCANS[name][1]
     places = {n: inputs[n][seen] for n in found.effects[name].drivers}
     tangents = {key: found.columns[key] for key in keys}
     weeks = calendar_weeks(found.dates)
-    effect = SCANS[name][1](found.rest(found.nuisances), tangents, places, weeks)
-    smaller = replace(
+    without = replace(
         found,
         columns={n: c for n, c in found.columns.items() if n not in keys},
         own={n: k for n, k in found.own.items() if n != name},
         effects={n: e for n, e in found.effects.items() if n != name},
         sums=found.sums.of([i for i, n in enumerate(found.columns) if n not in keys]),
     )
+    effect = scan(found.rest(found.nuisances), tangents, places, weeks)
     if effect is None:
-        return replace(smaller, failed={**found.failed, name: NOWHERE})
+        return replace(without, failed={**found.failed, name: NOWHERE})
     start = {row: table.start for row, table in effect.rows().items()}
     (key,) = start
     also = effect.slopes(inputs.columns, start)
     slopes = model.slopes(inputs, coefficients, also=also)[1]
-    wider = smaller.with_column(key, np.ascontiguousarray(slopes[key][seen]))
+    better = without.with_column(key, np.ascontiguousarray(slopes[key][seen]))
     return replace(
-        wider,
-        own={**wider.own, name: (key,)},
-        effects={**wider.effects, name: effect},
+        better,
+        own={**better.own, name: (key,)},
+        effects={**better.effects, name: effect},
     )
 
 

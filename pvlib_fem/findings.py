@@ -343,5 +343,5 @@ def verdict(finding, loop):
     words = f"{finding.verdict}  {', '.join(parts)}"
     if len(effect.parameters) == 1:
         (row,) = effect.parameters.values()
-        words += f" ({row.lower:g} … {row.upper:g})"
+        words += f" ({row.lower:.3g} … {row.upper:.3g})"
     return words + (f", from {effect.source}" if effect.source else "")

@@ -7,6 +7,7 @@ import pandas as pd
 
 from pvlib_fem import paper, scores
 from pvlib_fem.dailysums import day_errors
+from pvlib_fem.drivers import ALIASES
 from pvlib_fem.effect import tabled
 from pvlib_fem.effects import find
 from pvlib_fem.leastsquares import FLAT, gauss_newton, normal_equations
@@ -69,17 +70,20 @@ def fit_fem(
         Wind below which ``method="paper"`` takes the air as calm. [m/s]
     check_units : bool, default True
         Refuse columns that look to be in another unit.
-    effects : sequence of str or Effect, optional
-        Physical effects to fit beside the model, by name
-        (``pvlib_fem.effects.EFFECTS``) or of one's own. ``scores`` has a row for
-        each, in this order.
+    effects : sequence of str, dict or Effect, optional
+        Physical effects to fit beside the model: by name
+        (``pvlib_fem.effects.EFFECTS``), by name and settings, as ``{"name":
+        "sky_radiation", "source": "humidity"}``, or of one's own. ``scores`` has a
+        row for each, in this order.
     night : bool, default False
         Whether night rows count, too. By day only, as in the paper, the
         coefficients serve the energy; nights tell more of sky and storage.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
-        ``precipitation`` [mm/h].
+        ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm], and
+        ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
+        [°], of which :func:`pvlib_fem.drivers.sun` gives the first two.
 
     Returns
     -------
@@ -110,6 +114,7 @@ def fit_fem(
        :doi:`10.22541/au.166922866.68736478`
     """
     target = thermal_model(model, dynamics, [find(name) for name in effects])
+    drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
     target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")

@@ -5,26 +5,24 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem import scores
 from pvlib_fem.diagnosis import COLUMNS, ENOUGH_DAYS, impossible, leaks, ranked
-from pvlib_fem.evidence import gather
+from pvlib_fem.drivers import needed_for
 from pvlib_fem.findings import Finding, Loop
-from pvlib_fem.fitting import errors, finished, minimise, natural, tables
+from pvlib_fem.fitting import errors, finished
 from pvlib_fem.laws import law
-from pvlib_fem.model import ThermalModel
-from pvlib_fem.prepared import Case, prepared
+from pvlib_fem.prepared import prepared
+from pvlib_fem.steps import Fits, error_table
 from pvlib_fem.structure import find_structure
 
 SHARE = 0.015  # of the mean square that a material gain takes off at least
 SUGGESTED = 0.10  # K from which a gain is worth a word
 LIKELY = 0.05  # chance that any of the candidates looks as good by accident
 KEPT = 0.5  # share of its gain that an effect has to keep beside unknown structure
+LEFT = 0.4  # share of unknown structure that may be left where an effect explains it
 SPILL = 0.1  # of the square of unknown structure, which may look like an effect
 UNKNOWNS = 3  # tables that are set aside in one search
 MOST = 6  # effects of a kind
 ROUNDS = 3
-ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
-BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
 
 
 def close_loop(
@@ -46,7 +44,8 @@ def close_loop(
     misfit leaves. One is added where its gain is material, no accident among all
     that were tried, of a possible size, and not better explained by structure of
     unknown cause. Shapes of the usual inputs alone come after, as classes. The
-    sealed weeks are looked at once, at the end; what they contradict is withdrawn.
+    sealed weeks are looked at when a finding is tried on them; what they contradict is
+    withdrawn.
 
     Parameters
     ----------
@@ -87,46 +86,34 @@ def close_loop(
     return Search.of(data, model, site, holdout, min_gain, effects).run()
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """A fitted model, and what it says of every row."""
-
-    model: ThermalModel
-    coefficients: dict
-    searched: dict
-    coarse: dict  # where the search ended on coarse steps
-    at_bound: tuple
-    converged: bool
-    temperature: np.ndarray
-    measured: np.ndarray
-
-    def error(self, rows):
-        return scores.rmse(self.measured[rows], self.temperature[rows])
-
-
 @dataclass(eq=False)
 class Search:
     """A case, and what was found in it so far."""
 
-    case: Case
+    fits: Fits
     law: object
     min_gain: float
     steps: dict = field(default_factory=dict)
     findings: list = field(default_factory=list)
     vetoed: dict = field(default_factory=dict)  # what a fit spoke against, by name
     untestable: dict = field(default_factory=dict)
-    ready: dict = field(default_factory=dict)  # records with drivers, and tables
 
     @classmethod
     def of(cls, data, model, site, holdout, min_gain, effects):
         """The search in a user's frame, everything checked."""
         case = prepared(data, site, holdout, effects)
-        return cls(case, law(model), min_gain, untestable=dict(case.untestable))
+        found = dict(case.untestable)
+        return cls(Fits(case), law(model), min_gain, untestable=found)
+
+    @property
+    def case(self):
+        return self.fits.case
 
     def run(self, tell=lambda words: None):
         """The loop itself; ``tell`` hears what is being done."""
         tell("fitting the model without effects")
-        base = self.bases()
+        self.steps |= self.fits.bases(self.law)
+        base = self.fits.better(self.steps)
         if self.case.clock.fault:
             tell("correcting the clock")
             base = self.clock(base)
@@ -145,29 +132,14 @@ class Search:
         tell("looking at the sealed days")
         return self.result(step, base, found)
 
-    def bases(self):
-        """Fits without any effect; the dynamics that is better goes on."""
-        step = None
-        for name, dynamics in BASES.items():
-            model = ThermalModel(self.law, dynamics)
-            step = self.fitted(model, step, biased=name != "steady")
-            self.steps[name] = step
-        if not self.case.divisible:
-            train = self.case.train
-            left = {name: self.steps[name].error(train) for name in ("fem", "balance")}
-            return self.steps[min(left, key=left.get)]
-        # on weeks left out in turn, to first order
-        left = {n: self.gathered(self.steps[n], []).left() for n in ("fem", "balance")}
-        return self.steps[min(left, key=left.get)]
-
     def clock(self, raw):
         """The case re-timed and fitted again, and the finding of its clock."""
         clock, days = self.case.clock, self.case.days
-        before = self.gathered(raw, []).left()
-        self.case = self.case.corrected()
-        step = self.fitted(raw.model, raw)
+        before = self.fits.gathered(raw, []).left()
+        self.fits = Fits(self.case.corrected())
+        step = self.fits.fitted(raw.model, raw)
         self.steps["+clock_shift"] = step
-        gain = before - self.gathered(step, []).left()
+        gain = before - self.fits.gathered(step, []).left()
         values = {"clock_shift.minutes": clock.late / 60.0}
         stderr = {"clock_shift.minutes": clock.stderr / 60.0}
         if "clock_drift" in clock.faults:
@@ -186,70 +158,11 @@ class Search:
         self.findings.append(finding)
         return step
 
-    def fitted(self, model, before=None, start=(), biased=True, whole=True):
-        """
-        One step: least squares over the open rows, the coarse ones first.
-
-        What short steps change of a coarse minimum is nearly the same in the step
-        ``before``: it is where their fit begins, and without ``whole`` it is taken
-        as it is.
-        """
-        case = self.case
-        table = {name: row.start for name, row in model.parameters.items()}
-        at = {**table, **(before.coarse if before else {}), **dict(start)}
-        record, tabled = self.prepared(case.record, model)
-        minimum, at = minimise(tabled, record, case.open, at, biased, ROUGH)
-        coarse = at
-        if case.record is not case.whole:
-            if before:
-                change = {n: v - before.coarse[n] for n, v in before.searched.items()}
-                at = {n: v + change.get(n, 0.0) for n, v in at.items()}
-            record, tabled = self.prepared(case.whole, model)
-            if whole:
-                minimum, at = minimise(tabled, record, case.train, at, biased, CLOSE)
-        names = list(model.parameters)[: len(minimum.x)]
-        coefficients = natural(model, at)[0]
-        return Step(
-            model,
-            coefficients,
-            at,
-            coarse,
-            tuple(n for n, bound in zip(names, minimum.at_bound) if bound),
-            minimum.converged,
-            tabled.temperature(record.inputs, coefficients),
-            case.whole["temp_module"],
-        )
-
-    def prepared(self, record, model):
-        """A record with a model's drivers, and the model's effects as tables."""
-        key = id(record)
-        larger, known = self.ready.get(key, (record, {}))
-        larger = with_drivers(larger, model)
-        for effect in model.effects:
-            if effect.name not in known or known[effect.name][0] is not effect:
-                known[effect.name] = (effect, *tables((effect,), larger))
-        # the record itself is kept, so that no other can take its number
-        self.ready[key] = (larger, known)
-        effects = tuple(known[effect.name][1] for effect in model.effects)
-        return larger, replace(model, effects=effects)
-
-    def gathered(self, step, candidates):
-        """Evidence of some effects beside a step, on the open coarse rows."""
-        case = self.case
-        return gather(
-            step.model,
-            step.coefficients,
-            self.prepared(case.record, step.model)[0],
-            case.open,
-            candidates,
-            step.at_bound,
-        )
-
     def evidence(self, step):
         """Evidence of all that a step lacks."""
         there = {effect.name for effect in step.model.effects}
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
-        return self.gathered(step, wanted)
+        return self.fits.gathered(step, wanted)
 
     def leave_out_leaks(self, base):
         """Drop columns of the user's own that hold the answer."""
@@ -265,7 +178,7 @@ class Search:
             wanted = tuple(e for e in case.wanted if e.name != effect)
             drivers = tuple(d for d in case.drivers if d != name)
             case = replace(case, wanted=wanted, drivers=drivers)
-        self.case = case
+        self.fits.case = case
 
     def floor(self, found, beside):
         """Gain that is material. [K²]"""
@@ -284,7 +197,8 @@ class Search:
     def forward(self, found, names, beside):
         """Forward selection: the best that is material, until none is."""
         new, beside, unknowns, spill = [], list(beside), 0, 0.0
-        done = {finding.effect for finding in self.findings}
+        # what cannot be told from a finding is no finding of its own
+        done = {name for finding in self.findings for name in finding.candidates}
         names = [name for name in names if name not in done]
         while len(new) < MOST and names:
             rows = {name: found.weigh(name, beside) for name in names}
@@ -299,7 +213,7 @@ class Search:
                 ties = found.ties(best, good, beside)
                 new.append(self.finding(found, best, rows[best], ties))
                 beside.append(best)
-                names.remove(best)
+                names = [name for name in names if name not in (best, *ties)]
                 continue
             if unknowns == UNKNOWNS:
                 break
@@ -311,13 +225,17 @@ class Search:
 
     def dominating(self, found, name, beside, floor):
         """Structure of unknown cause that leaves little for an effect, if any."""
-        table = self.structure(found, beside, without=found.effects[name].drivers)
+        own = found.effects[name].drivers
+        table = self.structure(found, beside, without=[*own, *needed_for(own)])
         if table is None or table.gain**2 < floor:
             return None
         wider = found.with_column("unknown", table.values)
-        remains = wider.gain("unknown", [*beside, name])
+        # several shapes together may make what none of them makes alone
+        with_it = found.nuisances if found.effects[name].shape else [name]
+        remains = wider.gain("unknown", [*beside, *with_it])
         keeps = wider.gain(name, [*beside, "unknown"])
-        if remains < floor or keeps >= max(KEPT * found.gain(name, beside), floor):
+        explained = remains < max(floor, LEFT * table.gain**2)
+        if explained or keeps >= max(KEPT * found.gain(name, beside), floor):
             return None
         return table
 
@@ -354,7 +272,7 @@ class Search:
                 effect = found.effects[finding.effect]
                 larger = replace(step.model, effects=(*step.model.effects, effect))
                 start = finding.coefficients
-                attempt = self.fitted(larger, step, start, whole=False)
+                attempt = self.fits.fitted(larger, step, start, whole=False)
                 finding = self.confirmed(finding, step, attempt)
                 if finding.verdict == "suggestive":
                     # beside effects that come later it may hold
@@ -367,7 +285,10 @@ class Search:
 
     def confirmed(self, finding, before, after):
         """The finding, unless the fit or the sealed days speak against it."""
-        test = self.case.test
+        test, seen = self.case.test, self.case.seen
+        if np.isnan(after.temperature[seen]).any():
+            why = "fitted with all others it leaves rows without a temperature"
+            return replace(finding, verdict="suggestive", why=why)
         if set(after.at_bound) & set(finding.coefficients):
             why = "fitted with all others it ends at the bound of what is possible"
             return replace(finding, verdict="suggestive", why=why)
@@ -380,9 +301,9 @@ class Search:
         """All that was found, as a finished thing."""
         case, notes = self.case, []
         if last is not base and case.record is not case.whole:
-            last = self.fitted(last.model, last, last.coarse)
+            last = self.fits.fitted(last.model, last, last.coarse)
             self.steps[list(self.steps)[-1]] = last
-        record, tabled = self.prepared(case.whole, last.model)
+        record, tabled = self.fits.prepared(case.whole, last.model)
         stderr = errors(
             tabled, record, case.train, last.coefficients, last.at_bound, notes
         )
@@ -415,7 +336,7 @@ class Search:
         before = pd.Series(base.measured - base.temperature, record.index)
         return Loop(
             findings=tuple(findings),
-            table=self.table(),
+            table=error_table(case, self.steps),
             untestable=dict(self.untestable),
             ranking=ranking,
             fit=fit,
@@ -492,27 +413,6 @@ class Search:
                 least = row["detectable"]
                 self.untestable[name] = f"this record shows it from {least:.2g} K only"
 
-    def table(self):
-        """Errors of each step on the open and the sealed rows."""
-        case = self.case
-        poa = pd.Series(case.whole["poa_global"], case.whole.index)
-        sunny = case.whole["poa_global"] > 20
-        rows = {}
-        for name, step in self.steps.items():
-            module, modelled = step.measured, step.temperature
-            row = {
-                f"{score.__name__}_{part}": score(module[at], modelled[at])
-                for part, at in (("train", case.train), ("test", case.test))
-                for score in (scores.rmse, scores.mae, scores.mbe)
-            }
-            row["rmse_test_day"] = step.error(case.test & sunny)
-            row["rmse_test_night"] = step.error(case.test & ~sunny)
-            known = pd.Series(np.where(case.test, module, np.nan), poa.index)
-            energy = scores.energy_error(poa, known, pd.Series(modelled, poa.index))
-            row["energy_error_test"] = energy.performance_ratio
-            rows[name] = row
-        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")
-
 
 def passes(row, rows):
     """Whether a candidate is possible, and no accident among all tried."""
@@ -522,7 +422,3 @@ def passes(row, rows):
 
 def too_short(days):
     return f"{days} days are too few for a name, of {ENOUGH_DAYS}"
-
-
-def with_drivers(record, model):
-    return replace(record, inputs=model.with_drivers(record.inputs))

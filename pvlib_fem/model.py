@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.drivers import ALIASES, completed, needed_for
 from pvlib_fem.effect import Parameter, Terms
 from pvlib_fem.laws import LAWS, Law, law
 from pvlib_fem.records import read
@@ -69,6 +69,7 @@ class ThermalModel:
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
         """Module temperature; without a tau the default, without a bias none. [°C]"""
+        drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
         self.check_drivers(drivers)
         if self.dynamics == "steady":
             coefficients = {"tau": INSTANT, **coefficients}

@@ -71,7 +71,8 @@ class Case:
     @cached_property
     def axes(self):
         """All ways to sort the open rows."""
-        names = sorted([*self.drivers, *paper.COLUMNS[:3]])
+        # power follows the light itself, and would sort by what it should tell
+        names = sorted({*self.drivers, *paper.COLUMNS[:3]} - {"p_dc"})
         record, rows = self.record, self.open
         columns = {name: record[name][rows] for name in names}
         return list(axes(record.index[rows], record.dates[rows], columns))

@@ -10,6 +10,7 @@ BINS = 10  # of a driver, by its quantiles
 HALF_DAY = 43200.0  # s of rows with which a cell's mean is shrunk towards zero
 PAIR = 1.2  # times the gain of one driver from which two are worth telling
 STRONG = 0.5  # of the largest mean from which a cell is where it lives
+MANY = 0.8  # of the folds, in which a table has to gain
 CLEARLY = 1.02  # times the gain of an earlier table from which a later one is better
 MOST = 0.92  # share of the squares of these cells that a range has to hold
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
@@ -140,7 +141,10 @@ def find_structure(residual, seconds, folds, axes_, step, without=()):
     best, found = {}, {}
     for chosen in [(a,) for a in kept] + list(combinations(kept, 2)):
         bins, count = joined(chosen, coarse)
-        gain, means = held_out_gain(bins, count, sums, cells.rows, fold, shrink)
+        gains, means = held_out_gain(bins, count, sums, cells.rows, fold, shrink)
+        if (gains > 0).sum() < MANY * len(gains):
+            continue  # an accident of some weeks
+        gain = gains.sum()
         # clock and calendar come first, which other drivers only follow
         if gain > CLEARLY * best.get(len(chosen), 0.0):
             best[len(chosen)], found[len(chosen)] = gain, (chosen, means)
@@ -190,7 +194,7 @@ def joined(chosen, bins):
 
 
 def held_out_gain(bins, count, sums, rows, folds, shrink):
-    """Fall of the mean square by means of the other folds, and those means."""
+    """Fall of the mean square in each fold by means of the others, and those."""
     groups = folds.max() + 1
     place_ = folds * count + bins
     shape = (groups, count)
@@ -198,8 +202,8 @@ def held_out_gain(bins, count, sums, rows, folds, shrink):
     size = np.bincount(place_, rows, groups * count).reshape(shape)
     others = size.sum(axis=0) - size
     means = (held.sum(axis=0) - held) / (others + shrink)
-    gain = (2.0 * means * held - means**2 * size).sum() / rows.sum()
-    return gain, means
+    gains = (2.0 * means * held - means**2 * size).sum(axis=1) / rows.sum()
+    return gains, means
 
 
 def place(chosen, residual, bins, count, shrink):

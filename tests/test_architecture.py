@@ -17,8 +17,9 @@ FLOORS = {
     4: {"modelchain", "evidence", "recipe"},
     5: {"result", "diagnosis", "report"},
     6: {"fitting", "prepared", "findings"},
-    7: {"loop"},
-    8: {"cli"},
+    7: {"steps"},
+    8: {"loop"},
+    9: {"cli"},
 }
 FLOOR = {name: floor for floor, names in FLOORS.items() for name in names}
 FILES = [

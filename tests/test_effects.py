@@ -11,7 +11,8 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem import drivers
-from pvlib_fem.effects import EFFECTS, find
+from pvlib_fem.effect import Tabled, tabled
+from pvlib_fem.effects import EFFECTS, OF_RECORD, find
 from pvlib_fem.laws import LAWS
 from pvlib_fem.model import ThermalModel
 from pvlib_fem.records import read
@@ -193,6 +194,20 @@ def test_sky_radiation_is_pvlibs_radiative_faiman(plant):
     np.testing.assert_allclose(answer, theirs - 1.0, rtol=1e-9)
 
 
+def test_pvlibs_name_of_the_longwave_serves_as_well(plant):
+    usual = [plant[n] for n in COLUMNS]
+    sky = plant["longwave_down"]
+    fits = [
+        fem.fit_fem(*usual, model="faiman", effects=["sky_radiation"], **{name: sky})
+        for name in ("longwave_down", "ir_down")
+    ]
+    assert fits[0].coefficients == fits[1].coefficients
+    again = fits[1].predict(*usual[:3], ir_down=sky)
+    pd.testing.assert_series_equal(
+        again, fits[0].predict(*usual[:3], longwave_down=sky)
+    )
+
+
 def test_wind_from_one_side_is_a_law_of_its_own():
     """North wind with north = -2 is Faiman with u1 less by 2."""
     sun = pd.Series(800.0, pd.date_range("2024-06-01", periods=200, freq="1min"))
@@ -212,8 +227,38 @@ def test_rain_ends_where_the_film_has_dried():
     assert (wet[:10] == 0).all()
     assert wet[19] == 1.0
     after = minutes - 1140
-    film = 3 * (1 - np.exp(-600 / 900)) * np.exp(-after / 900)
+    film = 5 * (1 - np.exp(-600 / 1800)) * np.exp(-after / 1800)
     np.testing.assert_allclose(wet[20:], np.minimum(1, film[20:]), atol=1e-12)
+
+
+def test_a_film_gives_off_what_the_air_does_not_hold():
+    """At 20 °C and 50 %: 23.3 hPa at saturation, of which half is there (Magnus)."""
+    times = np.arange(0, 7200.0, 60.0)
+    columns = {"rain": np.ones(len(times)), "dry": np.zeros(len(times))}
+    inputs = read(columns, times=times)
+    dark = np.zeros(len(times))
+    wet = drivers.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark, inputs)
+    np.testing.assert_allclose(wet, 23.3 / 2, atol=0.05)
+    soaked = drivers.film_vapour(dark + 1.0, dark + 100.0, dark + 20.0, dark, inputs)
+    assert (soaked == 0).all()
+    warm = drivers.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark + 800, inputs)
+    np.testing.assert_allclose(warm, 73.6 - 23.3 / 2, atol=0.3)  # 40 °C: 73.8 hPa
+
+
+def test_rain_is_found_by_its_vapour(plant, noise):
+    effect = find({"name": "rain", "source": "humidity"})
+    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    values = {**coefficients("balance"), "rain.film": 25.0}
+    module = predicted(plant, model, values) + noise(len(plant), 0.2)
+    fit = fem.fit_fem(
+        *(plant[n] for n in DRIVERS),
+        module,
+        model="faiman",
+        dynamics="balance",
+        effects=[{"name": "rain", "source": "humidity"}],
+        **columns(plant, model),
+    )
+    assert fit.coefficients["rain.film"] == pytest.approx(25.0, rel=0.1)
 
 
 def test_dirt_gathers_until_rain_cleans():
@@ -431,7 +476,8 @@ def test_a_sky_from_other_columns_is_found(plant, noise, source):
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
-        ({"name": "rain", "windows": []}, "rain has no settings; drop windows"),
+        ({"name": "snow", "windows": []}, "snow has no settings; drop windows"),
+        ({"name": "rain", "source": "dew"}, "unknown source 'dew' of rain"),
         ({"name": "ghosts"}, "unknown effect 'ghosts'; there are sky_radiation"),
         (
             {"name": "sky_radiation", "source": "stars"},
@@ -534,3 +580,50 @@ def test_incidence_angle_is_pvlibs_ashrae():
     heat = effect.terms(100.0, np.cos(np.radians(angle)), b0=0.05).heat
     want = 100.0 * (pvlib.iam.ashrae(angle, b=0.05) - 1.0)
     np.testing.assert_allclose(heat, want, atol=1e-9)
+
+
+@effects_
+def test_a_table_of_a_linear_effect_is_the_effect(plant, name):
+    """All in the catalogue are linear, so their slopes on a record say all."""
+    effect = find(SHADED if name == "shading" else name)
+    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    inputs = {n: plant[n] for n in (*DRIVERS, *model.drivers)}
+    columns = model.with_drivers(read(inputs)).columns
+    table = tabled(effect, columns)
+    assert isinstance(table, Tabled) and tabled(table, columns) is table
+    values = {
+        key: row.lower + 0.8 * (row.upper - row.lower)
+        for key, row in effect.rows().items()
+    }
+    for column in ("heat", "loss", "capacity", "offset"):
+        one = getattr(effect.at(columns, values), column)
+        np.testing.assert_allclose(
+            getattr(table.at(columns, values), column), one, rtol=1e-6, atol=1e-9
+        )
+
+
+def test_what_is_not_linear_has_no_table(plant):
+    def bent(wind_speed, *, power):
+        return fem.Terms(loss=(1.0 + wind_speed) ** power - 1.0)
+
+    own = fem.Effect("bent", bent, {"power": fem.Parameter(0.0, -2.0, 2.0, "-")})
+    columns = {"wind_speed": plant["wind_speed"].to_numpy()}
+    assert tabled(own, columns) is own
+
+
+def test_curtailed_power_is_what_lacks_of_the_usual(plant):
+    """Of a record in which a fifth of the hours gives a fifth of the power."""
+    rows = np.ones(len(plant), dtype=bool)
+    columns = {n: plant[n].to_numpy() for n in ("poa_global", "temp_air", "p_dc")}
+    effect = OF_RECORD["electrical_output"](columns, rows)
+    # the fixture's modules lose nothing to warmth
+    assert effect.settings["efficiency"] == pytest.approx(0.18, rel=0.15)
+    heat = effect.at(columns, {"electrical_output.share": 1.0}).heat
+    ratio = columns["p_dc"] / np.maximum(columns["poa_global"], 1.0)
+    bright = columns["poa_global"] > 300
+    held = ratio < 0.1
+    assert (heat[bright & ~held] == 0).all()
+    gone = 0.8 * 0.18 * columns["poa_global"]
+    np.testing.assert_allclose(heat[bright & held], gone[bright & held], rtol=0.2)
+    again = find(effect.spec)
+    assert again.settings == effect.settings

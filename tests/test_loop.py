@@ -280,6 +280,16 @@ def test_what_lacks_its_driver_is_not_testable():
     assert not [f for f in loop.findings if f.verdict == "named"]
 
 
+def test_by_name_an_effect_takes_the_best_source_that_is_there():
+    data = hidden("sky_radiation", days=90).drop(columns="longwave_down")
+    loop = fem.close_loop(data, effects=["sky_radiation"], **PLACE)
+    assert loop.effects == ["sky_radiation"]
+    assert "from humidity" in str(loop)
+    fixed = {"name": "sky_radiation", "source": "air temperature alone"}
+    loop = fem.close_loop(data, effects=[fixed], **PLACE)
+    assert "named" not in {f.verdict for f in loop.findings}
+
+
 @pytest.mark.parametrize("days", [20, 45])
 def test_a_short_record_suggests_at_best(days):
     data = hidden("sky_radiation", "electrical_output", days=days)
@@ -301,6 +311,23 @@ def test_a_late_clock_is_found_and_corrected():
     before, after = (found.table["rmse_test"][n] for n in ("balance", "+clock_shift"))
     assert after < 0.7 * before
     assert after == pytest.approx(fine.table["rmse_test"]["balance"], rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("switch", "share"), [("shading", 0.8), ("shading_sensor", -0.8)]
+)
+def test_shade_is_found_in_its_window_and_on_its_side(switch, share):
+    """An obstacle at 108 to 135° of azimuth and below 28° takes 80 % of the beam."""
+    loop = fem.close_loop(hidden(switch, days=365, start="2023-01-01"), **PLACE)
+    first = loop.findings[0]
+    assert (first.effect, first.verdict) == ("shading", "named")
+    assert first.coefficients["shading.share"] == pytest.approx(share, rel=0.15)
+    (effect,) = (e for e in loop.fit.effects if e.name == "shading")
+    assert effect.settings["sensor"] == (switch == "shading_sensor")
+    for start, end, low, high in effect.settings["windows"]:
+        assert start >= 99 and end <= 144 and low >= 0 and high <= 32
+    again = fem.effects.find(effect.spec)
+    assert again.settings == effect.settings
 
 
 def test_nothing_that_is_sealed_is_looked_at():

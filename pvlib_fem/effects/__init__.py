@@ -10,6 +10,8 @@ from pvlib_fem.effects.incidence_angle import EFFECT as incidence_angle
 from pvlib_fem.effects.natural_convection import EFFECT as natural_convection
 from pvlib_fem.effects.poa_misalignment import EFFECT as poa_misalignment
 from pvlib_fem.effects.rain import EFFECT as rain
+from pvlib_fem.effects.rain import VARIANTS as RAINS
+from pvlib_fem.effects.rain import out_of as rain_out_of
 from pvlib_fem.effects.rear_irradiance import EFFECT as rear_irradiance
 from pvlib_fem.effects.season import EFFECT as season
 from pvlib_fem.effects.sensitivity_drift import EFFECT as sensitivity_drift
@@ -48,9 +50,14 @@ EFFECTS = {
     )
 }
 #: effects that can take their driver from several columns, the best source first
-VARIANTS = {"sky_radiation": SKIES}
+VARIANTS = {"sky_radiation": SKIES, "rain": RAINS}
 #: effects that are made with settings, and what makes them
-MAKERS = {"electrical_output": below, "shading": within, "sky_radiation": out_of}
+MAKERS = {
+    "electrical_output": below,
+    "rain": rain_out_of,
+    "shading": within,
+    "sky_radiation": out_of,
+}
 #: effects that take settings from a record and the rows that may be looked at
 OF_RECORD = {"electrical_output": of_record}
 

@@ -29,7 +29,7 @@ def terms(irradiance_smoothed, wind_speed, *, free):
 EFFECT = Effect(
     "natural_convection",
     terms,
-    {"free": Parameter(0.0, 0.0, 15.0, "W/(m² K)")},
+    {"free": Parameter(0.0, 0.0, 30.0, "W/(m² K)")},
     shape=True,
     decided_by="a second module at open circuit, and wind measured at the module",
 )

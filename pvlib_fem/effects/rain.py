@@ -1,5 +1,7 @@
 """A film of water that cools a module, in rain and while it dries."""
 
+from dataclasses import replace
+
 from pvlib_fem.effect import Effect, Parameter, Terms
 
 
@@ -19,4 +21,30 @@ def terms(wetness, *, film):
     return Terms(loss=film * wetness)
 
 
-EFFECT = Effect("rain", terms, {"film": Parameter(0.0, 0.0, 200.0, "W/(m² K)")})
+def evaporation(film_vapour, *, film):
+    """
+    The same by the vapour that the film gives off, where humidity is known.
+
+    ``film`` is Lewis's 0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one
+    face, over the absorbed share of irradiance: 10 to 60 W/(m² hPa).
+    """
+    return Terms(heat=-film * film_vapour)
+
+
+EFFECT = Effect("rain", terms, {"film": Parameter(0.0, 0.0, 1000.0, "W/(m² K)")})
+FROM_HUMIDITY = replace(
+    EFFECT,
+    terms=evaporation,
+    parameters={"film": Parameter(0.0, 0.0, 200.0, "W/(m² hPa)")},
+    settings={"source": "humidity"},
+    source="humidity",
+)
+#: by what is known of the air, the best first
+VARIANTS = (FROM_HUMIDITY, EFFECT)
+
+
+def out_of(source):
+    """The effect from one of its sources."""
+    if source != "humidity":
+        raise ValueError(f"unknown source {source!r} of rain; there is humidity")
+    return FROM_HUMIDITY

@@ -3,36 +3,52 @@
 from functools import partial
 
 import numpy as np
-from scipy.ndimage import label
+from scipy.ndimage import binary_propagation, label
 
+from pvlib_fem.drivers import beam_around
 from pvlib_fem.effect import Effect, Parameter, Terms
 
 ACROSS, UP = 9.0, 4.0  # ° of azimuth and elevation of a cell
 AROUND = 40  # cells round the horizon
-FEWEST = 0.1  # of the median cell's squares, below which a cell is not judged
+FEWEST = 0.005  # of the median cell's squares, below which a cell is not judged
 ERRORS = 3.0  # of a cell's share, from week to week, from which it shows
+BESIDE = 1.5  # the same of a cell that touches one that shows
+ALIKE = 0.5  # of a group's share, from which a cell that touches it belongs to it
 LEAST = 0.1  # share of lost beam that counts
 
 
 def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
     """
-    Beam that is lost while the sun stands in one of some windows [1]_.
-
-    ``share`` is positive where the module is shaded, and negative where the
-    irradiance sensor is, which then reads less than the module gets.
+    Beam that a module loses while the sun stands in one of some windows [1]_.
 
     References
     ----------
     .. [1] The loss of beam irradiance behind a horizon, as in pvlib's gallery
        example "Simple irradiance adjustment for horizon shading".
     """
-    inside = np.zeros(np.shape(beam), dtype=bool)
+    return Terms(heat=-share * beam * within_any(windows, solar_azimuth, solar_zenith))
+
+
+def unseen(beam, beam_clear, elapsed, solar_azimuth, solar_zenith, *, share, windows):
+    """
+    The same of the irradiance sensor, which reads less than the module gets.
+
+    ``share`` is negative: the module is warmer than the sensor lets expect.
+    """
+    inside = within_any(windows, solar_azimuth, solar_zenith)
+    expected = beam_around(beam, beam_clear, elapsed, seen=~inside)
+    return Terms(heat=-share * expected * inside)
+
+
+def within_any(windows, solar_azimuth, solar_zenith):
+    """Rows at which the sun stands in one of the windows."""
+    inside = np.zeros(np.shape(solar_azimuth), dtype=bool)
     for start, end, low, high in windows:
         width = (end - start) % 360.0 or 360.0  # a window may contain north
         across = (solar_azimuth - start) % 360.0 < width
         elevation = 90.0 - solar_zenith
         inside |= across & (elevation >= low) & (elevation < high)
-    return Terms(heat=-share * beam * inside)
+    return inside
 
 
 def within(windows, sensor=False):
@@ -58,13 +74,14 @@ def within(windows, sensor=False):
             f"{wrong[0]} is no window of the sky; give azimuth_from, azimuth_to, "
             "elevation_from, elevation_to, the latter the higher"
         )
-    bounds = (-1.5, 0.0) if sensor else (-1.0, 1.0)
-    beam = "beam_around" if sensor else "beam"
+    # more than all of the beam, as the beam is estimated
+    bounds = (-1.5, 0.0) if sensor else (-1.3, 1.3)
+    lights = ("beam", "beam_clear", "elapsed") if sensor else ("beam",)
     return Effect(
         "shading",
-        partial(terms, windows=windows),
+        partial(unseen if sensor else terms, windows=windows),
         {"share": Parameter(0.0, *bounds, "-")},
-        columns=(beam, "solar_azimuth", "solar_zenith"),
+        columns=(*lights, "solar_azimuth", "solar_zenith"),
         decided_by="a look at the horizon, or a photograph of it",
         settings={"windows": windows, "sensor": sensor},
         source="a window of the sky, before the " + ("sensor" if sensor else "module"),
@@ -93,11 +110,11 @@ def scan(rest, lost, columns, weeks):
     -------
     Effect or None
     """
-    module, marked = shaded(rest, lost["shading.share"], columns, weeks, 1.0)
-    sensor, unseen = shaded(rest, lost["shading.unseen"], columns, weeks, -1.0)
+    module, dark = shaded(rest, lost["shading.share"], columns, weeks, 1.0)
+    sensor, blind = shaded(rest, lost["shading.unseen"], columns, weeks, -1.0)
     if max(module, sensor) == 0.0:
         return None
-    windows = runs(unseen if sensor > module else marked)
+    windows = runs(blind if sensor > module else dark)
     return within(tuple(windows), sensor=bool(sensor > module))
 
 
@@ -120,20 +137,30 @@ def shaded(rest, lost, columns, weeks, sign):
     known = whole > FEWEST * np.median(whole[whole > 0])
     share = np.divide(products.sum(axis=0), whole, out=0.0 * whole, where=known)
     error = np.sqrt(((products - share * squares) ** 2).sum(axis=0))
-    shows = np.abs(products.sum(axis=0)) > ERRORS * error
-    marked = known & shows & (sign * share > LEAST)
-    return touching(marked.reshape(-1, AROUND), (share**2 * whole).reshape(-1, AROUND))
+    sure = np.abs(products.sum(axis=0)) / np.maximum(error, 1e-12)
+    likely = known & (sign * share > LEAST) & (sure > BESIDE)
+    shows = likely & (sure > ERRORS)
+    cells = (likely, shows, share, whole)
+    return touching(*(column.reshape(-1, AROUND) for column in cells))
 
 
-def touching(marked, gains):
-    """Of groups of cells that touch, that with the largest gain, and which it is."""
+def touching(likely, shows, share, whole):
+    """
+    Of groups of cells that touch, that with the largest gain, and which it is.
+
+    A group is cells that show, and likely ones around them with half its share.
+    """
+    best = (0.0, np.zeros_like(likely))
     # azimuth is a circle: the sky twice, side by side, keeps groups whole
-    twice = label(np.hstack([marked, marked]))[0]
-    best = (0.0, np.zeros_like(marked))
+    twice = label(np.hstack([shows, shows]))[0]
     for number in range(1, twice.max() + 1):
-        both = (twice == number).reshape(len(marked), 2, -1)
-        group = both.any(axis=1)
-        gain = gains[group].sum()
+        group = (twice == number).reshape(len(likely), 2, -1).any(axis=1)
+        mean = abs((share * whole)[group].sum() / whole[group].sum())
+        alike = likely & (np.abs(share) > ALIKE * mean)
+        around, allowed = (np.hstack([a] * 3) for a in (group & alike, alike))
+        wide = binary_propagation(around, mask=allowed)
+        group = wide.reshape(len(likely), 3, -1).any(axis=1)
+        gain = (share**2 * whole)[group].sum()
         if gain > best[0]:
             best = (gain, group)
     return best

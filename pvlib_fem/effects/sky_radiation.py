@@ -43,10 +43,11 @@ EFFECT = Effect(
 )
 FROM_HUMIDITY = estimated("humidity", "sky_deficit_humid")
 FROM_MOISTURE = estimated("humidity, without clouds", "sky_deficit_moist")
+FROM_CLOUDS = estimated("clouds of the day", "sky_deficit_clouds", shape=True)
 FROM_AIR = estimated("air temperature alone", "sky_deficit_air", shape=True)
 
 #: by what is known of the sky, the best first
-VARIANTS = (EFFECT, FROM_HUMIDITY, FROM_MOISTURE, FROM_AIR)
+VARIANTS = (EFFECT, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
 
 
 def out_of(source):

@@ -108,7 +108,8 @@ def breeze(weather, site, on, calm):
     luff = 0.5 + 0.5 * facing  # share of windward
     if site.mounting == "roof":
         along = np.abs(np.cos(around)) - 2 / np.pi  # less its mean over directions
-        speed[1] *= CHANNEL * (2 / np.pi + on["wind_direction"] * along)
+        share = np.maximum(2 / np.pi + on["wind_direction"] * along, 0.0)
+        speed[1] *= CHANNEL * share
         facing[1] = luff[1] = 0.0
     forced = luff * mowitt(speed, WINDWARD) + (1 - luff) * mowitt(speed, LEEWARD)
     meet = (mowitt(MEET, WINDWARD) + mowitt(MEET, LEEWARD)) / 2

@@ -1,0 +1,300 @@
+"""One record of the study: what the loop says of it, beside the truth."""
+
+import math
+import time
+
+import numpy as np
+import pandas as pd
+from study_worlds import (
+    FLOOR,
+    IN_PHYSICS,
+    OBSTACLE,
+    TRUTHS,
+    UNDECLARED,
+    Case,
+)
+
+from pvlib_fem import fem_temperature, fit_fem, heat_balance, paper, simulator
+from pvlib_fem.diagnosis import driver
+from pvlib_fem.effects import EFFECTS, OF_RECORD, find
+from pvlib_fem.effects.shading import within
+from pvlib_fem.loop import close_loop
+from pvlib_fem.model import thermal_model
+from pvlib_fem.simulator.forcing import (
+    undeclared,
+)
+from pvlib_fem.simulator.switches import amplitudes
+
+
+def seen(data, case):
+    """The columns that a user would have."""
+    data = data.copy()
+    data.attrs = {}
+    if case.form is not None:
+        data["temp_module"] = formed(data, **case.form)
+    if case.neighbour:
+        heats = undeclared(data.index, data["temp_air"], amplitudes(case.sizes))
+        data["neighbour"] = (np.asarray(heats[0]) + np.asarray(heats[1])) / 10.0
+    data["temp_module"] += case.offset
+    return data.drop(columns=list(case.drop))
+
+
+def formed(data, seed, dynamics, u0, u1, memory, noise, hours, by_day):
+    """The fitted form on measured columns, with autoregressive noise. [°C]"""
+    usual = [data[name] for name in ("poa_global", "temp_air", "wind_speed")]
+    if dynamics == "ewm":
+        truth = fem_temperature(*usual, memory, model="faiman", u0=u0, u1=u1)
+    else:
+        truth = heat_balance(*usual, 30.0 * memory, model="faiman", u0=u0, u1=u1)
+    step = (data.index[1] - data.index[0]).total_seconds()
+    random = np.random.default_rng([seed, 77])
+    error = simulator.site.wander(random, len(data), hours * 3600.0 / step)
+    scale = 0.5 + data["poa_global"] / 700.0 if by_day else 1.0
+    return truth + noise * scale * error
+
+
+def refit(loop, effects):
+    """Sealed-day error of the same base with other effects. [K]"""
+    return float(refitted(loop, effects).scores["rmse_test"].iloc[-1])
+
+
+def refitted(loop, effects):
+    """The same base with other effects, fitted to the same rows."""
+    record, fit = loop.fit.record, loop.fit
+    model = thermal_model("faiman", fit.dynamics, effects)
+    columns = {
+        name: pd.Series(record[name], record.index)
+        for name in (*paper.COLUMNS, *model.drivers)
+    }
+    return fit_fem(
+        **columns,
+        model="faiman",
+        dynamics=fit.dynamics,
+        effects=effects,
+        holdout=fit.holdout,
+        night=True,
+        check_units=False,
+    )
+
+
+def as_recorded(loop, data):
+    """Sealed-day error of the base on the record as it came. [K]"""
+    fit = fit_fem(
+        *(data[name] for name in paper.COLUMNS),
+        model="faiman",
+        dynamics=loop.fit.dynamics,
+        holdout=loop.fit.holdout.reindex(data.index, fill_value=False),
+        night=True,
+    )
+    return float(fit.scores["rmse_test"].iloc[-1])
+
+
+def catalogue(loop, data, case):
+    """The true effects by switch, as terms of the catalogue; without a driver none."""
+    record = loop.fit.record
+    terms = {}
+    for switch in case.sizes:
+        if switch in ("shading", "shading_sensor"):
+            terms[switch] = within(OBSTACLE, sensor=switch == "shading_sensor")
+        elif switch == "electrical_output":
+            rows = ~loop.fit.holdout.to_numpy()
+            terms[switch] = OF_RECORD[switch](record, rows)
+        elif switch == "sky_radiation" and "longwave_down" in case.drop:
+            humid = "relative_humidity" not in case.drop
+            source = "humidity" if humid else "clouds of the day"
+            terms[switch] = find({"name": switch, "source": source})
+        elif switch == "rain" and "precipitation" in case.drop:
+            continue
+        elif switch == "rain" and "relative_humidity" not in case.drop:
+            terms[switch] = find({"name": switch, "source": "humidity"})
+        elif switch in TRUTHS and TRUTHS[switch].effect in EFFECTS:
+            terms[switch] = find(TRUTHS[switch].effect)
+        elif switch in UNDECLARED and case.neighbour:
+            terms[switch] = driver("neighbour", data["neighbour"])
+    return terms
+
+
+def judged(world, cases):
+    """A row for each record of a world."""
+    # the nulls come first, each once
+    nulls = {key(case.off): case.off for case in cases if case.off is not None}
+    scenarios = [*nulls.values(), *(case.on for case in cases)]
+    made = simulator.records(
+        world.site, scenarios, world.days, world.step, world.seed, world.start
+    )
+    known, rows = {}, []
+    for name, off in nulls.items():
+        null = Case("physics null", off)
+        known[name], row = looked(world, null, next(made))
+        rows.append(row)
+    for case, data in zip(cases, made):
+        off = known.get(key(case.off)) if case.off is not None else None
+        rows.append(looked(world, case, data, off)[1])
+    return rows
+
+
+def key(switches):
+    return tuple(sorted(switches.items())) if switches is not None else None
+
+
+def looked(world, case, data, off=None):
+    """The loop of one record, and its row."""
+    row = {
+        "family": case.family,
+        "seed": world.seed,
+        "site": world.name,
+        "days": world.days,
+        "truth": case.label,
+        "truths": case.truths,
+        "sizes": dict(case.sizes),
+    }
+    data = seen(data, case)
+    begin = time.perf_counter()
+    try:
+        loop = close_loop(data, **world.place)
+    except np.linalg.LinAlgError as error:  # a ValueError, and no refusal
+        return None, row | {"broken": f"LinAlgError: {error}", "first": "broken"}
+    except ValueError as error:
+        return None, row | {"refused": str(error), "first": "refused"}
+    except Exception as error:
+        broken = f"{type(error).__name__}: {error}"
+        return None, row | {"broken": broken, "first": "broken"}
+    row["seconds"] = time.perf_counter() - begin
+    row |= said(loop, case) | errors(loop, data, case, off)
+    row["coefficients"] = coefficients(loop, world, case, off)
+    return loop, row
+
+
+def said(loop, case):
+    """What the loop found, and whether that is right."""
+    added = [f for f in loop.findings if f.verdict in ("named", "class")]
+    groups = [set(finding.candidates) for finding in added]
+    there = set(case.truths) | (IN_PHYSICS if case.form is None else set())
+    wrong = [
+        f.effect for f in added if f.verdict == "named" and f.effect not in case.truths
+    ]
+    misled = [
+        "|".join(f.candidates)
+        for f in added
+        if f.verdict == "class" and not set(f.candidates) & there
+    ]
+    verdicts = [f.verdict for f in loop.findings]
+    first = added[0].effect if added else "nothing"
+    if not added and verdicts:
+        first = "unknown" if "unknown" in verdicts else "suggestive"
+    return {
+        "findings": "; ".join(
+            f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f} K)"
+            for f in loop.findings
+        ),
+        "verdicts": tuple(verdicts),
+        "first": first,
+        "first_ok": first_ok(groups, case),
+        "found": tuple(
+            name for name in case.truths if any(name in group for group in groups)
+        ),
+        "set_size": max(
+            (len(g) for g in groups if g & set(case.truths)), default=math.nan
+        ),
+        "named_wrong": tuple(wrong),
+        "class_wrong": tuple(misled),
+        "unexplained_ok": unexplained_ok(loop, case),
+        "untestable": tuple(loop.untestable),
+        "mentioned": mentioned(loop, case),
+        "notes": "; ".join(loop.notes),
+        "whys": "; ".join(f.why for f in loop.findings if f.effect == "clock_shift"),
+    }
+
+
+def first_ok(groups, case):
+    """Whether the first finding holds a truth; of shapes, any class."""
+    truths = set(case.truths)
+    if not truths or not groups:
+        return False
+    shape = all(name in EFFECTS and EFFECTS[name].shape for name in truths)
+    return bool(truths & (set().union(*groups) if shape else groups[0]))
+
+
+def unexplained_ok(loop, case):
+    """Whether structure of unknown cause is said to live where it does."""
+    hidden = [UNDECLARED[switch] for switch in case.sizes if switch in UNDECLARED]
+    drivers = {name for f in loop.unexplained for name in f.candidates}
+    return bool(hidden) and all(g & drivers for groups in hidden for g in groups)
+
+
+def mentioned(loop, case):
+    """Whether the truth is among what could not be tested, or only as a class."""
+    listed = {name for f in loop.findings for name in f.candidates}
+    return set(case.truths) <= {*loop.untestable, *listed}
+
+
+def errors(loop, data, case, off):
+    """Sealed-day errors, and how large the effects are. [K]"""
+    table = loop.table["rmse_test"]
+    base = {"ewm": "fem"}.get(loop.fit.dynamics, loop.fit.dynamics)
+    steps = [name for name in table.index if name.startswith("+")]
+    before, after = float(table[base]), float(table[[base, *steps][-1]])
+    terms = catalogue(loop, data, case)
+    best = refit(loop, list(terms.values())) if terms else before
+    row = {"before": before, "after": after, "oracle": best}
+    if "clock_shift" in case.sizes and off is not None:
+        row["oracle"] = best = float(off.table["rmse_test"][base])
+        late = as_recorded(loop, data)  # the loop may have set the clock already
+        row["gains"] = {"clock_shift": root(late**2 - best**2)}
+        row["detectable"] = {"clock_shift": FLOOR}
+    elif off is not None:
+        row["gains"] = sizes(loop, terms, before, best, off)
+        row["detectable"] = {
+            switch: smallest(off, TRUTHS[switch].effect if switch in TRUTHS else "")
+            for switch in terms
+        }
+        change = (loop.residual_before - off.residual_before)[loop.fit.holdout]
+        row["change"] = float(np.sqrt((change**2).mean()))
+    return row
+
+
+def sizes(loop, terms, before, best, off):
+    """What each effect's terms take off, beyond what they do where it is not. [K]"""
+    gains, null = {}, off.table["rmse_test"]
+    base = {"ewm": "fem"}.get(off.fit.dynamics, off.fit.dynamics)
+    for switch in terms:
+        others = [term for name, term in terms.items() if name != switch]
+        without = refit(loop, others) if others else before
+        own = terms[switch]
+        if not set(thermal_model("faiman", "ewm", [own]).drivers) <= {
+            *off.fit.record.inputs.columns
+        }:
+            gains[switch] = root(without**2 - best**2)
+            continue
+        idle = refit(off, [own])
+        repaired = max(float(null[base]) ** 2 - idle**2, 0.0)
+        gains[switch] = root(without**2 - best**2 - repaired)
+    return gains
+
+
+def smallest(off, name):
+    """Smallest detectable size, from the record without the effect. [K]"""
+    known = off.ranking["detectable"].get(name, math.nan)
+    return max(FLOOR, known) if np.isfinite(known) else FLOOR
+
+
+def root(square):
+    return math.copysign(math.sqrt(abs(square)), square)
+
+
+def coefficients(loop, world, case, off):
+    """Fitted over true coefficients, by switch."""
+    ratios = {}
+    for switch, size in case.sizes.items():
+        truth = TRUTHS.get(switch)
+        if truth is None or not truth.coefficient:
+            continue
+        name = f"{truth.effect}.{truth.coefficient}"
+        fitted = [f.coefficients for f in loop.findings if f.effect == truth.effect]
+        if not fitted or name not in fitted[0]:
+            continue
+        expected = truth.expected(world.site, size)
+        if truth.added and off is not None:
+            expected += refitted(off, [find(truth.effect)]).coefficients[name]
+        ratios[switch] = fitted[0][name] / expected
+    return ratios

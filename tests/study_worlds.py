@@ -1,0 +1,362 @@
+"""Simulated worlds whose truth is known, and the cases of the study in them."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pvlib
+
+from pvlib_fem import simulator
+from pvlib_fem.simulator.forcing import (
+    EFFICIENCY,
+    EMISSIVITY,
+    IN_CELL,
+    IN_GLASS,
+)
+
+FLOOR = 0.15  # K, the least gain that the loop calls material
+CLEARLY = 2.0  # times the smallest detectable size, from which an effect must show
+NEAR = 0.20  # of a coefficient's truth
+MARGIN = 0.05  # K by which the loop may stay behind a refit with the truth
+PHYSICS = simulator.PHYSICS
+LOGGERS = "clock, logger, unit"  # the family whose records may be refused
+OBSTACLE = [(108.0, 135.0, 0.0, 28.0)]  # the simulator's
+ABSORBED = IN_GLASS + IN_CELL - EFFICIENCY  # share of sunlight that is heat
+
+
+def sky_share(site, size):
+    """Emissivity times view of the sky, over the share of sunlight that is heat."""
+    tilt = math.cos(math.radians(site.surface_tilt))
+    front, back = EMISSIVITY[:, 0]
+    rear = back * (1 - tilt) / 2 if site.mounting == "rack" else 0.0
+    return size * (front * (1 + tilt) / 2 + rear) / ABSORBED
+
+
+def power_share(site, size):
+    """That of all power, however much of it is curtailed."""
+    return 1.0 / ABSORBED
+
+
+def aged(site, size):
+    """What the module gains on the sensor each year, at the middle of two."""
+    return 0.05 * size / (1.0 - 0.05 * size)
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A switch's name in the catalogue, its sizes, and its coefficient at size 1."""
+
+    effect: str
+    coefficient: str = ""
+    value: Callable | float = math.nan
+    added: bool = False  # to what the physics has of it
+    sizes: tuple = (0.25, 0.5, 1.0, 2.0)
+    place: dict = field(default_factory=dict)
+    days: int = 365
+    step: float = 300.0
+
+    def expected(self, site, size):
+        """The coefficient that this size makes."""
+        return self.value(site, size) if callable(self.value) else size * self.value
+
+
+SHARES = (0.25, 0.5, 0.75, 1.0)  # of what cannot be more than all
+COLD = dict(latitude=52.0, temp_mean=4.0, temp_amplitude=12.0, rain_days=0.35)
+RACK, ROOF = dict(mounting="rack"), dict(mounting="roof")
+DRY = dict(rain_days=0.2, clear_share=0.4)  # dirt gathers, and seldom to its most
+
+TRUTHS = {
+    "sky_radiation": Truth("sky_radiation", "share", sky_share),
+    "electrical_output": Truth("electrical_output", "share", power_share, sizes=SHARES),
+    "wind_direction": Truth("wind_direction", place=RACK),  # ×2 stops a channel
+    "rain": Truth("rain", place=dict(rain_days=0.4)),
+    "snow": Truth("snow", sizes=SHARES, place=COLD),
+    "soiling": Truth("soiling", "per_day", -0.003, place=DRY),
+    "soiling_sensor": Truth("soiling", "per_day", 0.003, place=DRY),
+    "shading": Truth("shading", "share", 0.8, sizes=(0.25, 0.5, 0.75, 1.25)),
+    "shading_sensor": Truth("shading", "share", -0.8, sizes=(0.25, 0.5, 0.75, 1.25)),
+    "sensitivity_drift": Truth("sensitivity_drift", "per_year", aged, days=730),
+    "clock_shift": Truth(
+        "clock_shift", "minutes", 1.0, sizes=(1.0, 2.0, 4.0, 8.0), step=60.0
+    ),
+    "thermal_storage": Truth("thermal_storage", place=ROOF),
+    "rear_irradiance": Truth("rear_irradiance", place=RACK),
+    "season": Truth("season", "winter", 0.04, added=True),
+    "temperature_gain": Truth("temperature_gain", "gain", -0.03, added=True),
+    "air_shield": Truth("air_shield"),
+    "poa_misalignment": Truth("poa_misalignment", sizes=(2.0, 4.0, 8.0, 16.0)),
+    "natural_convection": Truth("natural_convection"),
+    "wind_shape": Truth("wind_shape"),
+    "incidence_angle": Truth("incidence_angle"),
+}
+
+#: shapes that physics leaves: T⁴ is a season and a gain of temperature
+IN_PHYSICS = {
+    "natural_convection",
+    "wind_shape",
+    "incidence_angle",
+    "season",
+    "temperature_gain",
+}
+
+#: heats that nobody declared: along which drivers they live, each group by one
+UNDECLARED = {
+    "weekend_exhaust": ({"weekend"}, {"hour", "poa_global"}),
+    "chiller": ({"hour", "poa_global"}, {"month", "temp_air"}),
+    "irrigation": ({"hour"}, {"alternate_day", "month"}),
+    "shelter": ({"hour", "poa_global"}, {"month", "temp_air"}),
+}
+
+
+@dataclass(frozen=True)
+class World:
+    """A site and its weather, which several records share."""
+
+    site: simulator.Site
+    seed: int
+    days: float = 365
+    step: float = 300.0
+    start: str = "2023-01-01"
+
+    @property
+    def name(self):
+        s = self.site
+        return (
+            f"{s.latitude:.0f}°N {s.mounting}, wind {s.wind_mean:.1f}, clear "
+            f"{s.clear_share:.2f}, rain {s.rain_days:.2f}, {self.days:g} d at "
+            f"{self.step / 60:g} min"
+        )
+
+    @property
+    def place(self):
+        """What a user knows of the site."""
+        s = self.site
+        location = pvlib.location.Location(s.latitude, s.longitude, tz=s.tz)
+        return dict(
+            location=location,
+            surface_tilt=s.surface_tilt,
+            surface_azimuth=s.surface_azimuth,
+        )
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is on in one record, what the user does not have, and the truth."""
+
+    family: str
+    on: dict
+    sizes: dict = field(default_factory=dict)  # switch: amplitude of what was added
+    off: dict | None = None  # the same without it, where its size is asked
+    drop: tuple = ()
+    offset: float = 0.0  # of the module's sensor [K]
+    neighbour: bool = False
+    form: dict | None = None  # of an exact null
+
+    @property
+    def truths(self):
+        """Names in the catalogue, each once."""
+        names = [TRUTHS[s].effect for s in self.sizes if s in TRUTHS]
+        names += ["driver:neighbour"] * self.neighbour
+        names += ["clock_shift"] * bool({"clock_drift", "dst"} & {*self.sizes})
+        return tuple(dict.fromkeys(names))
+
+    @property
+    def label(self):
+        parts = [f"{name}×{size:g}" for name, size in self.sizes.items()]
+        parts += [f"offset {self.offset:g} K"] * bool(self.offset)
+        parts += [f"without {' '.join(self.drop)}"] * bool(self.drop)
+        return ", ".join(parts) or "nothing"
+
+
+def site(seed, **changes):
+    """A site that could be; the same for a seed."""
+    random = np.random.default_rng([seed, 2023])
+    latitude = random.uniform(25.0, 60.0)
+    clear = random.uniform(0.2, 0.75)
+    made = simulator.Site(
+        latitude=latitude,
+        longitude=random.uniform(-120.0, 140.0),
+        surface_tilt=float(np.clip(0.8 * latitude + random.uniform(-12, 8), 10, 55)),
+        surface_azimuth=180.0 + random.uniform(-40.0, 40.0),
+        mounting="roof" if random.random() < 0.35 else "rack",
+        temp_mean=28.0 - 0.36 * latitude + random.uniform(-3.0, 3.0),
+        temp_amplitude=1.0 + 0.2 * latitude + random.uniform(-2.0, 2.0),
+        wind_mean=random.uniform(1.5, 5.0),
+        rain_days=float(
+            np.clip(0.5 - 0.6 * clear + random.uniform(-0.1, 0.1), 0.03, 1)
+        ),
+        clear_share=clear,
+        dew_depression=2.0 + 18.0 * clear**2 + random.uniform(0.0, 3.0),
+        albedo=random.uniform(0.1, 0.35),
+    )
+    return replace(made, **changes)
+
+
+def exact_null(count=60, draws=5):
+    """The fitted form itself, with noise that remembers minutes to days."""
+    for i in range(count // draws):
+        cases = []
+        for j in range(draws):
+            random = np.random.default_rng([1000 + i, j])
+            form = dict(
+                seed=1000 * i + j,
+                dynamics=("balance", "ewm")[j % 2],
+                u0=random.uniform(18, 32),
+                u1=random.uniform(3, 8),
+                memory=random.uniform(200, 700),
+                noise=random.uniform(0.3, 1.5),
+                hours=float(np.exp(random.uniform(np.log(0.05), np.log(72)))),
+                by_day=bool(random.random() < 0.5),
+            )
+            # power is curtailed in half of them, and heats nothing
+            on = PHYSICS | {"electrical_output": float(j % 2)}
+            cases.append(Case("exact null", on, form=form))
+        yield World(site(1000 + i), 1000 + i), cases
+
+
+def physics_null(count=20):
+    """The full simulator with all that has a driver of its own off."""
+    known = [simulator.RHINE, simulator.ALBUQUERQUE]
+    for i in range(count):
+        where = known[i % 2] if i < 6 else site(2000 + i)
+        step = 60.0 if i in (4, 5, 6) else 300.0
+        yield World(where, 2000 + i, step=step), [Case("physics null", PHYSICS)]
+
+
+def one_effect(weathers=3):
+    for j in range(weathers):
+        for i, (switch, truth) in enumerate(TRUTHS.items()):
+            seed = 3000 + 100 * j + i
+            off = PHYSICS | {switch: 0.0}
+            world = World(site(seed, **truth.place), seed, truth.days, truth.step)
+            cases = [
+                Case("one effect", off | {switch: size}, {switch: size}, off)
+                for size in truth.sizes
+            ]
+            yield world, cases
+
+
+#: with a driver of its own each, in a size that shows
+APART = dict(
+    sky_radiation=1.0,
+    electrical_output=1.0,
+    wind_direction=2.0,
+    rain=1.5,
+    soiling_sensor=2.0,
+    shading=1.0,
+    snow=1.0,
+    soiling=2.0,
+    shading_sensor=1.0,
+    season=2.0,
+)
+
+
+def several(count=30):
+    for i in range(count):
+        random = np.random.default_rng([4000, i])
+        chosen = []
+        for name in random.permutation(list(APART)):
+            there = [TRUTHS[other].effect for other in chosen]
+            if TRUTHS[name].effect not in there and len(chosen) < 2 + i % 2:
+                chosen.append(str(name))
+        sizes = {name: APART[name] for name in chosen}
+        place = {}
+        for name in chosen:
+            place |= TRUTHS[name].place
+        world = World(site(4000 + i, **place), 4000 + i)
+        yield world, [Case("pairs and triples", PHYSICS | sizes, sizes, PHYSICS)]
+
+
+def unknown(count=20, neighbour=False):
+    name = "its driver as a column" if neighbour else "no catalogue"
+    for i in range(count):
+        switch = list(UNDECLARED)[i % 4]
+        size = {switch: 1.5 if switch == "irrigation" else 1.0}
+        seed = (5500 if neighbour else 5000) + i
+        case = Case(name, PHYSICS | size, size, PHYSICS, neighbour=neighbour)
+        yield World(site(seed), seed), [case]
+
+
+def with_column(count=10):
+    yield from unknown(count, neighbour=True)
+
+
+NO_SKY, NO_GAUGE = ("relative_humidity", "longwave_down"), ("precipitation",)
+
+
+def no_driver(count=20):
+    for i in range(count):
+        switch, drop = (("sky_radiation", NO_SKY), ("rain", NO_GAUGE))[i % 2]
+        size = {switch: (1.0, 1.5)[i // 2 % 2]}
+        place = TRUTHS[switch].place
+        case = Case("driver missing", PHYSICS | size, size, PHYSICS, drop=drop)
+        yield World(site(6000 + i, **place), 6000 + i), [case]
+
+
+def ties(count=10):
+    kinds = [
+        dict(sizes={"rear_irradiance": 3.0}),
+        dict(sizes={"poa_misalignment": 8.0}),
+        dict(sizes={"sky_radiation": 1.0}, also={"irradiance_offset": 2.0}),
+        dict(sizes={"sky_radiation": 1.0}, offset=1.5),
+        dict(sizes={"sky_radiation": 1.0}, offset=1.5, drop=NO_SKY),
+    ]
+    for i in range(count):
+        kind = dict(kinds[i % len(kinds)])
+        on = PHYSICS | kind["sizes"] | kind.pop("also", {})
+        world = World(site(7000 + i, **RACK), 7000 + i)
+        yield world, [Case("ties", on, off=PHYSICS, **kind)]
+
+
+def loggers():
+    """Faults of clocks, loggers and units, with the sky on."""
+    faults = [
+        ({"clock_shift": 6.0}, 60.0),
+        ({"clock_shift": -4.0}, 60.0),
+        ({"clock_drift": 6.0}, 60.0),
+        ({"dst": 1.0}, 300.0),
+        ({"file_dst": 1.0}, 300.0),
+        ({"stuck": 1.0}, 300.0),
+        ({"swap": {"wind_speed": "km/h"}}, 300.0),
+        ({"swap": {"temp_module": "degF"}}, 300.0),
+        ({"swap": {"poa_global": "kW/m2"}}, 300.0),
+        ({"swap": {"temp_air": "K"}}, 300.0),
+    ]
+    for i, (fault, step) in enumerate(faults):
+        on = PHYSICS | {"sky_radiation": 1.0} | fault
+        shown = {
+            name: size if not isinstance(size, dict) else math.nan
+            for name, size in fault.items()
+        }
+        case = Case(LOGGERS, on, {"sky_radiation": 1.0, **shown})
+        yield World(site(8000 + i), 8000 + i, step=step), [case]
+
+
+def short(count=20):
+    kinds = [
+        {},
+        {"sky_radiation": 1.0},
+        {"wind_direction": 2.0},
+        {"weekend_exhaust": 1.0},
+        {"thermal_storage": 1.0},
+    ]
+    for i in range(count):
+        days, sizes = (7, 30, 60, 90)[i % 4], kinds[i // 4 % len(kinds)]
+        start = f"2023-{1 + (5 * i) % 12:02d}-01"
+        world = World(site(9000 + i, **RACK), 9000 + i, days, start=start)
+        yield world, [Case("short records", PHYSICS | sizes, sizes)]
+
+
+FAMILIES = {
+    "exact null": exact_null,
+    "physics null": physics_null,
+    "one effect": one_effect,
+    "pairs and triples": several,
+    "no catalogue": unknown,
+    "its driver as a column": with_column,
+    "driver missing": no_driver,
+    "ties": ties,
+    LOGGERS: loggers,
+    "short records": short,
+}
