@@ -28,7 +28,7 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --out docs/study.md
+	$(BIN)/python tests/study.py --shift 50000 --out docs/study.md
 
 clean:
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis

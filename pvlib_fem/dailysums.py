@@ -11,6 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
+from pvlib_fem.leastsquares import products
+
 FOLDS = 5
 WEEK = 7  # days that stay together in a fold
 FEWEST_WEEKS = 8  # below which errors are clustered by the day
@@ -123,9 +125,8 @@ def daily_sums(columns, residual, dates):
     sums = np.empty((len(days), len(columns) + 1, len(columns) + 1))
     scales = np.append(scale, 1.0)
     for day, (start, end) in enumerate(zip(first, ends)):
-        both = np.stack([c[start:end] for c in (*columns, residual)])
-        both /= scales[:, None]
-        sums[day] = both @ both.T
+        day_sums = products([*columns, residual], slice(start, end))
+        sums[day] = day_sums / np.outer(scales, scales)
     weeks = calendar_weeks(days)
     # whole weeks in turn, or days where there are few weeks
     grouped = weeks if days[-1] - days[0] >= FOLDS * WEEK else days

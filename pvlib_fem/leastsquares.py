@@ -7,7 +7,7 @@ from scipy.optimize import lsq_linear
 
 STEPS = 60  # Gauss-Newton steps before it gives up
 HALVINGS = 12
-BLOCK = 1 << 12  # rows of the normal equations taken at a time
+BLOCK = 200_000  # multiplications of a product below which BLAS has one thread
 DONE = 1e-9  # relative step that ends it
 FLAT = 1e-10  # relative fall of the cost that ends it: far below any error of x
 
@@ -85,17 +85,25 @@ def squares(residual):
 
 
 def normal_equations(jacobian, residual):
-    """J'J and J'r by blocks of rows: the same bits on any number of cores.
-
-    BLAS would start threads for the whole, which cost more than they bring on
-    matrices this narrow, and far more on a busy machine.
-    """
+    """J'J and J'r of a matrix or of columns."""
     columns = list(jacobian.T) if isinstance(jacobian, np.ndarray) else jacobian
+    both = products([*columns, residual])
+    return both[:-1, :-1], both[:-1, -1]
+
+
+def products(columns, rows=slice(None)):
+    """
+    Products of all columns with each other: the same bits on any number of cores.
+
+    Block by block, each too small for BLAS to start threads, which would cost more
+    than they bring on matrices this narrow, and far more on a busy machine.
+    """
+    start, end, _ = rows.indices(len(columns[0]))
     size = len(columns)
-    normal, gradient = np.zeros((size, size)), np.zeros(size)
-    for start in range(0, len(residual), BLOCK):
-        rows = slice(start, start + BLOCK)
-        block = np.stack([column[rows] for column in columns])
-        normal += block @ block.T
-        gradient += block @ residual[rows]
-    return normal, gradient
+    total, block = np.zeros((size, size)), max(BLOCK // size**2, 8)
+    for first in range(start, end, block):
+        part = slice(first, min(first + block, end))
+        one = np.stack([column[part] for column in columns])
+        # a product with a copy, since BLAS threads that of a matrix with itself
+        total += one @ np.ascontiguousarray(one.T)
+    return total

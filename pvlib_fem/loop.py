@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from pvlib_fem.diagnosis import COLUMNS, ENOUGH_DAYS, impossible, leaks, ranked
 from pvlib_fem.drivers import needed_for
@@ -86,6 +87,10 @@ def close_loop(
     return Search.of(data, model, site, holdout, min_gain, effects).run()
 
 
+#: LAPACK's last bits depend on the number of threads, and its matrices here are small
+one_thread = threadpool_limits.wrap(limits=1, user_api="blas")
+
+
 @dataclass(eq=False)
 class Search:
     """A case, and what was found in it so far."""
@@ -99,6 +104,7 @@ class Search:
     untestable: dict = field(default_factory=dict)
 
     @classmethod
+    @one_thread
     def of(cls, data, model, site, holdout, min_gain, effects):
         """The search in a user's frame, everything checked."""
         case = prepared(data, site, holdout, effects)
@@ -109,6 +115,7 @@ class Search:
     def case(self):
         return self.fits.case
 
+    @one_thread
     def run(self, tell=lambda words: None):
         """The loop itself; ``tell`` hears what is being done."""
         tell("fitting the model without effects")
