@@ -276,11 +276,7 @@ class Search:
         """The last step that holds, of those with one more effect each."""
         for finding in new:
             if finding.verdict != "suggestive":
-                effect = found.effects[finding.effect]
-                larger = replace(step.model, effects=(*step.model.effects, effect))
-                start = finding.coefficients
-                attempt = self.fits.fitted(larger, step, start, whole=False)
-                finding = self.confirmed(finding, step, attempt)
+                finding, attempt = self.tried(finding, found, step)
                 if finding.verdict == "suggestive":
                     # beside effects that come later it may hold
                     self.vetoed[finding.effect] = finding
@@ -290,14 +286,34 @@ class Search:
             self.findings.append(finding)
         return step
 
+    def tried(self, finding, found, step):
+        """The finding and its fit, by the first of its candidates that holds."""
+        tries = []
+        for name in finding.candidates:
+            effect, mine = found.effects[name], finding
+            if name != finding.effect:
+                row = found.weigh(name)
+                if "coefficients" not in row:
+                    continue
+                others = (name, *(n for n in finding.candidates if n != name))
+                numbers = {k: row[k] for k in ("coefficients", "stderr")}
+                mine = replace(finding, effect=name, candidates=others, **numbers)
+            larger = replace(step.model, effects=(*step.model.effects, effect))
+            fit = self.fits.fitted(larger, step, mine.coefficients, whole=False)
+            tries.append((self.confirmed(mine, step, fit), fit))
+            if tries[-1][0].verdict != "suggestive":
+                return tries[-1]
+        return tries[0]
+
     def confirmed(self, finding, before, after):
         """The finding, unless the fit or the sealed days speak against it."""
         test, seen = self.case.test, self.case.seen
         if np.isnan(after.temperature[seen]).any():
             why = "fitted with all others it leaves rows without a temperature"
             return replace(finding, verdict="suggestive", why=why)
-        if set(after.at_bound) & set(finding.coefficients):
-            why = "fitted with all others it ends at the bound of what is possible"
+        effects = {key for e in after.model.effects for key in e.rows()}
+        if bound := sorted(effects & set(after.at_bound)):
+            why = f"fitted with all others, {bound[0]} ends at the bound of its range"
             return replace(finding, verdict="suggestive", why=why)
         if test.any() and (worse := after.error(test) - before.error(test)) > 0:
             why = f"the sealed days contradict it: their error rises by {worse:.2g} K"

@@ -22,8 +22,8 @@ EFFECT = Effect(
     "poa_misalignment",
     terms,
     {
-        "tilt": Parameter(0.0, -15.0, 15.0, "°"),
-        "azimuth": Parameter(0.0, -25.0, 25.0, "°"),
+        "tilt": Parameter(0.0, -10.0, 10.0, "°"),
+        "azimuth": Parameter(0.0, -20.0, 20.0, "°"),
     },
     shape=True,
     decided_by="an inclinometer, or irradiance before and after noon on clear days",
