@@ -150,7 +150,7 @@ def divided(whole, case, holdout):
         short = replace(short, inputs=inputs)
     case = replace(case, whole=whole, record=short, seen=seen, sealed=sealed)
     wanted = [
-        OF_RECORD[effect.name](short, case.open)
+        OF_RECORD[effect.name](short.inputs.columns, case.open)
         if effect.name in OF_RECORD and not effect.settings
         else effect
         for effect in case.wanted

@@ -98,7 +98,7 @@ def catalogue(loop, data, case):
             terms[switch] = within(OBSTACLE, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = ~loop.fit.holdout.to_numpy()
-            terms[switch] = OF_RECORD[switch](record, rows)
+            terms[switch] = OF_RECORD[switch](record.inputs.columns, rows)
         elif switch == "sky_radiation" and "longwave_down" in case.drop:
             humid = "relative_humidity" not in case.drop
             source = "humidity" if humid else "clouds of the day"

@@ -627,3 +627,14 @@ def test_curtailed_power_is_what_lacks_of_the_usual(plant):
     np.testing.assert_allclose(heat[bright & held], gone[bright & held], rtol=0.2)
     again = find(effect.spec)
     assert again.settings == effect.settings
+
+
+def test_power_that_snow_takes_is_not_curtailed(plant):
+    """Else its heat would be missed where there is no light to make it."""
+    columns = {n: plant[n].to_numpy() for n in ("poa_global", "temp_air", "p_dc")}
+    columns["snow_depth"] = np.full(len(plant), 5.0)
+    effect = OF_RECORD["electrical_output"](columns, np.ones(len(plant), dtype=bool))
+    assert effect.drivers[-1] == "snow_cover"
+    columns["snow_cover"] = np.ones(len(plant))
+    heat = effect.at(columns, {"electrical_output.share": 1.0}).heat
+    assert (heat == 0).all()

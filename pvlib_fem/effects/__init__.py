@@ -58,7 +58,7 @@ MAKERS = {
     "shading": within,
     "sky_radiation": out_of,
 }
-#: effects that take settings from a record and the rows that may be looked at
+#: effects that take settings from columns and the rows that may be looked at
 OF_RECORD = {"electrical_output": of_record}
 
 #: effects that a scan of what is left finds: what it begins with, and the scan

@@ -28,37 +28,48 @@ def terms(p_dc, *, share):
     return Terms(heat=-share * p_dc)
 
 
-def curtailed(poa_global, temp_air, p_dc, *, share, efficiency):
+def curtailed(poa_global, temp_air, p_dc, snow_cover=0.0, *, share, efficiency):
     """
     The same of the power that is missing only.
 
     Power is an irradiance sensor, too: what it knows of the other sensor's errors
-    would be taken for heat. Beyond 15 % less than expected it is curtailed.
+    would be taken for heat. Beyond 15 % less than expected it is curtailed, but
+    under snow, where it is the light that is missing.
     """
     cell = temp_air + RESISTANCE * poa_global
     expected = efficiency * poa_global * (1.0 + GAMMA * (cell - 25.0))
-    missing = expected - p_dc
+    missing = np.where(snow_cover > 0.0, 0.0, expected - p_dc)
     return Terms(heat=share * np.where(missing > MISSING * expected, missing, 0.0))
 
 
-def below(efficiency):
-    """The effect of power below that of a module of this efficiency. [-]"""
+def below(efficiency, snow=False):
+    """
+    The effect of power below that of a module of this efficiency. [-]
+
+    With ``snow`` it needs the depth of snow, too, and leaves covered rows out.
+    """
+    columns = ("poa_global", "temp_air", "p_dc", *(["snow_cover"] if snow else []))
     return Effect(
         "electrical_output",
         partial(curtailed, efficiency=efficiency),
         EFFECT.parameters,
-        columns=("poa_global", "temp_air", "p_dc"),
-        settings={"efficiency": efficiency},
+        columns=columns,
+        settings={"efficiency": efficiency, "snow": snow},
     )
 
 
-def of_record(record, rows):
+def of_record(columns, rows):
     """The effect with the efficiency of a record's uncurtailed rows."""
-    bright = rows & (record["poa_global"] > BRIGHT)
-    poa, air, power = (record[n][bright] for n in ("poa_global", "temp_air", "p_dc"))
+    bright = rows & (columns["poa_global"] > BRIGHT)
+    poa, air, power = (columns[n][bright] for n in ("poa_global", "temp_air", "p_dc"))
     usual = poa * (1.0 + GAMMA * (air + RESISTANCE * poa - 25.0))
+    snow = "snow_depth" in columns
+    if not bright.any():
+        return below(0.0, snow)
+    share = power / usual
     # curtailment is rarer than three hours in four, and only ever downwards
-    return below(float(np.quantile(power / usual, 0.75)) if bright.any() else 0.0)
+    full = share > (1.0 - MISSING) * np.quantile(share, 0.75)
+    return below(float(np.median(share[full])), snow)
 
 
 EFFECT = Effect("electrical_output", terms, {"share": Parameter(0.0, 0.0, 4.0, "-")})
