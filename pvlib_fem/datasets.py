@@ -12,6 +12,11 @@ from scipy.special import ndtr
 from pvlib_fem.relaxation import respond
 from pvlib_fem.temperature import fem_temperature, heat_balance
 
+__all__ = [
+    "load",
+    "synthetic",
+]
+
 FOLDER = "PVLIB_FEM_DATA"  # environment variable: a folder that holds the files
 
 GITHUB = "https://raw.githubusercontent.com"

@@ -4,6 +4,12 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+__all__ = [
+    "Layer",
+    "glass_tedlar",
+    "stack",
+]
+
 
 @dataclass(frozen=True)
 class Layer:

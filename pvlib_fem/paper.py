@@ -19,6 +19,24 @@ import pandas as pd
 
 from pvlib_fem.relaxation import ewm
 
+__all__ = [
+    "Estimate",
+    "TimeConstant",
+    "averages",
+    "cell_from_back",
+    "d",
+    "daytime",
+    "heat_capacities",
+    "k_bs_c",
+    "k_w",
+    "night",
+    "r_eq_max",
+    "r_film",
+    "r_m",
+    "time_constant",
+    "usable",
+]
+
 INTERVAL = "5min"
 APART = 4  # intervals between the ends of a step change: 20 min
 MARGIN = 20.0  # s, by which tau may rise and still count as falling

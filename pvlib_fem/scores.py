@@ -7,6 +7,15 @@ import pandas as pd
 
 from pvlib_fem.records import instants
 
+__all__ = [
+    "EnergyError",
+    "delayed_sensor",
+    "energy_error",
+    "mae",
+    "mbe",
+    "rmse",
+]
+
 GAMMA = -0.0035  # 1/K, the paper's temperature coefficient of power
 HOUR = 3600.0
 
