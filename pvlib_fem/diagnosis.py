@@ -9,7 +9,6 @@ from pvlib_fem.drivers import ALIASES, GEOMETRY, needed_for
 from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.effects import EFFECTS, VARIANTS, find
 from pvlib_fem.evidence import gather
-from pvlib_fem.model import thermal_model
 from pvlib_fem.records import measured
 
 ENOUGH_DAYS = 60  # below this even pure noise looks like an effect
@@ -85,7 +84,7 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     drivers, refused = usable_drivers(columns, usual)
     there = {effect.name for effect in fit.effects}
     testable, notes = candidates(drivers, refused, effects, there)
-    model = thermal_model(fit.model, fit.dynamics, fit.effects)
+    model = fit.thermal_model
     record = measured(*usual, check_units=False, **filled(drivers))
     seen = paper.counted(record.inputs.columns, fit.night)
     rows = {name: {"note": note} for name, note in notes.items()}
@@ -108,11 +107,10 @@ def ranked(found, days):
     rows = {name: {"note": note} for name, note in found.failed.items()}
     beside = found.nuisances
     for name in found.effects:
-        others = [other for other in beside if other != name]
         effect = found.effects[name]
         estimated = effect.settings.get("source")
         note = f"from {estimated}" if estimated else ""
-        row = rows[name] = {"note": note, **found.weigh(name, others)}
+        row = rows[name] = {"note": note, **found.weigh(name, beside)}
         if "gain" not in row:
             continue
         if not row["physical"] and row["gain"] > 0:
@@ -121,8 +119,7 @@ def ranked(found, days):
             row["note"] = f"suggestive at best: {days} days, of {ENOUGH_DAYS}"
     gains = {name: row["gain"] for name, row in rows.items() if row.get("physical")}
     for name in gains:
-        others = [other for other in beside if other != name]
-        rows[name]["ties"] = found.ties(name, gains, others)
+        rows[name]["ties"] = found.ties(name, gains, beside)
     return rows
 
 

@@ -121,6 +121,7 @@ class Evidence:
     def ties(self, name, gains, beside=()):
         """Rivals beside which an effect has nothing left to explain."""
         own = max(gains[name], 0.0) ** 2
+        beside = [other for other in beside if other != name]
         rival, tied = (LIKE, ALIKE) if self.effects[name].shape else (RIVAL, TIED)
         rivals = [
             other

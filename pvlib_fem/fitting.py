@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import paper, scores
-from pvlib_fem.dailysums import day_errors
+from pvlib_fem.dailysums import calendar_weeks, day_errors
 from pvlib_fem.drivers import ALIASES
 from pvlib_fem.effect import tabled
 from pvlib_fem.effects import find
@@ -83,7 +83,7 @@ def fit_fem(
         from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
         ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm], and
         ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
-        [°], of which :func:`pvlib_fem.drivers.sun` gives the first two.
+        [°], of which ``pvlib_fem.drivers.sun`` gives the first two.
 
     Returns
     -------
@@ -153,24 +153,26 @@ def fit_fem(
     modelled = {
         name: m.temperature(record.inputs, c) for name, (m, c) in stages.items()
     }
+    test = filtered & out
     return finished(
         target,
         record,
-        modelled,
-        (train, filtered & out, out),
+        last(modelled),
+        (train, test, out),
         (last(stages)[1], stderr, at_bound, converged),
-        notes,
+        scores=score_table(record, modelled, train, test),
+        notes=tuple(notes),
         method=method,
         night=night,
     )
 
 
-def finished(target, record, modelled, parts, minimum, notes, **how):
-    """The result, from the temperatures of each step and the last minimum."""
+def finished(target, record, temperature, parts, minimum, **how):
+    """The result, from the last temperature and minimum."""
     train, test, out = parts
     found, stderr, at_bound, converged = minimum
     coefficients = public(target, found)
-    residual = record["temp_module"] - last(modelled)
+    residual = record["temp_module"] - temperature
     days = record.days
     return FemFit(
         model=target.law.name,
@@ -178,11 +180,9 @@ def finished(target, record, modelled, parts, minimum, notes, **how):
         effects=target.effects,
         coefficients=coefficients,
         stderr={name: stderr.get(name, 0.0) for name in coefficients},
-        scores=score_table(record, modelled, train, test),
         residual=pd.Series(residual, record.index, name="residual"),
         at_bound=at_bound,
         converged=converged,
-        notes=tuple(notes),
         train_days=len(np.unique(days[train])),
         test_days=len(np.unique(days[test])),
         holdout=pd.Series(out, record.index, name="holdout"),
@@ -195,14 +195,10 @@ def held_out(record, filtered, holdout, notes):
     """Boolean array of the rows that the fit does not see."""
     index = record.index
     if holdout is not None:
-        if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
-            raise ValueError("holdout must be a boolean Series, True where held out")
-        if not holdout.index.equals(index):
-            raise ValueError("holdout and the record have different indexes")
-        out = holdout.to_numpy()
+        out = record.rows(holdout)
     else:
         weekend = np.asarray(index.day_of_week >= 5)
-        weeks = (record.dates + 3) // 7  # 1970-01-01 was a Thursday
+        weeks = calendar_weeks(record.dates)
         two = len(np.unique(weeks[weekend & filtered])) >= 2
         out = weekend if two else record.days % 2 == 1
         if not (filtered & ~out).any():

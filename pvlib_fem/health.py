@@ -272,7 +272,8 @@ def noon_faults(late, jumps, step):
             f"the day's light is {abs(late) / 60:.0f} min too "
             f"{'late' if late > 0 else 'early'} for the location: the times are in "
             "another zone than they say, or longitude has the wrong sign; a time "
-            "without a zone is read as standard time at the location's tz"
+            "without a zone is read as standard time at the location's tz, or by its "
+            "longitude where that is UTC"
         )
     if jumps:
         dates = ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from pvlib_fem.diagnosis import COLUMNS, ENOUGH_DAYS, impossible, leaks, ranked
+from pvlib_fem.diagnosis import COLUMNS, ENOUGH_DAYS, leaks, ranked
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.findings import Finding, Loop
 from pvlib_fem.fitting import errors, finished
 from pvlib_fem.laws import law
 from pvlib_fem.prepared import prepared
-from pvlib_fem.steps import Fits, error_table
+from pvlib_fem.steps import SCORES, Fits, error_table
 from pvlib_fem.structure import find_structure
 
 SHARE = 0.015  # of the mean square that a material gain takes off at least
@@ -330,18 +330,18 @@ class Search:
         stderr = errors(
             tabled, record, case.train, last.coefficients, last.at_bound, notes
         )
+        table = error_table(case, self.steps)
         fit = finished(
             last.model,
             record,
-            {name: step.temperature for name, step in self.steps.items()}
-            | {"last": last.temperature},
+            last.temperature,
             (case.train, case.test, case.sealed),
             (last.coefficients, stderr, last.at_bound, last.converged),
-            notes,
+            scores=table[SCORES].rename_axis(None),
+            notes=tuple(notes),
             method="least_squares",
             night=True,
         )
-        fit = replace(fit, scores=fit.scores.drop(index="last"))
         findings = [self.with_errors(f, last, stderr) for f in self.findings]
         findings += self.vetoed.values()
         ranking = pd.DataFrame(columns=COLUMNS)
@@ -359,7 +359,7 @@ class Search:
         before = pd.Series(base.measured - base.temperature, record.index)
         return Loop(
             findings=tuple(findings),
-            table=error_table(case, self.steps),
+            table=table,
             untestable=dict(self.untestable),
             ranking=ranking,
             fit=fit,
@@ -430,8 +430,8 @@ class Search:
                     "no longwave_down, no relative_humidity: only what follows the air "
                     "temperature was tried"
                 )
-            elif row["note"].startswith("informative"):
-                self.untestable[name] = impossible(effect)
+            elif not row["physical"] and row["gain"] > 0:
+                self.untestable[name] = row["note"]
             elif row["detectable"] > self.min_gain and name not in said:
                 least = row["detectable"]
                 self.untestable[name] = f"this record shows it from {least:.2g} K only"

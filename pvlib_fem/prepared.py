@@ -4,7 +4,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem import paper
 from pvlib_fem.clock import Clock
@@ -161,11 +160,7 @@ def divided(whole, case, holdout):
 def sealed_rows(record, seen, holdout):
     """Rows that nothing looks at before the end."""
     if holdout is not None:
-        if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
-            raise ValueError("holdout must be a boolean Series, True where held out")
-        if not holdout.index.equals(record.index):
-            raise ValueError("holdout and the record have different indexes")
-        return holdout.to_numpy()
+        return record.rows(holdout)
     weeks = np.unique(calendar_weeks(record.dates), return_inverse=True)[1]
     if weeks.max() + 1 >= FEWEST_SEALED_WEEKS:
         return weeks % SEALED == SEALED // 2

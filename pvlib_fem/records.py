@@ -107,6 +107,14 @@ class Record:
         local = self.index.tz_localize(None).to_numpy()
         return local.astype("datetime64[D]").astype(int)
 
+    def rows(self, holdout):
+        """Boolean array of a user's choice of rows."""
+        if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
+            raise ValueError("holdout must be a boolean Series, True where held out")
+        if not holdout.index.equals(self.index):
+            raise ValueError("holdout and the record have different indexes")
+        return holdout.to_numpy()
+
 
 def read(columns, step=None, times=None, purpose="this model"):
     """

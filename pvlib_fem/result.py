@@ -74,6 +74,11 @@ class FemFit:
     record: Record = field(repr=False)
     night: bool = False
 
+    @property
+    def thermal_model(self):
+        """The law, dynamics and effects that were fitted."""
+        return thermal_model(self.model, self.dynamics, self.effects)
+
     def predict(self, poa_global, temp_air, wind_speed, **drivers):
         """
         Module temperature with these coefficients.
@@ -90,8 +95,7 @@ class FemFit:
         Series
             [°C]
         """
-        model = thermal_model(self.model, self.dynamics, self.effects)
-        return model.predict(
+        return self.thermal_model.predict(
             poa_global, temp_air, wind_speed, self.coefficients, **drivers
         )
 
@@ -216,7 +220,7 @@ def report(fit):
         f"step {step:g} s; {fit.train_days} days fitted, {fit.test_days} held out"
     )
     yield ""
-    rows = thermal_model(fit.model, fit.dynamics, fit.effects).parameters
+    rows = fit.thermal_model.parameters
     wide = max(12, *(len(name) + 1 for name in (*rows, *fit.scores.index)))
     yield f"{'coefficient':<{wide}}{'value':>12}{'± error':>12}   unit"
     for name, row in rows.items():

@@ -14,6 +14,9 @@ from pvlib_fem.prepared import Case
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
 FROZEN = MappingProxyType({})
+SCORES = [
+    f"{name}_{part}" for part in ("train", "test") for name in ("rmse", "mae", "mbe")
+]
 BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
 
 
