@@ -7,7 +7,14 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from benchmarks.speed import Ewm, FemTemperature, Fit, Loop, YearAtOneSecond
+from benchmarks.speed import (
+    Ewm,
+    FemTemperature,
+    Fit,
+    Loop,
+    LoopOfEight,
+    YearAtOneSecond,
+)
 
 
 def best(work, *arguments, repeat=5):
@@ -67,6 +74,10 @@ def main():
         else:
             ratio = seconds[years] / seconds[1]
             line(f"close_loop, {years} years, against one", f"{ratio:.1f} x", "linear")
+    bench = LoopOfEight()
+    bench.setup(1)
+    eight = best(bench.time_close_loop, 1, repeat=2)
+    line("close_loop, year at 1 min, eight effects", f"{eight:.1f} s", "<= 6 s")
     bench = YearAtOneSecond()
     bench.setup()
     seconds = best(bench.time_fem_temperature, repeat=3)

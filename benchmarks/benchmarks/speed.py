@@ -109,15 +109,15 @@ class Fit:
 
 
 class Loop:
-    """The closed loop over years at 1 min of the simulated world, with all effects."""
+    """The closed loop over years at 1 min of the simulated world, with all columns."""
 
     params = [1, 2, 4]
     timeout = 300
+    hidden = ("sky_radiation", "wind_direction", "electrical_output")
 
     def setup(self, years):
         simulator = fem.simulator
-        hidden = ("sky_radiation", "wind_direction", "electrical_output")
-        effects = simulator.PHYSICS | dict.fromkeys(hidden, 1.0)
+        effects = simulator.PHYSICS | dict.fromkeys(self.hidden, 1.0)
         self.record = simulator.record(effects=effects, days=365 * years)
         site = simulator.RHINE
         self.place = dict(
@@ -131,3 +131,10 @@ class Loop:
 
     def peakmem_close_loop(self, years):
         fem.close_loop(self.record, **self.place)
+
+
+class LoopOfEight(Loop):
+    """The same with eight effects to find, one after the other."""
+
+    params = [1]
+    hidden = (*Loop.hidden, "rain", "snow", "soiling", "shading", "thermal_storage")
