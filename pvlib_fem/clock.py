@@ -1,33 +1,23 @@
 """Is the module's logger late? What physics allows no model to hide.
 
 A module cannot answer before the sun asks. So the change of its temperature, seen
-lag by lag after the changes of irradiance, tells where the answer begins: at no lag
-where both clocks agree. No thermal model is fitted; how much and how slowly the
-module answers is free, as long as it is a sum of decays that all begin at once.
+lag by lag after the changes of irradiance, tells where the answer begins (`onset`):
+at no lag where both clocks agree. No thermal model is fitted; how much and how slowly
+the module answers is free, as long as it is a sum of decays that all begin at once.
 """
 
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.fft import irfft, next_fast_len, rfft
-from scipy.ndimage import uniform_filter1d
-from scipy.optimize import minimize_scalar, nnls
 from scipy.stats import t as student
 
-DAY = 86400.0  # s
+from pvlib_fem.onset import COARSEST, DAY, daily_sums, measured_blocks, plain
+
 HOUR = 3600.0  # s
-#: a contact sensor answers in 40 s, a thermopile in 8: what is left between them [s]
-SENSOR = 32.0
-DECAYS = np.array([150.0, 300.0, 600.0, 1200.0, 2400.0])  # s, of modules and roofs
-BEFORE, AFTER = 720.0, 2700.0  # s, lags around the onset
-FARTHEST = 7200.0  # s, of a clock
-FINEST, COARSEST = 60.0, 900.0  # s; a module answers within less than an hour
-FADE = 3600.0  # s; slower changes are the sun's path and the weather's, not clouds'
 #: seconds beyond one sample that sensors and averaging may differ by
 SLACK = 30.0
-CLEAR_PEAK = 5.0  # height of a correlation over its own scatter
 JUMP = (3300.0, 3900.0)  # s, 60 ± 5 min: daylight-saving time
 SURE = 0.99865  # one-sided, of three standard errors
 
@@ -146,180 +136,6 @@ def clock_shift(record, skip=None) -> Clock:
 
 def unknown(reason):
     return Clock(why=f"the module's clock was not checked: {reason}")
-
-
-@dataclass(frozen=True)
-class Sums:
-    """Products of the two columns of changes, by the day and by the lag."""
-
-    own: np.ndarray  # irradiance with itself, lags 0 … reach
-    cross: np.ndarray  # temperature that many rows later, lags −reach … reach
-    step: float  # [s]
-    start: float  # of the first day, from the record's first row [s]
-    day: float  # rows of a day are whole, so it may be off by a part of one [s]
-
-    def __len__(self):
-        return len(self.own)
-
-    @property
-    def reach(self):
-        return self.own.shape[1] - 1
-
-    def later(self, lag, count, days=slice(None)):
-        """Products at ``count`` lags from ``lag`` on, by the day."""
-        return self.cross[days, self.reach + lag : self.reach + lag + count]
-
-
-def daily_sums(seconds, base, poa, module):
-    """Products by the day, of rows a minute apart or more; days end in the dark."""
-    # short steps are taken together: the mean of what came in, the end of the answer
-    gather = max(1, round(FINEST / base))
-    step = base * gather
-    count = round(DAY / step)
-    front = round(-night(seconds, poa) / step) * gather
-    row = front + np.round(seconds / base).astype(int)
-    size = -(-(row[-1] + 1) // (count * gather)) * count * gather
-
-    def fold(values):
-        table = np.full(size, np.nan)
-        table[row] = values
-        return table.reshape(-1, gather)
-
-    came = fold(poa)
-    came = came.mean(axis=1) if gather > 1 else came[:, 0]
-    x = changes(came, step).reshape(-1, count)
-    y = changes(fold(module)[:, -1], step).reshape(-1, count)
-    reach = int((FARTHEST + AFTER) / step)
-    # transforms by the day are small and alike on any number of cores
-    length = next_fast_len(count + reach, real=True)
-    fx, fy = rfft(x, length), rfft(y, length)
-    own = irfft(fx.real**2 + fx.imag**2, length)[:, : reach + 1]
-    cross = irfft(fy * fx.conj(), length)
-    cross = np.concatenate((cross[:, -reach:], cross[:, : reach + 1]), axis=1)
-    return Sums(own, cross, step, -front * base, count * step)
-
-
-def night(seconds, poa):
-    """The dark half a day before the record's mean noon, at or before its start. [s]"""
-    part = (seconds % DAY // 600).astype(int)
-    sun = np.bincount(part, np.nan_to_num(poa), 144)
-    turn = np.exp(2j * np.pi * np.arange(144) / 144)
-    noon = np.angle((sun * turn).sum()) / (2 * np.pi) * DAY
-    return round((noon - DAY / 2) % DAY / 600.0) * 600.0 - DAY
-
-
-def changes(values, step):
-    """Changes from row to row, less their mean over an hour; 0 beside a NaN."""
-    change = np.diff(values, prepend=values[:1])
-    change[~np.isfinite(change)] = 0.0
-    return change - uniform_filter1d(change, round(FADE / step), mode="constant")
-
-
-def decays(lags, step, onset):
-    """Change per row after a step of irradiance, of each decay: lags × decays."""
-    edges = np.append(lags, lags[-1] + 1) * step - onset
-    return np.diff(response(edges[:, None]), axis=0)
-
-
-def response(since):
-    """Of a decay, seen by the sensor, to a step at 0."""
-    since = np.maximum(since, 0.0)
-    own, seen = np.exp(-since / DECAYS), np.exp(-since / SENSOR)
-    return 1.0 - (DECAYS * own - SENSOR * seen) / (DECAYS - SENSOR)
-
-
-def plain(step):
-    """The answer of a usual module, to look for. [-]"""
-    lags = np.arange(1 + round(1800 / step))
-    return decays(lags, step, 0.0)[:, 1:3].mean(axis=1)
-
-
-def measured_blocks(sums, changes):
-    """Blocks of 2 to 14 days, eight of them if they can; none across a change."""
-    length = np.clip(len(sums) / 8, 2, 14)
-    blocks = []
-    for first, end in pairwise([0, *changes, len(sums)]):
-        parts = np.array_split(
-            np.arange(first, end), max(1, round((end - first) / length))
-        )
-        blocks += [measure(sums, days) for days in parts]
-    return [block for block in blocks if block is not None]
-
-
-def measure(sums, days):
-    """Onset in some days together, or None where clouds do not show it."""
-    own, cross = sums.own[days].sum(axis=0), sums.cross[days].sum(axis=0)
-    shape = plain(sums.step)
-    height = np.correlate(cross, shape, "valid")
-    coarse = int(np.argmax(height)) - sums.reach
-    # a clear sky's answer has no peak that stands out
-    scatter = 1.4826 * np.median(np.abs(height))
-    if len(days) < 2 or not height.max() > CLEAR_PEAK * scatter > 0:
-        return None
-    first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
-    last = min(coarse + round(AFTER / sums.step), sums.reach)
-    lags = np.arange(first, last + 1)
-    normal, cross = own[np.abs(lags[:, None] - lags)], cross[sums.reach + lags]
-
-    def weigh(onset):
-        """Weights of the decays, none below 0, and the misfit but a constant."""
-        shapes = decays(lags, sums.step, onset)
-        square = shapes.T @ normal @ shapes
-        if not square.trace() > 0:  # it would begin beyond the last lag
-            return np.zeros(len(DECAYS)), 0.0
-        square += 1e-10 * np.trace(square) * np.eye(len(DECAYS))
-        root = np.linalg.cholesky(square)
-        right = np.linalg.solve(root, shapes.T @ cross)
-        weights, rest = nnls(root.T, right)
-        return weights, rest**2 - right @ right
-
-    onset = least(lambda onset: weigh(onset)[1], coarse * sums.step, sums.step)
-    weights = weigh(onset)[0]
-    if not weights.any():
-        return None
-    stderr, told = error(sums, days, lags, onset, weights, normal)
-    if not stderr < 2 * sums.step:
-        return None
-    middle = sums.start + sums.day * (np.average(days, weights=told) + 0.5)
-    return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
-
-
-def least(misfit, near, step):
-    """Where a function of time is least: on a grid, then between its neighbours."""
-    width = max(step / 2, 60.0)
-    grid = near + width * np.arange(-8, 9)
-    best = grid[np.argmin([misfit(onset) for onset in grid])]
-    bounds, options = (best - width, best + width), {"xatol": 1e-3 * step}
-    return minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x
-
-
-def error(sums, days, lags, onset, weights, normal):
-    """Standard error of the onset, from whole days; what each day tells of it."""
-    step, small = sums.step, 0.01 * sums.step
-    used = decays(lags, step, onset)[:, weights > 0]
-    answer = used @ weights[weights > 0]
-    ahead, behind = (decays(lags, step, onset + d) @ weights for d in (small, -small))
-    slope = (ahead - behind) / (2 * small)
-    # what a change of the weights would do as well tells nothing of the onset
-    same = used.T @ normal
-    slope -= used @ np.linalg.lstsq(same @ used, same @ slope, rcond=None)[0]
-    own = sums.own[days][:, : len(lags)]
-    found = np.einsum("ij,j->i", sums.later(lags[0], len(lags), days), slope)
-    score = found - quadratic(own, slope, answer)
-    told = np.maximum(quadratic(own, slope, slope), 0.0)
-    if not told.sum() > 0:
-        return np.inf, told
-    spread = np.einsum("i,i->", score, score) * len(days) / (len(days) - 1)
-    return np.sqrt(spread) / told.sum(), told
-
-
-def quadratic(own, one, other):
-    """``one · R · other`` by the day, R the Toeplitz matrix of its lags."""
-    lags = np.correlate(one, other, "full")
-    middle = len(one) - 1
-    both = lags[middle:].copy()
-    both[1:] += lags[:middle][::-1]
-    return np.einsum("ij,j->i", own, both)
 
 
 def jumps_between(sums, blocks):

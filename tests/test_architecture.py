@@ -9,11 +9,19 @@ import pvlib_fem
 
 PACKAGE = Path(pvlib_fem.__file__).parent
 FLOORS = {
-    0: {"records", "effect", "leastsquares", "layers", "structure", "simulator"},
-    1: {"dailysums", "relaxation", "laws", "scores", "clock", "coarse"},
+    0: {
+        "records",
+        "effect",
+        "leastsquares",
+        "layers",
+        "structure",
+        "onset",
+        "simulator",
+    },
+    1: {"dailysums", "relaxation", "laws", "scores", "clock", "doubts", "coarse"},
     2: {"temperature", "translate", "paper", "drivers"},
-    3: {"effects", "model", "plotting", "datasets", "health"},
-    4: {"modelchain", "evidence", "recipe"},
+    3: {"effects", "model", "plotting", "datasets", "noon"},
+    4: {"modelchain", "evidence", "recipe", "health"},
     5: {"result", "diagnosis", "report"},
     6: {"fitting", "prepared", "findings"},
     7: {"steps"},

@@ -6,7 +6,8 @@ import pytest
 from conftest import COLUMNS
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.clock import DAY, clock_shift
+from pvlib_fem.clock import clock_shift
+from pvlib_fem.onset import DAY
 from pvlib_fem.records import measured
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 

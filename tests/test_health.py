@@ -7,7 +7,9 @@ from conftest import COLUMNS
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.health import check, doubtful, solar_noon_shift, stuck
+from pvlib_fem.doubts import doubtful
+from pvlib_fem.health import check, stuck
+from pvlib_fem.noon import solar_noon_shift
 from pvlib_fem.records import measured
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
 
