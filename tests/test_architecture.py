@@ -16,6 +16,7 @@ FLOORS = {
         "layers",
         "structure",
         "onset",
+        "files",
         "simulator",
     },
     1: {"dailysums", "relaxation", "laws", "scores", "clock", "doubts", "coarse"},

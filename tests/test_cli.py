@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from pvlib.location import Location
 
 from pvlib_fem import DynamicCellTemperature, cli, datasets, simulator
+from pvlib_fem.files import read_file
 from pvlib_fem.loop import close_loop
 
 
@@ -76,7 +77,7 @@ def test_parquet_and_csv_give_the_same(frame, logger, tmp_path):
 def test_the_zone_changes_the_days_and_not_the_instants(frame, tmp_path, zone):
     path = tmp_path / "utc.csv"
     frame.tz_localize("UTC").to_csv(path)
-    data = cli.read_file(path, {}, zone)
+    data = read_file(path, {}, zone)
     assert str(data.index.tz) == (zone or "UTC")
     assert (data.index == frame.index.tz_localize("UTC")).all()
 
@@ -88,7 +89,7 @@ def test_offsets_that_change_are_read_as_instants(frame, tmp_path):
     local = pd.Series(1.0, utc.tz_convert("Europe/Brussels"))
     local.to_csv(path)
     assert path.read_text().count("+02:00") == 2
-    assert (cli.read_file(path, {}, "Europe/Brussels").index == utc).all()
+    assert (read_file(path, {}, "Europe/Brussels").index == utc).all()
 
 
 def test_other_formats_of_time_are_given_and_not_guessed(frame, tmp_path):
@@ -289,7 +290,7 @@ def test_missing_values_as_a_campbell_logger_writes_them(plant, tmp_path):
         path, na_rep='"NAN"', quoting=3, quotechar="'"
     )
     assert '"NAN"' in path.read_text()
-    assert cli.read_file(path, {}, None)["wind_speed"].isna().any()
+    assert read_file(path, {}, None)["wind_speed"].isna().any()
 
 
 QUICK = ("demo", "--days", 120, "--step", 900)
