@@ -11,6 +11,8 @@ import pandas as pd
 
 from pvlib_fem.relaxation import relax
 
+__all__ = ["sun"]
+
 STEFAN_BOLTZMANN = 5.670374419e-8  # W/(m² K⁴), CODATA 2018
 ZERO_CELSIUS = 273.15  # K
 HOUR = 3600.0  # s
@@ -260,7 +262,11 @@ def moist_emissivity(relative_humidity, temp_air):
 
 
 def sky_deficit_moist(relative_humidity, temp_air, inputs):
-    """:func:`sky_deficit` of a clear sky, from humidity. [W/m²]"""
+    """
+    :func:`sky_deficit` of a clear sky, from humidity. [W/m²]
+
+    By :func:`moist_emissivity`.
+    """
     emissivity = moist_emissivity(relative_humidity, temp_air)
     return (1.0 - emissivity) * black_body(temp_air)
 
@@ -326,15 +332,14 @@ def film_vapour(wetness, relative_humidity, temp_air, irradiance_smoothed, input
 
 def days_since_rain(precipitation, inputs):
     """
-    Time since rain that cleans, or since the record began, two months at most [1]_.
-
-    [days]
+    Time since it rained 1 mm, or the record began, two months at most [1]_. [days]
 
     References
     ----------
     .. [1] M. Coello and L. Boyle, "Simple Model for Predicting Time Series Soiling
-       of Photovoltaic Panels", IEEE J. Photovoltaics 9, 1382 (2019): 1 mm cleans,
-       as in :func:`pvlib.soiling.hsu`.
+       of Photovoltaic Panels", IEEE J. Photovoltaics 9, 1382 (2019),
+       :doi:`10.1109/JPHOTOV.2019.2919628`: 1 mm cleans, as in
+       :func:`pvlib.soiling.hsu`.
     """
     seconds = inputs.seconds
     rain = np.nan_to_num(precipitation)
@@ -357,7 +362,8 @@ def snow_cover(snow_depth, temp_air, poa_global, inputs):
     ----------
     .. [1] B. Marion et al., "Measured and modeled photovoltaic system energy
        losses from snow for Colorado and Wisconsin locations", Solar Energy 97,
-       112 (2013), as in :func:`pvlib.snow.coverage_nrel`.
+       112 (2013), :doi:`10.1016/j.solener.2013.07.029`, as in
+       :func:`pvlib.snow.coverage_nrel`.
     """
     known = 0.0 * (snow_depth + temp_air + poa_global)
     depth = np.nan_to_num(snow_depth)
@@ -387,9 +393,12 @@ def stored(memory):
     """The driver that a column's memory lags behind the column: 0 when settled."""
 
     def lag(column, inputs):
-        """What a slow mass still holds of the past. [unit of the column]"""
         return smoothed(column, inputs, memory) - column
 
+    lag.__doc__ = (
+        f"Mean of the past {memory / HOUR:g} h, weighted by age, beyond what is now. "
+        "[unit of the column]"
+    )
     return lag
 
 
@@ -450,6 +459,22 @@ DERIVED = {
     "day_angle": ((), day_angle),
 }
 
+#: measured columns: what they are, and their unit
+MEASURED = {
+    "poa_global": "Irradiance in the plane of the module. [W/m²]",
+    "temp_air": "Air temperature. [°C]",
+    "wind_speed": "Wind speed. [m/s]",
+    "wind_direction": "Where the wind comes from, clockwise from north. [°]",
+    "relative_humidity": "Relative humidity. [%]",
+    "longwave_down": "Longwave irradiance from the sky, ``ir_down`` in pvlib. [W/m²]",
+    "precipitation": "Rate of precipitation, as water. [mm/h]",
+    "snow_depth": "Depth of snow on the ground. [cm]",
+    "p_dc": "DC power for each square metre of module. [W/m²]",
+    "solar_zenith": "Angle of the sun from the vertical. [°]",
+    "solar_azimuth": "Where the sun stands, clockwise from north. [°]",
+    "surface_tilt": "Tilt of the module from horizontal. [°]",
+    "surface_azimuth": "Where the module faces, clockwise from north. [°]",
+}
 USUAL = ("poa_global", "temp_air", "wind_speed")
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}

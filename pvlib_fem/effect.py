@@ -72,6 +72,8 @@ class Effect:
         What it was made with, where its name alone does not say it.
     source : str, optional
         Which of several drivers it uses; printed as "from ...".
+    confused_with : tuple of str, optional
+        What else can leave the same residual: names of effects, or phrases.
     """
 
     name: str
@@ -82,6 +84,7 @@ class Effect:
     decided_by: str = ""
     settings: Mapping = field(default_factory=dict)
     source: str = ""
+    confused_with: tuple = ()
 
     @property
     def spec(self):

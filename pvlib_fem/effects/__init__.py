@@ -27,6 +27,8 @@ from pvlib_fem.effects.thermal_storage import EFFECT as thermal_storage
 from pvlib_fem.effects.wind_direction import EFFECT as wind_direction
 from pvlib_fem.effects.wind_shape import EFFECT as wind_shape
 
+__all__ = ["EFFECTS", "find"]
+
 EFFECTS = {
     effect.name: effect
     for effect in (

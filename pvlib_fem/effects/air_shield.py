@@ -6,8 +6,13 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(poa_global, wind_speed, *, warm):
-    """
+    r"""
     Air that is measured too warm in sun and calm [1]_.
+
+    .. math::
+
+        \mathrm{offset} = -\mathrm{warm} \cdot \mathrm{poa\_global} / 1000
+        \cdot \exp(-\mathrm{wind\_speed} / 1.2)
 
     ``warm`` is the error at 1000 W/m² and no wind: 2 to 4 K in a shield that is
     not aspirated.
@@ -28,4 +33,11 @@ EFFECT = Effect(
     {"warm": Parameter(0.0, 0.0, 6.0, "K")},
     shape=True,
     decided_by="a second, aspirated air temperature sensor",
+    confused_with=(
+        "wind_shape",
+        "natural_convection",
+        "poa_misalignment",
+        "season",
+        "the law's coefficients, which take up most of it",
+    ),
 )

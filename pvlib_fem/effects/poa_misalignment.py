@@ -4,8 +4,13 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(beam_by_tilt, beam_by_azimuth, *, tilt, azimuth):
-    """
+    r"""
     Beam that the module gets beside a sensor in another plane [1]_.
+
+    .. math::
+
+        \mathrm{heat} = \mathrm{tilt} \cdot \mathrm{beam\_by\_tilt}
+        + \mathrm{azimuth} \cdot \mathrm{beam\_by\_azimuth}
 
     ``tilt`` and ``azimuth`` are those of the module beyond the stated ones, in
     which the sensor is taken to stand; to the first order in both.
@@ -27,4 +32,11 @@ EFFECT = Effect(
     },
     shape=True,
     decided_by="an inclinometer, or irradiance before and after noon on clear days",
+    confused_with=(
+        "season",
+        "rear_irradiance",
+        "thermal_storage",
+        "shading",
+        "a clock that is late",
+    ),
 )

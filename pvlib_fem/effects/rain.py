@@ -6,8 +6,10 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(wetness, *, film):
-    """
+    r"""
     Loss by evaporation, taken as a further loss towards the air [1]_.
+
+    .. math:: \mathrm{loss} = \mathrm{film} \cdot \mathrm{wetness}
 
     ``film`` is the latent over the sensible loss of a wet face: with air of 70 %
     relative humidity the vapour pressure at a warm module makes it some 10 to
@@ -22,8 +24,10 @@ def terms(wetness, *, film):
 
 
 def evaporation(film_vapour, *, film):
-    """
+    r"""
     The same by the vapour that the film gives off, where humidity is known.
+
+    .. math:: \mathrm{heat} = -\mathrm{film} \cdot \mathrm{film\_vapour}
 
     ``film`` is Lewis's 0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one
     face, over the absorbed share of irradiance: 10 to 60 W/(m² hPa).
@@ -31,7 +35,19 @@ def evaporation(film_vapour, *, film):
     return Terms(heat=-film * film_vapour)
 
 
-EFFECT = Effect("rain", terms, {"film": Parameter(0.0, 0.0, 1000.0, "W/(m² K)")})
+EFFECT = Effect(
+    "rain",
+    terms,
+    {"film": Parameter(0.0, 0.0, 1000.0, "W/(m² K)")},
+    decided_by="a wetness sensor on the module",
+    confused_with=(
+        "sky_radiation",
+        "soiling",
+        "snow",
+        "the time constant, where irradiance falls as the rain comes",
+        "air that turns cold before the rain",
+    ),
+)
 FROM_HUMIDITY = replace(
     EFFECT,
     terms=evaporation,

@@ -4,8 +4,10 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(ghi_estimated, *, share):
-    """
+    r"""
     Heat of light from the ground [1]_.
+
+    .. math:: \mathrm{heat} = \mathrm{share} \cdot \mathrm{ghi\_estimated}
 
     ``share`` is albedo · view of the ground · absorbed share of the back, over
     the absorbed share of the front: 0.1 to 0.3 for an open rack. Most of it is
@@ -26,4 +28,10 @@ EFFECT = Effect(
     {"share": Parameter(0.0, 0.0, 0.5, "-")},
     shape=True,
     decided_by="an albedometer or a rear irradiance sensor",
+    confused_with=(
+        "natural_convection",
+        "season",
+        "poa_misalignment",
+        "the law's coefficients, by its mean",
+    ),
 )

@@ -6,8 +6,14 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(poa_global, day_angle, *, winter, spring):
-    """
+    r"""
     Share of irradiance that comes and goes with the year [1]_.
+
+    .. math::
+
+        \mathrm{heat} = (\mathrm{winter} \cdot \cos(\mathrm{day\_angle})
+        + \mathrm{spring} \cdot \sin(\mathrm{day\_angle}))
+        \cdot \mathrm{poa\_global}
 
     ``winter`` is its part at the turn of the year, when it is winter north of
     the equator, and ``spring`` that of the first of April. Albedo, longwave loss,
@@ -32,4 +38,11 @@ EFFECT = Effect(
     },
     shape=True,
     decided_by="a second year, or an albedometer",
+    confused_with=(
+        "poa_misalignment",
+        "rear_irradiance",
+        "temperature_gain",
+        "sensitivity_drift",
+        "soiling",
+    ),
 )

@@ -4,10 +4,17 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(poa_global, years, *, per_year):
-    """
+    r"""
     Irradiance that the module gains beside its sensor, year by year [1]_.
 
-    Below a year and a half it cannot be told from a season.
+    .. math::
+
+        \mathrm{heat} = \mathrm{per\_year} \cdot \mathrm{years}
+        \cdot \mathrm{poa\_global}
+
+    Below a year and a half it cannot be told from a season. By day a module that
+    ages and a back sensor that comes loose look the same; the loose sensor reads
+    less of the night's cold, too.
 
     References
     ----------
@@ -18,5 +25,16 @@ def terms(poa_global, years, *, per_year):
 
 
 EFFECT = Effect(
-    "sensitivity_drift", terms, {"per_year": Parameter(0.0, -0.2, 0.2, "1/year")}
+    "sensitivity_drift",
+    terms,
+    {"per_year": Parameter(0.0, -0.2, 0.2, "1/year")},
+    decided_by="a recalibration of the irradiance sensor, and the nights' cold: only "
+    "a loose back sensor reads less of it",
+    confused_with=(
+        "season",
+        "soiling",
+        "poa_misalignment",
+        "a module that ages",
+        "a back sensor that comes loose",
+    ),
 )

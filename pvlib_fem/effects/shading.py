@@ -18,8 +18,15 @@ LEAST = 0.1  # share of lost beam that counts
 
 
 def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
-    """
+    r"""
     Beam that a module loses while the sun stands in one of some windows [1]_.
+
+    .. math::
+
+        \mathrm{heat} = -\mathrm{share} \cdot \mathrm{beam}
+        \cdot \mathrm{inside}(\mathrm{solar\_azimuth}, \mathrm{solar\_zenith})
+
+    ``inside`` is 1 while the sun stands in one of the ``windows``, else 0.
 
     References
     ----------
@@ -30,10 +37,17 @@ def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
 
 
 def unseen(beam, beam_clear, elapsed, solar_azimuth, solar_zenith, *, share, windows):
-    """
+    r"""
     The same of the irradiance sensor, which reads less than the module gets.
 
-    ``share`` is negative: the module is warmer than the sensor lets expect.
+    .. math::
+
+        \mathrm{heat} = -\mathrm{share} \cdot \mathrm{beam\_around}
+        \cdot \mathrm{inside}(\mathrm{solar\_azimuth}, \mathrm{solar\_zenith})
+
+    ``share`` is negative, -1.5 to 0: the module is warmer than the sensor lets
+    expect. ``beam_around`` is the beam that the hours around let expect, those in
+    the windows left out.
     """
     inside = within_any(windows, solar_azimuth, solar_zenith)
     expected = beam_around(beam, beam_clear, elapsed, seen=~inside)
@@ -77,14 +91,23 @@ def within(windows, sensor=False):
     # more than all of the beam, as the beam is estimated
     bounds = (-1.5, 0.0) if sensor else (-1.3, 1.3)
     lights = ("beam", "beam_clear", "elapsed") if sensor else ("beam",)
+    lost = partial(unseen if sensor else terms, windows=windows)
+    lost.__doc__ = lost.func.__doc__  # else that of all partials
     return Effect(
         "shading",
-        partial(unseen if sensor else terms, windows=windows),
+        lost,
         {"share": Parameter(0.0, *bounds, "-")},
         columns=(*lights, "solar_azimuth", "solar_zenith"),
         decided_by="a look at the horizon, or a photograph of it",
         settings={"windows": windows, "sensor": sensor},
         source="a window of the sky, before the " + ("sensor" if sensor else "module"),
+        confused_with=(
+            "poa_misalignment",
+            "incidence_angle",
+            "thermal_storage",
+            "dew after sunrise",
+            "a clock that is late",
+        ),
     )
 
 

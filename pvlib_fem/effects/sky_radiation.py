@@ -6,8 +6,10 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(sky_deficit, *, share):
-    """
+    r"""
     Heat lost to the sky, in the currency of irradiance [1]_.
+
+    .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{sky\_deficit}
 
     ``share`` is emissivity · sky view over the absorbed share of irradiance,
     about 0.88 · 0.87 / 0.75: the laws count heat by incident irradiance, of
@@ -18,7 +20,8 @@ def terms(sky_deficit, *, share):
     ----------
     .. [1] A. Driesse, J. S. Stein and M. Theristis, "Improving Common PV Module
        Temperature Models by Incorporating Radiative Losses to the Sky",
-       SAND2022-11604, 2022, as in :func:`pvlib.temperature.faiman_rad`.
+       SAND2022-11604, 2022, :doi:`10.2172/1884890`, as in
+       :func:`pvlib.temperature.faiman_rad`.
     """
     return Terms(heat=-share * sky_deficit)
 
@@ -40,6 +43,13 @@ EFFECT = Effect(
     {"share": Parameter(0.0, 0.0, 3.0, "-")},
     decided_by="a pyrgeometer",
     source="measured longwave",
+    confused_with=(
+        "season",
+        "temperature_gain",
+        "dew at night",
+        "a thermopile pyranometer that reads below zero under a clear night sky",
+        "the bias, by its mean",
+    ),
 )
 FROM_HUMIDITY = estimated("humidity", "sky_deficit_humid")
 FROM_MOISTURE = estimated("humidity, without clouds", "sky_deficit_moist")

@@ -4,8 +4,14 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(poa_stored_1h, poa_stored_3h, air_stored, *, hour, three_hours, air):
-    """
+    r"""
     Heat that a slow mass takes in the morning and returns in the evening [1]_.
+
+    .. math::
+
+        \mathrm{heat} = \mathrm{hour} \cdot \mathrm{poa\_stored\_1h}
+        + \mathrm{three\_hours} \cdot \mathrm{poa\_stored\_3h}
+        + \mathrm{air} \cdot \mathrm{air\_stored}
 
     ``hour`` and ``three_hours`` are shares of irradiance by the memory of the
     mass; ``air`` is its exchange with the module for each kelvin that the air
@@ -32,4 +38,12 @@ EFFECT = Effect(
     },
     shape=True,
     decided_by="a temperature sensor on the roof or in the cavity behind",
+    confused_with=(
+        "poa_misalignment",
+        "natural_convection",
+        "season",
+        "temperature_gain",
+        "a clock that is late",
+        "the capacity, or the time constant",
+    ),
 )

@@ -6,8 +6,13 @@ from pvlib_fem.effect import Effect, Parameter, Terms
 
 
 def terms(wind_speed, *, root, stall):
-    """
+    r"""
     Loss that bends at strong wind, and one where the anemometer stands still [1]_.
+
+    .. math::
+
+        \mathrm{loss} = \mathrm{root} \cdot \sqrt{\mathrm{wind\_speed}}
+        + \mathrm{stall} \cdot \exp(-\mathrm{wind\_speed} / 0.7)
 
     ``root`` goes with the square root of wind, that of a laminar layer of air;
     ``stall`` is there below some 0.7 m/s only, where cups do not turn and the
@@ -31,4 +36,12 @@ EFFECT = Effect(
     },
     shape=True,
     decided_by="a sonic anemometer at the module",
+    confused_with=(
+        "air_shield",
+        "natural_convection",
+        "poa_misalignment",
+        "season",
+        "wind at the mast that is not the wind at the module",
+        "a time constant that follows the wind, where the dynamics is ewm",
+    ),
 )

@@ -1,0 +1,285 @@
+"""The page of effects, written from the registry and its docstrings before a build.
+
+What an effect's file and its line in the registry say is all that the page needs.
+"""
+
+import inspect
+import re
+from functools import partial
+from pathlib import Path
+
+from pvlib_fem import drivers, effects
+
+INTRO = """
+What the model can lack, one effect each. All add to the columns of one equation,
+``capacity · dT/dt = heat − loss · (T − T_air)`` and ``measured = T + offset``:
+``heat`` [W/m²], ``loss`` [W/(m² K)], ``capacity`` [J/(m² K)], ``offset`` [K].
+Names in the equations are those of the columns and the parameters. All parameters
+are 0 where a fit starts, and then an effect adds nothing; a fit does not leave their
+range. How often each is found is in :doc:`/study`, how to add one in
+:doc:`/adding_an_effect`.
+"""
+GROUPS = {
+    "Drivers of their own": """
+Each follows what no other does: a column, the years, or one window of the sky. So the
+loop may name it, unless another explains as much.
+""",
+    "Shapes of the usual inputs": """
+Functions of irradiance, air temperature, wind, sun and date alone. Several look alike,
+so the loop reports them as a class, with the measurement that would decide.
+""",
+}
+MEASURED = """
+An effect asks for columns by these names. Irradiance, air temperature and wind speed
+are always there.
+"""
+DERIVED = """
+Computed from measured columns and the times where an effect asks for them.
+"""
+SECTION = re.compile(r"\n+^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
+
+
+def words(function):
+    """First line of a docstring, what follows it, and its sources."""
+    text, *sections = SECTION.split(inspect.getdoc(function) or "")
+    text = re.sub(r"\s*\[\d+\]_", "", text)
+    first, _, body = text.partition("\n\n")
+    references = dict(zip(sections[::2], sections[1::2])).get("References", "")
+    entries = re.split(r"^\.\. \[\d+\] ", references, flags=re.MULTILINE)
+    # an initial in front would number a list
+    sources = [re.sub(r"^(?=\w\.)", r"\\", " ".join(e.split())) for e in entries[1:]]
+    return " ".join(first.split()), body, sources
+
+
+def forms(effect):
+    """Functions of the effect's file that have an equation, its own first."""
+    own = effect.terms.func if isinstance(effect.terms, partial) else effect.terms
+    module = inspect.getmodule(own)
+    others = [
+        f
+        for f in vars(module).values()
+        if inspect.isfunction(f) and f.__module__ == module.__name__ and f is not own
+    ]
+    return [own, *(f for f in others if ".. math::" in (f.__doc__ or ""))]
+
+
+def variants(effect):
+    """The effect from each of its sources, the best first."""
+    return effects.VARIANTS.get(effect.name, (effect,))
+
+
+def behind(name):
+    """Measured columns that a driver is made of, each once."""
+    if name not in drivers.DERIVED:
+        return [name]
+    found = [n for needed in drivers.DERIVED[name][0] for n in behind(needed)]
+    return list(dict.fromkeys(found))
+
+
+def needs(effect):
+    """What has to be measured beside the usual three, in words."""
+    names = drivers.needed_for(effect.drivers)
+    columns = [f"``{name}``" for name in names if name not in drivers.GEOMETRY]
+    if len(columns) < len(names):
+        columns.append("sun and module")
+    return ", ".join(columns) or "nothing"
+
+
+def number(value):
+    return f"{value:g}".replace("-", "−")
+
+
+def literal(names):
+    return ", ".join(f"``{name}``" for name in names)
+
+
+def to_driver(name):
+    kind = "driver" if name in drivers.DERIVED else "column"
+    known = name in drivers.DERIVED or name in drivers.MEASURED
+    return f":ref:`{name} <{kind}-{name}>`" if known else f"``{name}``"
+
+
+def to_drivers(names, nothing="the times"):
+    return ", ".join(map(to_driver, names)) or nothing
+
+
+def linked(text):
+    """References to drivers, as a docstring has them, as links to their rows."""
+    return re.sub(r":func:`(\w+)`", lambda found: to_driver(found[1]), text)
+
+
+def meaning(name):
+    if name in drivers.DERIVED:
+        return linked(words(drivers.DERIVED[name][1])[0])
+    return drivers.MEASURED.get(name, "")
+
+
+def table(header, rows, widths):
+    """Lines of a list-table."""
+    yield ".. list-table::"
+    yield "   :header-rows: 1"
+    yield f"   :widths: {widths}"
+    yield ""
+    for row in (header, *rows):
+        for cell, mark in zip(row, ["* -", *["  -"] * len(row)]):
+            lines = cell.split("\n") or [""]
+            yield f"   {mark} {lines[0]}".rstrip()
+            yield from (f"       {line}".rstrip() for line in lines[1:])
+    yield ""
+
+
+def target(label):
+    """A label, and the same as an address where HTML would turn it into another."""
+    if "_" in label:
+        yield from (".. raw:: html", "", f'   <span id="{label}"></span>', "")
+    yield from (f".. _{label}:", "")
+
+
+def overview(chosen):
+    for effect in chosen:
+        lead = words(inspect.getmodule(forms(effect)[0]))[0].rstrip(".")
+        best, *others = variants(effect)
+        wanted = needs(best) + ("; or other sources" if others else "")
+        link = f":ref:`{effect.name} <effect-{effect.name}>`"
+        yield link, lead, wanted, "class" if effect.shape else "named"
+
+
+def described(effect):
+    """Lines of one effect's section."""
+    own, *others = forms(effect)
+    yield from target(f"effect-{effect.name}")
+    yield from (effect.name, "~" * len(effect.name), "")
+    sources = []
+    for form in (own, *others):
+        first, body, entries = words(form)
+        sources += entries
+        yield from (f"**{first}**", "", body, "")
+    yield from table(("Parameter", "Unit", "Range"), parameter_rows(effect), "40 30 30")
+    yield from drivers_of(effect)
+    yield from settings(effect)
+    alike = "; ".join(
+        f":ref:`{name} <effect-{name}>`" if name in effects.EFFECTS else name
+        for name in effect.confused_with
+    )
+    yield f":Looks like: {alike}"
+    yield f":Would decide: {effect.decided_by}"
+    yield from (f":Source: {source}" for source in sources)
+    yield ""
+
+
+def parameter_rows(effect):
+    """Rows of all sources, each that differs once."""
+    seen = {}
+    for variant in (effect, *variants(effect)):
+        for name, row in variant.rows().items():
+            bounds = f"{number(row.lower)} to {number(row.upper)}"
+            unit = row.unit.replace("-", "\\-")  # else a list
+            seen[f"``{name}``", unit, bounds] = None
+    return list(seen)
+
+
+def drivers_of(effect):
+    """Table of its drivers, with where they come from if there is a choice."""
+    rows = []
+    for variant in variants(effect):
+        source = variant.source or "the columns alone"
+        if variant.shape and not effect.shape:
+            source += " (told as a class)"
+        for name in variant.drivers:
+            rows.append((source, to_driver(name), meaning(name), made_of(name)))
+            source = ""
+    header = ("Source, the best first", "Driver", "What it is", "Made of")
+    if effect.name in effects.VARIANTS:
+        yield from table(header, rows, "20 22 33 25")
+    else:
+        yield from table(header[1:], [row[1:] for row in rows], "25 45 30")
+
+
+def made_of(name):
+    """What has to be measured for a driver, in words."""
+    if name not in drivers.DERIVED:
+        return "measured"
+    columns = behind(name)
+    place = [n for n in columns if n in drivers.GEOMETRY]
+    if len(place) < len(drivers.GEOMETRY):
+        return to_drivers(columns)
+    others = [n for n in columns if n not in place]
+    sun = f":ref:`place of sun and module <column-{drivers.GEOMETRY[0]}>`"
+    return ", ".join([*map(to_driver, others), sun])
+
+
+def settings(effect):
+    """What it can be made with beside its name."""
+    if effect.name in effects.VARIANTS:
+        made = next(v.spec for v in variants(effect) if v.settings)
+        yield "By its name alone it takes the first source whose columns are there, by"
+        yield from (f"``{made}`` that one.", "")
+    elif effect.name in effects.MAKERS:
+        made = inspect.signature(effects.MAKERS[effect.name]).parameters.values()
+        given = ", ".join(f"{p.name!r}: …" for p in made)
+        summary = words(effects.MAKERS[effect.name])[0]
+        yield f"With settings, ``{{'name': {effect.name!r}, {given}}}``: {summary}"
+        yield ""
+    if effect.name in effects.OF_RECORD:
+        summary = words(effects.OF_RECORD[effect.name])[0]
+        yield f"In the loop: {summary[:1].lower()}{summary[1:]}"
+        yield ""
+    if effect.name in effects.SCANS:
+        summary = words(effects.SCANS[effect.name][1])[0]
+        yield f"In the loop a scan looks for {summary[:1].lower()}{summary[1:]}"
+        yield ""
+
+
+def driver_table():
+    for name, (columns, compute) in drivers.DERIVED.items():
+        anchored = f".. _driver-{name}:\n\n``{name}``"
+        what = "\n\n".join([meaning(name), *sources(compute)])
+        yield anchored, what, to_drivers(columns)
+
+
+def sources(compute):
+    """Those of a driver, and of functions that are no driver and that it names."""
+    own = words(compute)[2]
+    for name in re.findall(r":func:`(\w+)`", inspect.getdoc(compute)):
+        if name not in drivers.DERIVED:
+            own += words(getattr(drivers, name))[2]
+    return own
+
+
+def measured_table():
+    for name, what in drivers.MEASURED.items():
+        yield f".. _column-{name}:\n\n``{name}``", what
+
+
+def page():
+    """The whole page, in reStructuredText."""
+    title = "Effects"
+    lines = [title, "=" * len(title), INTRO]
+    header = ("Effect", "What it is", "Needs beside the usual", "Told as")
+    chosen = effects.EFFECTS.values()
+    lines += table(header, overview(chosen), "22 43 23 12")
+    for shape, (group, text) in zip((False, True), GROUPS.items()):
+        lines += [group, "-" * len(group), text]
+        for effect in chosen:
+            if effect.shape == shape:
+                lines += described(effect)
+    lines += ["Measured columns", "-" * 16, MEASURED]
+    lines += table(("Column", "What it is"), measured_table(), "30 70")
+    lines += ["Derived drivers", "-" * 15, DERIVED]
+    header = ("Driver", "What it is, and its source", "Computed from")
+    lines += table(header, driver_table(), "24 48 28")
+    return "\n".join(lines) + "\n"
+
+
+def write(folder):
+    """Write the page into a folder, if it is another one than is there."""
+    path, text = Path(folder) / "effects.rst", page()
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return path
+
+
+def setup(app):
+    app.connect("builder-inited", lambda app: write(Path(app.srcdir) / "generated"))
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
