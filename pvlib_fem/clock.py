@@ -43,6 +43,7 @@ class Clock:
     why: str = ""  # one line; "" when the clock is fine
     middle: float = 0.0  # of the record, from its start [s]
     hours: tuple = ()  # (from here on [s], late by that [s])
+    limit: float = np.nan  # below which it is not at fault: a sample, and a sensor [s]
 
     @property
     def fault(self) -> bool:
@@ -172,21 +173,18 @@ def judge(origin, seconds, sums, blocks, changes):
         way = "later" if drift > 0 else "earlier"
         faults["clock_drift"] = (
             f"temp_module is written {way} by {abs(drift):.1f} ± {drift_stderr:.1f} s "
-            f"every day, {abs(gained):.0f} min over the record; correct its clock, or "
-            "the column with Clock.corrected"
+            f"every day, {abs(gained):.0f} min over the record"
         )
     if abs(value) > limit and abs(value) > sure(rest) * stderr:
         faults["clock_shift"] = (
             f"temp_module is written {abs(value) / 60:.1f} ± {stderr / 60:.2f} min too "
-            f"{'late' if value > 0 else 'early'} beside poa_global; correct its clock, "
-            "or the column with Clock.corrected"
+            f"{'late' if value > 0 else 'early'} beside poa_global"
         )
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:
         dates = ", ".join(f"{c / 60:+.0f} min on {d.date()}" for d, c in jumps)
         faults["dst"] = (
-            f"the clock of temp_module jumps by {dates}, as daylight-saving time does; "
-            "keep one zone, or correct the column with Clock.corrected"
+            f"the clock of temp_module jumps by {dates}, as daylight-saving time does"
         )
     blocks["start"] = [
         day_of(origin, sums.start + day * sums.day) for day in blocks["day"]
@@ -202,6 +200,7 @@ def judge(origin, seconds, sums, blocks, changes):
         "; ".join(faults.values()),
         middle,
         hours,
+        limit,
     )
 
 

@@ -11,7 +11,7 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.findings import Finding, Loop
 from pvlib_fem.fitting import errors, finished
 from pvlib_fem.laws import law
-from pvlib_fem.prepared import prepared
+from pvlib_fem.prepared import FEWEST_DAYS, prepared
 from pvlib_fem.steps import SCORES, Fits, error_table
 from pvlib_fem.structure import find_structure
 
@@ -147,8 +147,10 @@ class Search:
         step = self.fits.fitted(raw.model, raw)
         self.steps["+clock_shift"] = step
         gain = before - self.fits.gathered(step, []).left()
+        # where in its step a row belongs, and how slow its sensor is, is not known
+        error = np.hypot(clock.stderr, clock.limit / np.sqrt(12.0))
         values = {"clock_shift.minutes": clock.late / 60.0}
-        stderr = {"clock_shift.minutes": clock.stderr / 60.0}
+        stderr = {"clock_shift.minutes": error / 60.0}
         if "clock_drift" in clock.faults:
             values["clock_shift.drift"] = clock.drift
             stderr["clock_shift.drift"] = clock.drift_stderr
@@ -346,7 +348,10 @@ class Search:
         findings += self.vetoed.values()
         ranking = pd.DataFrame(columns=COLUMNS)
         if found is None:
-            few = f"{case.days} days are too few to leave any out"
+            few = (
+                f"{case.open_days} open days are too few to leave any out, of "
+                f"{FEWEST_DAYS}"
+            )
             self.untestable |= {effect.name: few for effect in case.wanted}
         else:
             rows = ranked(found, case.days)
@@ -430,9 +435,11 @@ class Search:
                     "no longwave_down, no relative_humidity: only what follows the air "
                     "temperature was tried"
                 )
+            elif name in said:
+                continue
             elif not row["physical"] and row["gain"] > 0:
                 self.untestable[name] = row["note"]
-            elif row["detectable"] > self.min_gain and name not in said:
+            elif row["detectable"] > self.min_gain:
                 least = row["detectable"]
                 self.untestable[name] = f"this record shows it from {least:.2g} K only"
 

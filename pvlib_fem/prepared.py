@@ -17,7 +17,9 @@ from pvlib_fem.records import Record, measured
 from pvlib_fem.structure import axes
 
 SEALED = 5  # of this many weeks one is sealed
+FEWEST_DAYS = 2 * FOLDS  # open ones, below which none is left out
 FEWEST_SEALED_WEEKS = 5  # weeks below which every other day is sealed instead
+WORTH_SAYING = 120.0  # s that a clock may be off unseen
 OFF_THE_SUN = ("file_shift", "file_dst")  # faults with which the sun is elsewhere
 
 
@@ -63,9 +65,13 @@ class Case:
         return len(np.unique(self.whole.dates[self.seen]))
 
     @property
+    def open_days(self):
+        return len(np.unique(self.record.dates[self.open]))
+
+    @property
     def divisible(self):
         """Whether there are days to leave out in turn."""
-        return len(np.unique(self.record.dates[self.open])) >= 2 * FOLDS
+        return self.open_days >= FEWEST_DAYS
 
     @cached_property
     def axes(self):
@@ -102,8 +108,12 @@ def prepared(data, site, holdout, effects):
     record = measured(*usual, **filled(drivers))
     health = check(record, **site)
     doubts = {f"units:{name}" for name in health.doubtful}  # said with the refused
-    said = [line for name, line in health.faults.items() if name not in doubts]
-    notes = [*said, *health.unchecked]
+    notes = [
+        f"{line}; corrected" if name in health.clock.faults else line
+        for name, line in health.faults.items()
+        if name not in doubts
+    ]
+    notes += health.unchecked
     for name, reason in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = reason
@@ -118,6 +128,10 @@ def prepared(data, site, holdout, effects):
     inputs = replace(record.inputs, columns=columns)
     record = replace(record, inputs=inputs)
     wanted, untestable = candidates({**drivers, **sun}, refused, effects)
+    if health.clock.limit > WORTH_SAYING:
+        untestable["clock_shift"] = (
+            f"rows so far apart show it from {health.clock.limit / 60:.2g} min only"
+        )
     notes += [f"{reason}: not used" for name, reason in refused.items()]
     case = Case(
         record,

@@ -387,10 +387,11 @@ def refuse_units(inputs):
     if bright < 3.0 and slope > 1.0:
         raise unit_error("poa_global", "kW/m²", f"its largest values are {bright:.2f}")
     night = np.median(over[dark]) if dark.sum() >= 20 else np.nan
+    unit = "K" if abs(night) > 200.0 else "°F"
     if night > 12.0:
-        raise unit_error("temp_module", "°F", f"at night it is {night:.0f} above air")
+        raise unit_error("temp_module", unit, f"at night it is {night:.0f} above air")
     if night < -12.0:
-        raise unit_error("temp_air", "°F", f"at night it is {-night:.0f} above module")
+        raise unit_error("temp_air", unit, f"at night it is {-night:.0f} above module")
     hot = np.nanpercentile(air, 99)
     if hot > 57.0 or slope > 0.075:
         raise unit_error(

@@ -37,9 +37,8 @@ class Axis:
         start, end = self.labels[first][0], self.labels[last][1]
         if self.name in ("weekend", "alternate_day"):
             return start
-        if isinstance(start, str):
-            return f"{self.name} {start}" + ("" if start == end else f"–{end}")
-        return f"{self.name} {start:g}–{end:g}"
+        start, end = (v if isinstance(v, str) else f"{v:g}" for v in (start, end))
+        return f"{self.name} {start}" + ("" if start == end else f"–{end}")
 
 
 @dataclass(frozen=True, eq=False)

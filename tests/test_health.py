@@ -218,7 +218,7 @@ def test_kelvin_is_refused_or_doubted():
     """The four columns are physically impossible in kelvin, others are doubted."""
     data = simulated({}, 10)
     for column in ("temp_air", "temp_module"):
-        with pytest.raises(ValueError, match=f"{column} is physically impossible|°F"):
+        with pytest.raises(ValueError, match=f"{column} is physically impossible|in K"):
             checked(data.assign(**{column: data[column] + 273.15}))
     assert "subtract 273.15" in doubtful({"temp_dew": [280.0, 290.0]})["temp_dew"]
 

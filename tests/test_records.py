@@ -246,6 +246,10 @@ UNITS = {
         {"temp_module": fahrenheit},
         r"temp_module looks to be in °F: at night it is \d+ above air",
     ),
+    "module in K": (
+        {"temp_module": lambda s: s + 273.15},
+        r"temp_module looks to be in K: at night it is \d+ above air",
+    ),
     "air in °F": (
         {"temp_air": fahrenheit},
         r"temp_air looks to be in °F: at night it is \d+ above module",
