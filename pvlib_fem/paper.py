@@ -402,7 +402,8 @@ def time_constant(
     Raises
     ------
     ValueError
-        If no bin below 2 m/s has enough step changes.
+        If no bin below 2 m/s has enough step changes, or they give a tau that is
+        not positive.
 
     Notes
     -----
@@ -452,6 +453,13 @@ def time_constant(
         last += 1
     table.loc[first:last, "used"] = True
     used = table.loc[first:last]
+    if (wrong := used["tau"][used["tau"] <= 0]).size:
+        speed = wrong.index[0]
+        raise ValueError(
+            f"the step changes at {speed}-{speed + 1} m/s give tau = "
+            f"{wrong[speed]:.0f} s: over-temperature falls as irradiance rises; use a "
+            "longer record, or method='least_squares'"
+        )
     f = np.inf
     if len(used) > 1:
         slope, _ = regression(used.index + 0.5, np.log(used["tau"]))

@@ -145,6 +145,12 @@ def test_the_chosen_bin_is_the_last_up_to_which_tau_falls(month):
     assert found.points == used["points"].sum()
 
 
+def test_a_tau_that_is_not_positive_is_refused(month):
+    poa, air, wind = (month[name] for name in DRIVERS)
+    with pytest.raises(ValueError, match=r"at \d-\d m/s give tau = -\d+ s"):
+        paper.time_constant(poa, air, wind, air - 0.03 * poa, 0.035, min_points=5)
+
+
 def test_the_measured_weeks_calm_slope_needs_its_intercept(week):
     """The figures in the docstring of ``r_eq_max``: 33.8 and 24.5 mK/(W/m²)."""
     record = tuple(week[name] for name in COLUMNS)
