@@ -1,6 +1,15 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
-from pvlib_fem import datasets, effects, layers, paper, scores, simulator
+from pvlib_fem import (
+    datasets,
+    drivers,
+    effects,
+    layers,
+    paper,
+    plotting,
+    scores,
+    simulator,
+)
 from pvlib_fem.diagnosis import rank_effects
 from pvlib_fem.effect import Effect, Parameter, Terms
 from pvlib_fem.findings import Finding, Loop
@@ -24,6 +33,7 @@ __all__ = [
     "Terms",
     "close_loop",
     "datasets",
+    "drivers",
     "effects",
     "ewm",
     "fem_temperature",
@@ -31,6 +41,7 @@ __all__ = [
     "heat_balance",
     "layers",
     "paper",
+    "plotting",
     "rank_effects",
     "scores",
     "simulator",

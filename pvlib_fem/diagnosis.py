@@ -174,13 +174,13 @@ def measured_for(effect):
     return [n for variant in variants for n in needed_for(variant.drivers)]
 
 
-def with_aliases(data):
-    """Columns of the record by the package's names."""
+def with_aliases(data, needed=paper.COLUMNS):
+    """Columns of a frame by the package's names, with those that are needed."""
     columns = {str(name): data[name] for name in data}
     for alias, name in ALIASES.items():
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
-    if missing := [name for name in paper.COLUMNS if name not in columns]:
+    if missing := [name for name in needed if name not in columns]:
         raise ValueError(
             f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
         )

@@ -7,15 +7,19 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import plotting, report
+from pvlib_fem.diagnosis import with_aliases
+from pvlib_fem.document import saved
 from pvlib_fem.drivers import GEOMETRY, geometry
-from pvlib_fem.model import thermal_model
+from pvlib_fem.paper import COLUMNS
+from pvlib_fem.plotting.steps import BASES
+from pvlib_fem.report import ADDED, by_reason
 from pvlib_fem.result import FemFit, without_nan
 
-ADDED = ("named", "class")  # verdicts of what enters the model
 NEVER = (
     "absorptance, irradiance gain, mean rear irradiance: all are k",
     "sensor height, mean shelter: both are the wind's coefficient",
     "offsets of either thermometer, mean sky: all are the bias",
+    "drifts of sensor gain, absorptance, contact at the back: sensitivity_drift by day",
 )
 
 
@@ -114,18 +118,14 @@ class Loop:
         """Findings of structure that no effect explains."""
         return tuple(f for f in self.findings if f.verdict == "unknown")
 
-    def drivers(self, data):
-        """Columns of ``data`` that the effects of the model need, with the sun's."""
-        wanted = thermal_model("faiman", "balance", self.fit.effects).drivers
-        columns = {}
-        for name in wanted:
-            if name in data:
-                columns[name] = data[name]
-            elif name in GEOMETRY:
-                columns |= geometry(data.index, **self.place)
-            elif name == "longwave_down" and "ir_down" in data:
-                columns[name] = data["ir_down"]
-        return {name: columns[name] for name in wanted if name in columns}
+    def inputs(self, data):
+        """The usual three columns of ``data``, and those that the effects need."""
+        columns = with_aliases(data, COLUMNS[:3])
+        wanted = self.fit.thermal_model.drivers
+        if {*wanted} & {*GEOMETRY} - {*columns}:
+            columns = {**geometry(data.index, **self.place), **columns}
+        drivers = {name: columns[name] for name in wanted if name in columns}
+        return [columns[name] for name in COLUMNS[:3]], drivers
 
     def predict(self, data):
         """
@@ -147,8 +147,8 @@ class Loop:
         ValueError
             If a column lacks.
         """
-        usual = usual_three(data)
-        return self.fit.predict(*usual, **self.drivers(data))
+        usual, drivers = self.inputs(data)
+        return self.fit.predict(*usual, **drivers)
 
     def contributions(self, data):
         """
@@ -164,9 +164,8 @@ class Loop:
         DataFrame
             A column for each effect. [K]
         """
-        usual, drivers = usual_three(data), self.drivers(data)
-        fit = self.fit
-        model = thermal_model(fit.model, fit.dynamics, fit.effects)
+        usual, drivers = self.inputs(data)
+        fit, model = self.fit, self.fit.thermal_model
         whole = model.predict(*usual, fit.coefficients, **drivers)
         parts = {}
         for effect in fit.effects:
@@ -190,11 +189,10 @@ class Loop:
         -------
         DynamicCellTemperature
         """
-        model = thermal_model(self.fit.model, self.fit.dynamics, self.fit.effects)
         record = self.fit.record
         own = {
             name: pd.Series(record[name], record.index)
-            for name in model.drivers
+            for name in self.fit.thermal_model.drivers
             if name not in GEOMETRY
         }
         return self.fit.temperature_model(**{**own, **options})
@@ -226,12 +224,7 @@ class Loop:
         -------
         str
         """
-        text = report.page(self, NEVER)
-        if path is not None:
-            # the same bits on every system
-            with open(path, "w", encoding="utf-8", newline="\n") as file:
-                file.write(text)
-        return text
+        return saved(report.page(self, NEVER), path)
 
     def to_json(self, path=None):
         """
@@ -255,25 +248,20 @@ class Loop:
         }
         text = json.dumps(without_nan(content), indent=2, ensure_ascii=False)
         if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text + "\n")
+            saved(text + "\n", path)
         return text
 
     def __str__(self):
         return "\n".join(lines(self))
 
 
-def usual_three(data):
-    names = ("poa_global", "temp_air", "wind_speed")
-    if missing := [name for name in names if name not in data]:
-        raise ValueError(
-            f"data lack {', '.join(missing)}; they have {', '.join(map(str, data))}"
-        )
-    return [data[name] for name in names]
-
-
 WIDE = 24  # characters of the first column of the report
-STEPS = {"fem": "fem (the paper's form)"}
+#: what the numbers of a clock are
+LATE = {
+    "minutes": "min late",
+    "drift": "s later each day",
+    "summer": "min late in summer",
+}
 
 
 def lines(loop):
@@ -298,7 +286,7 @@ def lines(loop):
     for name, row in loop.table.iterrows():
         cells = "".join(cell(row[key], 7) for key in shown)
         cells += cell(row["energy_error_test"], 9) + " %"
-        title = STEPS.get(name, name.replace("+", "+ ", 1))
+        title = BASES.get(name, name.replace("+", "+ ", 1))
         words = verdict(verdicts[name], loop) if name in verdicts else ""
         yield f"{title:<{WIDE}}{cells}    {words}".rstrip()
     for finding in loop.unexplained:
@@ -309,12 +297,8 @@ def lines(loop):
             names = " | ".join(finding.candidates)
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             yield f"{title[finding.verdict]:<{WIDE}}{words}"
-    if loop.untestable:
-        reasons = {}
-        for name, why in loop.untestable.items():
-            reasons.setdefault(why, []).append(name)
-        for why, names in reasons.items():
-            yield f"{'not testable':<{WIDE}}{', '.join(names)} ({why})"
+    for why, names in by_reason(loop.untestable).items():
+        yield f"{'not testable':<{WIDE}}{', '.join(names)} ({why})"
     for i, words in enumerate(NEVER):
         yield f"{'' if i else 'never from these columns':<{WIDE}}  {words}"
     if not fit.test_days:
@@ -330,8 +314,12 @@ def verdict(finding, loop):
     """Words behind the row of an added effect."""
     found = [e for e in loop.fit.effects if e.name == finding.effect]
     if not found:  # a clock, which is corrected and not modelled
-        (value, error), *_ = zip(finding.coefficients.values(), finding.stderr.values())
-        return f"{finding.verdict}  {value:.1f} ± {error:.1f} min late"
+        parts = []
+        for key, value in finding.coefficients.items():
+            error = finding.stderr.get(key)
+            around = "" if error is None else f" ± {error:.1g}"
+            parts.append(f"{value:.1f}{around} {LATE[key.split('.')[-1]]}")
+        return f"{finding.verdict}  {', '.join(parts)}"
     (effect,) = found
     parts = []
     for key, row in effect.rows().items():
@@ -341,7 +329,8 @@ def verdict(finding, loop):
         unit = "" if row.unit == "-" else f" {row.unit}"
         parts.append(f"{name}{value:.{min(digits, 6)}f} ± {error:.2g}{unit}")
     words = f"{finding.verdict}  {', '.join(parts)}"
-    if len(effect.parameters) == 1:
+    # of a column of the user's own it says nothing but the column's unit
+    if len(effect.parameters) == 1 and not effect.name.startswith("driver:"):
         (row,) = effect.parameters.values()
         words += f" ({row.lower:.3g} … {row.upper:.3g})"
     return words + (f", from {effect.source}" if effect.source else "")

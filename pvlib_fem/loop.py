@@ -149,11 +149,16 @@ class Search:
         gain = before - self.fits.gathered(step, []).left()
         # where in its step a row belongs, and how slow its sensor is, is not known
         error = np.hypot(clock.stderr, clock.limit / np.sqrt(12.0))
-        values = {"clock_shift.minutes": clock.late / 60.0}
-        stderr = {"clock_shift.minutes": error / 60.0}
+        values, stderr = {}, {}
+        if {"clock_shift", "clock_drift"} & set(clock.faults):
+            values["clock_shift.minutes"] = clock.late / 60.0
+            stderr["clock_shift.minutes"] = error / 60.0
         if "clock_drift" in clock.faults:
             values["clock_shift.drift"] = clock.drift
             stderr["clock_shift.drift"] = clock.drift_stderr
+        if "dst" in clock.faults:
+            hours = [late for _, late in clock.hours]
+            values["clock_shift.summer"] = max(hours, key=abs) / 60.0
         named = days >= ENOUGH_DAYS
         finding = Finding(
             "clock_shift",

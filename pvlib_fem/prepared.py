@@ -128,7 +128,7 @@ def prepared(data, site, holdout, effects):
     inputs = replace(record.inputs, columns=columns)
     record = replace(record, inputs=inputs)
     wanted, untestable = candidates({**drivers, **sun}, refused, effects)
-    if health.clock.limit > WORTH_SAYING:
+    if health.clock.limit > WORTH_SAYING and not health.clock.fault:
         untestable["clock_shift"] = (
             f"rows so far apart show it from {health.clock.limit / 60:.2g} min only"
         )

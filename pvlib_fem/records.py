@@ -396,7 +396,7 @@ def refuse_units(inputs):
     if hot > 57.0 or slope > 0.075:
         raise unit_error(
             "temp_air and temp_module",
-            "°F",
+            "K" if hot > 200.0 else "°F",
             f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
             "1000 W/m²",
         )

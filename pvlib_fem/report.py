@@ -1,15 +1,25 @@
 """A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
 
 import hashlib
-import html
 
 import numpy as np
 
-from pvlib_fem import plotting
+from pvlib_fem import advice
+from pvlib_fem.advice import place
+from pvlib_fem.document import (
+    document,
+    escaped,
+    figures,
+    listed,
+    number,
+    paragraph,
+    rounded,
+    section,
+    table,
+)
 from pvlib_fem.drivers import GEOMETRY
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.health import stuck
-from pvlib_fem.model import thermal_model
+from pvlib_fem.pictures import pictures
 from pvlib_fem.records import instants
 
 ADDED = ("named", "class")  # verdicts of what enters the model
@@ -20,40 +30,6 @@ VERDICTS = {
     "suggestive": "a hint, not added to the model",
     "unknown": "no effect of the catalogue follows it",
 }
-
-STYLE = """
-:root { color-scheme: light dark;
-  --page: #ffffff; --ink: #1c1d1f; --soft: #5c6066; --line: #d9dce0; --card: #f5f6f8;
-  --shade: #e0e0e0; --after: #0072b2; --before: #d55e00; }
-@media (prefers-color-scheme: dark) { :root {
-  --page: #16181b; --ink: #e8e9eb; --soft: #a0a5ac; --line: #383c42; --card: #1f2226;
-  --shade: #34383d; --after: #56b4e9; --before: #f0883e; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 66rem; color: var(--ink);
-  background: var(--page); font: 16px/1.5 system-ui, sans-serif; }
-h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .5rem; }
-h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--line); }
-p, li { overflow-wrap: anywhere; max-width: 46rem; }
-.soft, figcaption { color: var(--soft); font-size: .9rem; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .9rem; }
-th, td { padding: .3rem 1.1rem .3rem 0; text-align: left; vertical-align: top;
-  border-bottom: 1px solid var(--line); }
-th { font-weight: 600; }
-td { white-space: nowrap; }
-.n { text-align: right; font-variant-numeric: tabular-nums; }
-@media (max-width: 30rem) {
-  th, td { padding-right: .6rem; } ul { padding-left: 1.2rem; } }
-.figures { display: grid; gap: 1rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr)); }
-figure { margin: 0; padding: .7rem; background: var(--card); border-radius: .5rem; }
-figcaption { margin-bottom: .4rem; }
-svg { display: block; width: 100%; height: auto; }
-svg text { font-family: system-ui, sans-serif !important; }
-pre { overflow-x: auto; padding: .8rem; background: var(--card); border-radius: .5rem;
-  font-size: .8rem; line-height: 1.4; }
-summary { cursor: pointer; }
-"""
 
 
 def page(loop, never=()):
@@ -76,63 +52,16 @@ def page(loop, never=()):
     parts = [
         verdict(loop),
         section("Errors by step", errors(loop)),
-        section("Pictures", pictures(loop)),
+        section("Pictures", figures(pictures(loop))),
         section("Coefficients", coefficients(loop)),
         section("What the record cannot tell", undecided(loop)),
         section("What is left unexplained", unexplained(loop)),
+        section("What to measure next", next_measurements(loop)),
         section("Not testable", untestable(loop, never)),
         section("The state of the data", health(loop)),
         section("How to reproduce it", reproduce(loop)),
     ]
-    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
-        f"<title>pvlib_fem: {escaped(headline(loop))}</title>\n"
-        f"<style>{STYLE}</style>\n</head>\n<body>\n"
-        + "\n".join(parts)
-        + "\n</body>\n</html>\n"
-    )
-
-
-def escaped(text):
-    return html.escape(str(text))
-
-
-def section(title, body):
-    return f"<section>\n<h2>{escaped(title)}</h2>\n{body}\n</section>"
-
-
-def paragraph(text, kind=""):
-    kind = f' class="{kind}"' if kind else ""
-    return f"<p{kind}>{escaped(text)}</p>"
-
-
-def listed(items):
-    """A list of pairs: what is told apart, and what is said of it."""
-    rows = (
-        f"<li><strong>{escaped(name)}</strong>: {escaped(words)}</li>"
-        for name, words in items
-    )
-    return "<ul>\n" + "\n".join(rows) + "\n</ul>"
-
-
-def table(head, rows, caption=""):
-    """A table whose numbers, formatted already, stand in the columns marked ``#``."""
-    kinds = [' class="n"' if name.startswith("#") else "" for name in head]
-
-    def line(cells, tag):
-        cells = (f"<{tag}{k}>{escaped(c)}</{tag}>" for k, c in zip(kinds, cells))
-        return f"<tr>{''.join(cells)}</tr>"
-
-    top = line([name.removeprefix("#") for name in head], "th")
-    body = "\n".join(line(row, "td") for row in rows)
-    return (
-        f'<div class="wide"><table>\n<thead>{top}</thead>\n'
-        f"<tbody>\n{body}\n</tbody>\n</table></div>\n"
-        + (paragraph(caption, "soft") if caption else "")
-    )
+    return document(f"pvlib_fem: {headline(loop)}", parts)
 
 
 def added(loop):
@@ -162,11 +91,6 @@ def headline(loop):
     if len(set(ends(loop))) == 1:
         return f"{before:.2f} K, no effect {'weighed' if short(loop) else 'added'}"
     return f"{before:.2f} K before, {after:.2f} K after"
-
-
-def number(value):
-    """Two decimals, without a negative zero; a dash where there is none."""
-    return f"{value:z.2f}" if np.isfinite(value) else "–"
 
 
 def verdict(loop):
@@ -202,7 +126,9 @@ def verdict(loop):
         names = "; ".join(said(f) for f in hints)
         body.append(paragraph(f"Hints that were not added: {names}."))
     if left := loop.unexplained:
-        body.append(paragraph(f"Of unknown cause: {'; '.join(map(place, left))}."))
+        body.append(
+            paragraph(f"Of unknown cause: {'; '.join(place(f)[0] for f in left)}.")
+        )
     return "\n".join(body)
 
 
@@ -225,20 +151,6 @@ def meaning(name):
     words = EFFECTS[name].terms.__doc__ or ""
     line = words.strip().split("\n", 1)[0].replace(" [1]_", "").rstrip(".")
     return f"{line[:1].lower()}{line[1:]}. " if line else ""
-
-
-def place(finding):
-    """Where unknown structure lives, and how much."""
-    sides = (span(name, *ends_) for name, ends_ in finding.where.items())
-    return f"{finding.gain:.2f} K at {', '.join(sides) or finding.effect}"
-
-
-def span(name, start, end):
-    """Words for one side of a table."""
-    if name in ("weekend", "alternate_day"):
-        return start  # which says all
-    start, end = (v if isinstance(v, str) else f"{v:g}" for v in (start, end))
-    return f"{name} {start}" + ("" if start == end else f" to {end}")
 
 
 def errors(loop):
@@ -265,55 +177,11 @@ def errors(loop):
     )
 
 
-def pictures(loop):
-    """Figures, each with what it shows."""
-    which = part(loop)[0]
-    known = ~np.any(list(stuck(loop.fit.record).values()), axis=0)
-    residuals = {
-        "before": loop.residual_before[known],
-        "after": loop.fit.residual[known],
-    }
-    limit = plotting.largest(*map(plotting.by_hour_and_month, residuals.values()))
-
-    def residual_map(which):
-        return lambda ax: plotting.plot_residual_map(residuals[which], ax, limit)
-
-    day = plotting.Day(loop.fit).date
-    kinds = {
-        "steps": (
-            lambda ax: plotting.plot_steps(loop, ax),
-            f"RMSE on the {which} days, step by step",
-        ),
-        "day": (
-            lambda ax: plotting.plot_before_after(loop, ax),
-            f"The most variable of the {which} days, {day}",
-        ),
-        "map": (residual_map("before"), "Mean residual by month and hour, all days"),
-    }
-    if len(set(ends(loop))) == 2:
-        draw, words = kinds.pop("map")
-        kinds["before"] = draw, f"Before: m{words[1:]}"
-        kinds["after"] = residual_map("after"), "After: the same on the same scale"
-    if loop.fit.effects:
-        kinds["contributions"] = (
-            lambda ax: plotting.plot_contributions(loop, ax),
-            "What each effect adds to the temperature on that day, with all others "
-            "there; rms over all days",
-        )
-    body = (
-        f"<figure>\n<figcaption>{escaped(words)}</figcaption>\n"
-        f"{plotting.svg(draw, name)}\n</figure>"
-        for name, (draw, words) in kinds.items()
-    )
-    return '<div class="figures">\n' + "\n".join(body) + "\n</div>"
-
-
 def coefficients(loop):
     """Values, errors and ranges of the last step."""
     fit = loop.fit
     rows = []
-    model = thermal_model(fit.model, fit.dynamics, fit.effects)
-    for name, row in model.parameters.items():
+    for name, row in fit.thermal_model.parameters.items():
         share = f" of {row.share_of}" if row.share_of else ""
         bound = "at its bound" if name in fit.at_bound else ""
         value, error = f"{fit.coefficients[name]:.5g}", rounded(fit.stderr[name])
@@ -329,11 +197,6 @@ def coefficients(loop):
         rows,
         "Errors from leaving out each fitted day in turn; range is what is possible.",
     )
-
-
-def rounded(error):
-    """Two digits, and never 2e+03."""
-    return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
 
 
 def undecided(loop):
@@ -371,19 +234,31 @@ def unexplained(loop):
             f"No structure of {loop.min_gain:.2f} K and more over hours, months or the "
             "columns of the record."
         )
-    # the reason begins with the place once more
-    whys = (f.why.partition(": ")[2] or f.why for f in left)
-    return listed((place(f), f"{numbers(f)} K; {why}") for f, why in zip(left, whys))
+    places = ((*place(f), numbers(f)) for f in left)
+    return listed((where, f"{mean} K; {why}") for where, why, mean in places)
+
+
+def next_measurements(loop):
+    """A list of what to measure, the most useful first."""
+    if items := advice.to_measure(loop):
+        return listed(items, ordered=True)
+    return paragraph("Nothing: all that could be weighed was, and nothing is open.")
+
+
+def by_reason(reasons):
+    """Names by the reason that they share, in the order of the first of them."""
+    groups = {}
+    for name, why in reasons.items():
+        groups.setdefault(why, []).append(name)
+    return groups
 
 
 def untestable(loop, never):
     """What this record, and what no such record can show."""
     body = []
     if loop.untestable:
-        names = {}
-        for name, why in loop.untestable.items():
-            names.setdefault(why, []).append(name)
-        body.append(listed((", ".join(group), why) for why, group in names.items()))
+        reasons = by_reason(loop.untestable).items()
+        body.append(listed((", ".join(names), why) for why, names in reasons))
     else:
         body.append(paragraph("All effects of the catalogue could be tested."))
     if never:

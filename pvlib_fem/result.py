@@ -8,6 +8,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem import plotting
+from pvlib_fem.document import rounded, saved
 from pvlib_fem.model import thermal_model
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.records import Record, instants
@@ -140,19 +141,21 @@ class FemFit:
             **options,
         )
 
-    def plot(self, ax=None):
+    def plot(self, ax=None, when=None):
         """
-        Measured and modelled temperature on the most variable held-out day.
+        Measured and modelled temperature, and below them the residual.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
+        when : str or slice, optional
+            A date or a part of the index; by default the most variable held-out day.
 
         Returns
         -------
         matplotlib Axes
         """
-        return plotting.plot_fit(self, ax)
+        return plotting.plot_fit(self, when, ax)
 
     def to_json(self, path=None):
         """
@@ -190,9 +193,7 @@ class FemFit:
             },
         }
         text = json.dumps(without_nan(content), indent=2, ensure_ascii=False)
-        if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text + "\n")
+        saved(text + "\n", path)
         return text
 
     def __str__(self):
@@ -226,7 +227,7 @@ def report(fit):
     for name, row in rows.items():
         value, error = fit.coefficients[name], fit.stderr[name]
         bound = "   at its bound" if name in fit.at_bound else ""
-        error = f"{float(f'{error:.2g}'):g}"  # two digits, and never 2e+03
+        error = rounded(error)
         yield f"{name:<{wide}}{value:>12.5g}{error:>12}   {row.unit}{bound}"
     yield ""
     yield f"what each step bought, {'day and night' if fit.night else 'daytime'} [K]"
@@ -236,7 +237,7 @@ def report(fit):
         "".join(f"{score:>8}" for score in ("RMSE", "MAE", "MBE")) for _ in range(2)
     )
     for name, line in fit.scores.iterrows():
-        cells = [f"{value:>8.2f}" for value in line]
+        cells = [f"{value:>z8.2f}" for value in line]
         yield f"{name:<{wide}}{''.join(cells[:3])}  {''.join(cells[3:])}"
     yield ""
     for what, counts in (

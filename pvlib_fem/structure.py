@@ -155,7 +155,8 @@ def find_structure(residual, seconds, folds, axes_, step, without=()):
     values = means[folds, bins]
     size, ranges = place(chosen, residual, bins, count, shrink)
     words = [axis.range(*ranges[axis.name]) for axis in chosen]
-    where = " × ".join(word for word in words if word) or "all of it"
+    everywhere = f"all of {' × '.join(axis.name for axis in chosen)}"
+    where = " × ".join(word for word in words if word) or everywhere
     return Structure(
         tuple(axis.name for axis in chosen),
         float(np.sqrt(best[len(chosen)])),

@@ -17,15 +17,16 @@ FLOORS = {
         "structure",
         "onset",
         "files",
+        "document",
         "simulator",
     },
     1: {"dailysums", "relaxation", "laws", "scores", "clock", "doubts", "coarse"},
-    2: {"temperature", "translate", "paper", "drivers"},
+    2: {"temperature", "translate", "paper", "drivers", "plotting.look"},
     3: {"effects", "model", "plotting", "datasets", "noon"},
-    4: {"modelchain", "evidence", "recipe", "health"},
-    5: {"result", "diagnosis", "report"},
-    6: {"fitting", "prepared", "findings"},
-    7: {"steps"},
+    4: {"modelchain", "evidence", "recipe", "health", "advice"},
+    5: {"result", "diagnosis", "pictures"},
+    6: {"fitting", "prepared", "report"},
+    7: {"steps", "findings"},
     8: {"loop"},
     9: {"cli"},
 }
@@ -48,20 +49,32 @@ def imports(path):
 
 def own_imports(path):
     """Names below ``pvlib_fem`` that a file imports."""
-    for module, name in imports(path):
-        if module.split(".")[0] == "pvlib_fem" and name != "pvlib_fem.__version__":
-            yield (name if module == "pvlib_fem" else module).removeprefix("pvlib_fem.")
+    for source, name in imports(path):
+        if source.split(".")[0] == "pvlib_fem" and name != "pvlib_fem.__version__":
+            yield (name if source == "pvlib_fem" else source).removeprefix("pvlib_fem.")
+
+
+def module(path):
+    """Name of a file below ``pvlib_fem``, of a package that of its folder."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(part for part in parts if part != "__init__")
+
+
+def floor_of(name):
+    """Floor of a module: its own, or that of the package that it is in."""
+    package, *inside = name.split(".")
+    return FLOOR.get(".".join([package, *inside[:1]]), FLOOR[package])
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_imports_go_down_only(path):
-    is_registry = path.name == "__init__.py"
-    # an effect stands on the floors below its registry's, beside no other
-    floor = FLOOR[path.stem if path.parent == PACKAGE else "effects"]
+    # inside a package no file stands on another, such as an effect on an effect;
+    # what all of them need has a floor of its own
+    own = module(path)
     for name in own_imports(path):
-        if is_registry and name.startswith("effects."):
+        if path.name == "__init__.py" and name.startswith(f"{own}."):
             continue
-        assert FLOOR[name.split(".")[0]] < floor, f"{path.name} imports {name}"
+        assert floor_of(name) < floor_of(own), f"{own} imports {name}"
 
 
 def test_every_effect_has_its_line_in_the_registry():
@@ -78,5 +91,6 @@ def test_matplotlib_click_and_pooch_have_one_place_each():
         "pooch": "datasets",
     }
     for path in FILES:
-        for module, _ in imports(path):
-            assert places.get(module.split(".")[0], path.stem) == path.stem
+        own = module(path).split(".")[0]
+        for outside, _ in imports(path):
+            assert places.get(outside.split(".")[0], own) == own

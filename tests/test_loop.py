@@ -92,7 +92,7 @@ def test_contributions_are_what_leaving_one_out_changes(two):
     coefficients = {**loop.fit.coefficients, **nothing}
     without = fem.model.thermal_model(
         loop.fit.model, loop.fit.dynamics, loop.fit.effects
-    ).predict(*(data[n] for n in COLUMNS[:3]), coefficients, **loop.drivers(data))
+    ).predict(*(data[n] for n in COLUMNS[:3]), coefficients, **loop.inputs(data)[1])
     want = loop.predict(data) - without
     np.testing.assert_allclose(parts["wind_direction"], want, atol=1e-9)
     assert parts["sky_radiation"].max() < 0.1  # the sky cools

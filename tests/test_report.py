@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pvlib.location import Location
 
-from pvlib_fem import datasets, report, simulator
+from pvlib_fem import advice, datasets, report, simulator
 from pvlib_fem.loop import close_loop
 from pvlib_fem.paper import COLUMNS
 
@@ -178,7 +178,7 @@ def test_a_record_too_short_says_so(week):
     page = Page(loop.to_html())
     assert "The record is too short to weigh any effect." in page.texts
     assert "nan" not in page.text
-    assert page.tags.count("figure") == 3
+    assert page.tags.count("figure") == 4  # no effect, and no wind direction
 
 
 def test_without_an_effect_there_is_no_before():
@@ -197,3 +197,89 @@ def test_what_is_missing_is_counted():
     rows = Page(close_loop(data).to_html()).rows
     assert ["temp_air", "50", "0"] in rows
     assert ["temp_module", "0", "3"] in rows
+
+
+def test_its_sections_are_in_order(page):
+    titles = [title for title in SECTIONS if title in page.texts]
+    assert titles == list(SECTIONS)
+    places = [page.texts.index(title) for title in titles]
+    assert places == sorted(places)
+
+
+SECTIONS = (
+    "Errors by step",
+    "Pictures",
+    "Coefficients",
+    "What the record cannot tell",
+    "What is left unexplained",
+    "What to measure next",
+    "Not testable",
+    "The state of the data",
+    "How to reproduce it",
+)
+
+
+def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
+    items = advice.to_measure(closed)
+    start = page.texts.index("What to measure next")
+    shown = [page.texts.index(what, start) for what, _ in items]
+    assert shown == sorted(shown)
+    decided = ("class", "suggestive", "unknown")
+    open_ = [f.gain for f in closed.findings if f.verdict in decided]
+    sizes = [re.search(r"([\d.]+) K$", why) for _, why in items]
+    sizes = [float(size[1]) for size in sizes if size]
+    assert sizes == [round(gain, 2) for gain in sorted(open_, reverse=True)]
+    hours = "a column that follows hour 9–16 × weekend"
+    assert hours in [what for what, _ in items]
+    # the columns that were taken away, each with what it is for
+    assert ("p_dc", "would test electrical_output") in items[len(sizes) :]
+    assert ("snow_depth", "would test snow") in items[len(sizes) :]
+
+
+def test_columns_that_test_most_come_first(record, place):
+    bare = close_loop(record[list(COLUMNS)])
+    items = [item for item in advice.to_measure(bare) if "would test" in item[1]]
+    counts = [why.count(",") for _, why in items]
+    assert counts == sorted(counts, reverse=True)
+    told = dict(items)
+    assert told["precipitation"] == "would test rain, soiling"
+    assert told["relative_humidity"] == "would test sky_radiation"
+    given = next(what for what in told if what.startswith("location"))
+    assert "incidence_angle" in told[given]
+    useless = record[list(COLUMNS)].assign(p_dc=100.0)
+    told = dict(advice.to_measure(close_loop(useless, **place)))
+    assert told["p_dc"] == "would test electrical_output; here p_dc is constant"
+    assert not any(what.startswith("location") for what in told)
+
+
+def test_where_nothing_could_be_weighed_days_come_first():
+    data = datasets.synthetic(6, 1800)[list(COLUMNS)]
+    (what, why), *_ = advice.to_measure(close_loop(data))
+    assert what == "more days"
+    assert why == "this record has too few to leave any out"
+
+
+@pytest.mark.parametrize(
+    ("columns", "strength", "roses"),
+    [
+        ([], 1.5, []),
+        (["wind_direction"], 0.0, [""]),
+        (["wind_direction"], 1.5, ["B", "A"]),
+    ],
+)
+def test_a_rose_for_each_wind_that_has_a_direction(columns, strength, roses):
+    """Before and after, where the direction tells something."""
+    effects = simulator.PHYSICS | {"wind_direction": strength}
+    data = simulator.record(effects=effects, days=84, step=900, start="2023-04-01")
+    loop = close_loop(data[[*COLUMNS, *columns]])
+    assert ("wind_direction" in loop.effects) == (len(roses) == 2)
+    shown = [text for text in Page(loop.to_html()).texts if "wind comes from" in text]
+    shown = [text for text in shown if "mean residual by" in text.lower()]
+    assert len(shown) == len(roses)
+    assert all(text.startswith(first) for text, first in zip(shown, roses))
+
+
+def test_a_picture_says_what_it_is(page):
+    named = [value for name, value in page.attributes if name == "aria-label"]
+    assert len(named) == page.tags.count("figure") == page.tags.count("svg")
+    assert set(named) <= set(page.texts)

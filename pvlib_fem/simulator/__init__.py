@@ -5,7 +5,8 @@ module in it (`simulate`: nodes in W/m², T⁴ radiation, TARP and MoWiTT convec
 water, snow, ground) and the sensors and loggers that watch (`measure`). Every
 effect is a switch with an amplitude, 0 for off and 1 for its nominal size, so
 that two runs which differ in one switch differ by that effect only. Nothing here
-comes from the models of this package.
+comes from the models of this package: convection is from [1]_, layers from [2]_,
+mounting from [3]_, sun and sky from [4]_ and [5]_, wet bulb from [6]_, snow from [7]_.
 
 References
 ----------

@@ -1,0 +1,134 @@
+"""What a page is made of: escaped text, lists, tables, numbers for readers."""
+
+import html
+
+import numpy as np
+
+STYLE = """
+:root { color-scheme: light dark;
+  --page: #ffffff; --ink: #1c1d1f; --soft: #5c6066; --line: #d9dce0; --card: #f5f6f8;
+  --after: #0072b2; --before: #d55e00; }
+@media (prefers-color-scheme: dark) { :root {
+  --page: #16181b; --ink: #e8e9eb; --soft: #a0a5ac; --line: #383c42; --card: #1f2226;
+  --after: #56b4e9; --before: #f0883e; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 66rem; color: var(--ink);
+  background: var(--page); font: 16px/1.5 system-ui, sans-serif; }
+h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .5rem; }
+h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--line); }
+p, li { overflow-wrap: anywhere; max-width: 46rem; }
+.soft, figcaption { color: var(--soft); font-size: .9rem; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .9rem; }
+th, td { padding: .3rem 1.1rem .3rem 0; text-align: left; vertical-align: top;
+  border-bottom: 1px solid var(--line); }
+th { font-weight: 600; }
+td { white-space: nowrap; }
+.n { text-align: right; font-variant-numeric: tabular-nums; }
+@media (max-width: 30rem) {
+  th, td { padding-right: .6rem; } ul, ol { padding-left: 1.3rem; } }
+.figures { display: grid; gap: 1rem;
+  grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr)); }
+figure { margin: 0; padding: .7rem; background: var(--card); border-radius: .5rem; }
+figcaption { margin-bottom: .4rem; }
+svg { display: block; width: 100%; height: auto; }
+svg text { font-family: system-ui, sans-serif !important; }
+pre { overflow-x: auto; padding: .8rem; background: var(--card); border-radius: .5rem;
+  font-size: .8rem; line-height: 1.4; }
+summary { cursor: pointer; }
+"""
+
+
+def document(title, parts):
+    """
+    One HTML file that needs nothing beside it and runs no script.
+
+    Parameters
+    ----------
+    title : str
+    parts : sequence of str
+        HTML, in order.
+
+    Returns
+    -------
+    str
+    """
+    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        f"<title>{escaped(title)}</title>\n"
+        f"<style>{STYLE}</style>\n</head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def saved(text, path):
+    """The text, written to a file where there is a path: the same bits everywhere."""
+    if path is not None:
+        with open(path, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    return text
+
+
+def escaped(text):
+    return html.escape(str(text))
+
+
+def section(title, body):
+    return f"<section>\n<h2>{escaped(title)}</h2>\n{body}\n</section>"
+
+
+def paragraph(text, kind=""):
+    kind = f' class="{kind}"' if kind else ""
+    return f"<p{kind}>{escaped(text)}</p>"
+
+
+def listed(items, ordered=False):
+    """A list of pairs: what is told apart, and what is said of it."""
+    rows = (
+        f"<li><strong>{escaped(name)}</strong>: {escaped(words)}</li>"
+        for name, words in items
+    )
+    tag = "ol" if ordered else "ul"
+    return f"<{tag}>\n" + "\n".join(rows) + f"\n</{tag}>"
+
+
+def table(head, rows, caption=""):
+    """A table whose numbers, formatted already, stand in the columns marked ``#``."""
+    kinds = [' class="n"' if name.startswith("#") else "" for name in head]
+
+    def line(cells, tag):
+        cells = (f"<{tag}{k}>{escaped(c)}</{tag}>" for k, c in zip(kinds, cells))
+        return f"<tr>{''.join(cells)}</tr>"
+
+    top = line([name.removeprefix("#") for name in head], "th")
+    body = "\n".join(line(row, "td") for row in rows)
+    return (
+        f'<div class="wide"><table>\n<thead>{top}</thead>\n'
+        f"<tbody>\n{body}\n</tbody>\n</table></div>\n"
+        + (paragraph(caption, "soft") if caption else "")
+    )
+
+
+def figures(pictures):
+    """A grid of pairs: an ``svg`` element, and what it shows."""
+    body = (
+        f"<figure>\n<figcaption>{escaped(words)}</figcaption>\n"
+        + svg.replace("<svg", f'<svg role="img" aria-label="{escaped(words)}"', 1)
+        + "\n</figure>"
+        for svg, words in pictures
+    )
+    return '<div class="figures">\n' + "\n".join(body) + "\n</div>"
+
+
+def number(value):
+    """Two decimals, without a negative zero; a dash where there is none."""
+    return f"{value:z.2f}" if np.isfinite(value) else "–"
+
+
+def rounded(error):
+    """Two digits, and never 2e+03; a dash where there is none."""
+    return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"

@@ -1,0 +1,35 @@
+"""Pictures of fits, of loops and of what they leave.
+
+Each function takes the axes to draw on, or makes a new figure, and returns the axes.
+matplotlib is imported here only, and only when a picture is drawn. Text and axes
+follow matplotlib's style, light or dark; what a colour tells, a line style, a marker
+or a sign tells as well.
+"""
+
+from pvlib_fem.plotting.days import plot_before_after, plot_contributions, plot_fit
+from pvlib_fem.plotting.look import AFTER, BEFORE, COLOURS, OTHER
+from pvlib_fem.plotting.memory import plot_step_response, plot_tau_by_wind, tau_by_wind
+from pvlib_fem.plotting.residuals import (
+    plot_residual_by,
+    plot_residual_map,
+    plot_residual_rose,
+)
+from pvlib_fem.plotting.steps import plot_steps, plot_waterfall
+
+__all__ = [
+    "AFTER",
+    "BEFORE",
+    "COLOURS",
+    "OTHER",
+    "plot_before_after",
+    "plot_contributions",
+    "plot_fit",
+    "plot_residual_by",
+    "plot_residual_map",
+    "plot_residual_rose",
+    "plot_step_response",
+    "plot_steps",
+    "plot_tau_by_wind",
+    "plot_waterfall",
+    "tau_by_wind",
+]

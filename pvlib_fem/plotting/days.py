@@ -1,0 +1,243 @@
+"""Pictures over time: measured, modelled, and what effects add."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.plotting.look import (
+    AFTER,
+    BEFORE,
+    COLOURS,
+    FAINT,
+    STYLES,
+    ink,
+    label,
+    new_axes,
+)
+
+TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
+MOST_TICKS = 9
+LOWER = 0.28  # share of the height that the residual has below a fit
+
+
+def plot_fit(fit, when=None, ax=None):
+    """
+    Measured and modelled temperature, and below it what is between them.
+
+    Parameters
+    ----------
+    fit : FemFit
+    when : date, str or slice, optional
+        What to show: a date, or times as ``.loc`` of a Series takes them, such as
+        ``"2020-03"`` or ``slice("2020-03-18", "2020-03-20 12:00")``. By default
+        the most variable held-out day; of a fit that holds none out, the most
+        variable day.
+    ax : matplotlib Axes, optional
+        Where to draw, both panels inside; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+        The upper panel. The lower one shares its x axis.
+
+    Raises
+    ------
+    ValueError
+        If ``when`` is no part of the record.
+    """
+    span = Span(fit, when)
+    ax = new_axes(ax)
+    below = panel_below(ax)
+    span.reading(ax)
+    span.modelled(ax, fit.residual, f"{fit.model}, {fit.dynamics}", AFTER, "--")
+    span.dressed(ax)
+    room_for_legend(ax, ncols=2)
+    ax.tick_params(axis="x", labelbottom=False)
+    ax.set_xlabel("")
+    below.axhline(0.0, color=ink(), linewidth=0.8)
+    below.plot(span.hours, span.of(fit.residual), color=AFTER, linewidth=1.0)
+    below.set_ylabel("measured −\nmodelled [K]")
+    span.clock(below)
+    return ax
+
+
+def plot_before_after(loop, ax=None):
+    """
+    The most variable sealed day: measured, and modelled before and after.
+
+    Where the loop re-timed the module's record, that before it is left out.
+
+    Parameters
+    ----------
+    loop : Loop
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = new_axes(ax)
+    day = Span(loop.fit)
+    day.reading(ax)
+    changed = any(name.startswith("+") for name in loop.table.index)
+    if changed and "+clock_shift" not in loop.table.index:
+        day.modelled(ax, loop.residual_before, "before", BEFORE, ":")
+    words = "after" if changed else "modelled, no effect added"
+    day.modelled(ax, loop.fit.residual, words, AFTER, "--")
+    day.dressed(ax)
+    room_for_legend(ax, ncols=3)
+    return ax
+
+
+def plot_contributions(loop, ax=None):
+    """
+    What each effect adds to the temperature on the most variable sealed day.
+
+    The legend has the root mean square over the whole record.
+
+    Parameters
+    ----------
+    loop : Loop
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = new_axes(ax)
+    record = loop.fit.record
+    parts = loop.contributions(pd.DataFrame(record.inputs.columns, record.index))
+    day = Span(loop.fit)
+    ax.axhline(0.0, color=ink(), linewidth=0.8)
+    for i, (name, values) in enumerate(parts.items()):
+        look = dict(color=COLOURS[i % len(COLOURS)], linewidth=1.4)
+        # the style changes with the colour, and differs again in the second round
+        look["linestyle"] = STYLES[(i + i // len(COLOURS)) % len(STYLES)]
+        size = np.sqrt(np.nanmean(values**2))
+        words = f"{label(name)}, rms {size:.2f} K"
+        ax.plot(day.hours, day.of(values), label=words, **look)
+    ax.set_ylabel("added by the effect [K]")
+    day.dressed(ax)
+    if len(parts.columns):
+        below = dict(loc="upper center", bbox_to_anchor=(0.5, -0.22))
+        ax.legend(**below, ncols=1 + (len(parts.columns) > 3), frameon=False)
+    return ax
+
+
+class Span:
+    """Some rows of a fit's record as they are drawn: a day, or what is asked for."""
+
+    def __init__(self, fit, when=None):
+        record = fit.record
+        self.rows = busiest(fit) if when is None else chosen(record.index, when)
+        self.measured = record["temp_module"][self.rows]
+        self.sun = record["poa_global"][self.rows]
+        # hours since the clock's midnight, so that a change of the clock is no fold
+        index = record.index[self.rows]
+        times = index.tz_localize(None)
+        self.midnight = times[0].normalize()
+        since = (index - index[0]) + (times[0] - self.midnight)
+        self.hours = since.total_seconds().to_numpy() / 3600.0
+        first, last = f"{times[0]:%Y-%m-%d}", f"{times[-1]:%Y-%m-%d}"
+        self.date = first if first == last else f"{first} to {last}"
+        out = fit.holdout.to_numpy()[self.rows] & (fit.test_days > 0)
+        part = "held out" if out.all() else "fitted"
+        part = "fitted and held out" if out.any() and not out.all() else part
+        self.title = f"{self.date}, {part}"
+
+    def of(self, column):
+        """Its rows of a Series."""
+        return column.to_numpy()[self.rows]
+
+    def reading(self, ax):
+        """The measured temperature."""
+        ax.plot(self.hours, self.measured, color=ink(), linewidth=1.8, label="measured")
+        ax.set_ylabel("module temperature [°C]")
+
+    def modelled(self, ax, residual, words, colour, style):
+        """The modelled temperature that leaves this residual."""
+        modelled = self.measured - self.of(residual)
+        look = dict(color=colour, linestyle=style, linewidth=1.5, label=words)
+        ax.plot(self.hours, modelled, **look)
+
+    def dressed(self, ax):
+        """The axes with the irradiance behind, hours below and a title."""
+        irradiance = ax.twinx()
+        behind = dict(color=ink(), alpha=FAINT, linewidth=0)
+        irradiance.fill_between(self.hours, self.sun, **behind)
+        irradiance.set_ylabel("irradiance [W/m²]")
+        irradiance.set_ylim(bottom=0)
+        ax.set_zorder(irradiance.get_zorder() + 1)
+        ax.patch.set_visible(False)
+        self.clock(ax)
+        ax.set_title(self.title)
+
+    def clock(self, ax):
+        """The hours of a day, or days and hours of a longer span."""
+        start, end = self.hours[0], self.hours[-1]
+        ax.set_xlim(start, end if end > start + 0.5 else start + 0.5)
+        length = ax.get_xlim()[1] - start
+        fits = [step for step in TICKS if length / step <= MOST_TICKS]
+        step = fits[0] if fits else 24 * math.ceil(length / 24 / MOST_TICKS)
+        first = math.ceil((start - 1e-6) / step - 1e-6)
+        ticks = [step * i for i in range(first, math.floor(length / step) + first + 1)]
+        several = end > 25.5  # the day on which the clock goes back has 25 hours
+        ax.set_xticks(ticks, [self.tick(hour, step, several) for hour in ticks])
+        ax.set_xlim(start, start + length)
+        words = "day" if step >= 24 else "day and hour"
+        ax.set_xlabel(words if several else "hour of the day")
+
+    def tick(self, hour, step, several):
+        """Words for one hour since midnight."""
+        time = self.midnight + pd.Timedelta(hours=round(hour * 60) / 60)
+        if several and hour % 24 == 0:
+            return f"{time.day} {time.month_name()[:3]}"
+        return f"{hour:g}" if step >= 1 and not several else f"{time:%H:%M}"
+
+
+def busiest(fit):
+    """Rows of the day whose irradiance changes most, of those held out if any are."""
+    record = fit.record
+    days = record.days
+    change = np.abs(np.diff(record["poa_global"], prepend=np.nan))
+    seen = fit.holdout.to_numpy() if fit.test_days else np.ones(len(days), bool)
+    roughness = np.bincount(days[seen], np.nan_to_num(change[seen]))
+    return np.flatnonzero(days == int(np.argmax(roughness)))
+
+
+def chosen(index, when):
+    """Places of the rows that a user asks for."""
+    try:
+        wanted = when
+        if not isinstance(when, (str, slice)):
+            wanted = f"{pd.Timestamp(when):%Y-%m-%d}"
+        rows = np.atleast_1d(pd.Series(np.arange(len(index)), index).loc[wanted])
+    except (KeyError, TypeError, ValueError):
+        rows = []
+    if len(rows) < 2:
+        raise ValueError(
+            f"when = {when!r} holds {len(rows)} rows of the record, which runs from "
+            f"{index[0]} to {index[-1]}; give a date of it, or a slice of its times"
+        )
+    return np.asarray(rows)
+
+
+def panel_below(ax):
+    """Axes in the lower part of where the given ones were, which keep the upper."""
+    if place := ax.get_subplotspec():
+        rows = place.subgridspec(2, 1, height_ratios=[1 - LOWER, LOWER], hspace=0.06)
+        ax.set_subplotspec(rows[0])
+        return ax.figure.add_subplot(rows[1], sharex=ax)
+    x, y, width, height = ax.get_position().bounds
+    ax.set_position([x, y + LOWER * height, width, (1 - LOWER) * height])
+    return ax.figure.add_axes([x, y, width, 0.9 * LOWER * height], sharex=ax)
+
+
+def room_for_legend(ax, ncols):
+    """A legend in one line above all curves."""
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + 0.16 * (high - low))
+    ax.legend(loc="upper left", ncols=ncols, frameon=False)

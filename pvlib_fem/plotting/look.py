@@ -1,0 +1,67 @@
+"""What all pictures share: colours, axes, and names with their units."""
+
+# colours of Okabe and Ito, which the colour-blind can tell apart
+BEFORE, AFTER, OTHER = "#d55e00", "#0072b2", "#8c8c8c"
+COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", OTHER)
+STYLES = ("-", "--", ":", "-.")
+MARKERS = "os^Dv"
+FAINT = 0.14  # opacity of what stands behind: light on white, dark on black
+LONGEST = 24  # characters of a name in a picture
+
+#: units of the columns under pvlib's names
+UNITS = {
+    "poa_global": "W/m²",
+    "ghi": "W/m²",
+    "dni": "W/m²",
+    "dhi": "W/m²",
+    "temp_air": "°C",
+    "temp_module": "°C",
+    "temp_cell": "°C",
+    "wind_speed": "m/s",
+    "wind_direction": "° from north",
+    "relative_humidity": "%",
+    "longwave_down": "W/m²",
+    "ir_down": "W/m²",
+    "precipitation": "mm/h",
+    "snow_depth": "cm",
+    "p_dc": "W/m²",
+    "solar_zenith": "°",
+    "solar_azimuth": "°",
+    "residual": "K",
+}
+
+
+def new_axes(ax, projection=None):
+    """The axes as given, or those of a new figure."""
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    size = (8, 4) if projection is None else (6, 5)
+    kind = {"projection": projection}
+    return plt.subplots(figsize=size, layout="constrained", subplot_kw=kind)[1]
+
+
+def ink():
+    """The colour of text in the style of the day."""
+    from matplotlib import rcParams
+
+    return rcParams["text.color"]
+
+
+def without_frame(ax, *sides):
+    for side in sides:
+        ax.spines[side].set_visible(False)
+
+
+def label(name):
+    """A name that may be a user's, short and with no signs that matplotlib reads."""
+    name = " ".join(str(name).split())
+    name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+    return name.replace("$", r"\$")
+
+
+def label_with_unit(name):
+    """The same with its unit, where the name is one of pvlib's."""
+    unit = f" [{UNITS[name]}]" if name in UNITS else ""
+    return f"{label(name)}{unit}"

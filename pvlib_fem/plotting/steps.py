@@ -1,0 +1,120 @@
+"""What each step of a fit or of a loop takes off the error."""
+
+import numpy as np
+
+from pvlib_fem.plotting.look import (
+    AFTER,
+    BEFORE,
+    OTHER,
+    ink,
+    label,
+    new_axes,
+    without_frame,
+)
+
+#: rows of a loop's table before any effect, in words
+BASES = {"fem": "fem (the paper's form)"}
+#: the same of a fit's scores; what the dynamics are called is said by themselves
+FITTED = {"standard": "steady", "filter": "+ filter", "fem": "+ bias"}
+DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}
+NOTHING = 0.005  # K: a change that two decimals do not show
+
+
+def plot_steps(loop, ax=None):
+    """
+    RMSE on the sealed days by step; on the fitted days where none is sealed.
+
+    Parameters
+    ----------
+    loop : Loop
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = new_axes(ax)
+    part = "sealed" if loop.fit.test_days else "fitted"
+    errors = loop.table["rmse_test" if loop.fit.test_days else "rmse_train"]
+    names = [BASES.get(name, name.replace("+", "+ ", 1)) for name in errors.index]
+    added = [name.startswith("+") for name in errors.index]
+    colours = [AFTER if a else OTHER for a in added]
+    bars = ax.barh(range(len(errors)), errors, 0.7, color=colours)
+    ax.bar_label(bars, fmt="%.2f", padding=3)
+    one_line_each(ax, names, f"RMSE on {part} days [K]")
+    return ax
+
+
+def plot_waterfall(fit, ax=None):
+    """
+    How the error falls from the steady model to the last step of a fit.
+
+    From the rows of ``fit.scores``: the paper's steady model, filter, exponential
+    weighted mean and bias, then each effect. Blue is a fall, hatched vermilion a
+    rise; the last bar is what is left. RMSE is that of the held-out days, and of the
+    fitted days where none is held out.
+
+    Parameters
+    ----------
+    fit : FemFit
+        Of a loop, the form that it did not go on with is left out.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = new_axes(ax)
+    errors = path(fit)
+    values = errors.to_numpy()
+    place = np.arange(len(values))
+    change = np.diff(values)
+    ends = [0, len(values)]
+    bars = ax.barh(ends, values[[0, -1]], 0.7, color=OTHER)
+    ax.bar_label(bars, [f"{values[i]:.2f} K" for i in (0, -1)], padding=3)
+    for at, step in zip(place[1:], change):
+        rises = step > NOTHING
+        look = dict(color=BEFORE, hatch="//", edgecolor=ink()) if rises else {}
+        left, width = min(values[at - 1], values[at]), abs(step)
+        bar = ax.barh(at, width, 0.7, left=left, **({"color": AFTER} | look))
+        ax.bar_label(bar, [signed(step)], padding=3)
+    for at, value in enumerate(values):  # from each bar down to the next
+        edge = dict(color=ink(), linewidth=0.7, linestyle=":")
+        ax.plot([value, value], [at - 0.35, at + 1.35], **edge)
+    part = "held-out" if fit.test_days else "fitted"
+    one_line_each(ax, [*errors.index, "what is left"], f"RMSE on {part} days [K]")
+    return ax
+
+
+def path(fit):
+    """RMSE of the steps that lead to a fit, by what each adds."""
+    errors = fit.scores["rmse_test" if fit.test_days else "rmse_train"]
+    if "standard" in errors.index:
+        names = {**FITTED, "ewm": DYNAMICS.get(fit.dynamics)}
+        unused = [] if fit.dynamics in DYNAMICS else ["ewm"]
+    else:  # of a loop
+        forms = {"ewm": "fem", "balance": "balance"}
+        names = {row: DYNAMICS[form] for form, row in forms.items()}
+        unused = [row for form, row in forms.items() if form != fit.dynamics]
+    errors = errors.drop(unused, errors="ignore")
+    return errors.rename(lambda name: names.get(name, name.replace("+", "+ ", 1)))
+
+
+def signed(change):
+    """A change in K, with a true minus."""
+    if abs(change) < NOTHING:
+        return "±0.00"
+    return f"{change:+.2f}".replace("-", "−")
+
+
+def one_line_each(ax, names, words):
+    """Bars with their names on the left, from the top down."""
+    ax.set_yticks(range(len(names)), [label(name) for name in names])
+    ax.tick_params(axis="y", length=0)
+    ax.invert_yaxis()
+    ax.margins(x=0.14)
+    ax.set_xlim(left=0.0)
+    ax.set_xlabel(words)
+    without_frame(ax, "top", "right", "left")
