@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test lint benchmark energy study clean
+.PHONY: demo test lint docs benchmark energy study clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -21,14 +21,20 @@ lint: $(VENV)/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
+# no network but for the packages: measured data come from PVLIB_FEM_DATA, if it is set
+docs: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet ".[doc]"
+	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/python docs/check.py docs/_build/html
+
 benchmark: $(VENV)/.installed
 	$(BIN)/python benchmarks/ratios.py
 
 energy: $(VENV)/.installed
-	$(BIN)/python gallery/energy_of_a_year.py
+	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
 	$(BIN)/python tests/study.py --shift 50000 --out docs/study.md
 
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated
