@@ -34,7 +34,7 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --shift 50000 --out docs/study.md
+	$(BIN)/python tests/study.py --shift 110000 --out docs/study.md
 
 clean:
 	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated

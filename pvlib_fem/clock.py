@@ -172,13 +172,14 @@ def judge(origin, seconds, sums, blocks, changes):
         value -= drift * centre
         way = "later" if drift > 0 else "earlier"
         faults["clock_drift"] = (
-            f"temp_module is written {way} by {abs(drift):.1f} ± {drift_stderr:.1f} s "
-            f"every day, {abs(gained):.0f} min over the record"
+            f"the clock of temp_module gets {way} by {abs(drift):.1f} ± "
+            f"{drift_stderr:.1f} s every day, {abs(gained):.0f} min over the record"
         )
     if abs(value) > limit and abs(value) > sure(rest) * stderr:
         faults["clock_shift"] = (
-            f"temp_module is written {abs(value) / 60:.1f} ± {stderr / 60:.2f} min too "
-            f"{'late' if value > 0 else 'early'} beside poa_global"
+            f"the clock of temp_module is {abs(value) / 60:.1f} ± "
+            f"{left_open(stderr, limit) / 60:.1f} min "
+            f"{'late' if value > 0 else 'early'} beside that of poa_global"
         )
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:
@@ -265,6 +266,11 @@ def line(x, y, stderr):
         centre,
         rest,
     )
+
+
+def left_open(stderr, limit):
+    """Error of a clock with what a row's place in its step leaves open. [s]"""
+    return np.hypot(stderr, limit / np.sqrt(12.0))
 
 
 def sure(rest):

@@ -139,7 +139,9 @@ def glass_tedlar(back_film=1.5e-3, frame=2e-3):
         Thickness of the air film on the back; 4.2e-3 stands for a module on a
         roof. [m]
     frame : float, default 2e-3
-        Thickness of the aluminium frame; 0 leaves it out. [m]
+        Thickness of the aluminium frame; 0 leaves it out. The paper's total counts
+        its capacity by its own area, 0.296 m² a side; by the module's 1.6 m² c would
+        be 9.4 kJ/(m² K) instead of 17.3, and tau 320 s instead of 591. [m]
 
     Returns
     -------

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from pvlib_fem.clock import left_open
 from pvlib_fem.diagnosis import COLUMNS, ENOUGH_DAYS, leaks, ranked
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.findings import Finding, Loop
@@ -19,6 +20,7 @@ SHARE = 0.015  # of the mean square that a material gain takes off at least
 SUGGESTED = 0.10  # K from which a gain is worth a word
 LIKELY = 0.05  # chance that any of the candidates looks as good by accident
 KEPT = 0.5  # share of its gain that an effect has to keep beside unknown structure
+SURE = 3.0  # errors that a coefficient has to be from nothing in the refit
 LEFT = 0.4  # share of unknown structure that may be left where an effect explains it
 SPILL = 0.1  # of the square of unknown structure, which may look like an effect
 UNKNOWNS = 3  # tables that are set aside in one search
@@ -147,8 +149,7 @@ class Search:
         step = self.fits.fitted(raw.model, raw)
         self.steps["+clock_shift"] = step
         gain = before - self.fits.gathered(step, []).left()
-        # where in its step a row belongs, and how slow its sensor is, is not known
-        error = np.hypot(clock.stderr, clock.limit / np.sqrt(12.0))
+        error = left_open(clock.stderr, clock.limit)
         values, stderr = {}, {}
         if {"clock_shift", "clock_drift"} & set(clock.faults):
             values["clock_shift.minutes"] = clock.late / 60.0
@@ -268,7 +269,7 @@ class Search:
         effects = [found.effects[n] for n in (name, *ties)]
         if effects[0].shape or ties:
             words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
-            why = f"{' or '.join(words) or 'a driver of its own'} would decide"
+            why = f"{'; or '.join(words) or 'a driver of its own'} would decide"
             verdict = "class"
         else:
             chance = min(1.0, row["p_value"] * len(found.effects))
@@ -321,6 +322,12 @@ class Search:
         effects = {key for e in after.model.effects for key in e.rows()}
         if bound := sorted(effects & set(after.at_bound)):
             why = f"fitted with all others, {bound[0]} ends at the bound of its range"
+            return replace(finding, verdict="suggestive", why=why)
+        values, stderr = after.coefficients, self.fits.errors(after)
+        sure = {n: abs(values[n]) / stderr[n] for n in finding.coefficients}
+        if max(sure.values()) < SURE:  # NaN, where there are no errors, is no doubt
+            name, why = max(sure, key=sure.get), "fitted with all others"
+            why = f"{why}, {name} is {values[name]:.2g} ± {stderr[name]:.2g}"
             return replace(finding, verdict="suggestive", why=why)
         if test.any() and (worse := after.error(test) - before.error(test)) > 0:
             why = f"the sealed days contradict it: their error rises by {worse:.2g} K"

@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.evidence import gather
-from pvlib_fem.fitting import minimise, natural, needed, tables
+from pvlib_fem.fitting import errors, minimise, natural, needed, tables
 from pvlib_fem.model import ThermalModel
 from pvlib_fem.prepared import Case
 
@@ -100,6 +100,12 @@ class Fits:
             tabled.temperature(record.inputs, coefficients),
             case.whole["temp_module"],
         )
+
+    def errors(self, step):
+        """Standard errors of a step's coefficients, by the day on coarse steps."""
+        record, tabled = self.prepared(self.case.record, step.model)
+        found = natural(step.model, step.coarse)[0]
+        return errors(tabled, record, self.case.open, found, step.at_bound, [])
 
     def prepared(self, record, model):
         """A record with a model's drivers, and the model's effects as tables."""

@@ -295,6 +295,10 @@ def coefficients(loop, world, case, off):
             continue
         expected = truth.expected(world.site, size)
         if truth.added and off is not None:
-            expected += refitted(off, [find(truth.effect)]).coefficients[name]
+            # of what physics leaves, the other shapes of the loop take their part
+            others = IN_PHYSICS.intersection(loop.effects) - {truth.effect}
+            beside = [find(other) for other in sorted(others)]
+            alone = refitted(off, [*beside, find(truth.effect)])
+            expected += alone.coefficients[name]
         ratios[switch] = fitted[0][name] / expected
     return ratios

@@ -39,6 +39,11 @@ def power_share(site, size):
     return 1.0 / ABSORBED
 
 
+def emitted(site, size):
+    """Emissivity of both faces, over the share of sunlight that is heat."""
+    return size * EMISSIVITY.sum() / ABSORBED
+
+
 def aged(site, size):
     """What the module gains on the sensor each year, at the middle of two."""
     return 0.05 * size / (1.0 - 0.05 * size)
@@ -90,10 +95,12 @@ TRUTHS = {
     "natural_convection": Truth("natural_convection"),
     "wind_shape": Truth("wind_shape"),
     "incidence_angle": Truth("incidence_angle"),
+    "radiative_loss": Truth("radiative_loss", "share", emitted, sizes=SHARES),
 }
 
 #: shapes that physics leaves: T⁴ is a season and a gain of temperature
 IN_PHYSICS = {
+    "radiative_loss",
     "natural_convection",
     "wind_shape",
     "incidence_angle",

@@ -27,6 +27,7 @@ PLANTED = {
     "sensitivity_drift": {"per_year": 0.03},
     "snow": {"share": 0.9},
     "shading": {"share": 0.8},
+    "radiative_loss": {"share": 2.4},
     "natural_convection": {"free": 5.6},
     "wind_shape": {"root": 4.0, "stall": -5.0},
     "thermal_storage": {"hour": 0.1, "three_hours": 0.15, "air": 4.0},

@@ -41,6 +41,14 @@ def test_without_the_frame_the_time_constant_is_less_than_half():
     assert table.loc["total + air", "tau"] == pytest.approx(259, abs=0.5)
 
 
+def test_the_papers_frame_counts_by_its_own_area(table):
+    """By the module's area the figures in the docstring come out."""
+    frame = table.loc[["frame, front", "frame, back"], "c"].sum()
+    c = table.loc["total", "c"] - frame * (1.0 - 0.296 / 1.6)
+    assert 1e-3 * c == pytest.approx(9.4, abs=0.05)
+    assert c * table.loc["total + air", "r"] == pytest.approx(320, abs=1)
+
+
 def test_a_thick_back_film_is_a_module_on_a_roof():
     """The paper: a film of 4.2 mm gives 50 mK/(W/m²), U0 = 20.0 as in PVsyst."""
     table = layers.stack(*layers.glass_tedlar(back_film=4.2e-3))

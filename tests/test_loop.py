@@ -54,6 +54,18 @@ def test_hidden_effects_are_named_with_their_size(two):
             assert 0 < error < 0.2 * max(map(abs, finding.coefficients.values())), key
 
 
+def test_what_a_refit_cannot_tell_from_nothing_is_not_added(two, monkeypatch):
+    """Nothing is told from nothing by a thousand errors."""
+    monkeypatch.setattr("pvlib_fem.loop.SURE", 1e3)
+    loop = fem.close_loop(two[0], **PLACE)
+    assert loop.effects == []
+    hints = {f.effect: f for f in loop.findings if f.verdict == "suggestive"}
+    assert {"sky_radiation", "wind_direction"} <= set(hints)
+    for name in ("sky_radiation", "wind_direction"):
+        assert f"fitted with all others, {name}." in hints[name].why
+        assert " ± " in hints[name].why
+
+
 def test_every_step_is_better_on_sealed_days(two):
     _, loop = two
     table = loop.table
@@ -407,6 +419,7 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "sensitivity_drift",
         "snow",
         "shading",
+        "radiative_loss",
         "natural_convection",
         "wind_shape",
         "thermal_storage",

@@ -301,7 +301,7 @@ def test_simple_models_miss_by_what_they_miss_in_the_field(outdoors):
 # ---------------------------------------------------------------- effects
 EFFECTS = [
     # switch, amplitude, column, sign of the mean change, bounds of its sd
-    ("radiation", 1, "temp_module", 0, 0.2, 0.9),
+    ("radiative_loss", 1, "temp_module", 0, 0.2, 0.9),
     ("natural_convection", 1, "temp_module", 0, 0.1, 1.0),
     ("wind_shape", 1, "temp_module", 0, 0.1, 1.0),
     ("incidence_angle", 1, "temp_module", -1, 0.15, 0.6),
@@ -580,7 +580,10 @@ def test_the_truth_travels_with_the_record():
 @pytest.mark.parametrize(
     "effects, message",
     [
-        ({"skyradiation": 1}, "unknown switch 'skyradiation'; there are radiation"),
+        (
+            {"skyradiation": 1},
+            "unknown switch 'skyradiation'; there are radiative_loss",
+        ),
         ({"rain": np.nan}, r"amplitude of \['rain'\] must be a finite number"),
         ({"swap": {"poa": "K"}}, "cannot swap 'poa' to 'K'; columns: poa_global"),
         ({"swap": {"temp_air": "R"}}, "units: degF, K, km/h"),

@@ -9,6 +9,7 @@ from pvlib_fem.effects.electrical_output import below, of_record
 from pvlib_fem.effects.incidence_angle import EFFECT as incidence_angle
 from pvlib_fem.effects.natural_convection import EFFECT as natural_convection
 from pvlib_fem.effects.poa_misalignment import EFFECT as poa_misalignment
+from pvlib_fem.effects.radiative_loss import EFFECT as radiative_loss
 from pvlib_fem.effects.rain import EFFECT as rain
 from pvlib_fem.effects.rain import VARIANTS as RAINS
 from pvlib_fem.effects.rain import out_of as rain_out_of
@@ -40,6 +41,7 @@ EFFECTS = {
         sensitivity_drift,
         snow,
         shading,
+        radiative_loss,
         natural_convection,
         wind_shape,
         thermal_storage,

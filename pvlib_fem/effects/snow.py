@@ -13,7 +13,8 @@ def terms(poa_global, snow_cover, *, share):
         \cdot \mathrm{poa\_global}
 
     ``share`` is near 1 under some centimetres, and less where the sensor is
-    covered too or only a part of the module is.
+    covered too or only a part of the module is. It may pass 1 by as much as the
+    coefficients of winter differ from those of the year.
 
     References
     ----------
@@ -28,7 +29,7 @@ def terms(poa_global, snow_cover, *, share):
 EFFECT = Effect(
     "snow",
     terms,
-    {"share": Parameter(0.0, 0.0, 1.0, "-")},
+    {"share": Parameter(0.0, 0.0, 1.2, "-")},
     decided_by="a camera, or the module's power on the days after snow",
     confused_with=(
         "electrical_output",

@@ -119,7 +119,8 @@ def advance(on, step, surfaces, series, start):
     In place where it can be, as this loop is where the time goes.
     """
     store, damp = on["thermal_storage"], max(on["rain"], on["dew"])
-    shape, free, curved = on["wind_shape"], on["natural_convection"], on["radiation"]
+    shape, free = on["wind_shape"], on["natural_convection"]
+    curved = on["radiative_loss"]
     warm = free * surfaces["natural"][:, 0]
     cold = free * surfaces["natural"][:, 1]
     still = (1 - free) * surfaces["calm"]

@@ -10,7 +10,7 @@ from pvlib_fem.simulator.site import ZERO
 #: thermopiles at night, loggers late by 6 to 8 s a day (J. Barry's PVRAD).
 SWITCHES = {
     # the physical world; PHYSICS has these at 1, LINEAR at 0
-    "radiation": "T⁴ exchange; 0: a constant coefficient, at 295 K",
+    "radiative_loss": "T⁴ exchange; 0: a constant coefficient, at 295 K",
     "natural_convection": "TARP's ΔT^(1/3); 0: its value at 15 K",
     "wind_shape": "MoWiTT in quadrature; 0: a straight line through 3 m/s",
     "incidence_angle": "Fresnel reflection; 0: as at normal incidence",
