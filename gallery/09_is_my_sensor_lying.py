@@ -29,7 +29,8 @@ COLUMNS = [*USUAL, "longwave_down", "relative_humidity"]
 
 month = simulator.record(effects=world, days=30, step=300, start="2023-05-01")[COLUMNS]
 units = {"temp_module": "degF", "poa_global": "kW/m2", "relative_humidity": "fraction"}
-for column, unit in [*units.items(), ("wind_speed", "km/h"), ("wind_speed", "mph")]:
+others = [("temp_air", "K"), ("wind_speed", "km/h"), ("wind_speed", "mph")]
+for column, unit in [*units.items(), *others]:
     swapped = month.assign(**{column: simulator.UNITS[unit](month[column])})
     try:
         said = fem.close_loop(swapped, **place).notes or ("nothing is said",)
