@@ -424,7 +424,8 @@ def slope_of(y, x):
 
 
 def unit_error(name, unit, why):
+    look = "look" if " and " in name else "looks"
     return ValueError(
-        f"{name} looks to be in {unit}: {why}. Convert it first; if the unit is "
+        f"{name} {look} to be in {unit}: {why}. Convert it first; if the unit is "
         "right, fit_fem takes check_units=False"
     )

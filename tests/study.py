@@ -190,7 +190,7 @@ TOLD = {
     "dst": ("daylight-saving",),
     "file_dst": ("daylight-saving",),
     "stuck": ("stands still",),
-    "swap": ("looks to be in",),
+    "swap": ("to be in",),
 }
 
 

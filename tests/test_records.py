@@ -256,7 +256,7 @@ UNITS = {
     ),
     "both in °F": (
         {"temp_air": fahrenheit, "temp_module": fahrenheit},
-        r"temp_air and temp_module looks to be in °F: the air reaches \d+",
+        r"temp_air and temp_module look to be in °F: the air reaches \d+",
     ),
     "wind in km/h": (
         {"wind_speed": lambda s: s * 3.6},

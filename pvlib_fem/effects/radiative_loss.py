@@ -38,7 +38,7 @@ EFFECT = Effect(
     terms,
     {"share": Parameter(0.0, 0.0, 3.5, "-")},
     shape=True,
-    decided_by="warm days in winter and cold ones in summer, so a second year",
+    decided_by="warm days in winter and cold ones in summer",
     confused_with=(
         "season",
         "temperature_gain",
