@@ -43,7 +43,7 @@ def svg(draw, name, size=(4.8, 3.2), projection=None):
     from matplotlib.figure import Figure
 
     text = io.StringIO()
-    with style.context(["default", PAGE, {"svg.hashsalt": name}]):
+    with style.context(["default", PAGE]):
         figure = Figure(figsize=size, layout="constrained")
         ax = figure.subplots(subplot_kw={"projection": projection})
         draw(ax)
@@ -54,18 +54,23 @@ def svg(draw, name, size=(4.8, 3.2), projection=None):
             warnings.filterwarnings("ignore", "Glyph")
             nothing = dict.fromkeys(["Date", "Creator", "Format", "Type"])
             figure.savefig(text, format="svg", metadata=nothing)
-    return themed(text.getvalue())
+    return themed(text.getvalue(), name)
 
 
-def themed(text):
-    """The bare element: no heading, size and names, and the page's colours."""
+def themed(text, name):
+    """The bare element: no heading and size, numbered names, the page's colours."""
     text = text[text.index("<svg") :]
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
     used = set(re.findall(r'(?:url\(|href=")#([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda m: m[0] if m[1] in used else "", text)
-    for colour, name in THEME.items():
+    # names that matplotlib makes of what lies where in memory, by their order
+    order = {}
+    for old in re.findall(r'(?:url\(#|href="#| id=")([^")]+)', text):
+        order.setdefault(old, f"{name}-{len(order)}")
+    text = re.sub(r'(url\(#|href="#| id=")([^")]+)', lambda m: m[1] + order[m[2]], text)
+    for colour, place in THEME.items():
         text = re.sub(
-            rf"(fill|stroke): {colour}", rf"\1: var(--{name}, {colour})", text
+            rf"(fill|stroke): {colour}", rf"\1: var(--{place}, {colour})", text
         )
     return text.strip()
