@@ -131,4 +131,4 @@ plt.show()
 # They agree on too much: 92.2 % where the dynamic year at 1 min has 91.7 %. The DC
 # energy is 0.2 points of that. Most of the rest is the inverter of 950 W: it cuts
 # bright minutes that hourly means do not have. Up to 15 min the PR of the dynamic DC
-# energy stays within 0.1 points; the steady one comes as near from 10 min on.
+# energy stays within 0.1 points; the steady one is as near at 10 and 15 min.

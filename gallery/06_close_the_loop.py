@@ -62,8 +62,8 @@ axes[0].set_title("before any effect")
 axes[1].set_title("after the last")
 
 # %%
-# *Mean residual by hour and month. The nights have become paler: that was the sky. A
-# block from 9 to 16 h stays.*
+# *Mean residual by hour and month; a dash marks a mean below zero. The nights have
+# become paler: that was the sky. A block from 9 to 16 h stays.*
 
 sun = data["poa_global"] > 300
 wind = data.loc[sun, "wind_speed"], data.loc[sun, "wind_direction"]
@@ -86,9 +86,9 @@ loop.plot()
 fem.plotting.plot_contributions(loop)
 
 # %%
-# *What each effect adds to the modelled temperature on that day. The sky cools day and
-# night, the side of the wind matters in the sun. The fourth power adds 0.3 K at most on
-# this day.*
+# *What each effect adds to the modelled temperature on that day; rms is of the record.
+# The sky cools day and night, the side of the wind matters in the sun. The fourth power
+# adds 0.3 K at most on this day.*
 #
 # What is left
 # ------------

@@ -49,11 +49,6 @@ def fit_options(command):
             help="Wind that the paper's recipe takes as calm [m/s].",
         ),
         click.option(
-            "--no-unit-check",
-            is_flag=True,
-            help="Accept columns that look to be in another unit.",
-        ),
-        click.option(
             "--out",
             type=click.Path(dir_okay=False, path_type=Path),
             help="Write the fit as JSON.",
@@ -101,6 +96,11 @@ def reading_options(command):
             "--skip-rows",
             metavar="N,N,…",
             help="CSV lines to leave out, from 0: 0,2,3 for a TOA5 file.",
+        ),
+        click.option(
+            "--no-unit-check",
+            is_flag=True,
+            help="Accept columns that look to be in another unit.",
         ),
     )[::-1]:
         command = option(command)
@@ -261,7 +261,14 @@ def demo_week():
 
 
 def closed(
-    data, model="faiman", lat=None, lon=None, tilt=None, azimuth=None, min_gain=0.15
+    data,
+    model="faiman",
+    lat=None,
+    lon=None,
+    tilt=None,
+    azimuth=None,
+    min_gain=0.15,
+    no_unit_check=False,
 ):
     """The loop of a frame, with its progress on a terminal."""
     check_columns(data)
@@ -269,7 +276,8 @@ def closed(
     place["location"] = None if lat is None else location(data.index, lat, lon)
     with progress() as bar:
         bar.set_description_str("checking the record")
-        search = Search.of(data, model, place, None, min_gain, None)
+        checked = not no_unit_check
+        search = Search.of(data, model, place, None, min_gain, None, checked)
         return search.run(bar.set_description_str)
 
 

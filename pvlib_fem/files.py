@@ -67,7 +67,8 @@ def zoned(index, tz):
     """Times in a zone: naive ones are taken as local in it."""
     try:
         if index.tz is None:
-            return index.tz_localize(tz)
+            # the hour that an autumn has twice is told by the order of its rows
+            return index.tz_localize(tz, ambiguous="infer")
         return index.tz_convert(tz)
     except Exception as error:  # an unknown zone, or an hour that a clock skips
         raise ValueError(

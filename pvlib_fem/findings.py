@@ -295,6 +295,8 @@ def lines(loop):
         title = {"class": "cannot tell", "suggestive": "suggestive"}
         if finding.verdict in title:
             names = " | ".join(finding.candidates)
+            if finding.candidates == (finding.effect,) and finding.verdict == "class":
+                names += " or its like"  # of which the catalogue has none
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             yield f"{title[finding.verdict]:<{WIDE}}{words}"
     for why, names in by_reason(loop.untestable).items():

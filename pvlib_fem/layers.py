@@ -131,7 +131,9 @@ def row(name, r, c, mass):
 
 def glass_tedlar(back_film=1.5e-3, frame=2e-3):
     """
-    The paper's representative glass-Tedlar module [1]_.
+    The paper's representative glass-Tedlar module.
+
+    Its layers are those of [1]_.
 
     Parameters
     ----------

@@ -37,6 +37,7 @@ def close_loop(
     holdout=None,
     min_gain=0.15,
     effects=None,
+    check_units=True,
 ) -> Loop:
     """
     Trace what a fit leaves to the physical effects that the model lacks.
@@ -72,6 +73,8 @@ def close_loop(
         Gain below which nothing is added to the model. [K]
     effects : sequence of str or Effect, optional
         Effects to try; by default all, and the user's own columns.
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
 
     Returns
     -------
@@ -86,7 +89,8 @@ def close_loop(
     site = dict(
         location=location, surface_tilt=surface_tilt, surface_azimuth=surface_azimuth
     )
-    return Search.of(data, model, site, holdout, min_gain, effects).run()
+    search = Search.of(data, model, site, holdout, min_gain, effects, check_units)
+    return search.run()
 
 
 #: LAPACK's last bits depend on the number of threads, and its matrices here are small
@@ -107,9 +111,9 @@ class Search:
 
     @classmethod
     @one_thread
-    def of(cls, data, model, site, holdout, min_gain, effects):
+    def of(cls, data, model, site, holdout, min_gain, effects, check_units=True):
         """The search in a user's frame, everything checked."""
-        case = prepared(data, site, holdout, effects)
+        case = prepared(data, site, holdout, effects, check_units)
         found = dict(case.untestable)
         return cls(Fits(case), law(model), min_gain, untestable=found)
 

@@ -100,12 +100,12 @@ class Case:
         return divided(whole, replace(self, clock=Clock()), self.sealed)
 
 
-def prepared(data, site, holdout, effects):
+def prepared(data, site, holdout, effects, check_units=True):
     """Everything checked that comes in."""
     columns = with_aliases(data)
     usual = [columns.pop(name) for name in paper.COLUMNS]
     drivers, refused = usable_drivers(columns, usual)
-    record = measured(*usual, **filled(drivers))
+    record = measured(*usual, check_units, **filled(drivers))
     health = check(record, **site)
     doubts = {f"units:{name}" for name in health.doubtful}  # said with the refused
     notes = [

@@ -427,5 +427,5 @@ def unit_error(name, unit, why):
     look = "look" if " and " in name else "looks"
     return ValueError(
         f"{name} {look} to be in {unit}: {why}. Convert it first; if the unit is "
-        "right, fit_fem takes check_units=False"
+        "right, give check_units=False (--no-unit-check)"
     )

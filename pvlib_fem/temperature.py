@@ -14,9 +14,11 @@ TAU = 378.0  # s, the paper's mean of fixed mountings (379 ± 60 s)
 
 def wm1(poa_global, temp_air, wind_speed, k, d):
     r"""
-    Steady module temperature by Wind Model 1 [1]_.
+    Steady module temperature by Wind Model 1.
 
     .. math:: T_m = T_a + k\,G\,e^{-WS/d}
+
+    as in [1]_.
 
     Parameters
     ----------
@@ -58,9 +60,11 @@ def wm1(poa_global, temp_air, wind_speed, k, d):
 
 def wm2(poa_global, temp_air, wind_speed, k, k_w, wind_speed_max=CLIP):
     r"""
-    Steady module temperature by Wind Model 2 [1]_.
+    Steady module temperature by Wind Model 2.
 
     .. math:: T_m = T_a + G\,(k - k_W \min(WS, WS_{max}))
+
+    as in [1]_.
 
     Parameters
     ----------

@@ -239,7 +239,7 @@ BARS = (
         0.90,
     ),
     Bar("no catalogue", NO_NAME, done, honest),
-    Bar("its driver as a column", "driver:<column> is found", done, whole, 0.95),
+    Bar("its driver as a column", "`driver:<column>` is found", done, whole, 0.95),
     Bar("driver missing", NO_NAME, done, honest),
     Bar("driver missing", "said so", done, lambda row: row["mentioned"]),
     Bar("ties", "the truth is a candidate", clear, candidate),
@@ -287,6 +287,9 @@ and 90000; other seeds are worlds on which none was tried.
 
 A shape of the usual inputs counts as found when it is a candidate of any class;
 physics itself leaves such classes, so a class is no false name, and only `named` is.
+
+A bar counts the records that it can judge: effects that are large enough, loops that
+came to an end, records of {days} days and more where effects can be added.
 """
 
 
@@ -305,7 +308,7 @@ def page(table, seconds, day, quick=False):
         f"{pvlib.__version__}."
     )
     yield ""
-    yield METHOD.format(floor=FLOOR, clearly=CLEARLY)
+    yield METHOD.format(floor=FLOOR, clearly=CLEARLY, days=ENOUGH_DAYS)
     yield "## Bars"
     yield ""
     yield "| family | records | bar | kept | met |"
@@ -372,6 +375,13 @@ def beyond(table):
 
 def by_size(one):
     """Every effect and size: how large it was, and whether it was found."""
+    yield (
+        "*Size* and *smallest* detectable size as above, negative where the terms do "
+        "more without the effect than with it; *first* finding; *coefficient* over its "
+        "truth; *found*: yes, no, or small, from which nothing is asked. Each effect "
+        "is in several weathers."
+    )
+    yield ""
     head = ("effect × size", "size [K]", "smallest", "first", "coefficient", "found")
     yield f"| {' | '.join(head)} |"
     yield "|---|---|---|---|---|---|"

@@ -319,3 +319,22 @@ def test_without_the_week_the_demo_goes_on_and_says_so(monkeypatch):
     assert result.exit_code == 0, result.output
     last = "the measured week cannot be had (no route to host)"
     assert result.output.splitlines()[-1] == last
+
+
+def test_the_hour_that_autumn_has_twice_is_told_by_the_order(tmp_path):
+    utc = pd.date_range("2023-10-28 22:00", periods=96, freq="30min", tz="UTC")
+    naive = utc.tz_convert("Europe/Brussels").tz_localize(None)
+    path = tmp_path / "summer.csv"
+    pd.DataFrame({"wind_speed": 1.0}, naive).to_csv(path, index_label="time")
+    assert (read_file(path, {}, "Europe/Brussels").index == utc).all()
+
+
+def test_a_unit_that_is_right_can_pass(tmp_path):
+    """A storm whose wind looks to be in km/h goes to the loop by the flag only."""
+    data = datasets.synthetic(8, 300, seed=2).tz_localize(None)
+    data["wind_speed"] *= 3.6
+    path = tmp_path / "storm.csv"
+    data.to_csv(path, index_label="time")
+    refused = call("loop", path)
+    assert refused.exit_code == 1 and "--no-unit-check" in refused.output
+    assert call("loop", path, "--no-unit-check").exit_code == 0

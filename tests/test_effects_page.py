@@ -144,7 +144,7 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
     (package / "effects" / "water.py").write_text(file, encoding="utf-8")
     registry = package / "effects" / "__init__.py"
     text = registry.read_text(encoding="utf-8")
-    text = text.replace("\n\nEFFECTS = {", f"\n{line}\n\nEFFECTS = {{")
+    text = text.replace("\n__all__ =", f"\n{line}\n__all__ =", 1)
     text = text.replace("        season,\n", "        season,\n        water,\n")
     registry.write_text(text, encoding="utf-8")
     with (package / "drivers.py").open("a", encoding="utf-8") as drivers:

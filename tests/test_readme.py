@@ -24,6 +24,14 @@ def test_its_lines_run_and_its_report_is_what_they_print(week, capsys):
     scores = names["fit"].scores["rmse_test"].round(1)
     sentence = f"leaves {scores['standard']} K (RMSE) on the two days that the fit "
     assert f"{sentence}never saw, this one {scores['fem']} K." in README
+    week, usual = names["week"], ("poa_global", "temp_air", "wind_speed", "temp_module")
+    steady = names["fem"].fit_fem(
+        *(week[n] for n in usual),
+        model="wm1",
+        dynamics="steady",
+        holdout=names["fit"].holdout,
+    )
+    assert f"with a bias leaves {steady.scores.rmse_test['fem']:.1f} K" in README
     for block in others:
         exec(block, names)
     assert names["modelled"].notna().all()

@@ -271,7 +271,7 @@ def test_another_unit_is_recognised(good, request, case, source):
     data = good if source == "synthetic" else request.getfixturevalue("week")
     changes, message = UNITS[case]
     data = data.assign(**{name: change(data[name]) for name, change in changes.items()})
-    with pytest.raises(ValueError, match=message + r".*takes check_units=False"):
+    with pytest.raises(ValueError, match=message + r".*give check_units=False"):
         fit(data)
 
 

@@ -30,6 +30,7 @@ from pvlib_fem.effects.wind_shape import EFFECT as wind_shape
 
 __all__ = ["EFFECTS", "find"]
 
+#: every effect by its name, those with a driver of their own first
 EFFECTS = {
     effect.name: effect
     for effect in (

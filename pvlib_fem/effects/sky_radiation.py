@@ -11,10 +11,11 @@ def terms(sky_deficit, *, share):
 
     .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{sky\_deficit}
 
-    ``share`` is emissivity · sky view over the absorbed share of irradiance,
-    about 0.88 · 0.87 / 0.75: the laws count heat by incident irradiance, of
-    which only that share is heat. pvlib's ``faiman_rad`` has emissivity · sky
-    view alone.
+    ``share`` is emissivity · sky view over the absorbed share of irradiance: the
+    laws count heat by incident irradiance, of which only that share is heat. On a
+    rack both faces together see one whole sky, which makes about 0.88/0.72; on a
+    roof the front alone sees its part of it. pvlib's ``faiman_rad`` has emissivity ·
+    sky view alone.
 
     References
     ----------
