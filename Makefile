@@ -23,7 +23,7 @@ lint: $(VENV)/.installed
 
 # no network but for the packages: measured data come from PVLIB_FEM_DATA, if it is set
 docs: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet ".[doc]"
+	$(BIN)/python -m pip install --quiet --editable ".[doc]"
 	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python docs/check.py docs/_build/html
 

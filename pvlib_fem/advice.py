@@ -22,7 +22,7 @@ def to_measure(loop):
     list of (str, str)
         What to measure, and what it would show.
     """
-    if loop.ranking.empty:  # nothing was weighed
+    if not loop.weighed:
         return [*longer(loop), *lacking(loop)]
     return [*settling(loop), *lacking(loop), *longer(loop)]
 
@@ -80,7 +80,7 @@ def sources(name, there):
 
 def longer(loop):
     """What more days would show."""
-    if loop.ranking.empty:
+    if not loop.weighed:
         yield "more days", "this record has too few to leave any out"
         return
     rows = loop.ranking[loop.ranking.index.isin(loop.untestable)]

@@ -93,6 +93,9 @@ def reading_options(command):
             "--decimal", default=".", show_default=True, help="In CSV numbers."
         ),
         click.option(
+            "--encoding", default="utf-8", show_default=True, help="Of a CSV file."
+        ),
+        click.option(
             "--skip-rows",
             metavar="N,N,…",
             help="CSV lines to leave out, from 0: 0,2,3 for a TOA5 file.",
@@ -117,13 +120,14 @@ report_option = click.option(
 @main.command()
 @reading_options
 @fit_options
-def fit(file, renames, tz, time_format, sep, decimal, skip_rows, **options):
+def fit(file, renames, tz, time_format, sep, decimal, encoding, skip_rows, **options):
     """Fit a CSV or Parquet FILE and print the report.
 
     The first column, or the one mapped to time, holds the times.
     """
     with one_line_errors():
-        csv = {"sep": sep, "decimal": decimal, "skiprows": line_numbers(skip_rows)}
+        csv = {"sep": sep, "decimal": decimal, "encoding": encoding}
+        csv["skiprows"] = line_numbers(skip_rows)
         run(read_file(file, columns_of(renames), tz, time_format, **csv), **options)
 
 
@@ -154,7 +158,17 @@ def fit(file, renames, tz, time_format, sep, decimal, skip_rows, **options):
     help="Write the loop as JSON.",
 )
 def loop(
-    file, renames, tz, time_format, sep, decimal, skip_rows, report, out, **options
+    file,
+    renames,
+    tz,
+    time_format,
+    sep,
+    decimal,
+    encoding,
+    skip_rows,
+    report,
+    out,
+    **options,
 ):
     """Find which physical effects the model lacks in a CSV or Parquet FILE.
 
@@ -167,7 +181,8 @@ def loop(
     with one_line_errors():
         check_partners(options)
         check_writable(report, out)
-        csv = {"sep": sep, "decimal": decimal, "skiprows": line_numbers(skip_rows)}
+        csv = {"sep": sep, "decimal": decimal, "encoding": encoding}
+        csv["skiprows"] = line_numbers(skip_rows)
         mapped = columns_of(renames, (*COLUMNS, *OPTIONAL))
         data = read_file(file, mapped, tz, time_format, **csv)
         found = closed(data, **options)
@@ -305,11 +320,13 @@ def check_partners(options):
             raise ValueError(f"--{given[0]} needs --{other} beside it")
 
 
-def check_writable(report, out=None):
+def check_writable(picture, out=None):
     """Refuse before the work what cannot be written after it."""
-    if report is not None and find_spec("matplotlib") is None:
-        raise ValueError("--report needs matplotlib: pip install 'pvlib_fem[plot]'")
-    for path in (report, out):
+    if picture is not None and find_spec("matplotlib") is None:
+        raise ValueError(
+            "a picture or a report needs matplotlib: pip install 'pvlib_fem[plot]'"
+        )
+    for path in (picture, out):
         if path is not None and not path.absolute().parent.is_dir():
             raise ValueError(f"there is no folder {path.parent} for {path.name}")
 
@@ -331,6 +348,7 @@ def check_columns(data):
 
 def run(data, model, dynamics, method, calm_wind, no_unit_check, out, plot):
     """The one path from a frame to the report, the JSON and the picture."""
+    check_writable(plot, out)
     check_columns(data)
     result = fit_fem(
         *(data[name] for name in COLUMNS),

@@ -4,7 +4,7 @@ import numpy as np
 
 from pvlib_fem.records import POSSIBLE
 
-LEAST = 5  # rows that are the same
+LEAST = 5  # values, of which the largest tells of a unit
 MOST = 0.01  # share of odd values that is still an accident
 
 
@@ -79,6 +79,12 @@ def rain_doubt(seen):
     return ""
 
 
+def snow_doubt(seen):
+    if share(seen < 0):
+        return f"is {seen.min():.3g} at least; set the zero of the gauge"
+    return ""
+
+
 def kelvin_doubt(seen):
     if np.median(seen) > 150:
         return f"has a median of {np.median(seen):.0f}, kelvin; subtract 273.15"
@@ -103,6 +109,6 @@ DOUBTS = {
     "longwave_down": longwave_doubt,
     "wind_direction": direction_doubt,
     "precipitation": rain_doubt,
-    "snow_depth": rain_doubt,
+    "snow_depth": snow_doubt,
     "temp_": kelvin_doubt,
 }

@@ -13,12 +13,23 @@ def read_file(file, mapped, tz, time_format="ISO8601", **csv):
                 "reading Parquet needs pyarrow: pip install pyarrow"
             ) from error
     else:
-        data = pd.read_csv(file, na_values=["NAN"], **csv)  # as TOA5 writes it
+        try:
+            data = pd.read_csv(file, na_values=["NAN"], **csv)  # as TOA5 writes it
+        except UnicodeDecodeError as error:
+            raise ValueError(
+                f"{file.name} is not in {error.encoding} ({error.reason} at byte "
+                f"{error.start}); give --encoding, such as latin-1"
+            ) from error
         if data.shape[1] == 1:
             raise ValueError(
                 f"{file.name} has the one column {data.columns[0]!r}; give --sep, such "
                 "as ';'"
             )
+    if (
+        isinstance(data.index, pd.DatetimeIndex)
+        and mapped.get("time") == data.index.name
+    ):
+        mapped = {name: column for name, column in mapped.items() if name != "time"}
     absent = [column for column in mapped.values() if column not in data]
     if absent:
         raise ValueError(

@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem import plotting, report
 from pvlib_fem.diagnosis import with_aliases
-from pvlib_fem.document import saved
+from pvlib_fem.document import rounded, saved
 from pvlib_fem.drivers import GEOMETRY, geometry
 from pvlib_fem.paper import COLUMNS
 from pvlib_fem.plotting.steps import BASES
@@ -87,6 +87,10 @@ class Loop:
         ``location``, ``surface_tilt`` and ``surface_azimuth`` as given.
     residual_before : Series
         Measured minus modelled temperature before any effect. [K]
+    min_gain : float
+        As given. [K]
+    weighed : bool
+        Whether there were enough open days to leave some out in turn.
     """
 
     findings: tuple
@@ -98,6 +102,7 @@ class Loop:
     place: dict
     residual_before: pd.Series = field(repr=False)
     min_gain: float = 0.15
+    weighed: bool = True
 
     @property
     def effects(self):
@@ -256,11 +261,11 @@ class Loop:
 
 
 WIDE = 24  # characters of the first column of the report
-#: what the numbers of a clock are
+#: what the numbers of a clock are: unit, and words for either sign
 LATE = {
-    "minutes": "min late",
-    "drift": "s later each day",
-    "summer": "min late in summer",
+    "minutes": ("min", "late", "early"),
+    "drift": ("s", "later each day", "earlier each day"),
+    "summer": ("min", "late in summer", "early in summer"),
 }
 
 
@@ -318,9 +323,12 @@ def verdict(finding, loop):
     if not found:  # a clock, which is corrected and not modelled
         parts = []
         for key, value in finding.coefficients.items():
-            error = finding.stderr.get(key)
-            around = "" if error is None else f" ± {error:.1g}"
-            parts.append(f"{value:.1f}{around} {LATE[key.split('.')[-1]]}")
+            around = (
+                f" ± {rounded(finding.stderr[key])}" if key in finding.stderr else ""
+            )
+            unit, late, early = LATE[key.split(".")[-1]]
+            way = late if value > 0 else early
+            parts.append(f"{abs(value):.1f}{around} {unit} {way}")
         return f"{finding.verdict}  {', '.join(parts)}"
     (effect,) = found
     parts = []

@@ -388,6 +388,7 @@ class Search:
             place=case.site,
             residual_before=before.rename("residual"),
             min_gain=self.min_gain,
+            weighed=found is not None,
         )
 
     def with_errors(self, finding, last, stderr):

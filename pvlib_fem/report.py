@@ -82,7 +82,7 @@ def part(loop):
 
 def short(loop):
     """Whether there were too few days to leave any out."""
-    return loop.ranking.empty
+    return not loop.weighed
 
 
 def headline(loop):
@@ -117,7 +117,8 @@ def verdict(loop):
     else:
         body.append(
             paragraph(
-                f"Nothing in the record asks for a further effect: none gains "
+                f"Nothing in the record asks for a further effect: none that was "
+                f"weighed gains "
                 f"{loop.min_gain:.2f} K on days left out, beyond chance and within "
                 "what is possible."
             )
@@ -316,6 +317,11 @@ def reproduce(loop):
                 "soft",
             ),
             paragraph(f"Effects that were weighed: {', '.join(weighed) or 'none'}."),
+            paragraph(
+                "If effects, holdout or check_units were given, they belong into the "
+                "call, too.",
+                "soft",
+            ),
             "<details>\n<summary>The printed report</summary>\n"
             f"<pre>{escaped(loop)}</pre>\n</details>",
         )

@@ -155,7 +155,7 @@ class FemFit:
         -------
         matplotlib Axes
         """
-        return plotting.plot_fit(self, when, ax)
+        return plotting.plot_fit(self, ax, when)
 
     def to_json(self, path=None):
         """

@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.evidence import gather
-from pvlib_fem.fitting import errors, minimise, natural, needed, tables
+from pvlib_fem.fitting import errors, minimise, natural, tables
 from pvlib_fem.model import ThermalModel
 from pvlib_fem.prepared import Case
 
@@ -48,7 +48,14 @@ class Fits:
         """Fits without any effect, by name."""
         case, step, steps = self.case, None, {}
         rows = min(int(case.open.sum()), int(case.train.sum()))
-        needed("the loop", rows, len(ThermalModel(law, "balance").parameters))
+        least = len(ThermalModel(law, "balance").parameters)
+        if rows <= least:
+            held = f"{int(case.test.sum()):,} rows that count are held out"
+            raise ValueError(
+                f"the loop needs more than {least} open rows that count and has "
+                f"{rows}: {'; '.join([held, *case.notes])}; give a longer record, or "
+                "another holdout"
+            )
         for name, dynamics in BASES.items():
             model = ThermalModel(law, dynamics)
             step = self.fitted(model, step, biased=name != "steady")

@@ -123,8 +123,7 @@ def test_text_can_be_read(shown):
 
 #: background of an element of that name
 BACKGROUND = "name => getComputedStyle(document.querySelector(name)).backgroundColor"
-#: name, words, colour and background of all elements that hold text themselves; in a
-#: picture, those that are not on a patch of their own
+#: name, words, colour and background of all elements that hold text themselves
 TEXTS = """() => {
   const found = [];
   for (const e of document.querySelectorAll("body *")) {
@@ -136,7 +135,8 @@ TEXTS = """() => {
     let at = inside ? inside.parentElement : e, behind;
     while ((behind = getComputedStyle(at).backgroundColor) === "rgba(0, 0, 0, 0)")
       at = at.parentElement;
-    if (inside && ink === "rgb(0, 0, 0)") continue;
+    const patch = inside && e.previousElementSibling?.querySelector("path");
+    if (patch) behind = getComputedStyle(patch).fill;
     found.push([e.tagName, own[0].data.trim().slice(0, 30), ink, behind]);
   }
   return found;

@@ -338,3 +338,15 @@ def test_a_unit_that_is_right_can_pass(tmp_path):
     refused = call("loop", path)
     assert refused.exit_code == 1 and "--no-unit-check" in refused.output
     assert call("loop", path, "--no-unit-check").exit_code == 0
+
+
+def test_a_file_in_another_encoding_names_the_option(frame, tmp_path):
+    path = tmp_path / "latin.csv"
+    named = frame.rename(columns={"temp_air": "T [°C]"})
+    named.to_csv(path, index_label="time", encoding="latin-1")
+    names = ("--map", "temp_air=T [°C]")
+    refused = call("fit", path, *names)
+    assert refused.exit_code == 1 and "give --encoding, such as latin-1" in (
+        refused.output
+    )
+    assert call("fit", path, *names, "--encoding", "latin-1").exit_code == 0

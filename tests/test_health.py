@@ -225,3 +225,10 @@ def test_kelvin_is_refused_or_doubted():
 
 def test_drivers_without_a_value_are_not_doubted():
     assert doubtful({"relative_humidity": [np.nan], "snow_depth": [0.0]}) == {}
+
+
+def test_a_snow_gauge_may_read_a_little_below_zero_at_times():
+    depth = np.r_[np.zeros(500), np.full(500, 7.0)]
+    assert doubtful({"snow_depth": np.r_[depth, -0.1]}) == {}
+    off = doubtful({"snow_depth": depth - 0.5})["snow_depth"]
+    assert off == "snow_depth is -0.5 at least; set the zero of the gauge"

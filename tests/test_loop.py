@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -430,3 +431,18 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "air_shield",
         "season",
     ]
+
+
+def test_a_holdout_of_everything_is_named(two):
+    data, _ = two
+    with pytest.raises(ValueError, match=r"has 0: [\d,]+ rows that count are held out"):
+        fem.close_loop(data, holdout=pd.Series(True, data.index))
+
+
+def test_an_early_clock_is_called_early():
+    """The table's row and the note say the same."""
+    early = simulator.record(effects=PHYSICS | {"clock_shift": -12.0}, **HALF)
+    text = str(fem.close_loop(early, **PLACE))
+    (row,) = (line for line in text.splitlines() if line.startswith("+ clock_shift"))
+    assert re.search(r"named  1[12]\.\d ± \d\.\d min early$", row)
+    assert re.search(r"clock of temp_module is 1[12]\.\d ± \d\.\d min early", text)

@@ -167,7 +167,7 @@ def test_text_is_of_the_style_and_every_axis_has_its_unit(draw, style, held):
 
 
 def test_a_fit_has_its_residual_below(held, ax):
-    upper = plotting.plot_fit(held, "2023-06-10", ax)
+    upper = plotting.plot_fit(held, ax, "2023-06-10")
     assert upper is ax
     below = next(a for a in ax.figure.axes if "measured −" in a.get_ylabel())
     drawn, day = lines(ax), held.residual.loc["2023-06-10"]
@@ -213,7 +213,7 @@ def test_a_fit_stays_in_axes_without_a_grid(held):
     ],
 )
 def test_any_part_of_a_record_can_be_shown(when, rows, title, ticks, held, ax):
-    plotting.plot_fit(held, when, ax)
+    plotting.plot_fit(held, ax, when)
     expected = held.residual.loc[
         when if isinstance(when, (str, slice)) else str(when)[:10]
     ]
@@ -233,7 +233,7 @@ def test_any_part_of_a_record_can_be_shown(when, rows, title, ticks, held, ax):
 )
 def test_what_is_no_part_of_it_is_refused(when, held):
     with pytest.raises(ValueError, match=r"when = .* runs from 2023-06-01 .* a date"):
-        plotting.plot_fit(held, when)
+        plotting.plot_fit(held, when=when)
 
 
 def test_a_cell_is_the_mean_of_enough_rows_of_enough_days(ax):
@@ -423,3 +423,16 @@ def test_a_cell_below_zero_has_a_dash(ax):
     dashes = ax.collections[1].get_offsets()
     assert sorted({float(y) for _, y in dashes}) == [h + 0.5 for h in range(6)]
     assert len(dashes) == 6 * 3
+
+
+def test_cups_that_read_a_little_below_zero_are_calm():
+    """The middle of the rose has them, and its edges rise."""
+    index = pd.date_range("2024-01-01", periods=4 * 24 * 60, freq="min")
+    speed = pd.Series(np.where(np.arange(len(index)) % 2, -0.02, 4.5), index)
+    angle = pd.Series(90.0, index)
+    residual = pd.Series(np.where(speed < 0, 1.0, -1.0), index)
+    ax = plotting.plot_residual_rose(residual, speed, angle)
+    (cells,) = (c for c in ax.collections if c.get_array() is not None)
+    values = np.ma.filled(cells.get_array().astype(float), np.nan).ravel()
+    assert {1.0, -1.0} <= set(values[np.isfinite(values)])
+    assert ax.get_ylim()[0] == 0.0

@@ -283,3 +283,9 @@ def test_a_picture_says_what_it_is(page):
     named = [value for name, value in page.attributes if name == "aria-label"]
     assert len(named) == page.tags.count("figure") == page.tags.count("svg")
     assert set(named) <= set(page.texts)
+
+
+def test_a_long_record_with_nothing_to_weigh_is_not_called_short(record, place):
+    page = close_loop(record, effects=[], **place).to_html()
+    assert "too short" not in page and "too few" not in page
+    assert "none that was weighed" in page

@@ -20,7 +20,7 @@ def terms(irradiance_smoothed, temp_air, *, share):
 
     with temperatures in kelvin. ``share`` is the emissivity of both faces over
     the absorbed share of irradiance, about (0.88 + 0.85)/0.72. No module is
-    without it: it is the first that a long record shows.
+    without it.
 
     References
     ----------

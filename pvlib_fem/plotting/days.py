@@ -18,23 +18,24 @@ from pvlib_fem.plotting.look import (
 
 TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
 MOST_TICKS = 9
+FILLED = 2000  # points of the irradiance behind
 LOWER = 0.28  # share of the height that the residual has below a fit
 
 
-def plot_fit(fit, when=None, ax=None):
+def plot_fit(fit, ax=None, when=None):
     """
     Measured and modelled temperature, and below it what is between them.
 
     Parameters
     ----------
     fit : FemFit
+    ax : matplotlib Axes, optional
+        Where to draw, both panels inside; a new figure without it.
     when : date, str or slice, optional
         What to show: a date, or times as ``.loc`` of a Series takes them, such as
         ``"2020-03"`` or ``slice("2020-03-18", "2020-03-20 12:00")``. By default
         the most variable held-out day; of a fit that holds none out, the most
         variable day.
-    ax : matplotlib Axes, optional
-        Where to draw, both panels inside; a new figure without it.
 
     Returns
     -------
@@ -141,6 +142,7 @@ class Span:
         self.midnight = times[0].normalize()
         since = (index - index[0]) + (times[0] - self.midnight)
         self.hours = since.total_seconds().to_numpy() / 3600.0
+        self.start = index[0] - (times[0] - self.midnight)
         first, last = f"{times[0]:%Y-%m-%d}", f"{times[-1]:%Y-%m-%d}"
         self.date = first if first == last else f"{first} to {last}"
         out = fit.holdout.to_numpy()[self.rows] & (fit.test_days > 0)
@@ -167,7 +169,9 @@ class Span:
         """The axes with the irradiance behind, hours below and a title."""
         irradiance = ax.twinx()
         behind = dict(color=ink(), alpha=FAINT, linewidth=0)
-        irradiance.fill_between(self.hours, self.sun, **behind)
+        # a vector picture keeps every point of what is filled
+        some = slice(None, None, max(1, len(self.hours) // FILLED))
+        irradiance.fill_between(self.hours[some], self.sun[some], **behind)
         irradiance.set_ylabel("irradiance [W/m²]")
         irradiance.set_ylim(bottom=0)
         ax.set_zorder(irradiance.get_zorder() + 1)
@@ -192,8 +196,9 @@ class Span:
 
     def tick(self, hour, step, several):
         """Words for one hour since midnight."""
-        time = self.midnight + pd.Timedelta(hours=round(hour * 60) / 60)
-        if several and hour % 24 == 0:
+        # where the clock changes within the span, a tick says what it then shows
+        time = self.start + pd.Timedelta(hours=round(hour * 60) / 60)
+        if several and time == time.normalize():
             return f"{time.day} {time.month_name()[:3]}"
         return f"{hour:g}" if step >= 1 and not several else f"{time:%H:%M}"
 
@@ -220,7 +225,8 @@ def chosen(index, when):
     if len(rows) < 2:
         raise ValueError(
             f"when = {when!r} holds {len(rows)} rows of the record, which runs from "
-            f"{index[0]} to {index[-1]}; give a date of it, or a slice of its times"
+            f"{index[0]} to {index[-1]}; give a date of it, or a slice of its times in "
+            "its zone"
         )
     return np.asarray(rows)
 

@@ -35,7 +35,12 @@ def new_axes(ax, projection=None):
     """The axes as given, or those of a new figure."""
     if ax is not None:
         return ax
-    import matplotlib.pyplot as plt
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise ImportError(
+            "pictures need matplotlib: pip install 'pvlib_fem[plot]'"
+        ) from error
 
     size = (8, 4) if projection is None else (6, 5)
     kind = {"projection": projection}

@@ -191,8 +191,9 @@ def by_sector(residual, wind_speed, wind_direction):
     """Mean residual, a row for each bin of speed and a column for each sector."""
     speed = aligned(residual, wind_speed, "wind_speed")
     angle = aligned(residual, wind_direction, "wind_direction")
+    speed = speed.clip(lower=0.0)  # an offset of the cups is calm
     up = edges(speed, "wind_speed")
-    up[0] = 0.0
+    up = np.concatenate(([0.0], up[up > 0.0]))
     sector = np.round(angle / (360.0 / SECTORS)) % SECTORS
     means = cell_means(residual, sector, inside(speed, up), np.arange(SECTORS + 1), up)
     # a rose ends where its last cell does
@@ -213,7 +214,7 @@ def aligned(residual, column, name):
             f"{name} and the residual have different indexes; give {name} as a Series "
             "on the index of the residual, such as column.reindex(residual.index)"
         )
-    return column
+    return column.astype(float)
 
 
 def edges(column, name):
