@@ -48,9 +48,9 @@ def mae(measured, modelled) -> float:
 
 def mbe(measured, modelled) -> float:
     """
-    Mean of measured minus modelled temperature, the paper's MBE [1]_.
+    Mean of measured minus modelled temperature, the paper's MBE.
 
-    This sign makes it the bias that is *added* to the model. Parameters and
+    Its sign [1]_ makes it the bias that is *added* to the model. Parameters and
     result as in :func:`rmse`. [K]
 
     References
@@ -100,11 +100,11 @@ class EnergyError:
 
 def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
     r"""
-    Energy error of a modelled temperature, to either side [1]_.
+    Energy error of a modelled temperature, to either side.
 
     .. math:: \Delta E = \sum_i G_i\,(T_{model} - T_{meas})_i\,\gamma\,\Delta t
 
-    over all samples (without signs), over those with :math:`T_{model} <
+    [1]_ over all samples (without signs), over those with :math:`T_{model} <
     T_{meas}` (energy over-estimated) and over the others.
 
     Parameters
@@ -159,7 +159,9 @@ def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
 
 def delayed_sensor(measured, delays=range(60, 601, 60)) -> pd.DataFrame:
     """
-    Error of a perfect sensor that is read late, as a yardstick for models [1]_.
+    Error of a perfect sensor that is read late, as a yardstick for models.
+
+    The comparison is that of [1]_.
 
     Parameters
     ----------
