@@ -120,15 +120,13 @@ report_option = click.option(
 @main.command()
 @reading_options
 @fit_options
-def fit(file, renames, tz, time_format, sep, decimal, encoding, skip_rows, **options):
+def fit(file, **options):
     """Fit a CSV or Parquet FILE and print the report.
 
     The first column, or the one mapped to time, holds the times.
     """
     with one_line_errors():
-        csv = {"sep": sep, "decimal": decimal, "encoding": encoding}
-        csv["skiprows"] = line_numbers(skip_rows)
-        run(read_file(file, columns_of(renames), tz, time_format, **csv), **options)
+        run(frame(file, options), **options)
 
 
 @main.command()
@@ -157,19 +155,7 @@ def fit(file, renames, tz, time_format, sep, decimal, encoding, skip_rows, **opt
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write the loop as JSON.",
 )
-def loop(
-    file,
-    renames,
-    tz,
-    time_format,
-    sep,
-    decimal,
-    encoding,
-    skip_rows,
-    report,
-    out,
-    **options,
-):
+def loop(file, report, out, **options):
     """Find which physical effects the model lacks in a CSV or Parquet FILE.
 
     Beside the columns of a fit it takes wind_direction [° from north],
@@ -181,10 +167,7 @@ def loop(
     with one_line_errors():
         check_partners(options)
         check_writable(report, out)
-        csv = {"sep": sep, "decimal": decimal, "encoding": encoding}
-        csv["skiprows"] = line_numbers(skip_rows)
-        mapped = columns_of(renames, (*COLUMNS, *OPTIONAL))
-        data = read_file(file, mapped, tz, time_format, **csv)
+        data = frame(file, options, (*COLUMNS, *OPTIONAL))
         found = closed(data, **options)
         click.echo(str(found))
         if out is not None:
@@ -382,6 +365,15 @@ def columns_of(renames, names=COLUMNS):
             )
         mapped[name] = column
     return mapped
+
+
+def frame(file, options, names=COLUMNS):
+    """The file as a frame, by those of the options that say how to read it."""
+    mapped = columns_of(options.pop("renames"), names)
+    tz, time_format = options.pop("tz"), options.pop("time_format")
+    csv = {name: options.pop(name) for name in ("sep", "decimal", "encoding")}
+    csv["skiprows"] = line_numbers(options.pop("skip_rows"))
+    return read_file(file, mapped, tz, time_format, **csv)
 
 
 def line_numbers(text):

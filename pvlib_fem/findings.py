@@ -105,6 +105,17 @@ class Loop:
     weighed: bool = True
 
     @property
+    def base(self):
+        """Row of the table that it went on from: ``fem`` or ``balance``."""
+        return {"ewm": "fem"}.get(self.fit.dynamics, self.fit.dynamics)
+
+    @property
+    def last(self):
+        """Row of the table of the last step; the base where nothing was added."""
+        row = self.table.index[-1]
+        return row if row.startswith("+") else self.base
+
+    @property
     def effects(self):
         """Names of the findings that were added to the model, in order."""
         return [f.effect for f in self.findings if f.verdict in ADDED]

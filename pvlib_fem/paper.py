@@ -37,6 +37,7 @@ __all__ = [
     "usable",
 ]
 
+DAYLIGHT = 20.0  # W/m², above which it is day
 INTERVAL = "5min"
 APART = 4  # intervals between the ends of a step change: 20 min
 MARGIN = 20.0  # s, by which tau may rise and still count as falling
@@ -105,7 +106,7 @@ def daytime(poa_global, temp_air, wind_speed, temp_module):
     """
     return (
         usable(temp_air, wind_speed)
-        & (poa_global > 20)
+        & (poa_global > DAYLIGHT)
         & (temp_module >= 0)
         & (temp_module <= 80)
     )
@@ -119,7 +120,7 @@ def night(poa_global, temp_air, wind_speed, temp_module):
     """
     return (
         usable(temp_air, wind_speed)
-        & (poa_global < 20)
+        & (poa_global < DAYLIGHT)
         & (temp_module >= -20)
         & (temp_module <= 80)
     )

@@ -1,15 +1,11 @@
 """The pictures of a closed loop's page, each with what it shows."""
 
-import numpy as np
 import pandas as pd
 
-from pvlib_fem import plotting
-from pvlib_fem.health import stuck
+from pvlib_fem import paper, plotting
 from pvlib_fem.plotting.days import Span
 from pvlib_fem.plotting.residuals import by_hour_and_month, by_sector, largest
 from pvlib_fem.plotting.vector import svg
-
-DAY = 20.0  # W/m², above which it is day
 
 
 def pictures(loop):
@@ -25,10 +21,11 @@ def pictures(loop):
     list of (str, str)
         An ``svg`` element, and its caption.
     """
-    which, record = "sealed" if loop.fit.test_days else "fitted", loop.fit.record
-    known = ~np.any(list(stuck(record).values()), axis=0)
+    which = "sealed" if loop.fit.test_days else "fitted"
+    # rows of a sensor that stands still have no residual
+    known = loop.fit.residual.notna()
     before, after = loop.residual_before[known], loop.fit.residual[known]
-    changed = any(name.startswith("+") for name in loop.table.index)
+    changed = loop.last != loop.base
     day = Span(loop.fit).date
     found = [
         draw(
@@ -59,22 +56,27 @@ def pictures(loop):
         found.append(
             draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
         )
+    return [*found, *by_wind(loop, both, last, known)]
+
+
+def by_wind(loop, both, last, known):
+    """What is left by irradiance and wind, and a rose where its direction is known."""
+    (after,) = last.values()
+    changed, record = "After" in last, loop.fit.record
     columns = {
         name: pd.Series(record[name], record.index, name=name)[known]
         for name in ("poa_global", "wind_speed", "wind_direction")
         if name in record.inputs.columns
     }
-    sunny = columns["poa_global"] > DAY
+    sunny = columns["poa_global"] > paper.DAYLIGHT
     by = (after[sunny], columns["poa_global"][sunny], columns["wind_speed"][sunny])
     if sunny.any():
         words = "mean residual by irradiance and wind, by day (–: below zero)"
         words = f"After: {words}" if changed else words.capitalize()
-        found.append(
-            draw("wind", lambda ax: plotting.plot_residual_by(*by, ax=ax), words)
-        )
+        yield draw("wind", lambda ax: plotting.plot_residual_by(*by, ax=ax), words)
     if "wind_direction" in columns:
         wind = columns["wind_speed"], columns["wind_direction"]
-        found += on_one_scale(
+        yield from on_one_scale(
             "rose",
             both if "wind_direction" in loop.effects else last,
             lambda residual: by_sector(residual, *wind)[0],
@@ -82,7 +84,6 @@ def pictures(loop):
             "mean residual by where the wind comes from and its speed (–: below zero)",
             "polar",
         )
-    return found
 
 
 def draw(name, picture, words, projection=None):

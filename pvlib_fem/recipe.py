@@ -89,7 +89,7 @@ def standard(model, record):
     """
     frame = pd.DataFrame(dict(zip(paper.COLUMNS, record)))
     frame["over"] = frame["temp_module"] - frame["temp_air"]
-    frame = frame[(frame["poa_global"] > 20)].dropna()
+    frame = frame[frame["poa_global"] > paper.DAYLIGHT].dropna()
     if model not in ("ross", "wm2"):
         frame = frame[frame["over"] > 0]
     paper.enough(

@@ -68,13 +68,6 @@ def added(loop):
     return [finding for finding in loop.findings if finding.verdict in ADDED]
 
 
-def ends(loop):
-    """Rows of the table before any effect and of the last step."""
-    before = "fem" if loop.fit.dynamics == "ewm" else "balance"
-    last = loop.table.index[-1]
-    return before, last if last.startswith("+") else before
-
-
 def part(loop):
     """The days that the errors of the verdict are of, and their column's ending."""
     return ("sealed", "test") if loop.fit.test_days else ("fitted", "train")
@@ -87,8 +80,8 @@ def short(loop):
 
 def headline(loop):
     error = loop.table[f"rmse_{part(loop)[1]}"]
-    before, after = (error[name] for name in ends(loop))
-    if len(set(ends(loop))) == 1:
+    before, after = error[loop.base], error[loop.last]
+    if loop.last == loop.base:
         return f"{before:.2f} K, no effect {'weighed' if short(loop) else 'added'}"
     return f"{before:.2f} K before, {after:.2f} K after"
 

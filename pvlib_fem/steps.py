@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 import pandas as pd
 
-from pvlib_fem import scores
+from pvlib_fem import paper, scores
 from pvlib_fem.evidence import gather
 from pvlib_fem.fitting import errors, minimise, natural, tables
 from pvlib_fem.model import ThermalModel
@@ -143,7 +143,7 @@ class Fits:
 def error_table(case, steps):
     """Errors of each step on the open and the sealed rows."""
     poa = pd.Series(case.whole["poa_global"], case.whole.index)
-    sunny = case.whole["poa_global"] > 20
+    sunny = case.whole["poa_global"] > paper.DAYLIGHT
     rows = {}
     for name, step in steps.items():
         module, modelled = step.measured, step.temperature

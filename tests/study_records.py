@@ -231,14 +231,12 @@ def mentioned(loop, case):
 def errors(loop, data, case, off):
     """Sealed-day errors, and how large the effects are. [K]"""
     table = loop.table["rmse_test"]
-    base = {"ewm": "fem"}.get(loop.fit.dynamics, loop.fit.dynamics)
-    steps = [name for name in table.index if name.startswith("+")]
-    before, after = float(table[base]), float(table[[base, *steps][-1]])
+    before, after = float(table[loop.base]), float(table[loop.last])
     terms = catalogue(loop, data, case)
     best = refit(loop, list(terms.values())) if terms else before
     row = {"before": before, "after": after, "oracle": best}
     if "clock_shift" in case.sizes and off is not None:
-        row["oracle"] = best = float(off.table["rmse_test"][base])
+        row["oracle"] = best = float(off.table["rmse_test"][loop.base])
         late = as_recorded(loop, data)  # the loop may have set the clock already
         row["gains"] = {"clock_shift": root(late**2 - best**2)}
         row["detectable"] = {"clock_shift": FLOOR}
@@ -256,7 +254,6 @@ def errors(loop, data, case, off):
 def sizes(loop, terms, before, best, off):
     """What each effect's terms take off, beyond what they do where it is not. [K]"""
     gains, null = {}, off.table["rmse_test"]
-    base = {"ewm": "fem"}.get(off.fit.dynamics, off.fit.dynamics)
     for switch in terms:
         others = [term for name, term in terms.items() if name != switch]
         without = refit(loop, others) if others else before
@@ -267,7 +264,7 @@ def sizes(loop, terms, before, best, off):
             gains[switch] = root(without**2 - best**2)
             continue
         idle = refit(off, [own])
-        repaired = max(float(null[base]) ** 2 - idle**2, 0.0)
+        repaired = max(float(null[off.base]) ** 2 - idle**2, 0.0)
         gains[switch] = root(without**2 - best**2 - repaired)
     return gains
 

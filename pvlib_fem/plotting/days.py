@@ -82,7 +82,7 @@ def plot_before_after(loop, ax=None):
     ax = new_axes(ax)
     day = Span(loop.fit)
     day.reading(ax)
-    changed = any(name.startswith("+") for name in loop.table.index)
+    changed = loop.last != loop.base
     if changed and "+clock_shift" not in loop.table.index:
         day.modelled(ax, loop.residual_before, "before", BEFORE, ":")
     words = "after" if changed else "modelled, no effect added"
