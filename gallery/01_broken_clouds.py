@@ -48,8 +48,9 @@ static, dynamic = fit(week, "steady"), fit(week, "balance")
 print(dynamic)
 
 # %%
-# Both have the same columns, the same law (:py:func:`pvlib.temperature.faiman` and a
-# bias) and the same fit (:py:func:`pvlib_fem.fit_fem`). Only ``capacity``, the heat
+# Both have the same columns, the same steady model
+# (:py:func:`pvlib.temperature.faiman` and a bias) and the same fit
+# (:py:func:`pvlib_fem.fit_fem`). Only ``capacity``, the heat
 # that the module keeps, is new. Here is the hour of a held-out day in which the
 # irradiance changes most.
 

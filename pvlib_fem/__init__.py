@@ -10,15 +10,16 @@ from pvlib_fem import (
     scores,
     simulator,
 )
-from pvlib_fem.diagnosis import rank_effects
-from pvlib_fem.effect import Effect, Parameter, Terms
-from pvlib_fem.findings import Finding, Loop
-from pvlib_fem.fitting import fit_fem
-from pvlib_fem.loop import close_loop
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.findings import Finding
+from pvlib_fem.fitting.fit import fit_fem
+from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.loop.close import close_loop
+from pvlib_fem.loop.ranking import rank_effects
+from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.relaxation import ewm
-from pvlib_fem.result import FemFit
-from pvlib_fem.temperature import fem_temperature, heat_balance, wm1, wm2
+from pvlib_fem.thermal.temperature import fem_temperature, heat_balance, wm1, wm2
 from pvlib_fem.translate import translate, translation_mismatch
 
 __version__ = "0.1.0"

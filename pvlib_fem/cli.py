@@ -10,13 +10,13 @@ from pvlib.location import Location
 from tqdm import tqdm
 
 from pvlib_fem import __version__, datasets, simulator
-from pvlib_fem.diagnosis import ENOUGH_DAYS
-from pvlib_fem.files import read_file
-from pvlib_fem.fitting import METHODS, fit_fem
-from pvlib_fem.laws import LAWS
-from pvlib_fem.loop import Search
-from pvlib_fem.model import MEMORY
-from pvlib_fem.paper import COLUMNS
+from pvlib_fem.fitting.fit import METHODS, fit_fem
+from pvlib_fem.loop.close import Search
+from pvlib_fem.loop.ranking import ENOUGH_DAYS
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.files import read_file
+from pvlib_fem.thermal.model import MEMORY
+from pvlib_fem.thermal.steady import STEADY_MODELS
 
 #: columns by which the loop knows an effect
 OPTIONAL = (
@@ -39,7 +39,7 @@ def main():
 def fit_options(command):
     """Options of every command that fits."""
     for option in (
-        click.option("--model", type=click.Choice(list(LAWS)), default="wm1"),
+        click.option("--model", type=click.Choice(list(STEADY_MODELS)), default="wm1"),
         click.option("--dynamics", type=click.Choice(list(MEMORY)), default="ewm"),
         click.option("--method", type=click.Choice(METHODS), default="least_squares"),
         click.option(
@@ -132,7 +132,10 @@ def fit(file, **options):
 @main.command()
 @reading_options
 @click.option(
-    "--model", type=click.Choice(list(LAWS)), default="faiman", show_default=True
+    "--model",
+    type=click.Choice(list(STEADY_MODELS)),
+    default="faiman",
+    show_default=True,
 )
 @click.option("--lat", type=click.FloatRange(-90, 90), help="North positive [°].")
 @click.option("--lon", type=click.FloatRange(-180, 180), help="East positive [°].")

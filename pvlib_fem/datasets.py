@@ -10,7 +10,7 @@ import pvlib
 from scipy.special import ndtr
 
 from pvlib_fem.relaxation import respond
-from pvlib_fem.temperature import fem_temperature, heat_balance
+from pvlib_fem.thermal.temperature import fem_temperature, heat_balance
 
 __all__ = [
     "load",

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import relax
 
 __all__ = ["sun"]
@@ -32,9 +33,6 @@ AROUND = 2.0 * HOUR  # over which the sky before and after is looked at
 LOW_SUN = 5.0  # ° of elevation below which irradiance says little of clouds
 SNOWFALL = 0.5  # cm of growth in about an hour, half a step of the usual gauge
 SUN_GRID = "5min"  # over which the sun moves as good as straight
-
-#: where the sun stands and how the module does, under pvlib's names [°]
-GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 
 
 def sun(index, location):
@@ -476,8 +474,6 @@ MEASURED = {
     "surface_azimuth": "Where the module faces, clockwise from north. [°]",
 }
 USUAL = ("poa_global", "temp_air", "wind_speed")
-#: other names that pvlib has for a column
-ALIASES = {"ir_down": "longwave_down"}
 
 
 def needed_for(names):

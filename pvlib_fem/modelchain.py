@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import GEOMETRY, sun
+from pvlib_fem.drivers import sun
 from pvlib_fem.effects import find
-from pvlib_fem.model import thermal_model
+from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import ewm
-from pvlib_fem.temperature import TAU, fem_temperature
+from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.thermal.temperature import TAU, fem_temperature
 
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 #: what pvlib fills in, in silence, where weather lacks the column
@@ -93,7 +94,9 @@ class DynamicCellTemperature:
             known = [n for n in GEOMETRY if n in wanted.drivers and n not in given]
             wanted.check_drivers([*given, *known])
         elif effects:
-            raise ValueError("a callable model takes no effects; give a law's name")
+            raise ValueError(
+                "a callable model takes no effects; give a steady model's name"
+            )
         values = dict(
             model=model,
             dynamics=dynamics,

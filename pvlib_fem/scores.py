@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.records import instants
+from pvlib_fem.record.checks import instants
 
 __all__ = [
     "EnergyError",

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from pvlib_fem.laws import CLIP, LAWS
+from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS
 
 TWO_WINDS = (1.4, 5.4)  # m/s, as pvlib's GenericLinearModel
 SHELTER = 0.51  # of SAM: wind at the module over wind at 10 m
@@ -229,9 +229,9 @@ def translate(
     if (second < 0) if goal.bend is reciprocal else (second > 0):
         raise ValueError(f"{source} {own} gains heat from wind; {target} cannot")
     result = {k: float(v) for k, v in goal.coefficients(first, second, **fixed).items()}
-    if target in LAWS:
+    if target in STEADY_MODELS:
         try:
-            LAWS[target].complete(result)
+            STEADY_MODELS[target].complete(result)
         except ValueError as error:
             raise ValueError(
                 f"{method!r} translates {source} {own} into no {target}: {error}; "
@@ -321,8 +321,8 @@ def completed(model, coefficients):
     missing = [n for n in (*found.names, *found.fixed) if complete.get(n) is None]
     if missing:
         raise ValueError(f"{model} needs {', '.join(missing)}")
-    if model in LAWS:
-        LAWS[model].complete(coefficients)
+    if model in STEADY_MODELS:
+        STEADY_MODELS[model].complete(coefficients)
     return found, complete
 
 

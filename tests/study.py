@@ -34,7 +34,7 @@ from study_worlds import (
     NEAR,
 )
 
-from pvlib_fem.diagnosis import ENOUGH_DAYS
+from pvlib_fem.loop.ranking import ENOUGH_DAYS
 
 
 def worlds(families=None, quick=False):

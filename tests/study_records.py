@@ -14,16 +14,17 @@ from study_worlds import (
     Case,
 )
 
-from pvlib_fem import fem_temperature, fit_fem, heat_balance, paper, simulator
-from pvlib_fem.diagnosis import driver
+from pvlib_fem import fem_temperature, fit_fem, heat_balance, simulator
 from pvlib_fem.effects import EFFECTS, OF_RECORD, find
-from pvlib_fem.effects.shading import within
-from pvlib_fem.loop import close_loop
-from pvlib_fem.model import thermal_model
+from pvlib_fem.effects.candidates import driver
+from pvlib_fem.effects.catalogue.shading import within
+from pvlib_fem.loop.close import close_loop
+from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.simulator.forcing import (
     undeclared,
 )
 from pvlib_fem.simulator.switches import amplitudes
+from pvlib_fem.thermal.model import thermal_model
 
 
 def seen(data, case):
@@ -64,7 +65,7 @@ def refitted(loop, effects):
     model = thermal_model("faiman", fit.dynamics, effects)
     columns = {
         name: pd.Series(record[name], record.index)
-        for name in (*paper.COLUMNS, *model.drivers)
+        for name in (*COLUMNS, *model.drivers)
     }
     return fit_fem(
         **columns,
@@ -80,7 +81,7 @@ def refitted(loop, effects):
 def as_recorded(loop, data):
     """Sealed-day error of the base on the record as it came. [K]"""
     fit = fit_fem(
-        *(data[name] for name in paper.COLUMNS),
+        *(data[name] for name in COLUMNS),
         model="faiman",
         dynamics=loop.fit.dynamics,
         holdout=loop.fit.holdout.reindex(data.index, fill_value=False),
@@ -211,7 +212,7 @@ def first_ok(groups, case):
     truths = set(case.truths)
     if not truths or not groups:
         return False
-    shape = all(name in EFFECTS and EFFECTS[name].shape for name in truths)
+    shape = all(name in EFFECTS and EFFECTS[name].confounder for name in truths)
     return bool(truths & (set().union(*groups) if shape else groups[0]))
 
 

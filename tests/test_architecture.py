@@ -1,6 +1,7 @@
 """Imports go down only; outside libraries stay where they belong."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -8,81 +9,106 @@ import pytest
 import pvlib_fem
 
 PACKAGE = Path(pvlib_fem.__file__).parent
-FLOORS = {
-    0: {
-        "records",
-        "effect",
-        "leastsquares",
-        "layers",
-        "structure",
-        "onset",
-        "files",
-        "document",
-        "simulator",
-    },
-    1: {"dailysums", "relaxation", "laws", "scores", "clock", "doubts", "coarse"},
-    2: {"temperature", "translate", "paper", "drivers", "plotting.look"},
-    3: {"effects", "model", "plotting", "datasets", "noon"},
-    4: {"modelchain", "evidence", "recipe", "health", "advice"},
-    5: {"result", "diagnosis", "pictures"},
-    6: {"fitting", "prepared", "report"},
-    7: {"steps", "findings"},
-    8: {"loop"},
-    9: {"cli"},
-}
-FLOOR = {name: floor for floor, names in FLOORS.items() for name in names}
-FILES = [
-    path
+#: each may import those before it
+ORDER = (
+    "simulator",
+    "layers",
+    "record",
+    "relaxation",
+    "statistics",
+    "scores",
+    "drivers",
+    "effects",
+    "quality",
+    "thermal",
+    "translate",
+    "datasets",
+    "modelchain",
+    "paper",
+    "plotting",
+    "findings",
+    "report",
+    "fitting",
+    "loop",
+    "cli",
+)
+FLOORS = 5  # inside a package
+FILES = {
+    ".".join(
+        part
+        for part in path.relative_to(PACKAGE).with_suffix("").parts
+        if part != "__init__"
+    ): path
     for path in PACKAGE.rglob("*.py")
-    # the simulator imports nothing of the models, which its own test holds
-    if path != PACKAGE / "__init__.py" and path.parent.name != "simulator"
-]
+    if path != PACKAGE / "__init__.py"
+}
 
 
-def imports(path):
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+@cache
+def imports(name):
+    """What a module imports: the module, and the name in it."""
+    found = []
+    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            yield from ((alias.name, alias.name) for alias in node.names)
+            found += [(alias.name, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            yield from ((node.module, f"{node.module}.{a.name}") for a in node.names)
+            found += [(node.module, f"{node.module}.{a.name}") for a in node.names]
+    return found
 
 
-def own_imports(path):
-    """Names below ``pvlib_fem`` that a file imports."""
-    for source, name in imports(path):
-        if source.split(".")[0] == "pvlib_fem" and name != "pvlib_fem.__version__":
-            yield (name if source == "pvlib_fem" else source).removeprefix("pvlib_fem.")
+def own_imports(name):
+    """Modules of the package that a module imports."""
+    for source, whole in imports(name):
+        if source.split(".")[0] == "pvlib_fem" and whole != "pvlib_fem.__version__":
+            inner = whole.removeprefix("pvlib_fem.")
+            yield inner if inner in FILES else source.removeprefix("pvlib_fem.")
 
 
-def module(path):
-    """Name of a file below ``pvlib_fem``, of a package that of its folder."""
-    parts = path.relative_to(PACKAGE).with_suffix("").parts
-    return ".".join(part for part in parts if part != "__init__")
+def room(name):
+    """The package, or the module at the top, that a module is in."""
+    return name.split(".")[0]
 
 
-def floor_of(name):
-    """Floor of a module: its own, or that of the package that it is in."""
-    package, *inside = name.split(".")
-    return FLOOR.get(".".join([package, *inside[:1]]), FLOOR[package])
+@cache
+def floor(name):
+    """Longest way down from a module inside its own package."""
+    below = [n for n in own_imports(name) if room(n) == room(name) and n != name]
+    return 1 + max(map(floor, below), default=0)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_go_down_only(path):
-    # inside a package no file stands on another, such as an effect on an effect;
-    # what all of them need has a floor of its own
-    own = module(path)
-    for name in own_imports(path):
-        if path.name == "__init__.py" and name.startswith(f"{own}."):
-            continue
-        assert floor_of(name) < floor_of(own), f"{own} imports {name}"
+def test_the_order_is_of_all_that_there_is():
+    assert sorted(ORDER) == sorted({room(name) for name in FILES})
 
 
-def test_every_effect_has_its_line_in_the_registry():
-    files = {path.stem for path in (PACKAGE / "effects").glob("*.py")} - {"__init__"}
-    assert files == set(pvlib_fem.effects.EFFECTS)
+@pytest.mark.parametrize("name", FILES)
+def test_imports_go_down_only(name):
+    for other in own_imports(name):
+        if room(other) != room(name):
+            assert ORDER.index(room(other)) < ORDER.index(room(name)), other
 
 
-def test_matplotlib_click_and_pooch_have_one_place_each():
+@pytest.mark.parametrize("name", ORDER)
+def test_a_package_has_few_floors(name):
+    # a circle of imports would end in a RecursionError
+    assert max(floor(n) for n in FILES if room(n) == name) <= FLOORS
+
+
+def test_effects_do_not_stand_on_each_other():
+    catalogue = [n for n in FILES if n.startswith("effects.catalogue.")]
+    for name in catalogue:
+        assert not set(own_imports(name)) & {*catalogue}, name
+    assert {n.split(".")[-1] for n in catalogue} == set(pvlib_fem.effects.EFFECTS)
+
+
+def test_the_simulator_and_the_models_share_nothing():
+    assert all(
+        room(other) != "simulator" or room(name) in ("simulator", "cli")
+        for name in FILES
+        for other in own_imports(name)
+    )
+
+
+def test_outside_libraries_have_one_place_each():
     places = {
         "matplotlib": "plotting",
         "click": "cli",
@@ -90,7 +116,6 @@ def test_matplotlib_click_and_pooch_have_one_place_each():
         "threadpoolctl": "loop",
         "pooch": "datasets",
     }
-    for path in FILES:
-        own = module(path).split(".")[0]
-        for outside, _ in imports(path):
-            assert places.get(outside.split(".")[0], own) == own
+    for name in FILES:
+        for outside, _ in imports(name):
+            assert places.get(outside.split(".")[0], room(name)) == room(name)

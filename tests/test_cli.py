@@ -11,8 +11,8 @@ from click.testing import CliRunner
 from pvlib.location import Location
 
 from pvlib_fem import DynamicCellTemperature, cli, datasets, simulator
-from pvlib_fem.files import read_file
-from pvlib_fem.loop import close_loop
+from pvlib_fem.loop.close import close_loop
+from pvlib_fem.record.files import read_file
 
 
 def call(*arguments):

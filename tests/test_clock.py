@@ -6,9 +6,9 @@ import pytest
 from conftest import COLUMNS
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.clock import clock_shift
-from pvlib_fem.onset import DAY
-from pvlib_fem.records import measured
+from pvlib_fem.quality.clock import clock_shift
+from pvlib_fem.quality.onset import DAY
+from pvlib_fem.record.checks import measured
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pvlib_fem.dailysums import FOLDS, daily_sums, day_errors
+from pvlib_fem.statistics.clusters import FOLDS, daily_sums, day_errors
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,9 @@ def record_with(plant, noise, *names, seed=0, **planted):
 
 
 #: effects with a driver of their own; a drift needs years
-DRIVEN = [n for n, e in EFFECTS.items() if not e.shape and n != "sensitivity_drift"]
+DRIVEN = [
+    n for n, e in EFFECTS.items() if not e.confounder and n != "sensitivity_drift"
+]
 #: sizes that sixty days can show, where those found outdoors need a year
 LARGER = {"soiling": {"per_day": 0.008}}
 

@@ -7,9 +7,10 @@ import pytest
 from pvlib.location import Location
 
 from pvlib_fem import datasets, drivers, simulator
-from pvlib_fem.drivers import DERIVED, GEOMETRY, completed, needed_for, sun
+from pvlib_fem.drivers import DERIVED, completed, needed_for, sun
 from pvlib_fem.effects import EFFECTS, VARIANTS
-from pvlib_fem.records import read
+from pvlib_fem.record.checks import read
+from pvlib_fem.record.columns import GEOMETRY
 
 SITE = Location(35.0, -106.0)
 #: of plane and site: (tilt, azimuth, latitude)
@@ -249,6 +250,6 @@ def test_a_driver_behind_drivers_is_asked_for_by_what_is_measured():
 def test_shapes_are_functions_of_the_usual_columns_and_the_sun():
     effects = [*EFFECTS.values(), *VARIANTS["sky_radiation"]]
     for effect in effects:
-        if effect.shape:
+        if effect.confounder:
             assert set(needed_for(effect.drivers)) <= set(GEOMETRY), effect.name
             assert effect.decided_by

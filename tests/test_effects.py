@@ -11,11 +11,11 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem import drivers
-from pvlib_fem.effect import Tabled, tabled
 from pvlib_fem.effects import EFFECTS, OF_RECORD, find
-from pvlib_fem.laws import LAWS
-from pvlib_fem.model import ThermalModel
-from pvlib_fem.records import read
+from pvlib_fem.effects.effect import Tabled, tabled
+from pvlib_fem.record.checks import read
+from pvlib_fem.thermal.model import ThermalModel
+from pvlib_fem.thermal.steady import STEADY_MODELS
 
 #: planted coefficients, of the size that is found outdoors
 PLANTED = {
@@ -38,7 +38,7 @@ PLANTED = {
     "air_shield": {"warm": 3.0},
     "season": {"winter": 0.06, "spring": 0.06},
 }
-DRIVEN = [name for name, effect in EFFECTS.items() if not effect.shape]
+DRIVEN = [name for name, effect in EFFECTS.items() if not effect.confounder]
 #: a window of the sky that the sun of June crosses before the module
 SHADED = {"name": "shading", "windows": [[90.0, 150.0, 30.0, 70.0]]}
 BASE = {"u0": 25.0, "u1": 6.84, "bias": -1.0}
@@ -51,7 +51,9 @@ def planted_as(name):
 
 
 def model_with(dynamics, *names):
-    return ThermalModel(LAWS["faiman"], dynamics, tuple(map(planted_as, names)))
+    return ThermalModel(
+        STEADY_MODELS["faiman"], dynamics, tuple(map(planted_as, names))
+    )
 
 
 def coefficients(dynamics, *names, **planted):
@@ -248,7 +250,7 @@ def test_a_film_gives_off_what_the_air_does_not_hold():
 
 def test_rain_is_found_by_its_vapour(plant, noise):
     effect = find({"name": "rain", "source": "humidity"})
-    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
     values = {**coefficients("balance"), "rain.film": 25.0}
     module = predicted(plant, model, values) + noise(len(plant), 0.2)
     fit = fem.fit_fem(
@@ -284,7 +286,7 @@ def test_ones_own_effect_is_one_object(plant, noise):
     effect = fem.Effect(
         "vent", terms, {"warmth": fem.Parameter(0.0, 0.0, 500.0, "W/m²")}
     )
-    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
     values = {**coefficients("balance"), "vent.warmth": 80.0}
     usual = [plant[n] for n in DRIVERS]
     module = model.predict(*usual, values, vent_open=vent) + noise(len(plant), 0.2)
@@ -458,7 +460,7 @@ def test_an_effect_with_settings_is_made_again(spec):
 @pytest.mark.parametrize("source", [spec["source"] for spec in MADE[1:]])
 def test_a_sky_from_other_columns_is_found(plant, noise, source):
     effect = find({"name": "sky_radiation", "source": source})
-    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
     values = coefficients("balance", "sky_radiation")
     module = predicted(plant, model, values) + noise(len(plant), 0.2)
     fit = fem.fit_fem(
@@ -587,7 +589,7 @@ def test_incidence_angle_is_pvlibs_ashrae():
 def test_a_table_of_a_linear_effect_is_the_effect(plant, name):
     """All in the catalogue are linear, so their slopes on a record say all."""
     effect = find(SHADED if name == "shading" else name)
-    model = ThermalModel(LAWS["faiman"], "balance", (effect,))
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
     inputs = {n: plant[n] for n in (*DRIVERS, *model.drivers)}
     columns = model.with_drivers(read(inputs)).columns
     table = tabled(effect, columns)

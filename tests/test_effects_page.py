@@ -141,7 +141,7 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
     package = tmp_path / "pvlib_fem"
     leave = shutil.ignore_patterns("__pycache__")
     shutil.copytree(Path(pvlib_fem.__file__).parent, package, ignore=leave)
-    (package / "effects" / "water.py").write_text(file, encoding="utf-8")
+    (package / "effects" / "catalogue" / "water.py").write_text(file, encoding="utf-8")
     registry = package / "effects" / "__init__.py"
     text = registry.read_text(encoding="utf-8")
     text = text.replace("\n__all__ =", f"\n{line}\n__all__ =", 1)
@@ -152,7 +152,7 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
     script = (
         "import effects_page, pvlib_fem, numpy as np;"
         "from pvlib_fem.drivers import completed, needed_for;"
-        "from pvlib_fem.records import read;"
+        "from pvlib_fem.record.checks import read;"
         "assert needed_for(['water_excess']) == ['temp_water'];"
         "data = {'temp_water': np.array([9., 9.]), 'temp_air': np.array([5., 6.])};"
         "found = completed(read(data, step=60.0), ['water_excess']);"

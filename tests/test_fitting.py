@@ -9,12 +9,12 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
-from pvlib_fem.fitting import natural
-from pvlib_fem.laws import LAWS
-from pvlib_fem.leastsquares import gauss_newton
-from pvlib_fem.model import MEMORY, ThermalModel
-from pvlib_fem.recipe import recipe
-from pvlib_fem.records import measured
+from pvlib_fem.fitting.fit import natural
+from pvlib_fem.paper.recipe import recipe
+from pvlib_fem.record.checks import measured
+from pvlib_fem.statistics.leastsquares import gauss_newton
+from pvlib_fem.thermal.model import MEMORY, ThermalModel
+from pvlib_fem.thermal.steady import STEADY_MODELS
 
 COEFFICIENTS = {
     "ross": dict(k=0.03),
@@ -87,8 +87,8 @@ def test_the_jacobian_is_exact(month, model, dynamics):
     hours.iloc[800:805, hours.columns.get_loc("poa_global")] = np.nan
     record = measured(*(hours[name] for name in COLUMNS))
     truth = truth_of(model, dynamics)
-    target = ThermalModel(LAWS[model], dynamics)
-    values = {**truth, **target.law.fixed}
+    target = ThermalModel(STEADY_MODELS[model], dynamics)
+    values = {**truth, **target.steady_model.fixed}
     values = {n: v for n, v in values.items() if n != "tau" or dynamics == "ewm"}
     temperature, slopes = target.slopes(record.inputs, values)
     drivers = [hours[name] for name in DRIVERS]
@@ -342,13 +342,16 @@ def test_everything_cannot_be_held_out(month):
         )
 
 
-@pytest.mark.parametrize("model", LAWS)
+@pytest.mark.parametrize("model", STEADY_MODELS)
 def test_the_search_sees_the_share_and_the_user_the_number(model):
-    target = ThermalModel(LAWS[model], "ewm")
+    target = ThermalModel(STEADY_MODELS[model], "ewm")
     searched = {name: row.start for name, row in target.parameters.items()}
     values, chain = natural(target, searched)
-    law = {name: values[name] for name in (*target.law.parameters, *target.law.fixed)}
-    assert target.law.complete(law) == law
+    steady_model = {
+        name: values[name]
+        for name in (*target.steady_model.parameters, *target.steady_model.fixed)
+    }
+    assert target.steady_model.complete(steady_model) == steady_model
     names = list(target.parameters)
     for i, name in enumerate(names):
         moved, _ = natural(target, {**searched, name: searched[name] + 1e-6})

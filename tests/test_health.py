@@ -7,10 +7,10 @@ from conftest import COLUMNS
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.doubts import doubtful
-from pvlib_fem.health import check, stuck
-from pvlib_fem.noon import solar_noon_shift
-from pvlib_fem.records import measured
+from pvlib_fem.quality.check import check, stuck
+from pvlib_fem.quality.noon import solar_noon_shift
+from pvlib_fem.quality.units import doubtful
+from pvlib_fem.record.checks import measured
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
 
 DRIVERS = (

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from pvlib_fem.dailysums import day_errors
-from pvlib_fem.leastsquares import gauss_newton
+from pvlib_fem.statistics.clusters import day_errors
+from pvlib_fem.statistics.leastsquares import gauss_newton
 
 # NIST StRD, Misra1a (nonlinear regression, lower difficulty), certified values
 MISRA_Y = [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05]

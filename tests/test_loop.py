@@ -14,10 +14,11 @@ from conftest import COLUMNS
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem.coarse import coarse
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.records import measured
+from pvlib_fem.record.checks import measured
+from pvlib_fem.record.resampling import coarse
 from pvlib_fem.simulator import PHYSICS, RHINE
+from pvlib_fem.thermal.model import thermal_model
 
 RHEIN = pvlib.location.Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
 PLACE = dict(location=RHEIN, surface_tilt=35, surface_azimuth=180)
@@ -57,7 +58,7 @@ def test_hidden_effects_are_named_with_their_size(two):
 
 def test_what_a_refit_cannot_tell_from_nothing_is_not_added(two, monkeypatch):
     """Nothing is told from nothing by a thousand errors."""
-    monkeypatch.setattr("pvlib_fem.loop.SURE", 1e3)
+    monkeypatch.setattr("pvlib_fem.loop.close.SURE", 1e3)
     loop = fem.close_loop(two[0], **PLACE)
     assert loop.effects == []
     hints = {f.effect: f for f in loop.findings if f.verdict == "suggestive"}
@@ -103,7 +104,7 @@ def test_contributions_are_what_leaving_one_out_changes(two):
     model = fem.DynamicCellTemperature  # the same model, as a chain has it
     assert model is not None
     coefficients = {**loop.fit.coefficients, **nothing}
-    without = fem.model.thermal_model(
+    without = thermal_model(
         loop.fit.model, loop.fit.dynamics, loop.fit.effects
     ).predict(*(data[n] for n in COLUMNS[:3]), coefficients, **loop.inputs(data)[1])
     want = loop.predict(data) - without

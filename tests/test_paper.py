@@ -61,7 +61,7 @@ def test_the_papers_formula_with_f_does_not_give_its_table():
 
 @pytest.fixture(scope="module")
 def calm_module():
-    """A quick module without sky: steady regressions should find its laws."""
+    """A quick module without sky: steady regressions should find its steady models."""
     data = datasets.synthetic(
         180, seed=5, noise=0, model="wm1", dynamics="ewm", k=0.035, d=10.0, tau=20.0
     )

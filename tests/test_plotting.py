@@ -10,10 +10,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from pvlib_fem import datasets, fit_fem, plotting
-from pvlib_fem.loop import close_loop
-from pvlib_fem.paper import COLUMNS
+from pvlib_fem.loop.close import close_loop
 from pvlib_fem.plotting.look import LONGEST, label
 from pvlib_fem.plotting.vector import svg
+from pvlib_fem.record.columns import COLUMNS
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
-from pvlib_fem.records import measured
+from pvlib_fem.record.checks import measured
 
 
 @pytest.fixture(scope="module")

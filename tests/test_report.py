@@ -10,9 +10,12 @@ import numpy as np
 import pytest
 from pvlib.location import Location
 
-from pvlib_fem import advice, datasets, report, simulator
-from pvlib_fem.loop import close_loop
-from pvlib_fem.paper import COLUMNS
+from pvlib_fem import datasets, simulator
+from pvlib_fem.loop.close import close_loop
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.report import advice
+from pvlib_fem.report.page import digest
+from pvlib_fem.report.page import measured as measured_columns
 
 VOID = {"meta", "br"}
 
@@ -166,10 +169,10 @@ def test_the_same_data_give_the_same_bits(closed, record, place, tmp_path):
 
 def test_the_hash_is_that_of_the_users_own_columns(closed, record):
     found = hashlib.sha256(record.index.as_unit("ns").asi8.tobytes())
-    for name in report.measured(closed):
+    for name in measured_columns(closed):
         found.update(name.encode())
         found.update((record[name].to_numpy(dtype="<f8") + 0.0).tobytes())
-    assert report.digest(closed) == found.hexdigest()
+    assert digest(closed) == found.hexdigest()
     assert found.hexdigest() in closed.to_html()
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pvlib_fem.dailysums import calendar_weeks
-from pvlib_fem.structure import axes, find_structure
+from pvlib_fem.statistics.clusters import calendar_weeks
+from pvlib_fem.statistics.tables import axes, find_structure
 
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
 DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)

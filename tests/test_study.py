@@ -16,8 +16,8 @@ from study import (
 )
 from study_worlds import TRUTHS, UNDECLARED
 
-from pvlib_fem.diagnosis import ENOUGH_DAYS
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.loop.ranking import ENOUGH_DAYS
 from pvlib_fem.simulator import SWITCHES
 
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import pvlib_fem as fem
-from pvlib_fem.laws import LAWS
+from pvlib_fem.thermal.steady import STEADY_MODELS
 
 COEFFICIENTS = {
     "ross": dict(k=0.03),
@@ -69,10 +69,10 @@ def test_without_wind_every_law_is_rosss(drivers, model):
 
 @models
 def test_a_vanishing_memory_gives_the_steady_model(drivers, model):
-    law = LAWS[model]
-    coefficients = law.complete(COEFFICIENTS[model])
+    steady_model = STEADY_MODELS[model]
+    coefficients = steady_model.complete(COEFFICIENTS[model])
     poa, air, wind = drivers
-    steady = air + poa * law.resistance(wind, **coefficients)
+    steady = air + poa * steady_model.resistance(wind, **coefficients)
     assert_allclose(in_an_instant(*drivers, model=model), steady, rtol=1e-12)
     quick = fem.heat_balance(*drivers, 1e-6, model=model, **COEFFICIENTS[model])
     assert_allclose(quick, steady, rtol=1e-12)
@@ -83,9 +83,9 @@ def test_a_vanishing_memory_gives_the_steady_model(drivers, model):
 def test_constant_weather_ends_in_the_steady_temperature(function, memory, model):
     ones = np.ones(500)
     drivers = 800.0 * ones, 20.0 * ones, 3.0 * ones
-    law = LAWS[model]
-    coefficients = law.complete(COEFFICIENTS[model])
-    expected = 20.0 + 800.0 * law.resistance(3.0, **coefficients) + 1.5
+    steady_model = STEADY_MODELS[model]
+    coefficients = steady_model.complete(COEFFICIENTS[model])
+    expected = 20.0 + 800.0 * steady_model.resistance(3.0, **coefficients) + 1.5
     answer = function(
         *drivers, **memory, bias=1.5, model=model, step=60, **COEFFICIENTS[model]
     )
@@ -96,8 +96,8 @@ def test_constant_weather_ends_in_the_steady_temperature(function, memory, model
 def test_heat_balance_solves_its_differential_equation(month, model):
     """Against an adaptive Runge-Kutta of C dT/dt = G - (T - Ta)/r_eq."""
     hours = month.iloc[600:780]
-    law = LAWS[model]
-    coefficients = law.complete(COEFFICIENTS[model])
+    steady_model = STEADY_MODELS[model]
+    coefficients = steady_model.complete(COEFFICIENTS[model])
     capacity = 15e3
     answer = fem.heat_balance(
         hours["poa_global"],
@@ -111,7 +111,7 @@ def test_heat_balance_solves_its_differential_equation(month, model):
     state = answer.iloc[0]
     for i in range(1, len(rows)):
         poa, air, wind = rows[i]
-        r_eq = law.resistance(wind, **coefficients)
+        r_eq = steady_model.resistance(wind, **coefficients)
         state = solve_ivp(
             lambda t, T, poa=poa, air=air, r=r_eq: (poa - (T - air) / r) / capacity,
             (0, 60),
@@ -248,18 +248,22 @@ def test_random_weather_keeps_the_laws_of_a_dynamic_model(rows, model, balance, 
     assert (np.isnan(answer) == missing).all()
     if missing.all():
         return
-    law = LAWS[model]
-    r_eq = law.resistance(wind, **law.complete(COEFFICIENTS[model]))
+    steady_model = STEADY_MODELS[model]
+    r_eq = steady_model.resistance(wind, **steady_model.complete(COEFFICIENTS[model]))
     if balance:
         instantaneous = (air + poa * r_eq)[~missing]
         low, high = instantaneous.min(), instantaneous.max()
     else:
         # smoothed sun and wind stay within what they were
         low = np.nanmin(air) + np.nanmin(poa) * np.nanmin(
-            law.resistance(np.nanmax(wind), **law.complete(COEFFICIENTS[model]))
+            steady_model.resistance(
+                np.nanmax(wind), **steady_model.complete(COEFFICIENTS[model])
+            )
         )
         high = np.nanmax(air) + np.nanmax(poa) * np.nanmax(
-            law.resistance(np.nanmin(wind), **law.complete(COEFFICIENTS[model]))
+            steady_model.resistance(
+                np.nanmin(wind), **steady_model.complete(COEFFICIENTS[model])
+            )
         )
     assert np.nanmin(answer) >= low - 1e-9
     assert np.nanmax(answer) <= high + 1e-9

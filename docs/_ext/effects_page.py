@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from pvlib_fem import drivers, effects
+from pvlib_fem.record.columns import GEOMETRY
 
 INTRO = """
 What the model can lack, one effect each. All add to the columns of one equation,
@@ -79,7 +80,7 @@ def behind(name):
 def needs(effect):
     """What has to be measured beside the usual three, in words."""
     names = drivers.needed_for(effect.drivers)
-    columns = [f"``{name}``" for name in names if name not in drivers.GEOMETRY]
+    columns = [f"``{name}``" for name in names if name not in GEOMETRY]
     if len(columns) < len(names):
         columns.append("sun and module")
     return ", ".join(columns) or "nothing"
@@ -141,7 +142,7 @@ def overview(chosen):
         best, *others = variants(effect)
         wanted = needs(best) + ("; or other sources" if others else "")
         link = f":ref:`{effect.name} <effect-{effect.name}>`"
-        yield link, lead, wanted, "class" if effect.shape else "named"
+        yield link, lead, wanted, "class" if effect.confounder else "named"
 
 
 def described(effect):
@@ -183,7 +184,7 @@ def drivers_of(effect):
     rows = []
     for variant in variants(effect):
         source = variant.source or "the columns alone"
-        if variant.shape and not effect.shape:
+        if variant.confounder and not effect.confounder:
             source += " (told as a class)"
         for name in variant.drivers:
             rows.append((source, to_driver(name), meaning(name), made_of(name)))
@@ -200,11 +201,11 @@ def made_of(name):
     if name not in drivers.DERIVED:
         return "measured"
     columns = behind(name)
-    place = [n for n in columns if n in drivers.GEOMETRY]
-    if len(place) < len(drivers.GEOMETRY):
+    place = [n for n in columns if n in GEOMETRY]
+    if len(place) < len(GEOMETRY):
         return to_drivers(columns)
     others = [n for n in columns if n not in place]
-    sun = f":ref:`place of sun and module <column-{drivers.GEOMETRY[0]}>`"
+    sun = f":ref:`place of sun and module <column-{GEOMETRY[0]}>`"
     return ", ".join([*map(to_driver, others), sun])
 
 
@@ -261,7 +262,7 @@ def page():
     for shape, (group, text) in zip((False, True), GROUPS.items()):
         lines += [group, "-" * len(group), text]
         for effect in chosen:
-            if effect.shape == shape:
+            if effect.confounder == shape:
                 lines += described(effect)
     lines += ["Measured columns", "-" * 16, MEASURED]
     lines += table(("Column", "What it is"), measured_table(), "30 70")

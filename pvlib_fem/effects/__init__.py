@@ -2,31 +2,31 @@
 
 from collections.abc import Mapping
 
-from pvlib_fem.effect import Effect
-from pvlib_fem.effects.air_shield import EFFECT as air_shield
-from pvlib_fem.effects.electrical_output import EFFECT as electrical_output
-from pvlib_fem.effects.electrical_output import below, of_record
-from pvlib_fem.effects.incidence_angle import EFFECT as incidence_angle
-from pvlib_fem.effects.natural_convection import EFFECT as natural_convection
-from pvlib_fem.effects.poa_misalignment import EFFECT as poa_misalignment
-from pvlib_fem.effects.radiative_loss import EFFECT as radiative_loss
-from pvlib_fem.effects.rain import EFFECT as rain
-from pvlib_fem.effects.rain import VARIANTS as RAINS
-from pvlib_fem.effects.rain import out_of as rain_out_of
-from pvlib_fem.effects.rear_irradiance import EFFECT as rear_irradiance
-from pvlib_fem.effects.season import EFFECT as season
-from pvlib_fem.effects.sensitivity_drift import EFFECT as sensitivity_drift
-from pvlib_fem.effects.shading import EFFECT as shading
-from pvlib_fem.effects.shading import EVERYWHERE, scan, within
-from pvlib_fem.effects.sky_radiation import EFFECT as sky_radiation
-from pvlib_fem.effects.sky_radiation import VARIANTS as SKIES
-from pvlib_fem.effects.sky_radiation import out_of
-from pvlib_fem.effects.snow import EFFECT as snow
-from pvlib_fem.effects.soiling import EFFECT as soiling
-from pvlib_fem.effects.temperature_gain import EFFECT as temperature_gain
-from pvlib_fem.effects.thermal_storage import EFFECT as thermal_storage
-from pvlib_fem.effects.wind_direction import EFFECT as wind_direction
-from pvlib_fem.effects.wind_shape import EFFECT as wind_shape
+from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
+from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
+from pvlib_fem.effects.catalogue.electrical_output import below, of_record
+from pvlib_fem.effects.catalogue.incidence_angle import EFFECT as incidence_angle
+from pvlib_fem.effects.catalogue.natural_convection import EFFECT as natural_convection
+from pvlib_fem.effects.catalogue.poa_misalignment import EFFECT as poa_misalignment
+from pvlib_fem.effects.catalogue.radiative_loss import EFFECT as radiative_loss
+from pvlib_fem.effects.catalogue.rain import EFFECT as rain
+from pvlib_fem.effects.catalogue.rain import VARIANTS as RAINS
+from pvlib_fem.effects.catalogue.rain import out_of as rain_out_of
+from pvlib_fem.effects.catalogue.rear_irradiance import EFFECT as rear_irradiance
+from pvlib_fem.effects.catalogue.season import EFFECT as season
+from pvlib_fem.effects.catalogue.sensitivity_drift import EFFECT as sensitivity_drift
+from pvlib_fem.effects.catalogue.shading import EFFECT as shading
+from pvlib_fem.effects.catalogue.shading import EVERYWHERE, scan, within
+from pvlib_fem.effects.catalogue.sky_radiation import EFFECT as sky_radiation
+from pvlib_fem.effects.catalogue.sky_radiation import VARIANTS as SKIES
+from pvlib_fem.effects.catalogue.sky_radiation import out_of
+from pvlib_fem.effects.catalogue.snow import EFFECT as snow
+from pvlib_fem.effects.catalogue.soiling import EFFECT as soiling
+from pvlib_fem.effects.catalogue.temperature_gain import EFFECT as temperature_gain
+from pvlib_fem.effects.catalogue.thermal_storage import EFFECT as thermal_storage
+from pvlib_fem.effects.catalogue.wind_direction import EFFECT as wind_direction
+from pvlib_fem.effects.catalogue.wind_shape import EFFECT as wind_shape
+from pvlib_fem.effects.effect import Effect
 
 __all__ = ["EFFECTS", "find"]
 

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from pvlib_fem import paper
-from pvlib_fem.dailysums import day_errors
+from pvlib_fem.paper.filters import counted
 from pvlib_fem.plotting.look import AFTER, COLOURS, MARKERS, STYLES, ink, new_axes
 from pvlib_fem.relaxation import relax
+from pvlib_fem.statistics.clusters import day_errors
 
 STEP = 1000.0  # W/m²
 SPAN = 5.0  # time constants that are drawn
@@ -79,8 +79,8 @@ def plot_tau_by_wind(fit, ax=None):
     """
     The time constant over wind: the model's, and the record's own in bins.
 
-    Points and bars (95 %) are :func:`tau_by_wind`. The curve is the law's, without
-    what effects add to loss or capacity.
+    Points and bars (95 %) are :func:`tau_by_wind`. The curve is the steady model's,
+    without what effects add to loss or capacity.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def tau_by_wind(fit):
     In each bin the constant of the dynamics (``tau``, or ``capacity``) takes one
     Gauss–Newton step [1]_ from where the fit stands, with the rows of that bin only
     and the model's exact slopes. Beside it stand an offset and a factor of the
-    over-temperature, so that a law which is too warm or too cold at that wind is
+    over-temperature, so that a model which is too warm or too cold at that wind is
     not taken for memory. Of ``balance`` it is the step's capacity times
     :math:`r_{eq}` at the wind of the bin.
 
@@ -166,7 +166,7 @@ def tau_by_wind(fit):
     """
     model, record = fit.thermal_model, fit.record
     name = constant(fit)
-    coefficients = {**model.law.fixed, **fit.coefficients}
+    coefficients = {**model.steady_model.fixed, **fit.coefficients}
     temperature, slopes = model.slopes(record.inputs, coefficients)
     residual = record["temp_module"] - temperature
     over = temperature - coefficients["bias"] - record["temp_air"]
@@ -174,7 +174,7 @@ def tau_by_wind(fit):
     wind = record["wind_speed"]
     memory = time_constant(fit, wind) / record.inputs.unit
     felt = relax(wind, record.inputs.steps, memory)
-    seen = paper.counted(record.inputs.columns, fit.night)
+    seen = counted(record.inputs.columns, fit.night)
     seen = seen & np.isfinite(residual + slopes[name] + over + felt)
     rows = []
     for bin_ in np.unique(felt[seen] // BIN):
@@ -225,8 +225,11 @@ def constant(fit):
 
 def time_constant(fit, wind_speed):
     """Time constant of a fitted model at these winds, without its effects. [s]"""
-    value, law = fit.coefficients[constant(fit)], fit.thermal_model.law
+    value, steady_model = (
+        fit.coefficients[constant(fit)],
+        fit.thermal_model.steady_model,
+    )
     if fit.dynamics == "ewm":
         return value + 0.0 * wind_speed
-    own = {name: fit.coefficients[name] for name in law.parameters}
-    return value * law.resistance(wind_speed, **own, **law.fixed)
+    own = {name: fit.coefficients[name] for name in steady_model.parameters}
+    return value * steady_model.resistance(wind_speed, **own, **steady_model.fixed)

@@ -1,0 +1,66 @@
+"""Which effects a record can try, and its own columns as effects."""
+
+from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects import EFFECTS, VARIANTS, find
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
+#: the same sunlight in other planes: no cause of its own
+IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
+#: what a user gives where these columns lack
+SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
+
+
+def candidates(drivers, refused, effects, there=()):
+    """Effects whose drivers are there, and for the others the reason they are not."""
+    if effects is None:
+        known = {n for e in EFFECTS.values() for n in measured_for(e)}
+        own = [driver(n, column) for n, column in drivers.items() if n not in known]
+        wanted = [*EFFECTS, *own]
+    else:
+        wanted = list(effects)
+    testable, notes = [], {}
+    for choice in wanted:
+        effect = find(choice)
+        if effect.name in there:
+            continue
+        # by its name alone it takes the best of what is there
+        variants = VARIANTS.get(choice) if isinstance(choice, str) else None
+        for variant in variants or (effect,):
+            lacking = [n for n in needed_for(variant.drivers) if n not in drivers]
+            if not lacking:
+                testable.append(variant)
+                break
+        else:
+            lacking = [n for n in needed_for(effect.drivers) if n not in drivers]
+            why = [refused[name] for name in lacking if name in refused]
+            none = [SUN.get(name, name) for name in lacking if name not in refused]
+            if none:
+                why.append(f"no {', '.join(sorted(set(none)))}")
+            notes[effect.name] = "; ".join(why)
+    return testable, notes
+
+
+def measured_for(effect):
+    """Columns that any variant of an effect needs."""
+    variants = VARIANTS.get(effect.name, (effect,))
+    return [n for variant in variants for n in needed_for(variant.drivers)]
+
+
+def driver(name, column):
+    """A column of the user's own as an effect: heat that follows it."""
+    mean, most = float(column.mean()), MOST_HEAT / float(column.std())
+
+    def terms(values, *, heat):
+        """Heat for each unit of the column beyond its mean."""
+        return Terms(heat=heat * (values - mean))
+
+    row = Parameter(0.0, -most, most, f"W/m² per unit of {name}")
+    return Effect(
+        f"driver:{name}",
+        terms,
+        {"heat": row},
+        columns=(name,),
+        confounder=name in IRRADIANCES,
+        decided_by=f"what {name} stands for",
+    )

@@ -1,0 +1,43 @@
+"""A shield that the sun warms, and the air temperature sensor in it."""
+
+import numpy as np
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(poa_global, wind_speed, *, warm):
+    r"""
+    Air that is measured too warm in sun and calm [1]_.
+
+    .. math::
+
+        \mathrm{offset} = -\mathrm{warm} \cdot \mathrm{poa\_global} / 1000
+        \cdot \exp(-\mathrm{wind\_speed} / 1.2)
+
+    ``warm`` is the error at 1000 W/m² and no wind: 2 to 4 K in a shield that is
+    not aspirated.
+
+    References
+    ----------
+    .. [1] R. Nakamura and L. Mahrt, "Air Temperature Measurement Errors in
+       Naturally Ventilated Radiation Shields", J. Atmos. Oceanic Technol. 22,
+       1046 (2005), :doi:`10.1175/JTECH1762.1`.
+    """
+    calm = np.exp(-wind_speed / 1.2)
+    return Terms(offset=-warm * poa_global / 1000.0 * calm)
+
+
+EFFECT = Effect(
+    "air_shield",
+    terms,
+    {"warm": Parameter(0.0, 0.0, 6.0, "K")},
+    confounder=True,
+    decided_by="a second, aspirated air temperature sensor",
+    confused_with=(
+        "wind_shape",
+        "natural_convection",
+        "poa_misalignment",
+        "season",
+        "the steady model's coefficients, which take up most of it",
+    ),
+)

@@ -1,0 +1,45 @@
+"""Beam that the glass reflects when the sun strikes at a flat angle."""
+
+import numpy as np
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(beam, aoi_projection, *, b0):
+    r"""
+    Beam reflected beyond that at normal incidence [1]_.
+
+    .. math::
+
+        \mathrm{heat} = -\mathrm{b0} \cdot \mathrm{beam} \cdot
+        \min(1 / \mathrm{aoi\_projection} - 1, 5)
+
+    A thermopile's dome does not lose it; a reference cell under the same glass
+    does, and then ``b0`` is 0.
+
+    References
+    ----------
+    .. [1] A. F. Souka and H. H. Safwat, "Determination of the optimum orientations
+       for the double exposure flat-plate collector and its reflections", Solar
+       Energy 10, 170 (1966), as in :func:`pvlib.iam.ashrae`: 1 - b0·(1/cos - 1)
+       with 0.05.
+    """
+    excess = 1.0 / np.maximum(aoi_projection, 0.01) - 1.0
+    return Terms(heat=-b0 * beam * np.minimum(excess, 5.0))
+
+
+EFFECT = Effect(
+    "incidence_angle",
+    terms,
+    {"b0": Parameter(0.0, 0.0, 0.2, "-")},
+    confounder=True,
+    decided_by="a reference cell beside the pyranometer",
+    confused_with=(
+        "natural_convection",
+        "poa_misalignment",
+        "season",
+        "shading",
+        "dew after sunrise",
+        "the spectrum of a low sun",
+    ),
+)

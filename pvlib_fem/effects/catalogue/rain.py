@@ -1,0 +1,66 @@
+"""A film of water that cools a module, in rain and while it dries."""
+
+from dataclasses import replace
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(wetness, *, film):
+    r"""
+    Loss by evaporation, taken as a further loss towards the air [1]_.
+
+    .. math:: \mathrm{loss} = \mathrm{film} \cdot \mathrm{wetness}
+
+    ``film`` is the latent over the sensible loss of a wet face: with air of 70 %
+    relative humidity the vapour pressure at a warm module makes it some 10 to
+    40 W/(m² K).
+
+    References
+    ----------
+    .. [1] Lewis's relation, h/(rho·c_p·Le^(2/3)) for the transfer of vapour: F. P.
+       Incropera et al., "Fundamentals of Heat and Mass Transfer", section 6.7.
+    """
+    return Terms(loss=film * wetness)
+
+
+def evaporation(film_vapour, *, film):
+    r"""
+    The same by the vapour that the film gives off, where humidity is known.
+
+    .. math:: \mathrm{heat} = -\mathrm{film} \cdot \mathrm{film\_vapour}
+
+    ``film`` is Lewis's 0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one
+    face, over the absorbed share of irradiance: 10 to 60 W/(m² hPa).
+    """
+    return Terms(heat=-film * film_vapour)
+
+
+EFFECT = Effect(
+    "rain",
+    terms,
+    {"film": Parameter(0.0, 0.0, 1000.0, "W/(m² K)")},
+    decided_by="a wetness sensor on the module",
+    confused_with=(
+        "sky_radiation",
+        "soiling",
+        "snow",
+        "the time constant, where irradiance falls as the rain comes",
+        "air that turns cold before the rain",
+    ),
+)
+FROM_HUMIDITY = replace(
+    EFFECT,
+    terms=evaporation,
+    parameters={"film": Parameter(0.0, 0.0, 200.0, "W/(m² hPa)")},
+    settings={"source": "humidity"},
+    source="humidity",
+)
+#: by what is known of the air, the best first
+VARIANTS = (FROM_HUMIDITY, EFFECT)
+
+
+def out_of(source):
+    """The effect from one of its sources."""
+    if source != "humidity":
+        raise ValueError(f"unknown source {source!r} of rain; there is humidity")
+    return FROM_HUMIDITY

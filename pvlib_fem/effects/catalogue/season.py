@@ -1,0 +1,48 @@
+"""A swing with the year, whatever its cause."""
+
+import numpy as np
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(poa_global, day_angle, *, winter, spring):
+    r"""
+    Share of irradiance that comes and goes with the year [1]_.
+
+    .. math::
+
+        \mathrm{heat} = (\mathrm{winter} \cdot \cos(\mathrm{day\_angle})
+        + \mathrm{spring} \cdot \sin(\mathrm{day\_angle}))
+        \cdot \mathrm{poa\_global}
+
+    ``winter`` is its part at the turn of the year, when it is winter north of
+    the equator, and ``spring`` that of the first of April. Albedo, longwave loss,
+    a tilt that is off and one year's drift all leave it.
+
+    References
+    ----------
+    .. [1] F. P. Incropera et al., "Fundamentals of Heat and Mass Transfer",
+       section 1.2: radiation as 4·ε·σ·T³, 1 % more for each kelvin. Of the whole
+       loss that is 0.2 to 0.3 %, and of a year of ±10 K a swing of ±0.03.
+    """
+    swing = winter * np.cos(day_angle) + spring * np.sin(day_angle)
+    return Terms(heat=swing * poa_global)
+
+
+EFFECT = Effect(
+    "season",
+    terms,
+    {
+        "winter": Parameter(0.0, -0.2, 0.2, "-"),
+        "spring": Parameter(0.0, -0.2, 0.2, "-"),
+    },
+    confounder=True,
+    decided_by="a second year, or an albedometer",
+    confused_with=(
+        "poa_misalignment",
+        "rear_irradiance",
+        "temperature_gain",
+        "sensitivity_drift",
+        "soiling",
+    ),
+)

@@ -1,0 +1,72 @@
+"""Longwave loss to a sky that is colder than the air."""
+
+from dataclasses import replace
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(sky_deficit, *, share):
+    r"""
+    Heat lost to the sky, in the currency of irradiance [1]_.
+
+    .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{sky\_deficit}
+
+    ``share`` is emissivity · sky view over the absorbed share of irradiance: the
+    steady models count heat by incident irradiance, of which only that share is
+    heat. On a rack both faces together see one whole sky, which makes about
+    0.88/0.72; on a roof the front alone sees its part of it. pvlib's ``faiman_rad``
+    has emissivity · sky view alone.
+
+    References
+    ----------
+    .. [1] A. Driesse, J. S. Stein and M. Theristis, "Improving Common PV Module
+       Temperature Models by Incorporating Radiative Losses to the Sky",
+       SAND2022-11604, 2022, :doi:`10.2172/1884890`, as in
+       :func:`pvlib.temperature.faiman_rad`.
+    """
+    return Terms(heat=-share * sky_deficit)
+
+
+def estimated(source, column, confounder=False):
+    """The same effect where longwave is not measured."""
+    return replace(
+        EFFECT,
+        columns=(column,),
+        confounder=confounder,
+        settings={"source": source},
+        source=source,
+    )
+
+
+EFFECT = Effect(
+    "sky_radiation",
+    terms,
+    {"share": Parameter(0.0, 0.0, 3.0, "-")},
+    decided_by="a pyrgeometer",
+    source="measured longwave",
+    confused_with=(
+        "season",
+        "temperature_gain",
+        "dew at night",
+        "a thermopile pyranometer that reads below zero under a clear night sky",
+        "the bias, by its mean",
+    ),
+)
+FROM_HUMIDITY = estimated("humidity", "sky_deficit_humid")
+FROM_MOISTURE = estimated("humidity, without clouds", "sky_deficit_moist")
+FROM_CLOUDS = estimated("clouds of the day", "sky_deficit_clouds", confounder=True)
+FROM_AIR = estimated("air temperature alone", "sky_deficit_air", confounder=True)
+
+#: by what is known of the sky, the best first
+VARIANTS = (EFFECT, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
+
+
+def out_of(source):
+    """The effect from one of its sources."""
+    for effect in VARIANTS:
+        if effect.source == source:
+            return effect
+    raise ValueError(
+        f"unknown source {source!r} of sky_radiation; there are "
+        f"{'; '.join(effect.source for effect in VARIANTS)}"
+    )

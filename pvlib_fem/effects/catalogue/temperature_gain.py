@@ -1,0 +1,34 @@
+"""A temperature sensor of a wrong gain, and losses that grow with warmth."""
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(temp_air, *, gain):
+    r"""
+    Reading that grows with the air's temperature as it should not [1]_.
+
+    .. math:: \mathrm{offset} = \mathrm{gain} \cdot \mathrm{temp\_air}
+
+    A gain of the module's sensor, or of its converter, does so, and the fourth
+    power in longwave loss: 0.2 to 0.3 % more loss for each kelvin.
+
+    References
+    ----------
+    .. [1] IEC 60751:2022, platinum sensors of class B: 0.3 K + 0.005·\|T\|.
+    """
+    return Terms(offset=gain * temp_air)
+
+
+EFFECT = Effect(
+    "temperature_gain",
+    terms,
+    {"gain": Parameter(0.0, -0.1, 0.1, "-")},
+    confounder=True,
+    decided_by="module against air on overcast, windy nights of all seasons",
+    confused_with=(
+        "season",
+        "poa_misalignment",
+        "thermal_storage",
+        "an efficiency that falls as the module warms",
+    ),
+)

@@ -1,0 +1,47 @@
+"""Wind that cools otherwise than in a straight line."""
+
+import numpy as np
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+
+def terms(wind_speed, *, root, stall):
+    r"""
+    Loss that bends at strong wind, and one where the anemometer stands still [1]_.
+
+    .. math::
+
+        \mathrm{loss} = \mathrm{root} \cdot \sqrt{\mathrm{wind\_speed}}
+        + \mathrm{stall} \cdot \exp(-\mathrm{wind\_speed} / 0.7)
+
+    ``root`` goes with the square root of wind, that of a laminar layer of air;
+    ``stall`` is there below some 0.7 m/s only, where cups do not turn and the
+    air moves all the same.
+
+    References
+    ----------
+    .. [1] F. P. Incropera et al., "Fundamentals of Heat and Mass Transfer",
+       section 7.2: a flat plate, Nu of Re^(1/2) to Re^(4/5).
+    """
+    calm = np.exp(-wind_speed / 0.7)
+    return Terms(loss=root * np.sqrt(wind_speed) + stall * calm)
+
+
+EFFECT = Effect(
+    "wind_shape",
+    terms,
+    {
+        "root": Parameter(0.0, -10.0, 10.0, "W s^½/(m^2½ K)"),
+        "stall": Parameter(0.0, -10.0, 10.0, "W/(m² K)"),
+    },
+    confounder=True,
+    decided_by="a sonic anemometer at the module",
+    confused_with=(
+        "air_shield",
+        "natural_convection",
+        "poa_misalignment",
+        "season",
+        "wind at the mast that is not the wind at the module",
+        "a time constant that follows the wind, where the dynamics is ewm",
+    ),
+)

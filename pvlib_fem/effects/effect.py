@@ -1,0 +1,167 @@
+"""What a physical effect adds to the one equation, and the rows of its parameters."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """
+    One row of a parameter table.
+
+    ``share_of`` names another parameter of which start and bounds are shares:
+    the fit then runs over that share, so that a bound which moves with the
+    other parameter stays a plain bound.
+    """
+
+    start: float
+    lower: float
+    upper: float
+    unit: str
+    share_of: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """
+    What something adds to the four columns of the equation.
+
+    ``capacity · dT/dt = heat − loss · (T − T_air)``, ``measured = T + offset``.
+    """
+
+    heat: np.ndarray | float = 0.0  # [W/m²]
+    loss: np.ndarray | float = 0.0  # [W/(m² K)]
+    capacity: np.ndarray | float = 0.0  # [J/(m² K)]
+    offset: np.ndarray | float = 0.0  # [K]
+
+    def plus(self, other, times=1.0):
+        """The sum with another, ``times`` over."""
+        return Terms(
+            *(
+                getattr(self, column.name) + times * getattr(other, column.name)
+                for column in fields(Terms)
+            )
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """
+    A physical effect: a function and a table.
+
+    Parameters
+    ----------
+    name : str
+    terms : callable
+        Drivers by position, fitted parameters after the star, to
+        :class:`Terms`. With all parameters at their start it adds nothing.
+    parameters : dict of Parameter
+    columns : tuple of str, optional
+        Names of the columns for its drivers, in order, where they are not the
+        names of its arguments.
+    confounder : bool, default False
+        Whether it is a function of irradiance, air temperature, wind and sun
+        alone. Several such can look alike, so they are reported as a
+        class.
+    decided_by : str, optional
+        The measurement that would decide, in a phrase.
+    settings : dict, optional
+        What it was made with, where its name alone does not say it.
+    source : str, optional
+        Which of several drivers it uses; printed as "from ...".
+    confused_with : tuple of str, optional
+        What else can leave the same residual: names of effects, or phrases.
+    """
+
+    name: str
+    terms: Callable
+    parameters: Mapping[str, Parameter]
+    columns: tuple | None = None
+    confounder: bool = False
+    decided_by: str = ""
+    settings: Mapping = field(default_factory=dict)
+    source: str = ""
+    confused_with: tuple = ()
+
+    @property
+    def spec(self):
+        """Its name, or a dict with its settings: what finds it again."""
+        return {"name": self.name, **self.settings} if self.settings else self.name
+
+    @property
+    def drivers(self):
+        """Names of the columns that it needs."""
+        if self.columns is not None:
+            return self.columns
+        signature = inspect.signature(self.terms).parameters.values()
+        return tuple(p.name for p in signature if p.kind is not p.KEYWORD_ONLY)
+
+    def rows(self):
+        """Parameter rows by the name that they have in a model."""
+        return {f"{self.name}.{name}": row for name, row in self.parameters.items()}
+
+    def at(self, columns, coefficients):
+        """Terms with these coefficients of a model."""
+        drivers = [columns[name] for name in self.drivers]
+        own = {name: coefficients[f"{self.name}.{name}"] for name in self.parameters}
+        return self.terms(*drivers, **own)
+
+    def slopes(self, columns, coefficients):
+        """
+        Slope of the terms by each parameter, by central differences.
+
+        Most effects are linear in their parameters, for which this is exact.
+        """
+        slopes = {}
+        for name, row in self.rows().items():
+            step = 1e-4 * (row.upper - row.lower)
+            up, down = (
+                self.at(columns, {**coefficients, name: coefficients[name] + change})
+                for change in (step, -step)
+            )
+            difference = up.plus(down, -1.0)
+            slopes[name] = Terms().plus(difference, 0.5 / step)
+        return slopes
+
+
+@dataclass(frozen=True, eq=False)
+class Tabled:
+    """An effect that is linear in its parameters, on one record: slopes say all."""
+
+    effect: Effect
+    units: Mapping  # slope of the terms by parameter
+
+    def __getattr__(self, name):
+        return getattr(self.effect, name)
+
+    def at(self, columns, coefficients):
+        """Terms with these coefficients, from the slopes."""
+        whole = Terms()
+        for name, row in self.effect.rows().items():
+            whole = whole.plus(self.units[name], coefficients[name] - row.start)
+        return whole
+
+    def slopes(self, columns, coefficients):
+        return self.units
+
+
+def tabled(effect, columns):
+    """The effect by its slopes on these columns, or as it is where not linear."""
+    if isinstance(effect, Tabled):
+        return effect
+    rows = effect.rows()
+    start = {name: row.start for name, row in rows.items()}
+    known = Tabled(effect, effect.slopes(columns, start))
+    # somewhere inside the bounds, and nowhere special
+    inside = {
+        name: row.lower + 0.37 * (row.upper - row.lower) for name, row in rows.items()
+    }
+    one, other = effect.at(columns, inside), known.at(columns, inside)
+    for column in fields(Terms):
+        a, b = getattr(one, column.name), getattr(other, column.name)
+        if not np.allclose(a, b, rtol=1e-6, atol=1e-9, equal_nan=True):
+            return effect
+    return known

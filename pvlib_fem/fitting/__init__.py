@@ -1,0 +1,1 @@
+"""Coefficients from a measured record."""

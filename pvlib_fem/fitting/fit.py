@@ -1,0 +1,364 @@
+"""Fit the FEM coefficients to a measured record, with honest errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem import scores
+from pvlib_fem.effects import find
+from pvlib_fem.effects.effect import tabled
+from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.paper.filters import counted
+from pvlib_fem.paper.recipe import paper_stages
+from pvlib_fem.record.checks import measured
+from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.statistics.clusters import calendar_weeks, day_errors
+from pvlib_fem.statistics.leastsquares import FLAT, gauss_newton, normal_equations
+from pvlib_fem.thermal.model import INSTANT, ThermalModel, thermal_model
+
+METHODS = ("least_squares", "paper")
+FEWEST_DAYS = 5  # below this the spread between days is no error
+ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
+UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
+
+
+def fit_fem(
+    poa_global,
+    temp_air,
+    wind_speed,
+    temp_module,
+    model="wm1",
+    dynamics="ewm",
+    method="least_squares",
+    holdout=None,
+    calm_wind=0.5,
+    check_units=True,
+    effects=(),
+    night=False,
+    **drivers,
+) -> FemFit:
+    """
+    Fit a steady model, made dynamic, to measured module temperature.
+
+    The FEM method: Filter, Exponential weighted mean, Mean bias [1]_. By
+    default all coefficients, the time constant and the bias are fitted
+    together by least squares.
+
+    Parameters
+    ----------
+    poa_global : Series
+        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²]
+    temp_air : Series
+        Air temperature. [°C]
+    wind_speed : Series
+        Wind speed. [m/s]
+    temp_module : Series
+        Measured module temperature. [°C]
+    model : str, default "wm1"
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"`` or ``"wm2"``.
+    dynamics : str, default "ewm"
+        ``"steady"``; ``"ewm"``, the paper's smoothing of irradiance and wind
+        with one tau; ``"balance"``, the exact heat balance.
+    method : str, default "least_squares"
+        Or ``"paper"``: the paper's own recipe, with regressions of five-minute
+        averages for the coefficients, step changes for tau and the mean error
+        of the training days for the bias.
+    holdout : Series of bool, optional
+        Rows to hold out. By default the weekend days where the record has two
+        weekends, as in the paper, else every other day.
+    calm_wind : float, default 0.5
+        Wind below which ``method="paper"`` takes the air as calm. [m/s]
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+    effects : sequence of str, dict or Effect, optional
+        Physical effects to fit beside the model: by name
+        (``pvlib_fem.effects.EFFECTS``), by name and settings, as ``{"name":
+        "sky_radiation", "source": "humidity"}``, or of one's own. ``scores`` has a
+        row for each, in this order.
+    night : bool, default False
+        Whether night rows count, too. By day only, as in the paper, the
+        coefficients serve the energy; nights tell more of sky and storage.
+    **drivers : Series
+        Further columns that the effects need, by name: ``wind_direction`` [°
+        from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
+        ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm], and
+        ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
+        [°], of which ``pvlib_fem.drivers.sun`` gives the first two.
+
+    Returns
+    -------
+    FemFit
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable (times, columns, units, too many impossible
+        values), a name is unknown, or a step has too few points. The message
+        names the column or step, the value and the remedy.
+
+    Notes
+    -----
+    The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
+    the recursion runs over all rows, night included. Errors come from leaving
+    out each training day in turn, so they survive autocorrelation within a
+    day; below 5 training days they are NaN and the fit goes on.
+
+    The tau of ``method="paper"`` runs backwards: it falls as the true time
+    constant grows, see the table at :func:`pvlib_fem.paper.time_constant`.
+    That method gives no errors.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eq. 28.
+       :doi:`10.22541/au.166922866.68736478`
+    """
+    target = thermal_model(model, dynamics, [find(name) for name in effects])
+    drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+    target.check_drivers(drivers)
+    if method not in METHODS:
+        raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
+    if method == "paper" and dynamics == "balance":
+        raise ValueError(
+            "method='paper' has no heat balance; use dynamics='ewm', or "
+            "method='least_squares'"
+        )
+    if method == "paper" and effects:
+        raise ValueError("method='paper' has no effects; use method='least_squares'")
+    if method == "paper" and night:
+        raise ValueError("method='paper' is for daytime rows; use night=False")
+    record = measured(
+        poa_global, temp_air, wind_speed, temp_module, check_units, **drivers
+    )
+    record = replace(record, inputs=target.with_drivers(record.inputs))
+    filtered = counted(record.inputs.columns, night)
+    for name in target.drivers:
+        filtered &= ~np.isnan(record[name])
+    notes = []
+    out = held_out(record, filtered, holdout, notes)
+    train = filtered & ~out
+    if method == "paper":
+        stages = paper_stages(target, record, train, ~out, calm_wind, notes)
+        stderr = dict.fromkeys(stages["fem"][1], np.nan)
+        at_bound, converged = (), True
+        notes.append("no errors: the paper's recipe gives none")
+    else:
+        stages, minimum = least_squares_stages(target, record, train, ~out)
+        free = list(target.parameters)
+        at_bound = tuple(np.array(free)[minimum.at_bound].tolist())
+        converged = minimum.converged
+        stderr = errors(target, record, train, last(stages)[1], at_bound, notes)
+        if not converged:
+            notes.append("the search did not converge: do not trust the numbers")
+    modelled = {
+        name: m.temperature(record.inputs, c) for name, (m, c) in stages.items()
+    }
+    test = filtered & out
+    return finished(
+        target,
+        record,
+        last(modelled),
+        (train, test, out),
+        (last(stages)[1], stderr, at_bound, converged),
+        scores=score_table(record, modelled, train, test),
+        notes=tuple(notes),
+        method=method,
+        night=night,
+    )
+
+
+def finished(target, record, temperature, parts, minimum, **how):
+    """The result, from the last temperature and minimum."""
+    train, test, out = parts
+    found, stderr, at_bound, converged = minimum
+    coefficients = public(target, found)
+    residual = record["temp_module"] - temperature
+    days = record.days
+    return FemFit(
+        model=target.steady_model.name,
+        dynamics=target.dynamics,
+        effects=target.effects,
+        coefficients=coefficients,
+        stderr={name: stderr.get(name, 0.0) for name in coefficients},
+        residual=pd.Series(residual, record.index, name="residual"),
+        at_bound=at_bound,
+        converged=converged,
+        train_days=len(np.unique(days[train])),
+        test_days=len(np.unique(days[test])),
+        holdout=pd.Series(out, record.index, name="holdout"),
+        record=record,
+        **how,
+    )
+
+
+def held_out(record, filtered, holdout, notes):
+    """Boolean array of the rows that the fit does not see."""
+    index = record.index
+    if holdout is not None:
+        out = record.rows(holdout)
+    else:
+        weekend = np.asarray(index.day_of_week >= 5)
+        weeks = calendar_weeks(record.dates)
+        two = len(np.unique(weeks[weekend & filtered])) >= 2
+        out = weekend if two else record.days % 2 == 1
+        if not (filtered & ~out).any():
+            out = np.zeros(len(index), dtype=bool)
+    if not (filtered & out).any():
+        notes.append("no row that counts is held out: test scores are NaN")
+    return out
+
+
+def needed(step, rows, parameters):
+    if rows <= parameters:
+        raise ValueError(
+            f"{step} needs more than {parameters} rows and has {rows}: training "
+            "rows with all four columns, more than 20 W/m², the module at 0 to 80 "
+            "°C, air at -20 to 60 °C and wind up to 25 m/s; use a longer record"
+        )
+
+
+def least_squares_stages(target, record, train, not_held_out):
+    """Model and coefficients after each step, and the last minimum."""
+    needed("least squares", int(train.sum()), len(target.parameters))
+    complete = np.isfinite(sum(record[name] for name in COLUMNS))
+    steady = ThermalModel(target.steady_model, "steady")
+    plain = ThermalModel(target.steady_model, target.dynamics)
+    start = {name: row.start for name, row in target.parameters.items()}
+    steps = [
+        ("standard", steady, complete & not_held_out, False),
+        ("filter", steady, train, False),
+        ("ewm", plain, train, False),
+        ("fem", plain, train, True),
+    ]
+    for i, added in enumerate(target.effects, start=1):
+        larger = replace(plain, effects=target.effects[:i])
+        steps.append((f"+ {added.name}", larger, train, True))
+    stages = {}
+    for name, model, rows, biased in steps:
+        # what a later step starts from need not be as flat as the last
+        flat = FLAT if name == steps[-1][0] else ROUGH
+        minimum, start = minimise(model, record, rows, start, biased, flat)
+        stages[name] = (model, natural(model, start)[0])
+    return stages, minimum
+
+
+def minimise(model, record, rows, start, biased, flat):
+    """Least squares of one stage, over its parameters as the search sees them."""
+    # the bias is last, so leaving it out leaves the others where they are
+    names = list(model.parameters)[: None if biased else -1]
+    model = replace(model, effects=tables(model.effects, record))
+    table = [model.parameters[name] for name in names]
+    rows = np.flatnonzero(rows)
+    measured_rows = record["temp_module"][rows]
+
+    def evaluate(x):
+        coefficients, chain = natural(model, {**start, **dict(zip(names, x))})
+        temperature = model.temperature(record.inputs, coefficients)
+
+        def jacobian():
+            slopes = model.slopes(record.inputs, coefficients)[1]
+            columns = [slopes[name][rows] for name in names]
+            return [
+                columns[i]
+                if own[i] == 1.0 and len(own.nonzero()[0]) == 1
+                # a share moves with the whole that it is of
+                else sum(columns[j] * own[j] for j in np.flatnonzero(own))
+                for i, own in enumerate(chain[: len(names), : len(names)].T)
+            ]
+
+        return measured_rows - temperature[rows], jacobian
+
+    minimum = gauss_newton(
+        evaluate,
+        [start[name] for name in names],
+        [row.lower for row in table],
+        [row.upper for row in table],
+        flat=flat,
+    )
+    found = {**start, **dict(zip(names, minimum.x.tolist()))}
+    return minimum, found
+
+
+def tables(effects, record):
+    """The effects by their slopes on a record, where those say all."""
+    return tuple(tabled(effect, record.inputs.columns) for effect in effects)
+
+
+def natural(model, searched):
+    """Coefficients from what the search varies, and the slopes of that map."""
+    names = list(model.parameters)
+    values = {name: searched[name] for name in names}
+    chain = np.eye(len(names))
+    for i, (name, row) in enumerate(model.parameters.items()):
+        if row.share_of is not None:
+            whole = searched[row.share_of]
+            values[name] = searched[name] * whole
+            chain[i, i] = whole
+            chain[i, names.index(row.share_of)] = searched[name]
+    return {**values, **model.steady_model.fixed}, chain
+
+
+def errors(target, record, train, coefficients, at_bound, notes):
+    """Standard errors by the day, NaN with a note where there are none."""
+    names = [name for name in target.parameters if name not in at_bound]
+    stderr = dict.fromkeys(target.parameters, np.nan)
+    if at_bound:
+        notes.append(
+            f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
+            "others hold it fixed"
+        )
+    days = record.days[train]
+    if len(np.unique(days)) < FEWEST_DAYS:
+        notes.append(
+            f"errors are NaN: the spread between days needs {FEWEST_DAYS} training "
+            f"days, and there are {len(np.unique(days))}"
+        )
+        return stderr
+    temperature, slopes = target.slopes(record.inputs, coefficients)
+    rows = np.flatnonzero(train)
+    columns = [slopes[name][rows] for name in names]
+    residual = record["temp_module"][rows] - temperature[rows]
+    normal, _ = normal_equations(columns, residual)
+    size = np.sqrt(np.diag(normal))
+    size[size == 0] = 1.0
+    normal = normal / np.outer(size, size)
+    values, vectors = np.linalg.eigh(normal)
+    if not values[0] > UNKNOWN * values[-1]:
+        tied = [n for n, v in zip(names, np.abs(vectors[:, 0])) if v > 0.1]
+        notes.append(
+            f"errors are NaN: the record does not determine {' and '.join(tied)} "
+            "(does wind_speed vary?)"
+        )
+        return stderr
+    covariance = day_errors(columns, residual, days)
+    return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}
+
+
+def last(stages):
+    """What the last step came to."""
+    return list(stages.values())[-1]
+
+
+def public(model, coefficients):
+    """Coefficients that unpack into the temperature function of the dynamics."""
+    names = list(model.parameters)
+    values = {name: float(coefficients[name]) for name in names}
+    if model.dynamics == "steady":
+        bias = values.pop("bias")
+        values = {**values, "tau": INSTANT, "bias": bias}
+    return values
+
+
+def score_table(record, modelled, train, test):
+    """RMSE, MAE and MBE of every stage on training and held-out rows."""
+    table = {}
+    for name, temperature in modelled.items():
+        table[name] = {
+            f"{score.__name__}_{part}": score(
+                record["temp_module"][rows], temperature[rows]
+            )
+            for part, rows in (("train", train), ("test", test))
+            for score in (scores.rmse, scores.mae, scores.mbe)
+        }
+    return pd.DataFrame.from_dict(table, orient="index")

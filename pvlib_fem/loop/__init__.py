@@ -1,0 +1,1 @@
+"""The closed loop: from the residual to the effect that the model lacks."""

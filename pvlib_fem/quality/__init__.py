@@ -1,0 +1,1 @@
+"""Faults of sensors and loggers, found before any model is fitted."""

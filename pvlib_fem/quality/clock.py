@@ -1,0 +1,283 @@
+"""Is the module's logger late? What physics allows no model to hide.
+
+A module cannot answer before the sun asks. So the change of its temperature, seen
+lag by lag after the changes of irradiance, tells where the answer begins (`onset`):
+at no lag where both clocks agree. No thermal model is fitted; how much and how slowly
+the module answers is free, as long as it is a sum of decays that all begin at once.
+"""
+
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from pvlib_fem.quality.onset import COARSEST, DAY, daily_sums, measured_blocks, plain
+
+HOUR = 3600.0  # s
+#: seconds beyond one sample that sensors and averaging may differ by
+SLACK = 30.0
+JUMP = (3300.0, 3900.0)  # s, 60 ± 5 min: daylight-saving time
+SURE = 0.99865  # one-sided, of three standard errors
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """
+    How late the module's logger is, from :func:`clock_shift`.
+
+    Notes
+    -----
+    Positive is late: what happened at ``t`` is written at ``t + late``, so that
+    ``temp_module(t + late)`` belongs to ``poa_global(t)``.
+    """
+
+    late: float = np.nan  # at the middle of the record, outside daylight saving [s]
+    stderr: float = np.nan  # [s]
+    drift: float = np.nan  # [s/day]
+    drift_stderr: float = np.nan  # [s/day]
+    blocks: pd.DataFrame = field(default_factory=pd.DataFrame)
+    jumps: tuple = ()  # (first day after it, seconds)
+    faults: dict = field(default_factory=dict)  # name: one line
+    why: str = ""  # one line; "" when the clock is fine
+    middle: float = 0.0  # of the record, from its start [s]
+    hours: tuple = ()  # (from here on [s], late by that [s])
+    limit: float = np.nan  # below which it is not at fault: a sample, and a sensor [s]
+
+    @property
+    def fault(self) -> bool:
+        return bool(self.faults)
+
+    def at(self, seconds):
+        """How late the clock is, of what its faults say; 0 if it has none. [s]"""
+        late = np.zeros(len(seconds))
+        if {"clock_shift", "clock_drift"} & set(self.faults):
+            late += self.late
+        if "clock_drift" in self.faults:
+            late += self.drift * (np.asarray(seconds) - self.middle) / DAY
+        return late + offsets(self.hours, seconds)
+
+    def corrected(self, seconds, values):
+        """
+        A column of the module's logger by the clock of the irradiance.
+
+        Parameters
+        ----------
+        seconds : array
+            Times since the record's first row, as ``record.inputs.seconds``. [s]
+        values : array
+            ``temp_module``, or ``p_dc`` where the same logger wrote it.
+
+        Returns
+        -------
+        array
+            Interpolated to what happened at ``seconds``; NaN beyond the record's
+            ends, and beside a NaN. A clock without fault changes nothing.
+        """
+        values = np.asarray(values, dtype=float)
+        if not self.fault:
+            return values.copy()
+        asked = seconds + self.at(seconds)
+        return np.interp(asked, seconds, values, left=np.nan, right=np.nan)
+
+
+def clock_shift(record, skip=None) -> Clock:
+    """
+    How late ``temp_module`` is written against ``poa_global``, by causality.
+
+    Parameters
+    ----------
+    record : Record
+        From ``records.measured``; its rows are 15 min apart at most.
+    skip : array of bool, optional
+        Rows that are not to be used, as those of a stuck sensor.
+
+    Returns
+    -------
+    Clock
+        ``late`` [s] with its ``stderr``, ``drift`` [s/day], ``jumps`` of an hour,
+        and ``blocks`` of some days each. ``late`` is NaN, and ``why`` says so,
+        where the record is too short, too coarse or too clear to tell.
+
+    Notes
+    -----
+    Changes of temperature are regressed on changes of irradiance, lag by lag,
+    both less what is slower than an hour [1]_. The response is that of a sum of
+    decays, each with a weight that is not negative, seen by a contact sensor
+    (40 s) and held over each step; the time at which it begins is fitted. Errors
+    leave days whole, since clouds of one day are not independent.
+
+    A clock is at fault if it is out by more than one sample and half a minute:
+    whether a row holds its step's mean or end moves it by half a sample, and
+    contact sensors differ by half a minute. A drift must add up to that over the
+    record.
+
+    References
+    ----------
+    .. [1] L. Ljung, "System identification", 1999, ch. 6: impulse response by
+       correlation; a delay is where it begins.
+    """
+    seconds = record.inputs.seconds
+    if len(seconds) < 2 or seconds[-1] < 1.5 * DAY:
+        return unknown("the record is shorter than two days")
+    if (base := np.median(np.diff(seconds))) > COARSEST:
+        return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
+    poa, module = record["poa_global"], record["temp_module"]
+    if skip is not None:
+        module = np.where(skip, np.nan, module)
+    sums = daily_sums(seconds, base, poa, module)
+    blocks = measured_blocks(sums, [])
+    if changes := jumps_between(sums, blocks):
+        blocks = measured_blocks(sums, [change["day"] for change in changes])
+    if not blocks:
+        return unknown("too little broken cloud, whose edges show where it begins")
+    return judge(record.index[0], seconds, sums, blocks, changes)
+
+
+def unknown(reason):
+    return Clock(why=f"the module's clock was not checked: {reason}")
+
+
+def jumps_between(sums, blocks):
+    """Days at which the clock moved by an hour, and by what. [s]"""
+    shape, found = plain(sums.step), []
+    for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
+        if not JUMP[0] < abs(other["late"] - one["late"]) < JUMP[1]:
+            continue
+        days = np.arange(one["day"], end["day"])
+        fit = (sums.later(block["coarse"], len(shape), days) for block in (one, other))
+        before, after = (np.einsum("ij,j->i", part, shape) for part in fit)
+        gain = np.concatenate(([0.0], np.cumsum(before - after)))
+        day = int(one["day"] + np.argmax(gain))
+        hour = HOUR * float(np.sign(other["late"] - one["late"]))
+        found.append({"day": day, "seconds": sums.start + day * sums.day, "by": hour})
+    return found
+
+
+def judge(origin, seconds, sums, blocks, changes):
+    """The line through the blocks, hours apart, and what is wrong with it."""
+    hours = hours_of(blocks, changes)
+    blocks, middle, span = (
+        pd.DataFrame(blocks),
+        float(seconds[-1] / 2),
+        seconds[-1] / DAY,
+    )
+    late = blocks["late"] - offsets(hours, blocks["seconds"])
+    days = (blocks["seconds"] - middle) / DAY
+    found = line(days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
+    value, stderr, drift, drift_stderr, centre, rest = found
+    limit, gained, faults = sums.step + SLACK, drift * span / 60, {}
+    if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1) * drift_stderr:
+        value -= drift * centre
+        way = "later" if drift > 0 else "earlier"
+        faults["clock_drift"] = (
+            f"the clock of temp_module gets {way} by {abs(drift):.1f} ± "
+            f"{drift_stderr:.1f} s every day, {abs(gained):.0f} min over the record"
+        )
+    if abs(value) > limit and abs(value) > sure(rest) * stderr:
+        faults["clock_shift"] = (
+            f"the clock of temp_module is {abs(value) / 60:.1f} ± "
+            f"{left_open(stderr, limit) / 60:.1f} min "
+            f"{'late' if value > 0 else 'early'} beside that of poa_global"
+        )
+    jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
+    if jumps:
+        dates = ", ".join(f"{c / 60:+.0f} min on {d.date()}" for d, c in jumps)
+        faults["dst"] = (
+            f"the clock of temp_module jumps by {dates}, as daylight-saving time does"
+        )
+    blocks["start"] = [
+        day_of(origin, sums.start + day * sums.day) for day in blocks["day"]
+    ]
+    return Clock(
+        float(value),
+        float(stderr),
+        float(drift),
+        float(drift_stderr),
+        blocks[["start", "seconds", "late", "stderr"]],
+        jumps,
+        faults,
+        "; ".join(faults.values()),
+        middle,
+        hours,
+        limit,
+    )
+
+
+def hours_of(blocks, changes):
+    """From when on [s] the clock is by how many hours [s] off its standard time."""
+    if not changes:
+        return ()
+    hours = [(-np.inf, 0.0)]
+    for change in changes:
+        hours.append((change["seconds"], hours[-1][1] + change["by"]))
+    # standard time is where the clock is least wrong
+    ends = [start for start, _ in hours[1:]] + [np.inf]
+    wrong = [
+        abs(
+            np.mean(
+                [b["late"] for b in blocks if start <= b["seconds"] < end] or np.inf
+            )
+        )
+        for (start, _), end in zip(hours, ends)
+    ]
+    standard = hours[int(np.argmin(wrong))][1]
+    return tuple((start, late - standard) for start, late in hours)
+
+
+def offsets(hours, seconds):
+    late = np.zeros(len(seconds))
+    for start, offset in hours:
+        late[np.asarray(seconds) >= start] = offset
+    return late
+
+
+def line(x, y, stderr):
+    """Mean and slope of blocks with their errors, their centre, and how many more."""
+    # blocks that are out of line by an accident do not count
+    slopes = [(b - a) / (t - s) for (s, a), (t, b) in combinations(zip(x, y), 2)]
+    slope = np.median(slopes) if len(x) > 3 else 0.0
+    off = y - slope * x
+    off = np.abs(off - np.median(off))
+    kept = off <= 6 * 1.4826 * max(np.median(off), 3.0) if len(x) > 3 else off < np.inf
+    x, y, stderr = x[kept], y[kept], np.hypot(stderr[kept], 3.0)
+    weight, rest = stderr**-2, len(x) - 1
+    centre, mean = (np.average(v, weights=weight) for v in (x, y))
+    x, y = x - centre, y - mean
+    told = weight @ x**2
+    if rest < 2 or not told > 0:
+        spread = weight @ y**2 / max(rest, 1)
+        return (
+            mean,
+            np.sqrt(max(spread, 1) / weight.sum()),
+            np.nan,
+            np.nan,
+            centre,
+            rest,
+        )
+    slope = weight @ (x * y) / told
+    spread = max(weight @ (y - slope * x) ** 2 / (rest - 1), 1.0)
+    return (
+        mean,
+        np.sqrt(spread / weight.sum()),
+        slope,
+        np.sqrt(spread / told),
+        centre,
+        rest,
+    )
+
+
+def left_open(stderr, limit):
+    """Error of a clock with what a row's place in its step leaves open. [s]"""
+    return np.hypot(stderr, limit / np.sqrt(12.0))
+
+
+def sure(rest):
+    """Standard errors that are three of a long record, by what was left over."""
+    return student.ppf(SURE, max(rest, 2))
+
+
+def day_of(origin, seconds):
+    """The day that begins nearest to a time."""
+    return (origin + pd.Timedelta(seconds=seconds + DAY / 2)).normalize()

@@ -1,0 +1,1 @@
+"""A measured record: its columns, its checks, its files, its steps."""

@@ -1,0 +1,367 @@
+"""A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
+
+import hashlib
+
+import numpy as np
+
+from pvlib_fem.effects import EFFECTS
+from pvlib_fem.findings import ADDED
+from pvlib_fem.record.checks import instants
+from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.report import advice
+from pvlib_fem.report.advice import place
+from pvlib_fem.report.document import (
+    document,
+    escaped,
+    figures,
+    listed,
+    number,
+    paragraph,
+    rounded,
+    section,
+    table,
+)
+from pvlib_fem.report.pictures import pictures
+
+STEPS = {"steady": "no memory", "fem": "the paper's form", "balance": "heat balance"}
+VERDICTS = {
+    "named": "no other candidate explains it",
+    "class": "one of several that this record cannot tell apart",
+    "suggestive": "a hint, not added to the model",
+    "unknown": "no effect of the catalogue follows it",
+}
+
+
+def page(loop, never=()):
+    """
+    The report of a closed loop as one HTML file.
+
+    It has no script, no address of anything outside and no time of its making: the
+    same loop gives the same text. All that may come from a user's file is escaped.
+
+    Parameters
+    ----------
+    loop : Loop
+    never : sequence of str
+        What no record of these columns can tell.
+
+    Returns
+    -------
+    str
+    """
+    parts = [
+        verdict(loop),
+        section("Errors by step", errors(loop)),
+        section("Pictures", figures(pictures(loop))),
+        section("Coefficients", coefficients(loop)),
+        section("What the record cannot tell", undecided(loop)),
+        section("What is left unexplained", unexplained(loop)),
+        section("What to measure next", next_measurements(loop)),
+        section("Not testable", untestable(loop, never)),
+        section("The state of the data", health(loop)),
+        section("How to reproduce it", reproduce(loop)),
+    ]
+    return document(f"pvlib_fem: {headline(loop)}", parts)
+
+
+def added(loop):
+    return [finding for finding in loop.findings if finding.verdict in ADDED]
+
+
+def part(loop):
+    """The days that the errors of the verdict are of, and their column's ending."""
+    return ("sealed", "test") if loop.fit.test_days else ("fitted", "train")
+
+
+def short(loop):
+    """Whether there were too few days to leave any out."""
+    return not loop.weighed
+
+
+def headline(loop):
+    error = loop.table[f"rmse_{part(loop)[1]}"]
+    before, after = error[loop.base], error[loop.last]
+    if loop.last == loop.base:
+        return f"{before:.2f} K, no effect {'weighed' if short(loop) else 'added'}"
+    return f"{before:.2f} K before, {after:.2f} K after"
+
+
+def verdict(loop):
+    """What was found, first of all and in plain words."""
+    fit, index = loop.fit, loop.fit.record.index
+    days = len(np.unique(fit.record.dates))
+    count = f"{fit.test_days} sealed days, which no fit has seen"
+    body = [
+        f"<h1>Module temperature: {escaped(headline(loop))}</h1>",
+        paragraph(
+            f"Error (RMSE) on {count if fit.test_days else 'the fitted days'}. "
+            f"{days} day{'s' * (days > 1)} from {index[0]:%Y-%m-%d} to "
+            f"{index[-1]:%Y-%m-%d}, {len(index):,} rows; model {fit.model}, dynamics "
+            f"{fit.dynamics}.",
+            "soft",
+        ),
+    ]
+    if found := added(loop):
+        some = "One effect" if len(found) == 1 else f"{len(found)} effects"
+        body.append(paragraph(f"{some} that the model lacks, in the order found:"))
+        body.append(listed((said(f), gained(f)) for f in found))
+    elif short(loop):
+        body.append(paragraph("The record is too short to weigh any effect."))
+    else:
+        body.append(
+            paragraph(
+                f"Nothing in the record asks for a further effect: none that was "
+                f"weighed gains "
+                f"{loop.min_gain:.2f} K on days left out, beyond chance and within "
+                "what is possible."
+            )
+        )
+    if hints := [f for f in loop.findings if f.verdict == "suggestive"]:
+        names = "; ".join(said(f) for f in hints)
+        body.append(paragraph(f"Hints that were not added: {names}."))
+    if left := loop.unexplained:
+        body.append(
+            paragraph(f"Of unknown cause: {'; '.join(place(f)[0] for f in left)}.")
+        )
+    return "\n".join(body)
+
+
+def said(finding):
+    """Its name, and all others that it may be."""
+    others = [name for name in finding.candidates if name != finding.effect]
+    return finding.effect + (f" (or {' or '.join(others)})" if others else "")
+
+
+def gained(finding):
+    what = meaning(finding.effect) or f"{finding.why}. "
+    gain = f"{finding.gain:.2f} K of the error on days left out"
+    return f"{what}{gain}; {finding.verdict}, {VERDICTS[finding.verdict]}"
+
+
+def meaning(name):
+    """The first line of what the effect says of itself."""
+    if name not in EFFECTS:
+        return ""
+    words = EFFECTS[name].terms.__doc__ or ""
+    line = words.strip().split("\n", 1)[0].replace(" [1]_", "").rstrip(".")
+    return f"{line[:1].lower()}{line[1:]}. " if line else ""
+
+
+def errors(loop):
+    """The table of the printed report."""
+    which, end = part(loop)
+    keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
+    keys += ["energy_error_test", "rmse_train"]
+    verdicts = {f"+{f.effect}": f.verdict for f in loop.findings}
+    rows = [
+        (
+            name.replace("+", "+ ", 1),
+            *(number(row[key]) for key in keys),
+            verdicts.get(name, STEPS.get(name, "")),
+        )
+        for name, row in loop.table.iterrows()
+    ]
+    head = ("step", "#RMSE", "#day", "#night", "#MBE", "#PR", "#fitted", "verdict")
+    return table(
+        head,
+        rows,
+        f"K on the {which} days; MBE is measured − modelled; PR is the error of the "
+        "performance ratio, without signs, in points; fitted is the RMSE on the "
+        "fitted days.",
+    )
+
+
+def coefficients(loop):
+    """Values, errors and ranges of the last step."""
+    fit = loop.fit
+    rows = []
+    for name, row in fit.thermal_model.parameters.items():
+        share = f" of {row.share_of}" if row.share_of else ""
+        bound = "at its bound" if name in fit.at_bound else ""
+        value, error = f"{fit.coefficients[name]:.5g}", rounded(fit.stderr[name])
+        span = f"{row.lower:g} … {row.upper:g}{share}"
+        rows.append((name, value, error, row.unit, span, bound))
+    for finding in loop.findings:  # a clock has numbers and no place in the model
+        for name, value in finding.coefficients.items():
+            if finding.verdict in ADDED and name not in fit.coefficients:
+                error = rounded(finding.stderr.get(name, np.nan))
+                rows.append((name, f"{value:.5g}", error, "", "", ""))
+    return table(
+        ("coefficient", "#value", "#± error", "unit", "range", ""),
+        rows,
+        "Errors from leaving out each fitted day in turn; range is what is possible.",
+    )
+
+
+def undecided(loop):
+    """Ties and hints, and what would decide."""
+    open_ = [f for f in loop.findings if f.verdict in ("class", "suggestive")]
+    if not open_:
+        none = "Nothing: all that was found has one name."
+        return paragraph(none if added(loop) else "Nothing was found.")
+    return listed(
+        (
+            said(f),
+            f"{f.verdict}, {VERDICTS[f.verdict]}; {f.gain:.2f} K; {f.why}; it would be "
+            f"{numbers(f)}",
+        )
+        for f in open_
+    )
+
+
+def numbers(finding):
+    """Coefficients of a finding in one line."""
+    return ", ".join(
+        f"{name.removeprefix(f'{finding.effect}.')} {value:.3g}"
+        + (f" ± {rounded(finding.stderr[name])}" if name in finding.stderr else "")
+        for name, value in finding.coefficients.items()
+    )
+
+
+def unexplained(loop):
+    """Structure without a name, and where it is."""
+    left = loop.unexplained
+    if not left and short(loop):
+        return paragraph("Not looked for: there are too few days to leave any out.")
+    if not left:
+        return paragraph(
+            f"No structure of {loop.min_gain:.2f} K and more over hours, months or the "
+            "columns of the record."
+        )
+    places = ((*place(f), numbers(f)) for f in left)
+    return listed((where, f"{mean} K; {why}") for where, why, mean in places)
+
+
+def next_measurements(loop):
+    """A list of what to measure, the most useful first."""
+    if items := advice.to_measure(loop):
+        return listed(items, ordered=True)
+    return paragraph("Nothing: all that could be weighed was, and nothing is open.")
+
+
+def by_reason(reasons):
+    """Names by the reason that they share, in the order of the first of them."""
+    groups = {}
+    for name, why in reasons.items():
+        groups.setdefault(why, []).append(name)
+    return groups
+
+
+def untestable(loop, never):
+    """What this record, and what no such record can show."""
+    body = []
+    if loop.untestable:
+        reasons = by_reason(loop.untestable).items()
+        body.append(listed((", ".join(names), why) for why, names in reasons))
+    else:
+        body.append(paragraph("All effects of the catalogue could be tested."))
+    if never:
+        body.append(paragraph("Never from these columns: " + "; ".join(never) + "."))
+    return "\n".join(body)
+
+
+def health(loop):
+    """What is missing or impossible, and what was done about it."""
+    record = loop.fit.record
+    rows = [
+        (name, f"{count:,}", f"{record.impossible.get(name, 0):,}")
+        for name, count in record.missing.items()
+        if count or record.impossible.get(name, 0)
+    ]
+    body = []
+    if rows:
+        head = ("column", "#missing rows", "#impossible, not used")
+        body.append(table(head, rows, f"Of {len(record.index):,} rows."))
+    else:
+        body.append(paragraph("No value is missing or impossible."))
+    if record.clipped:
+        below = f"{record.clipped:,} rows of negative irradiance were set to 0."
+        body.append(paragraph(below))
+    if notes := [*loop.notes, *loop.fit.notes]:
+        items = "\n".join(f"<li>{escaped(note)}</li>" for note in notes)
+        body.append(f"<ul>\n{items}\n</ul>")
+    return "\n".join(body)
+
+
+def reproduce(loop):
+    """Version, call, and hashes that say whether the data are the same."""
+    from pvlib_fem import __version__  # the package is complete by now
+
+    columns = measured(loop)
+    weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
+    sealed = np.packbits(loop.fit.holdout.to_numpy())
+    text = "\n".join(
+        (
+            f"pvlib_fem {__version__}",
+            "",
+            call(loop),
+            "",
+            f"sha256 of the data    {digest(loop)}",
+            f"sha256 of sealed rows {hashlib.sha256(sealed.tobytes()).hexdigest()}",
+        )
+    )
+    return "\n".join(
+        (
+            f"<pre>{escaped(text)}</pre>",
+            paragraph(
+                f"The first hash is of the times (UTC, ns) and of {', '.join(columns)} "
+                "as they were used, after the checks; the second of "
+                "np.packbits(loop.fit.holdout).",
+                "soft",
+            ),
+            paragraph(f"Effects that were weighed: {', '.join(weighed) or 'none'}."),
+            paragraph(
+                "If effects, holdout or check_units were given, they belong into the "
+                "call, too.",
+                "soft",
+            ),
+            "<details>\n<summary>The printed report</summary>\n"
+            f"<pre>{escaped(loop)}</pre>\n</details>",
+        )
+    )
+
+
+def call(loop):
+    """The call that made it, as far as the loop knows; default effects and holdout."""
+    arguments = [f"model={loop.fit.model!r}"]
+    for name, value in loop.place.items():
+        if hasattr(value, "latitude"):
+            where = f"{value.latitude}, {value.longitude}, {str(value.tz)!r}"
+            value = f"Location({where})"
+        if value is not None:
+            arguments.append(f"{name}={value}")
+    arguments = ["data", *arguments, f"min_gain={loop.min_gain:g}"]
+    inside = "".join(f"    {argument},\n" for argument in arguments)
+    return f"loop = pvlib_fem.close_loop(\n{inside})"
+
+
+def measured(loop):
+    """Names of the record's own columns, in order."""
+    record = loop.fit.record
+    return [
+        n for n in record.missing if n in record.inputs.columns and n not in GEOMETRY
+    ]
+
+
+def digest(loop):
+    """
+    Sha256 of the record's times and values, whatever the computer.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    str
+    """
+    record = loop.fit.record
+    times = instants(record.index).astype("M8[ns]").astype("<i8")
+    found = hashlib.sha256(times.tobytes())
+    for name in measured(loop):
+        values = np.asarray(record[name], dtype="<f8")
+        # one NaN, and one zero
+        values = np.where(np.isnan(values), np.nan, values + 0.0)
+        found.update(name.encode("utf-8", "surrogatepass"))
+        found.update(values.astype("<f8").tobytes())
+    return found.hexdigest()

@@ -1,0 +1,106 @@
+"""The pictures of a closed loop's page, each with what it shows."""
+
+import pandas as pd
+
+from pvlib_fem import plotting
+from pvlib_fem.plotting.days import Span
+from pvlib_fem.plotting.residuals import by_hour_and_month, by_sector, largest
+from pvlib_fem.plotting.vector import svg
+from pvlib_fem.record.columns import DAYLIGHT
+
+
+def pictures(loop):
+    """
+    Figures of a page, each with what it shows.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    list of (str, str)
+        An ``svg`` element, and its caption.
+    """
+    which = "sealed" if loop.fit.test_days else "fitted"
+    # rows of a sensor that stands still have no residual
+    known = loop.fit.residual.notna()
+    before, after = loop.residual_before[known], loop.fit.residual[known]
+    changed = loop.last != loop.base
+    day = Span(loop.fit).date
+    found = [
+        draw(
+            "steps",
+            lambda ax: plotting.plot_steps(loop, ax),
+            f"RMSE on the {which} days, step by step",
+        ),
+        draw(
+            "day",
+            lambda ax: plotting.plot_before_after(loop, ax),
+            f"The most variable of the {which} days, {day}",
+        ),
+    ]
+    last = {"After": after} if changed else {"": after}
+    both = {"Before": before, **last} if changed else last
+    found += on_one_scale(
+        "map",
+        both,
+        by_hour_and_month,
+        plotting.plot_residual_map,
+        "mean residual by month and hour, all days (–: below zero)",
+    )
+    if loop.fit.effects:
+        words = (
+            "What each effect adds to the temperature on that day, with all others "
+            "there; rms over all days"
+        )
+        found.append(
+            draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
+        )
+    return [*found, *by_wind(loop, both, last, known)]
+
+
+def by_wind(loop, both, last, known):
+    """What is left by irradiance and wind, and a rose where its direction is known."""
+    (after,) = last.values()
+    changed, record = "After" in last, loop.fit.record
+    columns = {
+        name: pd.Series(record[name], record.index, name=name)[known]
+        for name in ("poa_global", "wind_speed", "wind_direction")
+        if name in record.inputs.columns
+    }
+    sunny = columns["poa_global"] > DAYLIGHT
+    by = (after[sunny], columns["poa_global"][sunny], columns["wind_speed"][sunny])
+    if sunny.any():
+        words = "mean residual by irradiance and wind, by day (–: below zero)"
+        words = f"After: {words}" if changed else words.capitalize()
+        yield draw("wind", lambda ax: plotting.plot_residual_by(*by, ax=ax), words)
+    if "wind_direction" in columns:
+        wind = columns["wind_speed"], columns["wind_direction"]
+        yield from on_one_scale(
+            "rose",
+            both if "wind_direction" in loop.effects else last,
+            lambda residual: by_sector(residual, *wind)[0],
+            lambda residual, *how: plotting.plot_residual_rose(residual, *wind, *how),
+            "mean residual by where the wind comes from and its speed (–: below zero)",
+            "polar",
+        )
+
+
+def draw(name, picture, words, projection=None):
+    """A picture and what it shows."""
+    return svg(picture, name, projection=projection), words
+
+
+def on_one_scale(kind, residuals, means, plot, words, projection=None):
+    """The same picture of each residual, with the scale of the largest of them."""
+    limit = largest(*map(means, residuals.values()))
+    for name, residual in residuals.items():
+
+        def picture(ax, residual=residual):
+            plot(residual, ax, limit)
+
+        caption = f"{name}: {words}" if name else words.capitalize()
+        if name and len(residuals) > 1:
+            caption += ", on one scale"
+        yield draw(f"{kind}{name}", picture, caption, projection)

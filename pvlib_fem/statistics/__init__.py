@@ -1,0 +1,1 @@
+"""Least squares, errors by clusters, tables of what is left."""

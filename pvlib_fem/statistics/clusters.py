@@ -1,0 +1,184 @@
+"""
+Least squares of any columns from one pass over a record.
+
+The products of all columns are summed by the day. Subsets of columns, folds of
+days left out, errors by the week and what one column adds beside others are then
+sums of small matrices.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem.statistics.leastsquares import products
+
+FOLDS = 5
+WEEK = 7  # days that stay together in a fold
+FEWEST_WEEKS = 8  # below which errors are clustered by the day
+RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
+
+
+@dataclass(frozen=True, eq=False)
+class DailySums:
+    """
+    Products of columns, and of the residual as the last of them, by the day.
+
+    Columns are scaled to a mean square of 1; ``scale`` leads back.
+    """
+
+    sums: np.ndarray  # days, columns + 1, columns + 1
+    scale: np.ndarray
+    rows: int
+    folds: np.ndarray  # of each day
+    weeks: np.ndarray  # of each day, in order
+
+    @property
+    def days(self):
+        return len(self.sums)
+
+    @cached_property
+    def whole(self):
+        return self.sums.sum(axis=0)
+
+    @cached_property
+    def by_fold(self):
+        return [self.sums[self.folds == fold].sum(axis=0) for fold in range(FOLDS)]
+
+    @cached_property
+    def by_cluster(self):
+        """Sums by the week, whose weather is shared; by the day where few weeks."""
+        weeks, first = np.unique(self.weeks, return_index=True)
+        if len(weeks) < FEWEST_WEEKS:
+            return self.sums
+        return np.add.reduceat(self.sums, first, axis=0)
+
+    def of(self, kept):
+        """Those of some columns alone."""
+        both = [*kept, self.sums.shape[1] - 1]
+        sums = self.sums[:, both][:, :, both]
+        return DailySums(sums, self.scale[kept], self.rows, self.folds, self.weeks)
+
+    def with_column(self, columns, residual, dates, new):
+        """The same with one more column, before the residual."""
+        size = np.sqrt(np.einsum("i,i->", new, new) / self.rows) or 1.0
+        first, ends = starts(dates)
+        wide = self.sums.shape[1] + 1
+        sums = np.empty((self.days, wide, wide))
+        old = [*range(wide - 2), wide - 1]
+        sums[:, np.ix_(old, old)[0], np.ix_(old, old)[1]] = self.sums
+        scales = np.append(self.scale, 1.0)
+        for day, (start, end) in enumerate(zip(first, ends)):
+            part = new[start:end] / size
+            products = [c[start:end] @ part for c in (*columns, residual)]
+            sums[day, -2, old] = sums[day, old, -2] = np.array(products) / scales
+            sums[day, -2, -2] = part @ part
+        scale = np.append(self.scale, size)
+        return DailySums(sums, scale, self.rows, self.folds, self.weeks)
+
+    def solve(self, kept):
+        """Best coefficients of the kept columns."""
+        return ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, -1])
+
+    def left(self, kept):
+        """Mean square that the kept columns leave on days that did not solve them."""
+        return self.losses(kept, self.by_fold) / self.rows
+
+    def losses(self, kept, parts):
+        """Sum of squares left in the parts, each by a solution without it."""
+        total = 0.0
+        for part in parts:
+            rest = self.whole - part
+            found = ridged(rest[np.ix_(kept, kept)], rest[kept, -1])
+            total += part[-1, -1] - 2.0 * found @ part[kept, -1]
+            total += found @ part[np.ix_(kept, kept)] @ found
+        return total
+
+    def covariance(self, kept):
+        """Covariance of the solution from leaving out each week in turn (CR3)."""
+        sums = self.by_cluster
+        normals = sums[:, kept][:, :, kept]
+        whole = normals.sum(axis=0)
+        inverse = np.linalg.inv(whole + ridge(whole))
+        scores = sums[:, kept, -1] - normals @ self.solve(kept)
+        return days_left_out(normals, scores, inverse)
+
+    def beside(self, column, kept):
+        """Root mean square of a column that the kept ones do not explain."""
+        explained = ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, column])
+        square = self.whole[column, column] - explained @ self.whole[kept, column]
+        return np.sqrt(max(square, 0.0) / self.rows)
+
+
+def daily_sums(columns, residual, dates):
+    """
+    Sum the products of columns over each date, in order.
+
+    ``columns`` are arrays of the rows; they are put side by side a day at a time,
+    so that a long record needs no second copy of them.
+    """
+    size = len(residual)
+    scale = np.array([np.sqrt(np.einsum("i,i->", c, c) / size) for c in columns])
+    scale[scale == 0] = 1.0
+    first, ends = starts(dates)
+    days = dates[first]
+    sums = np.empty((len(days), len(columns) + 1, len(columns) + 1))
+    scales = np.append(scale, 1.0)
+    for day, (start, end) in enumerate(zip(first, ends)):
+        day_sums = products([*columns, residual], slice(start, end))
+        sums[day] = day_sums / np.outer(scales, scales)
+    weeks = calendar_weeks(days)
+    # whole weeks in turn, or days where there are few weeks
+    grouped = weeks if days[-1] - days[0] >= FOLDS * WEEK else days
+    folds = np.unique(grouped, return_inverse=True)[1] % FOLDS
+    return DailySums(sums, scale, size, folds, weeks)
+
+
+def starts(dates):
+    """First row of each date, and the row after its last."""
+    first = np.unique(dates, return_index=True)[1]
+    return first, [*first[1:], len(dates)]
+
+
+def calendar_weeks(dates):
+    """Number of each date's ISO week; 1970-01-01 was a Thursday."""
+    return (np.asarray(dates) + 3) // WEEK
+
+
+def days_left_out(normals, scores, inverse):
+    """
+    Covariance of a solution from its spread when each day in turn is left out.
+
+    To first order, from the normal matrices and scores of the days and the
+    inverse of the whole normal matrix: the jackknife over clusters, CR3 [1]_.
+
+    References
+    ----------
+    .. [1] A. C. Cameron and D. L. Miller, "A Practitioner's Guide to
+       Cluster-Robust Inference", J. Human Resources 50, 317-372, 2015, section
+       VI.B. :doi:`10.3368/jhr.50.2.317`
+    """
+    left_out = np.eye(len(inverse)) - normals @ inverse
+    shifts = np.linalg.solve(left_out, scores[..., None])[..., 0] @ inverse
+    return (len(scores) - 1) / len(scores) * shifts.T @ shifts
+
+
+def day_errors(columns, residual, days):
+    """Covariance of a minimum that survives autocorrelation within a day."""
+    sums = daily_sums(columns, residual, days)
+    normals, scores = sums.sums[:, :-1, :-1], sums.sums[:, :-1, -1]
+    inverse = np.linalg.inv(normals.sum(axis=0))
+    covariance = days_left_out(normals, scores, inverse)
+    return covariance / np.outer(sums.scale, sums.scale)
+
+
+def ridged(normal, right):
+    if len(right) == 0:
+        return right
+    return np.linalg.solve(normal + ridge(normal), right)
+
+
+def ridge(normal):
+    """Small enough not to matter, and there where a column is not."""
+    size = np.diag(normal)
+    return RIDGE * np.diag(size + size.mean())

@@ -1,0 +1,1 @@
+"""The one equation: steady models, and the dynamics that answers them."""

@@ -1,0 +1,334 @@
+"""Module temperature in the shape of ``pvlib.temperature``, steady and dynamic."""
+
+import inspect
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.checks import read
+from pvlib_fem.relaxation import relax, time_constant, weighted_mean
+from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS, steady_model
+
+TAU = 378.0  # s, the paper's mean of fixed mountings (379 ± 60 s)
+
+
+def wm1(poa_global, temp_air, wind_speed, k, d):
+    r"""
+    Steady module temperature by Wind Model 1.
+
+    .. math:: T_m = T_a + k\,G\,e^{-WS/d}
+
+    as in [1]_.
+
+    Parameters
+    ----------
+    poa_global : numeric
+        Irradiance in the plane of the array. [W/m²]
+    temp_air : numeric
+        Air temperature. [°C]
+    wind_speed : numeric
+        Wind speed. [m/s]
+    k : float
+        Over-temperature per irradiance in calm air, the Ross coefficient.
+        [K m²/W]
+    d : float
+        Wind speed at which it has fallen to 1/e. [m/s]
+
+    Returns
+    -------
+    numeric
+        Module temperature. [°C]
+
+    Raises
+    ------
+    ValueError
+        If ``k`` or ``d`` is not positive.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eq. 18.
+       :doi:`10.22541/au.166922866.68736478`
+
+    Examples
+    --------
+    >>> print(round(wm1(1000, 20, 2, k=0.035, d=10), 2))
+    48.66
+    """
+    return steady(
+        STEADY_MODELS["wm1"], poa_global, temp_air, wind_speed, dict(k=k, d=d)
+    )
+
+
+def wm2(poa_global, temp_air, wind_speed, k, k_w, wind_speed_max=CLIP):
+    r"""
+    Steady module temperature by Wind Model 2.
+
+    .. math:: T_m = T_a + G\,(k - k_W \min(WS, WS_{max}))
+
+    as in [1]_.
+
+    Parameters
+    ----------
+    poa_global : numeric
+        Irradiance in the plane of the array. [W/m²]
+    temp_air : numeric
+        Air temperature. [°C]
+    wind_speed : numeric
+        Wind speed. [m/s]
+    k : float
+        Over-temperature per irradiance in calm air, the Ross coefficient.
+        [K m²/W]
+    k_w : float
+        Irradiance convection coefficient. [K m s/W]
+    wind_speed_max : float, default 8
+        Wind speed beyond which more wind cools no further. [m/s]
+
+    Returns
+    -------
+    numeric
+        Module temperature. [°C]
+
+    Raises
+    ------
+    ValueError
+        If ``k`` is not positive or ``k_w * wind_speed_max`` is not below ``k``.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eq. 20.
+       :doi:`10.22541/au.166922866.68736478`
+
+    Examples
+    --------
+    >>> print(round(wm2(1000, 20, 2, k=0.035, k_w=0.002), 2))
+    51.0
+    """
+    coefficients = dict(k=k, k_w=k_w, wind_speed_max=wind_speed_max)
+    return steady(STEADY_MODELS["wm2"], poa_global, temp_air, wind_speed, coefficients)
+
+
+def steady(steady_model, poa_global, temp_air, wind_speed, coefficients):
+    """Steady answer of a steady model: numbers, arrays or Series in, the same out."""
+    coefficients = steady_model.complete(coefficients)
+    return temp_air + poa_global * steady_model.resistance(wind_speed, **coefficients)
+
+
+def fem_temperature(
+    poa_global,
+    temp_air,
+    wind_speed,
+    tau=TAU,
+    bias=0.0,
+    model="wm1",
+    step=None,
+    times=None,
+    adjust=False,
+    **coefficients,
+) -> pd.Series | np.ndarray:
+    """
+    Module temperature by any steady model on smoothed irradiance and wind.
+
+    The dynamic form of the paper's FEM method [1]_: irradiance and wind speed
+    go through an exponential weighted mean (:func:`ewm`), then into the steady
+    model, and a constant bias is added.
+
+    Parameters
+    ----------
+    poa_global : Series or array
+        Irradiance in the plane of the array. [W/m²]
+    temp_air : numeric
+        Air temperature. [°C]
+    wind_speed : numeric
+        Wind speed. [m/s]
+    tau : float, default 378
+        Thermal time constant; the default is the paper's mean of fixed
+        mountings. [s]
+    bias : float, default 0
+        Mean of measured minus modelled temperature, the paper's MBE. It is
+        added. [K]
+    model : str or callable, default "wm1"
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"``, ``"wm2"``, or a steady
+        model of pvlib's shape ``(poa_global, temp_air, wind_speed,
+        **coefficients)`` such as :func:`pvlib.temperature.sapm_cell`. Its
+        further series (``ir_down``, say) are not smoothed.
+    step : float, optional
+        Even time step, when the inputs are arrays. [s]
+    times : DatetimeIndex or array, optional
+        Times, when the inputs are arrays.
+    adjust : bool, default False
+        Start up as the paper's pandas listing does, see :func:`ewm`.
+    **coefficients
+        Coefficients of the model, by name: ``k`` (ross), ``a``, ``b`` (sapm),
+        ``u0``, ``u1`` (faiman), ``k``, ``d`` (wm1), ``k``, ``k_w`` (wm2).
+
+    Returns
+    -------
+    Series or array
+        Module temperature, or cell temperature where the model gives that. It
+        is NaN where an input is NaN, and only there. [°C]
+
+    Raises
+    ------
+    ValueError
+        If the inputs are single numbers, their times are missing, unsorted or
+        duplicate, the model or a coefficient is unknown, or ``tau`` is not
+        positive.
+
+    See Also
+    --------
+    heat_balance : the exact heat balance, whose time constant follows the wind.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eqs. 24 to 29.
+       :doi:`10.22541/au.166922866.68736478`
+
+    Examples
+    --------
+    >>> sun = np.array([0.0, 1000.0, 1000.0, 1000.0])
+    >>> fem_temperature(sun, 20.0, 2.0, step=60.0, k=0.035, d=10).round(1)
+    array([20. , 24.2, 27.8, 30.9])
+    """
+    inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
+    answer = as_function(model, coefficients)
+    tau = time_constant(tau, len(inputs.index)) / inputs.unit
+    smooth = weighted_mean if adjust else relax
+    poa, wind = (
+        inputs.restore(smooth(inputs[name], inputs.steps, tau))
+        for name in ("poa_global", "wind_speed")
+    )
+    temperature = answer(poa, inputs.restore(inputs["temp_air"]), wind)
+    return named(temperature + bias, poa_global)
+
+
+def heat_balance(
+    poa_global,
+    temp_air,
+    wind_speed,
+    capacity,
+    bias=0.0,
+    model="faiman",
+    step=None,
+    times=None,
+    initial=None,
+    **coefficients,
+) -> pd.Series | np.ndarray:
+    r"""
+    Module temperature by the exact heat balance of one thermal mass.
+
+    .. math::
+
+        C \frac{dT}{dt} = G - \frac{T - T_a}{r_{eq}(WS)}
+
+    is answered exactly over each step [1]_, on which the inputs are held
+    constant. Its time constant :math:`C\,r_{eq}` follows the wind.
+
+    Parameters
+    ----------
+    poa_global : Series or array
+        Irradiance in the plane of the array. [W/m²]
+    temp_air : numeric
+        Air temperature. [°C]
+    wind_speed : numeric
+        Wind speed. [m/s]
+    capacity : float
+        Heat capacity per area, counted per unit of incident irradiance as the
+        steady models count their losses: ``tau / r_eq``. [J/(m² K)]
+    bias : float, default 0
+        Mean of measured minus modelled temperature. It is added. [K]
+    model : str, default "faiman"
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"`` or ``"wm2"``.
+    step : float, optional
+        Even time step, when the inputs are arrays. [s]
+    times : DatetimeIndex or array, optional
+        Times, when the inputs are arrays.
+    initial : float or Series, optional
+        Module temperature to carry on from, as in :func:`ewm`. Without it the
+        module starts at its steady temperature. [°C]
+    **coefficients
+        Coefficients of the model, as in :func:`fem_temperature`.
+
+    Returns
+    -------
+    Series or array
+        Module temperature. It is NaN where an input is NaN, and only there.
+        [°C]
+
+    Raises
+    ------
+    ValueError
+        If the inputs are single numbers, their times are missing, unsorted or
+        duplicate, the model or a coefficient is unknown, or ``capacity`` is
+        not positive.
+
+    See Also
+    --------
+    fem_temperature : the paper's form, for any steady model.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eqs. 10 and 16.
+       :doi:`10.22541/au.166922866.68736478`
+
+    Examples
+    --------
+    >>> sun = np.array([0.0, 1000.0, 1000.0, 1000.0])
+    >>> heat_balance(sun, 20.0, 2.0, 12e3, step=60.0, u0=25, u1=6.84).round(1)
+    array([20. , 24.5, 28.3, 31.4])
+    """
+    chosen = steady_model(model)
+    coefficients = chosen.complete(coefficients)
+    inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
+    if not (np.isscalar(capacity) and capacity > 0):
+        raise ValueError(f"capacity = {capacity} must be a positive number [J/(m² K)]")
+    r_eq = chosen.resistance(inputs["wind_speed"], **coefficients)
+    if not np.nanmin(r_eq, initial=np.inf) > 0:
+        raise ValueError(
+            f"{model} gives no loss of heat at {np.nanmax(inputs['wind_speed']):g} or "
+            f"{np.nanmin(inputs['wind_speed']):g} m/s; check {coefficients}"
+        )
+    target = inputs["temp_air"] + inputs["poa_global"] * r_eq
+    tau = capacity / inputs.unit * r_eq
+    state, steps = inputs.resume(initial)
+    state = None if state is None else state - bias
+    temperature = relax(target, steps, tau, state) + bias
+    return named(inputs.restore(temperature), poa_global)
+
+
+def driver_inputs(poa_global, temp_air, wind_speed, step, times):
+    columns = dict(poa_global=poa_global, temp_air=temp_air, wind_speed=wind_speed)
+    return read(columns, step, times, purpose="a dynamic temperature")
+
+
+def named(temperature, like):
+    """pvlib's results carry no name of an input; neither do these."""
+    return temperature.rename(None) if isinstance(like, pd.Series) else temperature
+
+
+def as_function(model, coefficients):
+    """``f(poa_global, temp_air, wind_speed)`` of a named steady model or a callable."""
+    if not callable(model):
+        chosen = steady_model(model)
+        complete = chosen.complete(coefficients)
+        return lambda poa, air, wind: air + poa * chosen.resistance(wind, **complete)
+    try:
+        signature = inspect.signature(model).parameters
+    except (TypeError, ValueError):  # a compiled function tells nothing
+        return lambda poa, air, wind: model(poa, air, wind, **coefficients)
+    drivers = ("poa_global", "temp_air", "wind_speed")
+    calm = "wind_speed" not in signature and "poa_global" in signature
+    if not any(p.kind is p.VAR_KEYWORD for p in signature.values()):
+        free = [p for p in list(signature)[2 if calm else 3 :] if p not in drivers]
+        if unknown := [name for name in coefficients if name not in free]:
+            name = getattr(model, "__name__", repr(model))
+            raise ValueError(
+                f"{name} has no coefficient {', '.join(unknown)}; it has "
+                f"{', '.join(free)}"
+            )
+    if calm:  # pvlib.temperature.ross: its third argument is not the wind
+        return lambda poa, air, wind: model(poa, air, **coefficients) + 0.0 * wind
+    return lambda poa, air, wind: model(poa, air, wind, **coefficients)
