@@ -1,0 +1,162 @@
+"""Every threshold by which the loop decides, in one place."""
+
+from dataclasses import dataclass, fields
+
+STAGES = ("record", "weeks", "weighing", "naming", "classes", "structure", "confirming")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criteria:
+    """
+    Every threshold by which :func:`pvlib_fem.close_loop` decides.
+
+    A change is made by ``Criteria(chance=0.01)`` and given as ``criteria=``. What
+    each does, halved and doubled, to the records of the study is in
+    :doc:`/sensitivity`.
+
+    Attributes
+    ----------
+    enough_days : int
+        *record.* Days that count, below which no cause is named and nothing is
+        added: on noise alone 1 in 30 records of 90 days and 10 in 60 of 45 days
+        showed an effect. [days]
+    most_missing : float
+        *record.* Share of a driver's rows that may lack; above it the driver is
+        not used. [-]
+    leak : float
+        *record.* Share of a column's variance that the measured temperature leaves,
+        below which the column is made from it and is not used. [-]
+    leak_beyond : float
+        *record.* The same, of what the model and the usual columns leave: a column
+        that those foretell as well is no leak. [-]
+    search_step : float
+        *record.* Step on which effects are searched, half of the shortest time
+        constants; fits end on the record's own. [s]
+    step_present : float
+        *record.* Share of such a step's rows that have to be there. [-]
+    test_every, choose_every : int
+        *weeks.* One of this many weeks is a test week, and one of this many of
+        the others a choosing week. [weeks]
+    fewest_weeks : int
+        *weeks.* Weeks below which days take their place: every other day is a
+        test day. [weeks]
+    fewest_fitting_days : int
+        *weeks.* Fitting days below which none can be left out in turn, so that no
+        effect is weighed. [days]
+    min_gain : float
+        *weighing.* Gain that is worth an effect: root of the fall of the mean
+        square on fitting weeks left out in turn. A third of the 0.4 K of a
+        contact sensor. [K]
+    min_share : float
+        *weighing.* The same, as a share of the mean square that is left. [-]
+    chance : float
+        *weighing.* Chance that any of the family of hypotheses looks as good by
+        accident. [-]
+    power : float
+        *weighing.* Chance to see an effect of the minimum detectable size. [-]
+    bound_slack : float
+        *weighing.* Share of a bound by which the tangent's coefficient may miss
+        it, since a tangent is bent where an effect is large; a refit may not. [-]
+    bound_errors : float
+        *weighing.* Standard errors by which it may miss a bound. [-]
+    rounds : int
+        *weighing.* Times that all effects are weighed anew beside those that were
+        found. [-]
+    most_effects : int
+        *weighing.* Effects that one round adds at most of each kind. [-]
+    hint_gain : float
+        *naming.* Gain from which an effect that was not added is told as a hint.
+        [K]
+    rival, tied : float
+        *classes.* A candidate of this share of the best one's mean square is a
+        rival; beside it, the best is tied if less than ``tied`` of its own mean
+        square is left. [-]
+    confounder_rival, confounder_tied : float
+        *classes.* The same of confounders, which the sun drives all alike. [-]
+    structure_keeps : float
+        *structure.* Share of its mean square that an effect has to keep beside a
+        table of unknown structure that explains more. [-]
+    structure_left : float
+        *structure.* Share of a table's mean square that may be left beside an
+        effect which explains it. [-]
+    structure_spill : float
+        *structure.* Share of a table's mean square that an effect has to exceed
+        afterwards, since a table does not say all of the unknown. [-]
+    most_structures : int
+        *structure.* Tables that are set aside, or told, in one round. [-]
+    cell_time : float
+        *structure.* Time over which rows share a cell of a table. [s]
+    driver_bins : int
+        *structure.* Bins of a driver, with equal numbers of rows. [-]
+    cell_weight : float
+        *structure.* Time's worth of rows by which a cell's mean is shrunk towards
+        zero. [s]
+    pair_gain : float
+        *structure.* A table of two drivers has to take this many times as much of
+        the mean square as that of one. [-]
+    better_gain : float
+        *structure.* The same of a later table beside an earlier one. [-]
+    fold_share : float
+        *structure.* Share of the groups of weeks in which a table has to gain. [-]
+    strong_cell : float
+        *structure.* Share of the largest mean from which a cell is part of the
+        place that is told. [-]
+    place_share : float
+        *structure.* Share of those cells' squares that the told range holds. [-]
+    sure : float
+        *confirming.* Standard errors that a coefficient of the refit has to be
+        from nothing. [-]
+    contradiction : float
+        *confirming.* Standard errors by which a refit may raise the mean square
+        of the choosing weeks, and not be withdrawn. [-]
+    """
+
+    enough_days: int = 60
+    most_missing: float = 0.2
+    leak: float = 0.05
+    leak_beyond: float = 0.5
+    search_step: float = 300.0
+    step_present: float = 0.5
+
+    test_every: int = 5
+    choose_every: int = 4
+    fewest_weeks: int = 5
+    fewest_fitting_days: int = 10
+
+    min_gain: float = 0.15
+    min_share: float = 0.015
+    chance: float = 0.05
+    power: float = 0.8
+    bound_slack: float = 0.35
+    bound_errors: float = 2.0
+    rounds: int = 3
+    most_effects: int = 6
+
+    hint_gain: float = 0.10
+
+    rival: float = 0.6
+    tied: float = 0.15
+    confounder_rival: float = 0.35
+    confounder_tied: float = 0.4
+
+    structure_keeps: float = 0.5
+    structure_left: float = 0.4
+    structure_spill: float = 0.1
+    most_structures: int = 3
+    cell_time: float = 900.0
+    driver_bins: int = 10
+    cell_weight: float = 43200.0
+    pair_gain: float = 1.2
+    better_gain: float = 1.02
+    fold_share: float = 0.8
+    strong_cell: float = 0.5
+    place_share: float = 0.92
+
+    sure: float = 3.0
+    contradiction: float = 1.0
+
+    def __post_init__(self):
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not value > 0:
+                raise ValueError(f"{field.name} = {value} must be more than 0")
