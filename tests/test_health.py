@@ -6,8 +6,10 @@ import pytest
 from conftest import COLUMNS
 from pvlib.location import Location
 
-from pvlib_fem import datasets, simulator
+from pvlib_fem import close_loop, datasets, simulator
 from pvlib_fem.quality.check import check, stuck
+from pvlib_fem.quality.clock import clock_shift
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.quality.units import doubtful
 from pvlib_fem.record.checks import measured
@@ -121,6 +123,83 @@ def test_coarse_sensors_are_not_stuck():
     data[["temp_air", "temp_module"]] = data[["temp_air", "temp_module"]].round()
     data["wind_speed"] = data["wind_speed"].round()
     assert not np.any(list(stuck(checked(data)).values()))
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("poa_global", 0.0),
+        ("poa_global", 437.0),
+        ("temp_air", 11.0),
+        ("wind_speed", 0.0),
+        ("wind_speed", 2.5),
+        ("temp_module", 12.5),
+    ],
+)
+@pytest.mark.parametrize("gaps", [False, True])
+def test_a_sensor_that_never_moves_is_found_and_refused(column, value, gaps):
+    """No row is left to fit; the message says which sensor, and what to do."""
+    data = simulated({}, 20, 600.0, 2, start="2023-06-01")
+    data[column] = value
+    if gaps:
+        data.loc[np.random.default_rng(0).random(len(data)) < 0.3, column] = np.nan
+    there = data[column].notna().to_numpy()
+    found = stuck(checked(data))
+    assert np.array_equal(found[column], there)
+    seen = data.index[there]
+    line = rf"{column} stands still at {value:g} for the whole record, from {seen[0]}"
+    for refusing in (lambda: check(checked(data)), lambda: close_loop(data)):
+        with pytest.raises(ValueError) as error:
+            refusing()
+        assert line in str(error.value)
+        assert f"name the column of a sensor that moves as {column}" in str(error.value)
+
+
+def test_a_polar_night_is_no_stuck_pyranometer():
+    data = simulated({}, 40, 600.0, 2, start="2023-06-01")
+    data["poa_global"] = 0.0
+    data["temp_module"] = data["temp_air"]
+    assert not stuck(checked(data))["poa_global"].any()
+
+
+def test_limits_are_an_argument_and_checked():
+    data = simulated({"stuck": 1.0}, 30, 60.0, 1)
+    found = check(checked(data), limits=Limits(still_time=86400.0))
+    assert found.faults == {}
+    with pytest.raises(ValueError, match="still_time = 0 must be more than 0"):
+        Limits(still_time=0)
+
+
+# times
+
+
+@pytest.mark.parametrize(
+    ("rows", "time", "years"),
+    [
+        (0, "0023-06-01", "the row at 0023-06-01 00:00:00 is 2000 years before"),
+        (0, "1970-01-01", "the row at 1970-01-01 00:00:00 is 53 years before"),
+        (-1, "9999-01-01", "the row at 9999-01-01 00:00:00 is 7976 years after"),
+    ],
+)
+def test_a_stray_time_is_refused_by_name(rows, time, years):
+    data = simulated({}, 10, 60.0, 2, start="2023-06-01").tz_localize(None)
+    times = data.index.as_unit("s").to_numpy().copy()
+    times[rows] = np.datetime64(time)
+    data.index = pd.DatetimeIndex(times)
+    with pytest.raises(ValueError, match=years) as error:
+        close_loop(data)
+    assert "a logger that lost its clock; drop such rows" in str(error.value)
+    # nor does the clock alone take memory for millennia
+    found = clock_shift(checked(data))
+    assert abs(found.late) < 60
+
+
+def test_two_campaigns_years_apart_are_one_record():
+    first, second = (
+        simulated({}, 20, 600.0, 2, start=start).tz_localize(None)
+        for start in ("2015-06-01", "2023-06-01")
+    )
+    assert check(checked(pd.concat((first, second)))).faults == {}
 
 
 # whole files

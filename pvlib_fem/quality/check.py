@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pvlib_fem.quality.clock import Clock, clock_shift
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.noon import SolarNoon, solar_noon_shift
-from pvlib_fem.quality.stuck import stuck, stuck_line
+from pvlib_fem.quality.stuck import never_moves, stuck, stuck_line, whole_line
 from pvlib_fem.quality.units import doubtful
 
 
@@ -29,7 +30,8 @@ class Health:
     @property
     def unchecked(self) -> tuple:
         """What could not be checked, one line each."""
-        return () if self.clock.fault else tuple(filter(None, (self.clock.why,)))
+        whys = (self.clock.why if not self.clock.fault else "", self.noon.why)
+        return tuple(filter(None, whys))
 
     @property
     def notes(self) -> tuple:
@@ -37,7 +39,9 @@ class Health:
         return (*self.faults.values(), *self.unchecked)
 
 
-def check(record, location=None, surface_tilt=None, surface_azimuth=None) -> Health:
+def check(
+    record, location=None, surface_tilt=None, surface_azimuth=None, limits=None
+) -> Health:
     """
     Find faults of sensors and loggers in a measured record.
 
@@ -49,6 +53,8 @@ def check(record, location=None, surface_tilt=None, surface_azimuth=None) -> Hea
         For :func:`solar_noon_shift`.
     surface_tilt, surface_azimuth : float, optional
         Of the irradiance sensor. [°]
+    limits : Limits, optional
+        The thresholds.
 
     Returns
     -------
@@ -56,16 +62,55 @@ def check(record, location=None, surface_tilt=None, surface_azimuth=None) -> Hea
         ``faults`` by name: ``stuck``, ``clock_shift``, ``clock_drift``, ``dst``,
         ``file_shift``, ``file_dst``, ``units:<column>``. ``mask`` has the rows of
         stuck sensors; a clock is corrected by ``clock.corrected``.
+
+    Raises
+    ------
+    ValueError
+        If a sensor stands still for the whole record, so that no row is left, or
+        some rows are years from all others.
     """
-    frozen = stuck(record)
+    limits = limits or Limits()
+    refuse_stray(record.index, limits)
+    frozen = stuck(record, limits)
+    refuse_frozen(record, frozen)
     mask = np.any(list(frozen.values()), axis=0)
-    clock = clock_shift(record, skip=mask)
-    noon = solar_noon_shift(
-        record["poa_global"], record.index, location, surface_tilt, surface_azimuth
-    )
-    doubts = doubtful(record.inputs.columns)
+    clock = clock_shift(record, mask, limits)
+    place = (location, surface_tilt, surface_azimuth)
+    noon = solar_noon_shift(record["poa_global"], record.index, *place, limits)
+    doubts = doubtful(record.inputs.columns, limits)
     faults = {"stuck": stuck_line(record, frozen)} if mask.any() else {}
     faults |= clock.faults | noon.faults
     faults |= {f"units:{name}": line for name, line in doubts.items()}
     counts = {name: int(rows.sum()) for name, rows in frozen.items()}
     return Health(mask, counts, clock, noon, doubts, faults)
+
+
+def refuse_frozen(record, frozen):
+    """Refuse a record in which a sensor never moves, so that no row can be used."""
+    whole = [
+        name for name in frozen if frozen[name].any() and never_moves(record[name])
+    ]
+    if whole:
+        raise ValueError(
+            "; ".join(whole_line(record, name) for name in whole)
+            + ", so no row is left; look at sensor and logger, or name the column of a "
+            f"sensor that moves as {whole[0]}"
+        )
+
+
+def refuse_stray(index, limits):
+    """Refuse rows that are years from all others: their time is not theirs."""
+    seconds = (index - index[0]).total_seconds().to_numpy()
+    for at in np.flatnonzero(np.diff(seconds) > limits.stray_gap) + 1:
+        early = at <= len(index) / 2
+        rows = index[:at] if early else index[at:]
+        if len(rows) > max(limits.stray_share * len(index), 1):
+            continue
+        years = (seconds[at] - seconds[at - 1]) / 31556952
+        raise ValueError(
+            f"{'the row' if len(rows) == 1 else f'{len(rows)} rows'} at {rows[0]} "
+            f"{'is' if len(rows) == 1 else 'are'} {years:.0f} years "
+            f"{'before' if early else 'after'} all others, which "
+            f"{'begin' if early else 'end'} at {index[at] if early else index[at - 1]}:"
+            " a logger that lost its clock; drop such rows, or correct their times"
+        )

@@ -7,19 +7,16 @@ the module answers is free, as long as it is a sum of decays that all begin at o
 """
 
 from dataclasses import dataclass, field
-from itertools import combinations
 
 import numpy as np
 import pandas as pd
+from scipy.stats import median_abs_deviation, norm, theilslopes
 from scipy.stats import t as student
 
-from pvlib_fem.quality.onset import COARSEST, DAY, daily_sums, measured_blocks, plain
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.onset import DAY, daily_sums, measured_blocks, plain
 
 HOUR = 3600.0  # s
-#: seconds beyond one sample that sensors and averaging may differ by
-SLACK = 30.0
-JUMP = (3300.0, 3900.0)  # s, 60 ± 5 min: daylight-saving time
-SURE = 0.99865  # one-sided, of three standard errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +79,7 @@ class Clock:
         return np.interp(asked, seconds, values, left=np.nan, right=np.nan)
 
 
-def clock_shift(record, skip=None) -> Clock:
+def clock_shift(record, skip=None, limits=None) -> Clock:
     """
     How late ``temp_module`` is written against ``poa_global``, by causality.
 
@@ -92,6 +89,7 @@ def clock_shift(record, skip=None) -> Clock:
         From ``records.measured``; its rows are 15 min apart at most.
     skip : array of bool, optional
         Rows that are not to be used, as those of a stuck sensor.
+    limits : Limits, optional
 
     Returns
     -------
@@ -118,32 +116,34 @@ def clock_shift(record, skip=None) -> Clock:
     .. [1] L. Ljung, "System identification", 1999, ch. 6: impulse response by
        correlation; a delay is where it begins.
     """
+    limits = limits or Limits()
     seconds = record.inputs.seconds
-    if len(seconds) < 2 or seconds[-1] < 1.5 * DAY:
+    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return unknown("the record is shorter than two days")
-    if (base := np.median(np.diff(seconds))) > COARSEST:
+    if (base := np.median(np.diff(seconds))) > limits.coarsest_clock:
         return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:
         module = np.where(skip, np.nan, module)
-    sums = daily_sums(seconds, base, poa, module)
-    blocks = measured_blocks(sums, [])
-    if changes := jumps_between(sums, blocks):
-        blocks = measured_blocks(sums, [change["day"] for change in changes])
+    sums = daily_sums(seconds, base, poa, module, limits)
+    blocks = measured_blocks(sums, [], limits)
+    if changes := jumps_between(sums, blocks, limits):
+        blocks = measured_blocks(sums, [change["day"] for change in changes], limits)
     if not blocks:
         return unknown("too little broken cloud, whose edges show where it begins")
-    return judge(record.index[0], seconds, sums, blocks, changes)
+    return judge(record.index[0], seconds, sums, blocks, changes, limits)
 
 
 def unknown(reason):
     return Clock(why=f"the module's clock was not checked: {reason}")
 
 
-def jumps_between(sums, blocks):
+def jumps_between(sums, blocks, limits):
     """Days at which the clock moved by an hour, and by what. [s]"""
     shape, found = plain(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
-        if not JUMP[0] < abs(other["late"] - one["late"]) < JUMP[1]:
+        moved = abs(other["late"] - one["late"])
+        if abs(moved - HOUR) >= limits.hour_slack:
             continue
         days = np.arange(one["day"], end["day"])
         fit = (sums.later(block["coarse"], len(shape), days) for block in (one, other))
@@ -151,31 +151,28 @@ def jumps_between(sums, blocks):
         gain = np.concatenate(([0.0], np.cumsum(before - after)))
         day = int(one["day"] + np.argmax(gain))
         hour = HOUR * float(np.sign(other["late"] - one["late"]))
-        found.append({"day": day, "seconds": sums.start + day * sums.day, "by": hour})
+        found.append({"day": day, "seconds": sums.begin(day), "by": hour})
     return found
 
 
-def judge(origin, seconds, sums, blocks, changes):
+def judge(origin, seconds, sums, blocks, changes, limits):
     """The line through the blocks, hours apart, and what is wrong with it."""
     hours = hours_of(blocks, changes)
-    blocks, middle, span = (
-        pd.DataFrame(blocks),
-        float(seconds[-1] / 2),
-        seconds[-1] / DAY,
-    )
+    blocks, middle = pd.DataFrame(blocks), float(seconds[-1] / 2)
     late = blocks["late"] - offsets(hours, blocks["seconds"])
     days = (blocks["seconds"] - middle) / DAY
-    found = line(days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
-    value, stderr, drift, drift_stderr, centre, rest = found
-    limit, gained, faults = sums.step + SLACK, drift * span / 60, {}
-    if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1) * drift_stderr:
+    points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
+    value, stderr, drift, drift_stderr, centre, rest = line(*points, limits)
+    limit, faults = sums.step + limits.sensor_slack, {}
+    gained = drift * seconds[-1] / DAY / 60
+    if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1, limits) * drift_stderr:
         value -= drift * centre
         way = "later" if drift > 0 else "earlier"
         faults["clock_drift"] = (
             f"the clock of temp_module gets {way} by {abs(drift):.1f} ± "
             f"{drift_stderr:.1f} s every day, {abs(gained):.0f} min over the record"
         )
-    if abs(value) > limit and abs(value) > sure(rest) * stderr:
+    if abs(value) > limit and abs(value) > sure(rest, limits) * stderr:
         faults["clock_shift"] = (
             f"the clock of temp_module is {abs(value) / 60:.1f} ± "
             f"{left_open(stderr, limit) / 60:.1f} min "
@@ -187,9 +184,7 @@ def judge(origin, seconds, sums, blocks, changes):
         faults["dst"] = (
             f"the clock of temp_module jumps by {dates}, as daylight-saving time does"
         )
-    blocks["start"] = [
-        day_of(origin, sums.start + day * sums.day) for day in blocks["day"]
-    ]
+    blocks["start"] = [day_of(origin, sums.begin(day)) for day in blocks["day"]]
     return Clock(
         float(value),
         float(stderr),
@@ -233,39 +228,26 @@ def offsets(hours, seconds):
     return late
 
 
-def line(x, y, stderr):
+def line(x, y, stderr, limits):
     """Mean and slope of blocks with their errors, their centre, and how many more."""
-    # blocks that are out of line by an accident do not count
-    slopes = [(b - a) / (t - s) for (s, a), (t, b) in combinations(zip(x, y), 2)]
-    slope = np.median(slopes) if len(x) > 3 else 0.0
-    off = y - slope * x
-    off = np.abs(off - np.median(off))
-    kept = off <= 6 * 1.4826 * max(np.median(off), 3.0) if len(x) > 3 else off < np.inf
-    x, y, stderr = x[kept], y[kept], np.hypot(stderr[kept], 3.0)
+    if len(x) > 3:  # blocks that are out of line by an accident do not count
+        off = y - theilslopes(y, x).slope * x
+        usual = max(median_abs_deviation(off), limits.block_error)
+        kept = np.abs(off - np.median(off)) <= limits.block_outlier * usual
+        x, y, stderr = x[kept], y[kept], stderr[kept]
+    stderr = np.hypot(stderr, limits.block_error)
     weight, rest = stderr**-2, len(x) - 1
     centre, mean = (np.average(v, weights=weight) for v in (x, y))
     x, y = x - centre, y - mean
     told = weight @ x**2
     if rest < 2 or not told > 0:
-        spread = weight @ y**2 / max(rest, 1)
-        return (
-            mean,
-            np.sqrt(max(spread, 1) / weight.sum()),
-            np.nan,
-            np.nan,
-            centre,
-            rest,
-        )
+        spread = max(weight @ y**2 / max(rest, 1), 1.0)
+        error = np.sqrt(spread / weight.sum())
+        return mean, error, np.nan, np.nan, centre, rest
     slope = weight @ (x * y) / told
     spread = max(weight @ (y - slope * x) ** 2 / (rest - 1), 1.0)
-    return (
-        mean,
-        np.sqrt(spread / weight.sum()),
-        slope,
-        np.sqrt(spread / told),
-        centre,
-        rest,
-    )
+    error, slope_error = np.sqrt(spread / weight.sum()), np.sqrt(spread / told)
+    return mean, error, slope, slope_error, centre, rest
 
 
 def left_open(stderr, limit):
@@ -273,9 +255,9 @@ def left_open(stderr, limit):
     return np.hypot(stderr, limit / np.sqrt(12.0))
 
 
-def sure(rest):
+def sure(rest, limits):
     """Standard errors that are three of a long record, by what was left over."""
-    return student.ppf(SURE, max(rest, 2))
+    return student.ppf(norm.cdf(limits.sure), max(rest, 2))
 
 
 def day_of(origin, seconds):

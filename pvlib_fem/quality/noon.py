@@ -8,15 +8,9 @@ import pvlib
 
 from pvlib_fem.drivers import standard_time
 from pvlib_fem.quality.clock import HOUR, day_of, hours_of, offsets
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, night
 from pvlib_fem.record.checks import instants
-
-LIGHT = 20.0  # W/m², above what a thermopile reads at night
-BRIGHT = 100.0  # W/m², a day that gets less has no clear edges
-JUMP = (2700.0, 4500.0)  # s, 60 ± 15 min
-#: s, what a turned plane, a horizon or averages of an hour may do to a noon
-OFF_NOON = 1800.0
-SIDE = 10  # days on each side of a change
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +21,16 @@ class SolarNoon:
     days: pd.Series  # by the day: the middle of its light, less what is due [s]
     jumps: tuple  # (first day after it, seconds)
     faults: dict  # name: one line
+    why: str = ""  # what was not looked for
 
 
 def solar_noon_shift(
-    poa_global, index, location=None, surface_tilt=None, surface_azimuth=None
+    poa_global,
+    index,
+    location=None,
+    surface_tilt=None,
+    surface_azimuth=None,
+    limits=None,
 ) -> SolarNoon:
     """
     How late a whole file is, by the middle of each day's light.
@@ -45,6 +45,7 @@ def solar_noon_shift(
         Without it only jumps of an hour are seen, no constant shift.
     surface_tilt, surface_azimuth : float, optional
         Of the plane; horizontal where they are not known. [°]
+    limits : Limits, optional
 
     Returns
     -------
@@ -58,18 +59,21 @@ def solar_noon_shift(
     move either end by some minutes and both alike. A plane turned by 5° moves
     the noon of its energy by 20 min, but the edges of its light hardly.
     """
+    limits = limits or Limits()
     times = instants(index)
     seconds = (times - times[0]) / np.timedelta64(1, "s")
-    if len(seconds) < 2 or seconds[-1] < 2 * DAY:
+    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return SolarNoon(np.nan, pd.Series(dtype=float), (), {})
     step, dark = np.median(np.diff(seconds)), night(seconds, poa_global)
-    day, middle = middles(seconds - dark, np.asarray(poa_global), step)
+    day, middle = middles(seconds - dark, np.asarray(poa_global), step, limits)
     if location is not None:
         origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
-        late = middle - due(origin, day, location, surface_tilt, surface_azimuth)
+        late = middle - due(
+            origin, day, location, surface_tilt, surface_azimuth, limits
+        )
         middle = (late + DAY / 2) % DAY - DAY / 2
     when = dark + (day + 0.5) * DAY
-    changes = steps_of_an_hour(day, middle)
+    changes = steps_of_an_hour(day, middle, limits)
     for change in changes:
         change["seconds"] = dark + change["day"] * DAY
     blocks = [dict(seconds=t, late=late) for t, late in zip(when, middle)]
@@ -79,12 +83,12 @@ def solar_noon_shift(
         late = float(np.median(middle - offsets(hours, when)))
     jumps = tuple((day_of(index[0], c["seconds"]), c["by"]) for c in changes)
     days = pd.Series(middle, [day_of(index[0], t - DAY / 2) for t in when])
-    return SolarNoon(late, days, jumps, noon_faults(late, jumps, step))
+    return SolarNoon(late, days, jumps, noon_faults(late, jumps, step, limits))
 
 
-def noon_faults(late, jumps, step):
+def noon_faults(late, jumps, step, limits):
     faults = {}
-    if abs(late) > OFF_NOON + step / 2:
+    if abs(late) > limits.off_noon + step / 2:
         faults["file_shift"] = (
             f"the day's light is {abs(late) / 60:.0f} min too "
             f"{'late' if late > 0 else 'early'} for the location: the times are in "
@@ -101,9 +105,9 @@ def noon_faults(late, jumps, step):
     return faults
 
 
-def middles(seconds, poa, step):
+def middles(seconds, poa, step, limits):
     """Days that are whole, and the middle of the light of each. [s of its day]"""
-    if not len(lit := np.flatnonzero(poa > LIGHT)):
+    if not len(lit := np.flatnonzero(poa > limits.light)):
         return np.zeros(0, dtype=int), np.zeros(0)
     day = (seconds // DAY).astype(int)
     rows = np.bincount(day, np.isfinite(poa))
@@ -111,7 +115,7 @@ def middles(seconds, poa, step):
     last = np.append(first[1:], len(lit)) - 1
     highest = np.maximum.reduceat(poa[lit], first)
     # what is lost of a day may be its first or last light
-    whole = (highest > BRIGHT) & (rows[of_lit] > 0.98 * DAY / step)
+    whole = (highest > limits.bright) & (rows[of_lit] > limits.whole_day * DAY / step)
     middle = (seconds[lit[first]] + seconds[lit[last]]) / 2 - of_lit * DAY
     return of_lit[whole], middle[whole]
 
@@ -123,7 +127,7 @@ def universal(time, location):
     return standard_time(pd.DatetimeIndex([time]), location)[0].tz_localize(None)
 
 
-def due(origin, days, location, surface_tilt, surface_azimuth):
+def due(origin, days, location, surface_tilt, surface_azimuth, limits):
     """The middle of the light that a half-clear sky gives on those days. [s]"""
     if not len(days):
         return np.zeros(0)
@@ -146,29 +150,29 @@ def due(origin, days, location, surface_tilt, surface_azimuth):
     poa = poa.to_numpy()
     dark = round(night(seconds, poa) / 300.0)
     poa = np.roll(poa.reshape(len(some), -1), -dark, axis=1).ravel()
-    day, middle = middles(seconds, poa, 300.0)
+    day, middle = middles(seconds, poa, 300.0, limits)
     if not len(day):
         return np.full(len(days), np.nan)
     return np.interp(days, day, middle + 300.0 * dark)
 
 
-def steps_of_an_hour(day, middle):
+def steps_of_an_hour(day, middle, limits):
     """Days at which the middle of the light moves by an hour for good."""
-    found = []
-    for i in range(SIDE // 2, len(day) - SIDE // 2 + 1):
-        sides = middle[max(i - SIDE, 0) : i], middle[i : i + SIDE]
-        if day[min(i + SIDE, len(day)) - 1] - day[max(i - SIDE, 0)] > 4 * SIDE:
+    found, side = [], limits.noon_side
+    for i in range(side // 2, len(day) - side // 2 + 1):
+        sides = middle[max(i - side, 0) : i], middle[i : i + side]
+        if day[min(i + side, len(day)) - 1] - day[max(i - side, 0)] > 4 * side:
             continue
-        centres = [np.median(side) for side in sides]
+        centres = [np.median(part) for part in sides]
         by = centres[1] - centres[0]
-        if not JUMP[0] < abs(by) < JUMP[1]:
+        if abs(abs(by) - HOUR) >= limits.noon_slack:
             continue
-        rough = sum(np.abs(side - c).mean() for side, c in zip(sides, centres))
+        rough = sum(np.abs(part - c).mean() for part, c in zip(sides, centres))
         found.append(dict(day=int(day[i]), by=float(np.sign(by) * HOUR), rough=rough))
     # neighbours see the same step; it is where both sides are the most even
     groups = []
     for step in found:
-        if groups and step["day"] - groups[-1][-1]["day"] <= SIDE:
+        if groups and step["day"] - groups[-1][-1]["day"] <= side:
             groups[-1].append(step)
         else:
             groups.append([step])

@@ -13,10 +13,8 @@ DAY = 86400.0  # s
 SENSOR = 32.0
 DECAYS = np.array([150.0, 300.0, 600.0, 1200.0, 2400.0])  # s, of modules and roofs
 BEFORE, AFTER = 720.0, 2700.0  # s, lags around the onset
-FARTHEST = 7200.0  # s, of a clock
-FINEST, COARSEST = 60.0, 900.0  # s; a module answers within less than an hour
+FINEST = 60.0  # s; a module answers within minutes
 FADE = 3600.0  # s; slower changes are the sun's path and the weather's, not clouds'
-CLEAR_PEAK = 5.0  # height of a correlation over its own scatter
 
 
 @dataclass(frozen=True)
@@ -26,8 +24,9 @@ class Sums:
     own: np.ndarray  # irradiance with itself, lags 0 … reach
     cross: np.ndarray  # temperature that many rows later, lags −reach … reach
     step: float  # [s]
-    start: float  # of the first day, from the record's first row [s]
+    start: float  # of the calendar's first day, from the record's first row [s]
     day: float  # rows of a day are whole, so it may be off by a part of one [s]
+    number: np.ndarray  # of each day that has rows, in the calendar
 
     def __len__(self):
         return len(self.own)
@@ -40,8 +39,12 @@ class Sums:
         """Products at ``count`` lags from ``lag`` on, by the day."""
         return self.cross[days, self.reach + lag : self.reach + lag + count]
 
+    def begin(self, day):
+        """When a day begins, from the record's first row. [s]"""
+        return self.start + self.number[day] * self.day
 
-def daily_sums(seconds, base, poa, module):
+
+def daily_sums(seconds, base, poa, module, limits):
     """Products by the day, of rows a minute apart or more; days end in the dark."""
     # short steps are taken together: the mean of what came in, the end of the answer
     gather = max(1, round(FINEST / base))
@@ -49,25 +52,29 @@ def daily_sums(seconds, base, poa, module):
     count = round(DAY / step)
     front = round(-night(seconds, poa) / step) * gather
     row = front + np.round(seconds / base).astype(int)
-    size = -(-(row[-1] + 1) // (count * gather)) * count * gather
+    # only days that have rows: a stray time may be centuries from the others
+    number, place = np.unique(row // (count * gather), return_inverse=True)
+    place = place * count * gather + row % (count * gather)
 
     def fold(values):
-        table = np.full(size, np.nan)
-        table[row] = values
+        table = np.full(len(number) * count * gather, np.nan)
+        table[place] = values
         return table.reshape(-1, gather)
 
     came = fold(poa)
     came = came.mean(axis=1) if gather > 1 else came[:, 0]
-    x = changes(came, step).reshape(-1, count)
-    y = changes(fold(module)[:, -1], step).reshape(-1, count)
-    reach = int((FARTHEST + AFTER) / step)
+    # days are apart where there is a gap between them
+    apart = np.flatnonzero(np.diff(number) > 1) + 1
+    x = changes(came, step, apart * count).reshape(-1, count)
+    y = changes(fold(module)[:, -1], step, apart * count).reshape(-1, count)
+    reach = int((limits.farthest_clock + AFTER) / step)
     # transforms by the day are small and alike on any number of cores
     length = next_fast_len(count + reach, real=True)
     fx, fy = rfft(x, length), rfft(y, length)
     own = irfft(fx.real**2 + fx.imag**2, length)[:, : reach + 1]
     cross = irfft(fy * fx.conj(), length)
     cross = np.concatenate((cross[:, -reach:], cross[:, : reach + 1]), axis=1)
-    return Sums(own, cross, step, -front * base, count * step)
+    return Sums(own, cross, step, -front * base, count * step, number)
 
 
 def night(seconds, poa):
@@ -79,10 +86,11 @@ def night(seconds, poa):
     return round((noon - DAY / 2) % DAY / 600.0) * 600.0 - DAY
 
 
-def changes(values, step):
-    """Changes from row to row, less their mean over an hour; 0 beside a NaN."""
+def changes(values, step, apart):
+    """Changes from row to row, less their hour's mean; 0 beside a NaN or a gap."""
     change = np.diff(values, prepend=values[:1])
     change[~np.isfinite(change)] = 0.0
+    change[apart] = 0.0
     return change - uniform_filter1d(change, round(FADE / step), mode="constant")
 
 
@@ -105,19 +113,20 @@ def plain(step):
     return decays(lags, step, 0.0)[:, 1:3].mean(axis=1)
 
 
-def measured_blocks(sums, changes):
-    """Blocks of 2 to 14 days, eight of them if they can; none across a change."""
-    length = np.clip(len(sums) / 8, 2, 14)
+def measured_blocks(sums, changes, limits):
+    """Blocks of some days, eight of them if they can; none across a change."""
+    length = len(sums) / limits.block_number
+    length = np.clip(length, limits.shortest_block, limits.longest_block)
     blocks = []
     for first, end in pairwise([0, *changes, len(sums)]):
         parts = np.array_split(
             np.arange(first, end), max(1, round((end - first) / length))
         )
-        blocks += [measure(sums, days) for days in parts]
+        blocks += [measure(sums, days, limits) for days in parts]
     return [block for block in blocks if block is not None]
 
 
-def measure(sums, days):
+def measure(sums, days, limits):
     """Onset in some days together, or None where clouds do not show it."""
     own, cross = sums.own[days].sum(axis=0), sums.cross[days].sum(axis=0)
     shape = plain(sums.step)
@@ -125,7 +134,8 @@ def measure(sums, days):
     coarse = int(np.argmax(height)) - sums.reach
     # a clear sky's answer has no peak that stands out
     scatter = 1.4826 * np.median(np.abs(height))
-    if len(days) < 2 or not height.max() > CLEAR_PEAK * scatter > 0:
+    clear = height.max() > limits.clear_peak * scatter > 0
+    if len(days) < limits.shortest_block or not clear:
         return None
     first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
     last = min(coarse + round(AFTER / sums.step), sums.reach)
@@ -149,9 +159,9 @@ def measure(sums, days):
     if not weights.any():
         return None
     stderr, told = error(sums, days, lags, onset, weights, normal)
-    if not stderr < 2 * sums.step:
+    if not stderr < limits.onset_error * sums.step:
         return None
-    middle = sums.start + sums.day * (np.average(days, weights=told) + 0.5)
+    middle = np.average(sums.begin(days), weights=told) + sums.day / 2
     return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
 
 

@@ -1,23 +1,42 @@
 """A sensor that stands still while what moves it moves."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.quality.clock import HOUR
-from pvlib_fem.quality.noon import LIGHT
-from pvlib_fem.quality.onset import DAY
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.record.checks import POSSIBLE
 from pvlib_fem.relaxation import ewm
 
-TAU = 378.0  # s, a module's memory: what irradiance it has felt
-LEAST = 5  # rows that are the same
-HALF_HOUR, NIGHT, CALM = 1800.0, 3 * HOUR, 3 * DAY  # s
-FELT = 100.0  # W/m², 2 to 6 K of a module
-FINE = 0.1  # K; a coarser sensor may stand still for that much longer
-WARMED = 10.0  # K of over-temperature, which takes some 300 W/m²
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Stretches of one value that are too long to be an accident."""
+
+    value: np.ndarray
+    first: np.ndarray  # row
+    last: np.ndarray  # row
+    time: np.ndarray  # from the first to the last row [s]
+
+    def extent(self, other):
+        """Largest less smallest value of another column in each; 0 without one."""
+        if not len(self.first):
+            return np.zeros(0)
+        # reduceat takes pairs of rows and what is between the pairs, which is left out
+        pairs = np.column_stack((self.first, self.last)).ravel()
+        low = np.fmin.reduceat(other, pairs)[::2]
+        return np.nan_to_num(np.fmax.reduceat(other, pairs)[::2] - low)
+
+    def rows(self, kept, rows):
+        """Booleans that are True in the kept runs."""
+        edge = np.zeros(rows + 1, dtype=int)
+        edge[self.first[kept]] += 1
+        edge[self.last[kept] + 1] -= 1
+        return np.cumsum(edge[:-1]) > 0
 
 
-def stuck(record) -> dict[str, np.ndarray]:
+def stuck(record, limits=None) -> dict[str, np.ndarray]:
     """
     Rows in which a sensor stands still while what moves it moves.
 
@@ -37,6 +56,8 @@ def stuck(record) -> dict[str, np.ndarray]:
     ----------
     record : Record
         From ``records.measured``.
+    limits : Limits, optional
+        The thresholds; those above by default.
 
     Returns
     -------
@@ -45,79 +66,116 @@ def stuck(record) -> dict[str, np.ndarray]:
 
     Notes
     -----
-    Only the resolution of the columns enters; a smooth column cannot repeat.
+    Only the resolution of the columns enters; a smooth column cannot repeat. A
+    missing value ends a repetition, but in a column that has one value only.
     """
+    limits = limits or Limits()
     seconds = record.inputs.seconds
-    poa, air, wind, module = (record[name] for name in POSSIBLE)
-    felt = ewm(pd.Series(poa, record.index), TAU).to_numpy()
-
-    def rows(values, judge):
-        first, count = runs(values)
-        last = first + count - 1
-        lasts = seconds[last] - seconds[first]
-        some = (count > LEAST) & (lasts > HALF_HOUR) & np.isfinite(values[first])
-        first, last, lasts = first[some], last[some], lasts[some]
-        spread = lambda other: extent(other, first, last)  # noqa: E731
-        return between(first, last, judge(values[first], lasts, spread), len(values))
-
-    step = resolution(air) + resolution(module)
-    return {
-        "poa_global": rows(
-            poa,
-            lambda v, t, of: (of(module - air) > WARMED) & ((v > LIGHT) | (t > DAY)),
-        ),
-        "temp_air": rows(
-            air, lambda v, t, of: (t > NIGHT) & (of(poa) > 300) & (of(module) > WARMED)
-        ),
-        "wind_speed": rows(wind, lambda v, t, of: t > np.where(v > 0, 2 * NIGHT, CALM)),
-        "temp_module": rows(
-            module,
-            lambda v, t, of: (
-                ((of(felt) > FELT) | ((t > NIGHT) & (of(air) > 1.0 + 2 * step)))
-                & ((np.abs(v) > 0.5) | (t > DAY))
-                & (t > HALF_HOUR * resolution(module) / FINE)
-            ),
-        ),
-    }
+    columns = {name: record[name] for name in POSSIBLE}
+    columns["felt"] = felt(record, limits)
+    found = {}
+    for name, still in STILL.items():
+        values = columns[name]
+        there = np.isfinite(values)
+        repeated = runs(values, seconds, limits)
+        kept = still(repeated, columns, limits)
+        found[name] = repeated.rows(kept, len(values)) & there
+    return found
 
 
-def runs(values):
-    """First row and length of each run of one value; a NaN is a run of its own."""
-    first = np.flatnonzero(np.concatenate(([True], values[1:] != values[:-1])))
-    return first, np.diff(first, append=len(values))
+def felt(record, limits):
+    """Irradiance as the module feels it, smoothed by its memory. [W/m²]"""
+    poa = pd.Series(record["poa_global"], record.index)
+    return ewm(poa, limits.felt_memory).to_numpy()
 
 
-def extent(values, first, last):
-    """Largest less smallest value from each first to its last row; 0 without one."""
-    if not len(first):
-        return np.zeros(0)
-    # reduceat takes pairs of rows and what is between the pairs, which is left out
-    pairs = np.column_stack((first, last)).ravel()
-    low = np.fmin.reduceat(values, pairs)[::2]
-    return np.nan_to_num(np.fmax.reduceat(values, pairs)[::2] - low)
+def still_irradiance(runs, columns, limits):
+    over = columns["temp_module"] - columns["temp_air"]
+    night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
+    return (runs.extent(over) > limits.warmed) & ~night
 
 
-def between(first, last, kept, rows):
-    """Booleans that are True in the kept runs."""
-    edge = np.zeros(rows + 1, dtype=int)
-    edge[first[kept]] += 1
-    edge[last[kept] + 1] -= 1
-    return np.cumsum(edge[:-1]) > 0
+def still_air(runs, columns, limits):
+    sunny = runs.extent(columns["poa_global"]) > limits.sunny_change
+    warmed = runs.extent(columns["temp_module"]) > limits.warmed
+    return sunny & warmed & (runs.time > limits.still_air)
+
+
+def still_wind(runs, columns, limits):
+    calm = runs.value == 0
+    return runs.time > np.where(calm, limits.calm, limits.still_wind)
+
+
+def still_module(runs, columns, limits):
+    air, module = columns["temp_air"], columns["temp_module"]
+    steps = resolution(air) + resolution(module)
+    of_sun = runs.extent(columns["felt"]) > limits.felt
+    of_air = runs.extent(air) > limits.felt_air + 2 * steps
+    of_air &= runs.time > limits.still_air
+    melting = (np.abs(runs.value) <= limits.melting) & (runs.time <= limits.still_day)
+    coarse = limits.still_time * resolution(module) / limits.fine
+    return (of_sun | of_air) & ~melting & (runs.time > coarse)
+
+
+#: what makes a repetition of each column a fault
+STILL = {
+    "poa_global": still_irradiance,
+    "temp_air": still_air,
+    "wind_speed": still_wind,
+    "temp_module": still_module,
+}
+
+
+def runs(values, seconds, limits):
+    """Repetitions of one value; a NaN ends one, unless there is no other value."""
+    there = np.isfinite(values)
+    if never_moves(values):
+        values = np.full(len(values), values[there][0])
+    starts = np.concatenate(([True], values[1:] != values[:-1]))
+    first = np.flatnonzero(starts)
+    last = np.append(first[1:], len(values)) - 1
+    time = seconds[last] - seconds[first]
+    long = (last - first >= limits.still_rows) & (time > limits.still_time)
+    long &= np.isfinite(values[first])
+    first, last = first[long], last[long]
+    return Runs(values[first], first, last, time[long])
 
 
 def resolution(values):
     """Smallest change of a column; 0 of one that never changes."""
     change = np.abs(np.diff(values))
-    return float(change[change > 1e-9].min(initial=np.inf)) % np.inf
+    change = change[change > 1e-9]
+    return float(change.min()) if len(change) else 0.0
+
+
+def never_moves(values):
+    """Whether a column has one value only, whatever is missing."""
+    seen = values[np.isfinite(values)]
+    return len(seen) > 0 and np.ptp(seen) == 0
 
 
 def stuck_line(record, frozen):
+    """What stands still, from when on and at what, in one line."""
     lines = []
     for name, rows in frozen.items():
-        if rows.any():
-            at = int(np.argmax(rows))
-            lines.append(
-                f"{name} stands still at {record[name][at]:g} from {record.index[at]} "
-                f"on, {rows.sum()} rows in all"
-            )
+        if not rows.any():
+            continue
+        values, at = record[name], int(np.argmax(rows))
+        if never_moves(values):
+            lines.append(whole_line(record, name))
+            continue
+        lines.append(
+            f"{name} stands still at {values[at]:g} from {record.index[at]} on, "
+            f"{rows.sum()} rows in all"
+        )
     return "; ".join(lines) + ": they are not used; look at sensor and logger"
+
+
+def whole_line(record, name):
+    """The same of a column that never moves."""
+    values = record[name]
+    seen = np.flatnonzero(np.isfinite(values))
+    return (
+        f"{name} stands still at {values[seen[0]]:g} for the whole record, from "
+        f"{record.index[seen[0]]} to {record.index[seen[-1]]}"
+    )
