@@ -96,10 +96,16 @@ class Limits:
         time: what clouds leave in the median of ten days. [s]
     noon_side : int
         *noon.* Days on each side of a jump that are compared. [days]
+    shortest_night : float
+        *noon.* Dark time below which a day has no clear edges, as near the midnight
+        sun. [s]
+    noon_gap : int
+        *noon.* Days that these may span, where some are missing. [days]
+    noon_error : float
+        *noon.* What clouds leave in the noon of one day, at least. [s]
     coarsest_noon : float
-        *noon.* Step of the rows above which no jump is looked for: first and last
-        light move by whole steps, their middle by halves, and half of two hours is
-        the hour that is looked for. [s]
+        *noon.* Step of the rows above which no jump is looked for: it would be
+        less than a row. [s]
     stray_gap : float
         *times.* Gap between rows from which those on its one side are suspect. [s]
     stray_share : float
@@ -160,6 +166,9 @@ class Limits:
     off_noon: float = 1800.0
     noon_slack: float = 900.0
     noon_side: int = 10
+    shortest_night: float = 10800.0
+    noon_gap: int = 40
+    noon_error: float = 300.0
     coarsest_noon: float = 3600.0
 
     stray_gap: float = 31622400.0

@@ -22,6 +22,7 @@ class SolarNoon:
     jumps: tuple  # (first day after it, seconds)
     faults: dict  # name: one line
     why: str = ""  # what was not looked for
+    within: tuple = ()  # (earliest, latest) day of each jump
 
 
 def solar_noon_shift(
@@ -57,7 +58,10 @@ def solar_noon_shift(
     -----
     The middle between first and last light, 20 W/m², needs no clear sky: clouds
     move either end by some minutes and both alike. A plane turned by 5° moves
-    the noon of its energy by 20 min, but the edges of its light hardly.
+    the noon of its energy by 20 min, but the edges of its light hardly. An edge is
+    taken between two rows, so that it does not move by whole steps; where rows are
+    further apart than an hour that is too coarse to look for jumps, and ``why``
+    says so.
     """
     limits = limits or Limits()
     times = instants(index)
@@ -73,7 +77,14 @@ def solar_noon_shift(
         )
         middle = (late + DAY / 2) % DAY - DAY / 2
     when = dark + (day + 0.5) * DAY
-    changes = steps_of_an_hour(day, middle, limits)
+    why, changes = "", []
+    if step <= limits.coarsest_noon:
+        changes = steps_of_an_hour(day, middle, limits)
+    else:
+        why = (
+            f"no jump of the whole file by an hour was looked for: rows are "
+            f"{step / 60:.0f} min apart"
+        )
     for change in changes:
         change["seconds"] = dark + change["day"] * DAY
     blocks = [dict(seconds=t, late=late) for t, late in zip(when, middle)]
@@ -83,7 +94,11 @@ def solar_noon_shift(
         late = float(np.median(middle - offsets(hours, when)))
     jumps = tuple((day_of(index[0], c["seconds"]), c["by"]) for c in changes)
     days = pd.Series(middle, [day_of(index[0], t - DAY / 2) for t in when])
-    return SolarNoon(late, days, jumps, noon_faults(late, jumps, step, limits))
+    within = tuple(
+        tuple(day_of(index[0], dark + d * DAY) for d in c["within"]) for c in changes
+    )
+    faults = noon_faults(late, jumps, step, limits)
+    return SolarNoon(late, days, jumps, faults, why, within)
 
 
 def noon_faults(late, jumps, step, limits):
@@ -98,9 +113,12 @@ def noon_faults(late, jumps, step, limits):
         )
     if jumps:
         dates = ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)
+        why = "the file keeps daylight-saving time"
+        if len(jumps) == 1:
+            why += ", or its clock was set"
         faults["file_dst"] = (
-            f"the day's light moves by {dates}: the file keeps daylight-saving time; "
-            "give its index that zone (tz_localize), or keep standard time"
+            f"the day's light moves by {dates}: {why}; give its index that zone "
+            "(tz_localize), or keep standard time"
         )
     return faults
 
@@ -114,10 +132,22 @@ def middles(seconds, poa, step, limits):
     of_lit, first = np.unique(day[lit], return_index=True)
     last = np.append(first[1:], len(lit)) - 1
     highest = np.maximum.reduceat(poa[lit], first)
+    rise, fall = (
+        edge(seconds, poa, lit[at], way, limits) for at, way in ((first, -1), (last, 1))
+    )
     # what is lost of a day may be its first or last light
     whole = (highest > limits.bright) & (rows[of_lit] > limits.whole_day * DAY / step)
-    middle = (seconds[lit[first]] + seconds[lit[last]]) / 2 - of_lit * DAY
-    return of_lit[whole], middle[whole]
+    whole &= DAY - (fall - rise) > limits.shortest_night  # False where one is NaN
+    return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
+
+
+def edge(seconds, poa, lit, way, limits):
+    """When light begins or ends, between a lit row and the dark one beside it. [s]"""
+    dark = np.clip(lit + way, 0, len(poa) - 1)
+    change, rest = poa[lit] - poa[dark], poa[lit] - limits.light
+    there = poa[dark] <= limits.light  # no edge in a polar day, nor beside a gap
+    part = np.divide(rest, change, out=np.full(len(lit), np.nan), where=there)
+    return seconds[lit] + part * (seconds[dark] - seconds[lit])
 
 
 def universal(time, location):
@@ -158,22 +188,42 @@ def due(origin, days, location, surface_tilt, surface_azimuth, limits):
 
 def steps_of_an_hour(day, middle, limits):
     """Days at which the middle of the light moves by an hour for good."""
-    found, side = [], limits.noon_side
-    for i in range(side // 2, len(day) - side // 2 + 1):
-        sides = middle[max(i - side, 0) : i], middle[i : i + side]
-        if day[min(i + side, len(day)) - 1] - day[max(i - side, 0)] > 4 * side:
-            continue
-        centres = [np.median(part) for part in sides]
-        by = centres[1] - centres[0]
-        if abs(abs(by) - HOUR) >= limits.noon_slack:
-            continue
-        rough = sum(np.abs(part - c).mean() for part, c in zip(sides, centres))
-        found.append(dict(day=int(day[i]), by=float(np.sign(by) * HOUR), rough=rough))
+    fewest = max(limits.noon_side // 2, 1)
+    tried = range(fewest, len(day) - fewest + 1)
+    found = filter(None, (step_at(i, day, middle, limits) for i in tried))
     # neighbours see the same step; it is where both sides are the most even
     groups = []
     for step in found:
-        if groups and step["day"] - groups[-1][-1]["day"] <= side:
+        if groups and step["day"] - groups[-1][-1]["day"] <= limits.noon_side:
             groups[-1].append(step)
         else:
             groups.append([step])
-    return [min(group, key=lambda step: step["rough"]) for group in groups]
+    return [evenest(group, limits) for group in groups]
+
+
+def step_at(i, day, middle, limits):
+    """A step of an hour before the i-th day, or None."""
+    first, last = max(i - limits.noon_side, 0), i + limits.noon_side
+    sides = middle[first:i], middle[i:last]
+    around = day[first:last]
+    before, after = (np.median(side) for side in sides)
+    if around[-1] - around[0] > limits.noon_gap:
+        return None
+    if abs(abs(after - before) - HOUR) >= limits.noon_slack:
+        return None
+    rough = np.array([np.abs(s - c).mean() for s, c in zip(sides, (before, after))])
+    # of medians of normal deviates: π/2 of a mean deviation over the root of n
+    error = np.pi / 2 * np.hypot(*(rough / np.sqrt([len(side) for side in sides])))
+    if abs(after - before) < limits.sure * error:
+        return None
+    by = float(np.sign(after - before) * HOUR)
+    return dict(day=int(day[i]), before=int(day[i - 1]), by=by, rough=rough.sum())
+
+
+def evenest(group, limits):
+    """The step with the most even sides, and the days that it may be on."""
+    best = min(group, key=lambda step: step["rough"])
+    # where noise has exponential tails, e times less likely for each mean deviation
+    scale = max(best["rough"] / 2, limits.noon_error) / limits.noon_side
+    near = [s for s in group if s["rough"] - best["rough"] <= limits.sure * scale]
+    return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))

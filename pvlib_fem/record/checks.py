@@ -14,6 +14,8 @@ POSSIBLE = {
     "temp_module": (-60.0, 100.0, "°C"),
 }
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+#: months of autumn on either side of the equator, and hours, in which it ends
+SUMMER_TIME_ENDS = (3, 4, 9, 10, 11), (23, 0, 1, 2, 3)
 MOST_IMPOSSIBLE = 0.2  # share of a column beyond which the record is refused
 
 
@@ -263,6 +265,14 @@ def check_order(steps, index, name):
     if len(steps) < 2 or steps[1:].min() > 0:
         return
     at = 1 + int(np.argmax(steps[1:] <= 0))
+    if ends_summer_time(steps, index, at):
+        raise ValueError(
+            f"{name} goes back from {index[at - 1]} to {index[at]} (row {at}), as the "
+            "clock does at the end of summer time: leave the rows in their order, "
+            "since sorting mixes the hour that comes twice, and give the times their "
+            "zone, for example with data.tz_localize('Europe/Berlin', "
+            "ambiguous='infer') (--tz Europe/Berlin)"
+        )
     if steps[at] == 0:
         raise ValueError(
             f"{name} has the time {index[at]} twice (row {at}); keep one, for "
@@ -272,6 +282,17 @@ def check_order(steps, index, name):
         f"{name} is not sorted: {index[at]} (row {at}) comes after "
         f"{index[at - 1]}; use data.sort_index()"
     )
+
+
+def ends_summer_time(steps, index, at):
+    """Whether times without a zone go back by an hour, but for a step, in autumn."""
+    if not isinstance(index, pd.DatetimeIndex) or index.tz is not None:
+        return False
+    usual = np.median(steps[1:]) * SECONDS[index.unit]
+    back = usual - (index[at] - index[at - 1]).total_seconds()
+    months, hours = SUMMER_TIME_ENDS
+    autumn = index[at].month in months and index[at].hour in hours
+    return autumn and abs(back - 3600.0) < usual / 2
 
 
 def as_numbers(name, value, index):

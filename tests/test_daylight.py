@@ -1,0 +1,242 @@
+"""A file that keeps summer time is told from none, and brought to standard time."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS
+from pvlib.location import Location
+
+from pvlib_fem import simulator
+from pvlib_fem.quality.daylight import daylight_saving
+from pvlib_fem.quality.noon import solar_noon_shift
+from pvlib_fem.record.checks import measured
+from pvlib_fem.simulator import RHINE, Site
+
+SYDNEY = Site(-33.9, 151.2, surface_azimuth=0.0)
+DENVER = Site(39.7, -105.0)
+ZONES = {
+    "Europe/Berlin": RHINE,
+    "Australia/Sydney": SYDNEY,
+    "America/Denver": DENVER,
+}
+LATITUDES = (
+    *(-54.8, -41.3, -29.1, -12.0, 0.3, 18.5, 30.1, 37.4, 42.7, 47.2, 51.1, 53.4),
+    *(56.9, 59.3, 61.5, 64.1, 67.9, 69.7, 72.0, 78.2),
+)
+#: from the equator to beyond both polar circles; none of them keeps summer time
+SITES = [
+    Site(latitude, longitude, 30.0, 180.0 if latitude >= 0 else 0.0)
+    for latitude, longitude in zip(LATITUDES, range(-170, 190, 18))
+]
+
+
+@pytest.fixture(scope="module")
+def years():
+    """A year of each place in its standard time, without a zone."""
+    return {
+        zone: simulator.record(site, {}, 365, 600.0, 3).tz_localize(None)
+        for zone, site in ZONES.items()
+    }
+
+
+def by_the_wall(data, zone):
+    """What a logger writes that keeps a zone's clock: an hour lacks, one is twice."""
+    aware = data.tz_localize(ZONES[zone].tz).tz_convert(zone)
+    return aware.tz_localize(None)
+
+
+def once(data):
+    """The same as a data base has it, in which each time is once."""
+    return data[~data.index.duplicated()]
+
+
+def place(zone, tz=None):
+    site = ZONES[zone]
+    location = Location(site.latitude, site.longitude, tz=tz or zone)
+    return location, site.surface_tilt, site.surface_azimuth
+
+
+def judged(data, zone, tz=None):
+    where = place(zone, tz)
+    poa, index = data["poa_global"].to_numpy(), data.index
+    noon = solar_noon_shift(poa, index, *where)
+    return daylight_saving(poa, index, noon, *where)
+
+
+@pytest.mark.parametrize("zone", ZONES)
+def test_a_file_with_the_doubled_hour_comes_back_exactly(years, zone):
+    wall = by_the_wall(years[zone], zone)
+    found = judged(wall, zone)
+    assert found.explained and found.zone == zone
+    assert found.kept.all()
+    pd.testing.assert_frame_equal(
+        found.corrected(wall), years[zone], check_freq=False, check_index_type=False
+    )
+
+
+@pytest.mark.parametrize("zone", ZONES)
+def test_an_hour_that_is_there_once_is_left_out_and_counted(years, zone):
+    """Which of two hours it was is not known; every other row is right."""
+    wall = once(by_the_wall(years[zone], zone))
+    found = judged(wall, zone)
+    corrected = found.corrected(wall)
+    assert (~found.kept).sum() == 6
+    assert "6 rows of the hours that it skips or has twice are left out" in found.line
+    assert corrected.index.is_monotonic_increasing
+    expected = years[zone].loc[corrected.index]
+    pd.testing.assert_frame_equal(
+        corrected, expected, check_freq=False, check_index_type=False
+    )
+
+
+@pytest.mark.parametrize("zone", ZONES)
+def test_the_sun_is_where_it_should_be_afterwards(years, zone):
+    found = judged(once(by_the_wall(years[zone], zone)), zone)
+    right = solar_noon_shift(
+        years[zone]["poa_global"].to_numpy(), years[zone].index, *place(zone)
+    )
+    assert found.after == pytest.approx(np.sqrt(np.mean(right.days**2)) / 60, abs=0.5)
+    # an hour for more than half of the year
+    assert found.before > 60 * np.sqrt(0.5)
+    assert f"{found.after:.0f} min off the sun" in found.line
+    assert f"was {found.before:.0f}" in found.line
+
+
+def test_an_even_file_loses_the_hour_that_no_clock_shows():
+    """The simulator's file has a row every 10 min, as some loggers' exports do."""
+    data = simulator.record(RHINE, {"file_dst": 1.0}, 365, 600.0, 3)
+    found = judged(data, "Europe/Berlin")
+    assert found.explained
+    assert str(found.index.tz) == RHINE.tz
+    assert (~found.kept).sum() == 12
+    assert found.after < 0.5 * found.before
+    poa = data["poa_global"].to_numpy()[found.kept]
+    assert solar_noon_shift(poa, found.index, *place("Europe/Berlin")).faults == {}
+
+
+def test_several_years_have_two_jumps_each():
+    data = simulator.record(RHINE, {}, 800, 1800.0, 3).tz_localize(None)
+    found = judged(by_the_wall(data, "Europe/Berlin"), "Europe/Berlin")
+    assert [by for _, by in found.transitions] == [3600.0, -3600.0] * 2
+    dates = [str(time) for time, _ in found.transitions]
+    # at one o'clock of universal time, which is two by standard time in Berlin
+    assert dates[:2] == ["2023-03-26 02:00:00", "2023-10-29 02:00:00"]
+    assert found.kept.all()
+
+
+@pytest.mark.parametrize(
+    ("change", "tz", "reason"),
+    [
+        (lambda d: d[:"2023-08"], None, "one jump alone may be a clock that was set"),
+        (lambda d: d, "America/Denver", "is none of America/Denver, which has"),
+        (lambda d: d, "Etc/GMT-1", "Etc/GMT-1 has no daylight saving in this record"),
+        (lambda d: d["2023-04-10":"2023-10-10"], None, "no jump by an hour was found"),
+    ],
+)
+def test_what_no_zone_explains_is_not_corrected(years, change, tz, reason):
+    wall = change(once(by_the_wall(years["Europe/Berlin"], "Europe/Berlin")))
+    found = judged(wall, "Europe/Berlin", tz)
+    assert not found.explained
+    assert reason in found.line
+    assert found.corrected(wall).equals(wall)
+
+
+def test_a_transition_that_the_light_does_not_show_is_said(years):
+    """Two years, of which the file keeps summer time in the first alone."""
+    data = simulator.record(RHINE, {}, 730, 1800.0, 3).tz_localize(None)
+    first = once(by_the_wall(data[:"2023"], "Europe/Berlin"))
+    both = pd.concat((first, data["2024":].loc["2024-01-01 02:00":]))
+    found = judged(both, "Europe/Berlin")
+    assert not found.explained
+    assert "has +60 min on 2024-03-31, -60 min on 2024-10-27" in found.line
+    assert "the day's light does not move then" in found.line
+
+
+def test_a_transition_that_is_not_measured_is_not_missed():
+    """The dates are the zone's; a gap over one of three does not speak against it."""
+    data = simulator.record(RHINE, {}, 550, 1800.0, 3).tz_localize(None)
+    wall = once(by_the_wall(data, "Europe/Berlin"))
+    wall.loc["2023-10-01":"2023-12-15", "poa_global"] = np.nan
+    found = judged(wall, "Europe/Berlin")
+    assert found.explained
+    assert len(found.transitions) == 3
+    corrected = found.corrected(wall)["temp_air"]
+    assert corrected.equals(data["temp_air"].loc[corrected.index])
+
+
+def test_a_file_in_standard_time_with_a_zone_of_summer_time_is_told(years):
+    data = years["Europe/Berlin"].tz_localize(
+        "Europe/Berlin", nonexistent="NaT", ambiguous="NaT"
+    )
+    data = data[data.index.notna()]
+    found = judged(data, "Europe/Berlin")
+    assert not found.explained
+    assert "give its times Etc/GMT-1 instead" in found.line
+
+
+# false alarms
+
+
+@pytest.mark.parametrize("step", [600, 1800, 3600, 7200, 10800])
+def test_no_site_moves_by_an_hour_by_itself(step):
+    """Not by rows that are far apart, nor where the sun hardly sets."""
+    alarms = {}
+    for number, site in enumerate(SITES):
+        data = simulator.record(site, {}, 365, float(min(step, 3600)), 100 + number)
+        data = data.resample(f"{step}s", closed="right", label="right").mean()
+        location = Location(site.latitude, site.longitude, tz=site.tz)
+        for where in ((), (location, site.surface_tilt, site.surface_azimuth)):
+            found = solar_noon_shift(data["poa_global"].to_numpy(), data.index, *where)
+            if found.jumps:
+                alarms[site.latitude, bool(where)] = found.faults["file_dst"]
+            looked = "no jump of the whole file by an hour was looked for"
+            assert (step > 3600) == (looked in found.why)
+    assert alarms == {}
+
+
+@pytest.mark.parametrize("step", [600, 3600])
+def test_summer_time_is_found_between_the_polar_circles(step):
+    for number, site in enumerate(SITES):
+        if abs(site.latitude) > 60:
+            continue
+        data = simulator.record(site, {"file_dst": 1.0}, 365, float(step), 50 + number)
+        found = solar_noon_shift(data["poa_global"].to_numpy(), data.index)
+        assert [by for _, by in found.jumps] == [3600.0, -3600.0], site.latitude
+        for (day, _), date in zip(found.jumps, ("2023-03-26", "2023-10-29")):
+            off = abs(day.tz_localize(None) - pd.Timestamp(date))
+            assert off <= pd.Timedelta("5D"), site.latitude
+
+
+# files that are refused
+
+
+def refused(data):
+    with pytest.raises(ValueError) as error:
+        measured(*(data[name] for name in COLUMNS))
+    return str(error.value)
+
+
+@pytest.mark.parametrize("step", ["10min", "1h"])
+def test_the_doubled_hour_suggests_the_zone_and_no_sorting(years, step):
+    data = years["Europe/Berlin"][:: int(pd.Timedelta(step) / pd.Timedelta("10min"))]
+    message = refused(by_the_wall(data, "Europe/Berlin"))
+    assert "to 2023-10-29 02:00:00 (row " in message
+    assert "as the clock does at the end of summer time" in message
+    assert "leave the rows in their order" in message
+    assert "sort_index" not in message
+    # which does what it says
+    wall = by_the_wall(data, "Europe/Berlin")
+    aware = wall.tz_localize("Europe/Berlin", ambiguous="infer")
+    assert measured(*(aware[name] for name in COLUMNS))
+
+
+@pytest.mark.parametrize(
+    "moved", ["2023-10-29 14:00", "2023-07-02 02:00"], ids=["by day", "in summer"]
+)
+def test_other_times_that_go_back_are_to_be_sorted(years, moved):
+    data = years["Europe/Berlin"]
+    at = int(data.index.searchsorted(pd.Timestamp(moved)))
+    order = np.r_[: at + 6, at : len(data)]
+    assert "is not sorted" in refused(data.iloc[order])
+    aware = data.tz_localize(RHINE.tz).iloc[order]
+    assert "use data.sort_index()" in refused(aware)
