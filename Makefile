@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test lint docs benchmark energy study clean
+.PHONY: demo test lint docs benchmark quality energy study clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -30,6 +30,12 @@ docs: $(VENV)/.installed
 benchmark: $(VENV)/.installed
 	$(BIN)/python benchmarks/ratios.py
 
+# pvanalytics works with pandas before 3 only, so that it has an environment of its own
+quality:
+	$(PYTHON) -m venv $(VENV)-quality
+	$(VENV)-quality/bin/python -m pip install --quiet --editable ".[compare]"
+	$(VENV)-quality/bin/python benchmarks/quality.py
+
 energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
@@ -37,4 +43,4 @@ study: $(VENV)/.installed
 	$(BIN)/python tests/study.py --shift 110000 --out docs/study.md
 
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated
+	rm -rf $(VENV) $(VENV)-quality .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated

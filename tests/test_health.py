@@ -1,5 +1,8 @@
 """Faults of sensors and loggers are found, and none where there is none."""
 
+import dataclasses
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -160,6 +163,14 @@ def test_a_polar_night_is_no_stuck_pyranometer():
     data["poa_global"] = 0.0
     data["temp_module"] = data["temp_air"]
     assert not stuck(checked(data))["poa_global"].any()
+
+
+def test_every_limit_says_what_it_is_and_its_unit():
+    text = Limits.__doc__.split("Attributes")[1]
+    for field in dataclasses.fields(Limits):
+        assert re.search(rf"^    .*\b{field.name}\b.* : (float|int)$", text, re.M)
+    for entry in re.split(r"\n    \w.* : (?:float|int)\n", text)[1:]:
+        assert re.search(r"\[(-|s|K|%|days|W/m²)\]$", entry.rstrip()), entry
 
 
 def test_limits_are_an_argument_and_checked():

@@ -2,7 +2,7 @@
 
 What is checked needs no thermal model: a sensor that stands still while the others
 move, a file whose noon is at one o'clock (`noon`), a module that answers before the
-sun asks (`clock`), a driver in another unit (`doubts`).
+sun asks (`clock`), a driver in another unit (`units`).
 """
 
 from dataclasses import dataclass, field

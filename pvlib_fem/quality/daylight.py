@@ -76,29 +76,27 @@ def daylight_saving(
     """
     limits = limits or Limits()
     zone = str(location.tz)
-    reason = unexplained(index, noon, zone, limits)
-    if reason:
-        return Daylight("", reason, index, np.ones(len(index), dtype=bool))
+    if reason := unexplained(index, noon, zone, limits):
+        return as_it_is(index, reason)
     standard, kept = standard_index(index, zone)
     place = (location, surface_tilt, surface_azimuth, limits)
     then = solar_noon_shift(np.asarray(poa_global)[kept], standard, *place)
     before, after = (root_mean_square(found.days) / 60 for found in (noon, then))
+    numbers = f"the day's light is {after:.0f} min off the sun, and was {before:.0f}"
     if then.jumps or not after < before:
-        reason = (
-            f"by {zone} the day's light is {after:.0f} min off the sun, and was "
-            f"{before:.0f}: {remedy(zone)}"
-        )
-        return Daylight("", reason, index, np.ones(len(index), dtype=bool))
-    lost = int(len(kept) - kept.sum())
+        return as_it_is(index, f"by {zone}, {numbers}: {remedy(zone)}")
     line = (
         f"the file keeps daylight-saving time as {zone} has it; brought to standard "
-        f"time, the day's light is {after:.0f} min off the sun (root mean square), "
-        f"and was {before:.0f}"
+        f"time, {numbers} (root mean square)"
     )
-    if lost:
+    if lost := int((~kept).sum()):
         line += f"; {lost} rows of the hours that it skips or has twice are left out"
     changes = tuple(transitions(index, zone))
     return Daylight(zone, line, standard, kept, before, after, changes)
+
+
+def as_it_is(index, reason):
+    return Daylight("", reason, index, np.ones(len(index), dtype=bool))
 
 
 def root_mean_square(days):
