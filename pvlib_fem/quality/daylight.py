@@ -124,6 +124,11 @@ def unexplained(index, noon, zone, limits):
             "one jump alone may be a clock that was set, and is not corrected: "
             + remedy(zone)
         )
+    return mismatch(noon, due, zone, limits)
+
+
+def mismatch(noon, due, zone, limits):
+    """Which jump is none of the zone's, or which of those lacks; "" if none."""
     left = list(due)
     for (day, by), (earliest, latest) in zip(noon.jumps, noon.within):
         near = [t for t in left if same(t, by, earliest, latest)]
