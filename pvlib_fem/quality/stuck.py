@@ -28,6 +28,12 @@ class Runs:
         low = np.fmin.reduceat(other, pairs)[::2]
         return np.nan_to_num(np.fmax.reduceat(other, pairs)[::2] - low)
 
+    def within(self, seconds, margin):
+        """The same without some time at either end; none shorter than a row."""
+        first = np.searchsorted(seconds, seconds[self.first] + margin)
+        last = np.searchsorted(seconds, seconds[self.last] - margin, "right") - 1
+        return Runs(self.value, first, np.maximum(first, last), self.time)
+
     def rows(self, kept, rows):
         """Booleans that are True in the kept runs."""
         edge = np.zeros(rows + 1, dtype=int)
@@ -48,8 +54,9 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
       coarser than 0.1 K after that much longer than 30 min;
     * ``temp_air`` has seen irradiance change by 300 W/m² and the module by 10 K
       for 3 h;
-    * ``poa_global`` stays while the module's over-temperature changes by 10 K, in the
-      dark (20 W/m²) for more than a day;
+    * ``poa_global`` stays while the module's over-temperature changes by 10 K; in the
+      dark (20 W/m²) for more than a day, or more than two hours from either end,
+      above the air, and by the module's own warmth;
     * ``wind_speed`` is not 0 for 6 h, or 0 for three days.
 
     Parameters
@@ -72,7 +79,7 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     limits = limits or Limits()
     seconds = record.inputs.seconds
     columns = {name: record[name] for name in POSSIBLE}
-    columns["felt"] = felt(record, limits)
+    columns |= {"felt": felt(record, limits), "seconds": seconds}
     found = {}
     for name, still in STILL.items():
         values = columns[name]
@@ -92,7 +99,11 @@ def felt(record, limits):
 def still_irradiance(runs, columns, limits):
     over = columns["temp_module"] - columns["temp_air"]
     night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
-    return (runs.extent(over) > limits.warmed) & ~night
+    # a late clock has the sun at night; frost cools a module, and snow keeps it warm
+    inner = runs.within(columns["seconds"], limits.farthest_clock)
+    warm = inner.extent(np.maximum(over, 0.0)) > limits.warmed
+    warm &= inner.extent(columns["temp_module"]) > limits.warmed
+    return (runs.extent(over) > limits.warmed) & (~night | warm)
 
 
 def still_air(runs, columns, limits):
