@@ -112,7 +112,7 @@ IN_PHYSICS = {
 UNDECLARED = {
     "weekend_exhaust": ({"weekend"}, {"hour", "poa_global"}),
     "chiller": ({"hour", "poa_global"}, {"month", "temp_air"}),
-    "irrigation": ({"hour"}, {"alternate_day", "month"}),
+    "irrigation": ({"hour"}, {"timetable_days", "month"}),
     "shelter": ({"hour", "poa_global"}, {"month", "temp_air"}),
 }
 

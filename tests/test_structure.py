@@ -4,9 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.tables import axes, find_structure
+from pvlib_fem.statistics.timetables import timetables
 
+CRITERIA = Criteria()
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
 DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
 FOLDS = np.unique(calendar_weeks(DATES), return_inverse=True)[1] % 5
@@ -20,9 +23,10 @@ DRIVERS = {"poa_global": SUN, "wind_speed": WIND, "wind_direction": DIRECTION}
 HOUR, WEEKDAY = np.asarray(TIMES.hour), np.asarray(TIMES.day_of_week)
 
 
-def strongest(residual, without=()):
-    sorts = list(axes(TIMES, DATES, DRIVERS))
-    return find_structure(residual, SECONDS, FOLDS, sorts, 900.0, without)
+def strongest(residual, without=(), columns=DRIVERS):
+    sorts = list(axes(TIMES, DATES, columns, CRITERIA))
+    sorts += timetables(residual, SECONDS, DATES, FOLDS, 900.0, CRITERIA)
+    return find_structure(residual, SECONDS, FOLDS, sorts, 900.0, CRITERIA, without)
 
 
 def noise(sd=0.5):
@@ -45,10 +49,10 @@ PLACES = {
         {"hour": (22, 4)},
         "hour 22–4",  # over midnight
     ),
-    "hour × alternate_day": (
+    "hour × timetable_days": (
         (DATES % 2 == 0) & (HOUR == 6),
-        {"hour": (6, 7), "alternate_day": ("every second day", "every second day")},
-        "hour 6–7 × every second day",
+        {"hour": (6, 7), "timetable_days": ("2023-01-03", "2023-01-03")},
+        "hour 6–7 × 1 of every 2 days, as on 2023-01-03",
     ),
     "wind_direction": (
         (DIRECTION > 247.5) & (DIRECTION < 292.5),
@@ -103,11 +107,11 @@ def test_a_driver_can_be_left_out():
 
 def test_a_driver_that_does_not_vary_sorts_nothing():
     columns = {"still": np.full(len(TIMES), 3.0), "none": np.full(len(TIMES), np.nan)}
-    names = {axis.name for axis in axes(TIMES, DATES, columns)}
-    assert names == {"hour", "weekend", "alternate_day", "month"}
+    names = {axis.name for axis in axes(TIMES, DATES, columns, CRITERIA)}
+    assert names == {"hour", "weekend", "month"}
 
 
 def test_few_days_have_no_weekend():
     rows = slice(0, 96 * 7)
-    names = {axis.name for axis in axes(TIMES[rows], DATES[rows], {})}
+    names = {axis.name for axis in axes(TIMES[rows], DATES[rows], {}, CRITERIA)}
     assert names == {"hour"}

@@ -8,6 +8,7 @@ import numpy as np
 from pvlib_fem.drivers import geometry
 from pvlib_fem.effects import OF_RECORD
 from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.check import check
 from pvlib_fem.quality.clock import Clock
@@ -81,7 +82,7 @@ class Case:
         names = sorted({*self.drivers, *COLUMNS[:3]} - {"p_dc"})
         record, rows = self.record, self.open
         columns = {name: record[name][rows] for name in names}
-        return list(axes(record.index[rows], record.dates[rows], columns))
+        return list(axes(record.index[rows], record.dates[rows], columns, Criteria()))
 
     @cached_property
     def folds(self):

@@ -10,12 +10,14 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.findings import Finding
 from pvlib_fem.fitting.fit import errors, finished
 from pvlib_fem.loop.case import FEWEST_DAYS, prepared
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.ranking import COLUMNS, ENOUGH_DAYS, ranked
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.steps import SCORES, Fits, error_table
 from pvlib_fem.quality.clock import left_open
 from pvlib_fem.record.columns import leaks
 from pvlib_fem.statistics.tables import find_structure
+from pvlib_fem.statistics.timetables import timetables
 from pvlib_fem.thermal.steady import steady_model
 
 SHARE = 0.015  # of the mean square that a material gain takes off at least
@@ -267,8 +269,10 @@ class Search:
         step = float(np.median(np.diff(seconds)))
         at = rows[case.open]
         axes = [axis.of(at) for axis in case.axes]
-        rest = found.rest(beside)
-        return find_structure(rest, seconds, case.folds[at], axes, step, without)
+        rest, folds = found.rest(beside), case.folds[at]
+        dates, criteria = case.record.dates[rows], Criteria()
+        axes += timetables(rest, seconds, dates, folds, step, criteria)
+        return find_structure(rest, seconds, folds, axes, step, criteria, without)
 
     def finding(self, found, name, row, ties):
         """The finding of an effect that is material."""

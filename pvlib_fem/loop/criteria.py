@@ -103,6 +103,35 @@ class Criteria:
         place that is told. [-]
     place_share : float
         *structure.* Share of those cells' squares that the told range holds. [-]
+    dark : float
+        *structure.* Irradiance up to which rows are in the night's own bin. [W/m²]
+    weekend_days : int
+        *structure.* Days below which weekends are not told from the week: two of
+        each. [days]
+    timetable_chance : float
+        *structure.* Chance that noise keeps any timetable of days, and the same of
+        minutes. [-]
+    timetable_days : int
+        *structure.* Longest timetable of days. [days]
+    timetable_repeats : int
+        *structure.* Times that a timetable of days has to come again. [-]
+    timetable_longest : float
+        *structure.* Longest timetable of minutes: longer ones are the day's. [s]
+    timetable_steps : int
+        *structure.* Steps of the record in the shortest one. [-]
+    timetable_trend : int
+        *structure.* Days over which the mean of each time of day is taken off
+        before one of minutes is looked for: what comes back to the same time
+        within these days is the hour's. [days]
+    timetable_lines : int
+        *structure.* Lines of the spectrum whose median is the noise of the one in
+        their middle. [-]
+    timetable_bins : int
+        *structure.* Bins of a timetable of minutes. [-]
+    timetable_multiples : int
+        *structure.* Times its strongest line's period that one may be. [-]
+    most_timetables : int
+        *structure.* Timetables of days that are tried beside each other. [-]
     sure : float
         *confirming.* Standard errors that a coefficient of the refit has to be
         from nothing. [-]
@@ -151,6 +180,18 @@ class Criteria:
     fold_share: float = 0.8
     strong_cell: float = 0.5
     place_share: float = 0.92
+    dark: float = 1.0
+    weekend_days: int = 14
+    timetable_chance: float = 0.01
+    timetable_days: int = 28
+    timetable_repeats: int = 6
+    timetable_longest: float = 43200.0
+    timetable_steps: int = 3
+    timetable_trend: int = 31
+    timetable_lines: int = 61
+    timetable_bins: int = 30
+    timetable_multiples: int = 4
+    most_timetables: int = 2
 
     sure: float = 3.0
     contradiction: float = 1.0

@@ -1,0 +1,246 @@
+"""Timetables that a residual keeps: every third day, 35 of every 150 minutes."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.fft import fft, next_fast_len, rfft
+from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.stats import f as fisher
+
+from pvlib_fem.statistics.tables import Axis, held_out_gain, rounded
+
+DAY, HOUR = 86400.0, 3600.0  # s
+#: independent powers that a median of one is worth: its variance is 1/(n ln²2)
+WORTH = np.log(2.0) ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class Days(Axis):
+    """Days by their place in a timetable; the labels are dates."""
+
+    def strongest(self, squares, share):
+        """Fewest days that hold a share of the squares, the strongest first."""
+        order = np.argsort(-squares, kind="stable")
+        held = np.cumsum(squares[order])
+        return np.sort(order[: 1 + np.searchsorted(held, share * held[-1])])
+
+    def words(self, bins, share):
+        every = len(self.labels)
+        if len(bins) == every:
+            return ""
+        return f"{len(bins)} of every {every} days, as on {self.labels[bins[0]][0]}"
+
+
+@dataclass(frozen=True, eq=False)
+class Minutes(Axis):
+    """Rows by their place in a timetable of minutes; the labels are its phase."""
+
+    def words(self, bins, share):
+        if len(bins) == len(self.labels):
+            return ""
+        period = self.period / 60.0
+        return f"{share * period:.2g} of every {period:.3g} min"
+
+
+def timetables(residual, seconds, dates, folds, step, criteria):
+    """
+    Timetables that a residual keeps, to sort its rows by.
+
+    A search among many periods finds one by chance, so a period counts only where
+    its lines stand above the spectrum around them by more than
+    ``criteria.timetable_chance`` lets the largest of all be [1]_. The day's own
+    lines are the hour's.
+
+    Parameters
+    ----------
+    residual : array
+        [K]
+    seconds : array
+        Time of each row. [s]
+    dates : array of int
+        Calendar day of each row, from 1970-01-01.
+    folds : array of int
+        Group of weeks of each row.
+    step : float
+        Usual time between rows. [s]
+    criteria : Criteria
+        Thresholds of the stage *structure*.
+
+    Returns
+    -------
+    list of Axis
+        ``timetable_days`` and ``timetable_minutes``, as far as there are any.
+
+    References
+    ----------
+    .. [1] J. D. Scargle, "Studies in astronomical time series analysis. II",
+       Astrophysical Journal 263, 835-853, 1982. :doi:`10.1086/160554`
+    """
+    residual = residual - residual.mean()
+    found = list(of_days(residual, seconds, dates, folds, step, criteria))
+    if (axis := of_minutes(residual, seconds, folds, step, criteria)) is not None:
+        found.append(axis)
+    return found
+
+
+def of_days(residual, seconds, dates, folds, step, criteria):
+    """The strongest timetables of whole days, one beside the other."""
+    day, hour = dates - dates[0], (seconds // HOUR).astype(int) % 24
+    # each date's rows of an hour are a cell
+    new = np.flatnonzero((np.diff(day) != 0) | (np.diff(hour) != 0)) + 1
+    first = np.concatenate(([0], new))
+    rows = np.diff(np.append(first, len(residual)))
+    sums = np.add.reduceat(residual, first)
+    cell = (sums, rows, day[first], hour[first], folds[first])
+    longest = min(criteria.timetable_days, (day[-1] + 1) // criteria.timetable_repeats)
+    for _ in range(criteria.most_timetables):
+        every = days_between(*cell, longest, step, criteria)
+        if every is None:
+            return
+        start = np.datetime64(int(dates[0]), "D")
+        labels = tuple((str(start + i),) * 2 for i in range(every))
+        yield Days("timetable_days", day % every, labels, period=every * DAY)
+        place = cell[3] * every + cell[2] % every
+        means = np.bincount(place, sums) / np.maximum(np.bincount(place, rows), 1)
+        sums = sums - means[place] * rows
+        cell = (sums, *cell[1:])
+
+
+def days_between(sums, rows, day, hour, folds, longest, step, criteria):
+    """Days after which something comes again, or nothing."""
+    if longest < 2:
+        return None
+    shape = (25, day[-1] + 1)  # each hour of the day, and the whole of it
+    table, there = np.zeros(shape), np.zeros(shape)
+    table[hour, day] += sums
+    there[hour, day] += rows
+    table[-1], there[-1] = table[:-1].sum(axis=0), there[:-1].sum(axis=0)
+    table = np.divide(table, there, out=table, where=there > 0)
+    table = steadied(table, there > 0, 2 * longest)
+    level = background(table, criteria)
+    worth = WORTH * min(criteria.timetable_lines, shape[1] // 2)
+    ways = np.arange(2, longest + 1)
+    tests, good = len(ways) * len(table), {}
+    for every in ways:
+        phases = [table[:, p::every].sum(axis=1) for p in range(every)]
+        lines = np.arange(1, every // 2 + 1)
+        power = np.abs(fft(np.transpose(phases), axis=1)[:, lines]) ** 2
+        place = np.round(lines / every * shape[1]).astype(int)
+        power /= np.maximum(level[:, np.minimum(place, level.shape[1] - 1)], 1e-300)
+        weight = np.where(2 * lines == every, 0.5, 1.0)  # that line is real
+        freedom = weight.sum()
+        statistic = power @ weight / freedom
+        chance = fisher.sf(statistic.max(), 2 * freedom, 2 * worth)
+        if chance * tests < criteria.timetable_chance:
+            good[int(every)] = day_gain(
+                sums, rows, day % every, every, hour, folds, step, criteria
+            )
+    if max(good.values(), default=0.0) <= 0:
+        return None
+    # a multiple of the period says the same with more cells
+    enough = max(good.values()) / criteria.better_gain
+    return min(every for every, gain in good.items() if gain >= enough)
+
+
+def day_gain(sums, rows, phase, every, hour, folds, step, criteria):
+    """Held-out gain of a table of days, alone or with the hour. [K²]"""
+    shrink = criteria.cell_weight / step
+    both = hour * every + phase
+    return max(
+        held_out_gain(bins, count, sums, rows, folds, shrink)[0].sum()
+        for bins, count in ((phase, every), (both, 24 * every))
+    )
+
+
+def background(table, criteria):
+    """Mean power of each series' noise, by frequency, whatever lines there are."""
+    power = np.abs(rfft(table, axis=1)) ** 2
+    # what remembers days is red, within the width of a median
+    lagged = np.einsum("ij,ij->i", table[:, 1:], table[:, :-1])
+    memory = lagged / np.maximum(np.einsum("ij,ij->i", table, table), 1e-300)
+    turn = np.exp(-2j * np.pi * np.arange(power.shape[1]) / table.shape[1])
+    red = 1.0 / np.abs(1.0 - np.clip(memory, -0.95, 0.95)[:, None] * turn) ** 2
+    width = min(criteria.timetable_lines, power.shape[1])
+    return red * median_filter(power / red, (1, width)) / np.log(2.0)
+
+
+def steadied(table, there, days):
+    """Series less their moving mean, 0 where there is nothing."""
+    table = np.where(there, table, 0.0)
+    near = uniform_filter1d(table, days, axis=1, mode="constant")
+    share = uniform_filter1d(there.astype(float), days, axis=1, mode="constant")
+    return np.where(there, table - near / np.maximum(share, 1e-9), 0.0)
+
+
+def of_minutes(residual, seconds, folds, step, criteria):
+    """The strongest timetable of minutes, or nothing."""
+    slots = int(np.ceil(DAY / step - 1e-6))
+    width = DAY / slots  # s; the day is whole, rows off the grid leave gaps
+    place = np.round((seconds - seconds[0]) / width).astype(int)
+    days = -(-(place[-1] + 1) // slots)
+    if days < criteria.timetable_trend:
+        return None
+    rows = np.bincount(place, minlength=days * slots).reshape(days, slots).T
+    table = np.bincount(place, residual, days * slots).reshape(days, slots).T
+    table = steadied(table / np.maximum(rows, 1), rows > 0, criteria.timetable_trend)
+    series = table.T.ravel()
+    size = next_fast_len(2 * len(series), real=True)  # between the lines, too
+    power = np.abs(rfft(series, size)) ** 2
+    frequency = np.arange(len(power)) / (size * width)
+    level = median_filter(power, 2 * criteria.timetable_lines) / np.log(2.0)
+    worth = WORTH * criteria.timetable_lines
+    turns = frequency * DAY
+    free = np.abs(turns - np.round(turns)) > 1.0 / criteria.timetable_trend
+    free &= frequency > 1.0 / criteria.timetable_longest
+    free &= frequency < 1.0 / (criteria.timetable_steps * step)
+    ratio = np.divide(power, level, out=np.zeros_like(power), where=level > 0)
+    chance = (1.0 + ratio / worth) ** -worth * free.sum()
+    clear = free & (chance < criteria.timetable_chance)
+    if not clear.any():
+        return None
+    # effects of the day alone have weaker lines beside it, a turn a day away
+    line = frequency[np.argmax(np.where(clear, power, 0.0))]
+    series = (residual, seconds, folds, criteria.cell_weight / step)
+    line = refined(line, series, criteria)
+    if line is None:
+        return None
+    bins = criteria.timetable_bins
+    edges = [rounded(i / bins / line / 60.0) for i in range(bins + 1)]
+    labels = tuple(pairwise(edges))
+    phase = phases(seconds, line, bins)
+    period = float(1.0 / line)
+    return Minutes("timetable_minutes", phase, labels, cyclic=True, period=period)
+
+
+def phases(seconds, line, bins):
+    """Bin of each row in the period of a line."""
+    turns = seconds * line
+    return ((turns - np.floor(turns)) * bins).astype(int)
+
+
+def refined(line, series, criteria):
+    """The line, or one that it is a multiple of, by the gain of the folded table."""
+    residual, seconds, folds, shrink = series
+    rows, bins = np.ones(len(residual)), criteria.timetable_bins
+    apart = 1.0 / (seconds[-1] - seconds[0])
+
+    def gain(line):
+        phase = phases(seconds, line, bins)
+        return held_out_gain(phase, bins, residual, rows, folds, shrink)[0].sum()
+
+    def best(line, width):
+        around = line + apart * np.linspace(-width, width, 7)
+        return max(around, key=gain)
+
+    line = best(best(line, 0.6), 0.2)
+    gains = {
+        times: gain(line / times)
+        for times in range(1, criteria.timetable_multiples + 1)
+        if line / times > 1.0 / criteria.timetable_longest
+    }
+    if max(gains.values()) <= 0:
+        return None
+    enough = max(gains.values()) / criteria.better_gain
+    times = min(times for times, value in gains.items() if value >= enough)
+    return best(line / times, 0.2 / times)
