@@ -130,6 +130,10 @@ class Criteria:
         *structure.* Bins of a timetable of minutes. [-]
     timetable_multiples : int
         *structure.* Times its strongest line's period that one may be. [-]
+    timetable_gain : float
+        *structure.* Held-out gain that a timetable has alone at least: a third of
+        what is worth an effect, since an hour or a driver beside it adds to that.
+        Edges of sun and shade that wander through the year leave less. [K]
     most_timetables : int
         *structure.* Timetables of days that are tried beside each other. [-]
     sure : float
@@ -187,10 +191,11 @@ class Criteria:
     timetable_repeats: int = 6
     timetable_longest: float = 43200.0
     timetable_steps: int = 3
-    timetable_trend: int = 31
-    timetable_lines: int = 61
+    timetable_trend: int = 21
+    timetable_lines: int = 101
     timetable_bins: int = 30
     timetable_multiples: int = 4
+    timetable_gain: float = 0.05
     most_timetables: int = 2
 
     sure: float = 3.0

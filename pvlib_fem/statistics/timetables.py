@@ -11,6 +11,7 @@ from scipy.stats import f as fisher
 from pvlib_fem.statistics.tables import Axis, held_out_gain, rounded
 
 DAY, HOUR = 86400.0, 3600.0  # s
+HOURS, WEEK = 24, 7
 #: independent powers that a median of one is worth: its variance is 1/(n ln²2)
 WORTH = np.log(2.0) ** 2
 
@@ -40,7 +41,8 @@ class Minutes(Axis):
         if len(bins) == len(self.labels):
             return ""
         period = self.period / 60.0
-        return f"{share * period:.2g} of every {period:.3g} min"
+        on = share * period
+        return f"{on:.{0 if on >= 10.0 else 1}f} of every {period:.3g} min"
 
 
 def timetables(residual, seconds, dates, folds, step, criteria):
@@ -86,71 +88,91 @@ def timetables(residual, seconds, dates, folds, step, criteria):
 
 def of_days(residual, seconds, dates, folds, step, criteria):
     """The strongest timetables of whole days, one beside the other."""
-    day, hour = dates - dates[0], (seconds // HOUR).astype(int) % 24
-    # each date's rows of an hour are a cell
-    new = np.flatnonzero((np.diff(day) != 0) | (np.diff(hour) != 0)) + 1
-    first = np.concatenate(([0], new))
-    rows = np.diff(np.append(first, len(residual)))
-    sums = np.add.reduceat(residual, first)
-    cell = (sums, rows, day[first], hour[first], folds[first])
-    longest = min(criteria.timetable_days, (day[-1] + 1) // criteria.timetable_repeats)
+    day, hour = dates - dates[0], (seconds // HOUR).astype(int) % HOURS
+    count = day[-1] + 1
+    longest = min(criteria.timetable_days, count // criteria.timetable_repeats)
+    if longest < 2:
+        return
+    shape, place = (HOURS, count), hour * count + day
+    rows = np.bincount(place, minlength=HOURS * count).reshape(shape)
+    table = np.bincount(place, residual, HOURS * count).reshape(shape)
+    table = steadied(table / np.maximum(rows, 1), rows > 0, 2 * longest)
+    fold = np.zeros(count, dtype=int)
+    fold[day] = folds
+    shrink = criteria.cell_weight / step
     for _ in range(criteria.most_timetables):
-        every = days_between(*cell, longest, step, criteria)
+        days = Table(table, rows, fold, shrink)
+        every = days.again(longest, criteria)
         if every is None:
             return
-        start = np.datetime64(int(dates[0]), "D")
-        labels = tuple((str(start + i),) * 2 for i in range(every))
-        yield Days("timetable_days", day % every, labels, period=every * DAY)
-        place = cell[3] * every + cell[2] % every
-        means = np.bincount(place, sums) / np.maximum(np.bincount(place, rows), 1)
-        sums = sums - means[place] * rows
-        cell = (sums, *cell[1:])
+        weekend = (dates[0] + np.arange(count) + 3) % WEEK >= 5
+        enough = days.gain(every) / criteria.pair_gain
+        # what the weekend says as well is the weekend's
+        if every != WEEK or days.gain(2, weekend.astype(int)) < enough:
+            start = np.datetime64(int(dates[0]), "D")
+            labels = tuple((str(start + i),) * 2 for i in range(every))
+            yield Days("timetable_days", day % every, labels, period=every * DAY)
+        table = days.without(every)
 
 
-def days_between(sums, rows, day, hour, folds, longest, step, criteria):
-    """Days after which something comes again, or nothing."""
-    if longest < 2:
-        return None
-    shape = (25, day[-1] + 1)  # each hour of the day, and the whole of it
-    table, there = np.zeros(shape), np.zeros(shape)
-    table[hour, day] += sums
-    there[hour, day] += rows
-    table[-1], there[-1] = table[:-1].sum(axis=0), there[:-1].sum(axis=0)
-    table = np.divide(table, there, out=table, where=there > 0)
-    table = steadied(table, there > 0, 2 * longest)
-    level = background(table, criteria)
-    worth = WORTH * min(criteria.timetable_lines, shape[1] // 2)
-    ways = np.arange(2, longest + 1)
-    tests, good = len(ways) * len(table), {}
-    for every in ways:
-        phases = [table[:, p::every].sum(axis=1) for p in range(every)]
-        lines = np.arange(1, every // 2 + 1)
-        power = np.abs(fft(np.transpose(phases), axis=1)[:, lines]) ** 2
-        place = np.round(lines / every * shape[1]).astype(int)
-        power /= np.maximum(level[:, np.minimum(place, level.shape[1] - 1)], 1e-300)
-        weight = np.where(2 * lines == every, 0.5, 1.0)  # that line is real
-        freedom = weight.sum()
-        statistic = power @ weight / freedom
-        chance = fisher.sf(statistic.max(), 2 * freedom, 2 * worth)
-        if chance * tests < criteria.timetable_chance:
-            good[int(every)] = day_gain(
-                sums, rows, day % every, every, hour, folds, step, criteria
-            )
-    if max(good.values(), default=0.0) <= 0:
-        return None
-    # a multiple of the period says the same with more cells
-    enough = max(good.values()) / criteria.better_gain
-    return min(every for every, gain in good.items() if gain >= enough)
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Mean residual of each hour and day less its trend, and the rows in it."""
 
+    means: np.ndarray  # 0 where there are no rows [K]
+    rows: np.ndarray
+    folds: np.ndarray  # of each day
+    shrink: float
 
-def day_gain(sums, rows, phase, every, hour, folds, step, criteria):
-    """Held-out gain of a table of days, alone or with the hour. [K²]"""
-    shrink = criteria.cell_weight / step
-    both = hour * every + phase
-    return max(
-        held_out_gain(bins, count, sums, rows, folds, shrink)[0].sum()
-        for bins, count in ((phase, every), (both, 24 * every))
-    )
+    def again(self, longest, criteria):
+        """Days after which something comes again, or nothing."""
+        whole = (self.means * self.rows).sum(axis=0)
+        whole /= np.maximum(self.rows.sum(axis=0), 1)
+        series = np.vstack([self.means, whole])
+        level, days = background(series, criteria), series.shape[1]
+        worth = WORTH * min(criteria.timetable_lines, days // 2)
+        tests, good = (longest - 1) * len(series), {}
+        for every in range(2, longest + 1):
+            lines = np.arange(1, every // 2 + 1)
+            folded = [series[:, i::every].sum(axis=1) for i in range(every)]
+            power = np.abs(fft(folded, axis=0)[lines].T) ** 2
+            place = np.round(lines / every * days).astype(int)
+            power /= level[:, np.minimum(place, level.shape[1] - 1)]
+            # half a period is one number, where others are two
+            weight = np.where(2 * lines == every, 0.5, 1.0)
+            freedom = weight.sum()
+            ratio = (power @ weight).max() / freedom
+            if fisher.sf(ratio, 2 * freedom, 2 * worth) * tests < (
+                criteria.timetable_chance
+            ):
+                good[every] = self.gain(every)
+        if max(good.values(), default=0.0) < criteria.timetable_gain**2:
+            return None
+        best = max(good, key=good.get)
+        # a multiple of the period says the same with more cells
+        enough = good[best] / criteria.pair_gain
+        return min(n for n, gain in good.items() if best % n == 0 and gain >= enough)
+
+    def gain(self, every, phase=None):
+        """Held-out gain of a table of days, alone or with the hour. [K²]"""
+        phase = np.arange(len(self.folds)) % every if phase is None else phase
+        alone = np.tile(phase, (HOURS, 1))
+        both = alone + every * np.arange(HOURS)[:, None]
+        sums, rows = (self.means * self.rows).ravel(), self.rows.ravel()
+        folds = np.tile(self.folds, HOURS)
+        return max(
+            held_out_gain(bins.ravel(), count, sums, rows, folds, self.shrink)[0].sum()
+            for bins, count in ((alone, every), (both, HOURS * every))
+        )
+
+    def without(self, every):
+        """The means less those of a timetable."""
+        means = self.means.copy()
+        for i in range(every):
+            part, rows = means[:, i::every], self.rows[:, i::every]
+            size = (part * rows).sum(axis=1) / np.maximum(rows.sum(axis=1), 1)
+            means[:, i::every] = np.where(rows > 0, part - size[:, None], 0.0)
+        return means
 
 
 def background(table, criteria):
@@ -162,7 +184,8 @@ def background(table, criteria):
     turn = np.exp(-2j * np.pi * np.arange(power.shape[1]) / table.shape[1])
     red = 1.0 / np.abs(1.0 - np.clip(memory, -0.95, 0.95)[:, None] * turn) ** 2
     width = min(criteria.timetable_lines, power.shape[1])
-    return red * median_filter(power / red, (1, width)) / np.log(2.0)
+    level = red * median_filter(power / red, (1, width)) / np.log(2.0)
+    return np.where(level > 0, level, np.inf)
 
 
 def steadied(table, there, days):
@@ -188,22 +211,23 @@ def of_minutes(residual, seconds, folds, step, criteria):
     size = next_fast_len(2 * len(series), real=True)  # between the lines, too
     power = np.abs(rfft(series, size)) ** 2
     frequency = np.arange(len(power)) / (size * width)
-    level = median_filter(power, 2 * criteria.timetable_lines) / np.log(2.0)
-    worth = WORTH * criteria.timetable_lines
-    turns = frequency * DAY
-    free = np.abs(turns - np.round(turns)) > 1.0 / criteria.timetable_trend
+    off = frequency * DAY - np.round(frequency * DAY)  # turns a day from the day's
+    free = np.abs(off) > 1.0 / criteria.timetable_trend
     free &= frequency > 1.0 / criteria.timetable_longest
     free &= frequency < 1.0 / (criteria.timetable_steps * step)
+    frequency, off, power = frequency[free], off[free], power[free]
+    power /= (1.0 - np.sinc(criteria.timetable_trend * off)) ** 2  # the mean's ripple
+    level = median_filter(power, 2 * criteria.timetable_lines) / np.log(2.0)
+    worth = WORTH * criteria.timetable_lines
     ratio = np.divide(power, level, out=np.zeros_like(power), where=level > 0)
-    chance = (1.0 + ratio / worth) ** -worth * free.sum()
-    clear = free & (chance < criteria.timetable_chance)
+    chance = (1.0 + ratio / worth) ** -worth * len(power)
+    clear = chance < criteria.timetable_chance
     if not clear.any():
         return None
     # effects of the day alone have weaker lines beside it, a turn a day away
+    series = (series[place], seconds, folds, criteria.cell_weight / step)
     line = frequency[np.argmax(np.where(clear, power, 0.0))]
-    series = (residual, seconds, folds, criteria.cell_weight / step)
-    line = refined(line, series, criteria)
-    if line is None:
+    if (line := refined(line, series, criteria)) is None:
         return None
     bins = criteria.timetable_bins
     edges = [rounded(i / bins / line / 60.0) for i in range(bins + 1)]
@@ -239,8 +263,9 @@ def refined(line, series, criteria):
         for times in range(1, criteria.timetable_multiples + 1)
         if line / times > 1.0 / criteria.timetable_longest
     }
-    if max(gains.values()) <= 0:
+    if max(gains.values()) < criteria.timetable_gain**2:
         return None
-    enough = max(gains.values()) / criteria.better_gain
+    # the period of the strongest line itself, unless a longer one says clearly more
+    enough = max(gains.values()) / criteria.pair_gain
     times = min(times for times, value in gains.items() if value >= enough)
     return best(line / times, 0.2 / times)
