@@ -5,6 +5,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+DAY = 86400.0  # s
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
 #: names that are not a column's
 CLOCK = ("hour", "weekend", "month", "timetable_days", "timetable_minutes")
@@ -213,16 +214,17 @@ def find_structure(residual, seconds, folds, axes, step, criteria, without=()):
     kept = [axis for axis in axes if axis.column not in without]
     # clock and calendar come first, which columns only follow
     kept.sort(key=lambda axis: bool(axis.column))
-    first, size = cells(seconds, folds, kept, criteria.cell_time)
-    coarse = [replace(axis, bins=axis.bins[first]) for axis in kept]
+    quick = {i for i, axis in enumerate(kept) if 0 < axis.period < DAY}
     residual = residual - residual.mean()
-    sums = np.add.reduceat(residual, first)
+    series = (residual, seconds, folds)
+    wide = gathered(kept, (), *series, criteria.cell_time)
+    narrow = gathered(kept, quick, *series, criteria.cell_time) if quick else wide
     shrink = criteria.cell_weight / step
-    pairs = [pair for pair in combinations(coarse, 2) if pair[0].name != pair[1].name]
     best, found = {}, {}
-    for chosen in [(axis,) for axis in coarse] + pairs:
-        bins, count = joined(chosen)
-        gains, means = held_out_gain(bins, count, sums, size, folds[first], shrink)
+    for chosen in ways(kept):
+        cells = narrow if quick & {*chosen} else wide
+        bins, count = joined([cells.axes[i] for i in chosen])
+        gains, means = held_out_gain(bins, count, *cells.rest, shrink)
         if (gains > 0).sum() < criteria.fold_share * len(gains):
             continue  # an accident of some weeks
         gain = gains.sum()
@@ -232,21 +234,41 @@ def find_structure(residual, seconds, folds, axes, step, criteria, without=()):
         return None
     pair = best.get(2, 0.0) > criteria.pair_gain * best.get(1, 0.0)
     chosen, means = found[2 if pair else 1]
-    chosen = [kept[coarse.index(axis)] for axis in chosen]
+    chosen = [kept[i] for i in chosen]
     bins, count = joined(chosen)
     places, size = placed(chosen, residual, bins, count, shrink, criteria)
     gain = float(np.sqrt(best[len(chosen)]))
     return Structure(places, gain, size, means[folds, bins])
 
 
-def cells(seconds, folds, axes, cell_time):
-    """First row and number of rows of runs that share clock, calendar and drivers."""
-    label = np.floor(seconds / cell_time)
-    # a timetable may change in between
-    marks = [label, folds, *(axis.bins for axis in axes if axis.period)]
+def ways(axes):
+    """Places of each axis, and of each two that are not of a kind."""
+    numbers = range(len(axes))
+    pairs = combinations(numbers, 2)
+    kinds = [axis.name for axis in axes]
+    return [
+        *((i,) for i in numbers),
+        *((i, j) for i, j in pairs if kinds[i] != kinds[j]),
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Runs of rows that share clock, calendar and drivers."""
+
+    axes: list  # with the bin of each cell
+    rest: tuple  # sum of the residual, number of rows, fold
+
+
+def gathered(axes, quick, residual, seconds, folds, cell_time):
+    """Cells inside which no bin of the ``quick`` axes changes."""
+    marks = [np.floor(seconds / cell_time), folds, *(axes[i].bins for i in quick)]
     new = np.any([np.diff(mark) != 0 for mark in marks], axis=0)
     first = np.concatenate(([0], np.flatnonzero(new) + 1))
-    return first, np.diff(np.append(first, len(seconds)))
+    size = np.diff(np.append(first, len(seconds)))
+    sums = np.add.reduceat(residual, first)
+    coarse = [replace(axis, bins=axis.bins[first]) for axis in axes]
+    return Cells(coarse, (sums, size, folds[first]))
 
 
 def joined(chosen):

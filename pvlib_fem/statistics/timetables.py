@@ -8,9 +8,9 @@ from scipy.fft import fft, next_fast_len, rfft
 from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.stats import f as fisher
 
-from pvlib_fem.statistics.tables import Axis, held_out_gain, rounded
+from pvlib_fem.statistics.tables import DAY, Axis, held_out_gain, rounded
 
-DAY, HOUR = 86400.0, 3600.0  # s
+HOUR = 3600.0  # s
 HOURS, WEEK = 24, 7
 #: independent powers that a median of one is worth: its variance is 1/(n ln²2)
 WORTH = np.log(2.0) ** 2
@@ -126,32 +126,33 @@ class Table:
 
     def again(self, longest, criteria):
         """Days after which something comes again, or nothing."""
-        whole = (self.means * self.rows).sum(axis=0)
-        whole /= np.maximum(self.rows.sum(axis=0), 1)
+        size = self.rows.sum(axis=0)
+        whole = (self.means * self.rows).sum(axis=0) / np.maximum(size, 1)
         series = np.vstack([self.means, whole])
         level, days = background(series, criteria), series.shape[1]
         worth = WORTH * min(criteria.timetable_lines, days // 2)
-        tests, good = (longest - 1) * len(series), {}
+        tests, found = (longest - 1) * len(series), {}
         for every in range(2, longest + 1):
             lines = np.arange(1, every // 2 + 1)
             folded = [series[:, i::every].sum(axis=1) for i in range(every)]
             power = np.abs(fft(folded, axis=0)[lines].T) ** 2
             place = np.round(lines / every * days).astype(int)
-            power /= level[:, np.minimum(place, level.shape[1] - 1)]
+            noise = level[:, np.minimum(place, level.shape[1] - 1)]
             # half a period is one number, where others are two
             weight = np.where(2 * lines == every, 0.5, 1.0)
-            freedom = weight.sum()
-            ratio = (power @ weight).max() / freedom
-            if fisher.sf(ratio, 2 * freedom, 2 * worth) * tests < (
-                criteria.timetable_chance
-            ):
-                good[every] = self.gain(every)
-        if max(good.values(), default=0.0) < criteria.timetable_gain**2:
+            freedom, above = weight.sum(), (power / noise @ weight).max()
+            chance = fisher.sf(above / freedom, 2 * freedom, 2 * worth)
+            square = 2.0 * ((power - noise) @ weight)[:HOURS] / (size > 0).sum() ** 2
+            score = above - freedom * np.log(days)  # Schwarz's criterion
+            material = square.mean() >= criteria.timetable_gain**2 and score > 0
+            if material and chance * tests < criteria.timetable_chance:
+                found[every] = score
+        if not found:
             return None
-        best = max(good, key=good.get)
-        # a multiple of the period says the same with more cells
-        enough = good[best] / criteria.pair_gain
-        return min(n for n, gain in good.items() if best % n == 0 and gain >= enough)
+        best = max(found, key=found.get)
+        # what gaps take from a strong line, a multiple of its period takes up
+        enough = found[best] / criteria.pair_gain
+        return min(n for n, score in found.items() if best % n == 0 and score >= enough)
 
     def gain(self, every, phase=None):
         """Held-out gain of a table of days, alone or with the hour. [K²]"""
@@ -185,7 +186,7 @@ def background(table, criteria):
     red = 1.0 / np.abs(1.0 - np.clip(memory, -0.95, 0.95)[:, None] * turn) ** 2
     width = min(criteria.timetable_lines, power.shape[1])
     level = red * median_filter(power / red, (1, width)) / np.log(2.0)
-    return np.where(level > 0, level, np.inf)
+    return np.maximum(level, np.finfo(float).tiny)
 
 
 def steadied(table, there, days):
