@@ -140,12 +140,15 @@ class Table:
             noise = level[:, np.minimum(place, level.shape[1] - 1)]
             # half a period is one number, where others are two
             weight = np.where(2 * lines == every, 0.5, 1.0)
-            freedom, above = weight.sum(), (power / noise @ weight).max()
+            freedom, there = weight.sum(), (size > 0).sum()
+            square = 2.0 * (power - noise) @ weight / there**2
+            material = square >= criteria.timetable_gain**2
+            if not material.any() or square[:HOURS].mean() < criteria.timetable_gain**2:
+                continue
+            above = (power / noise @ weight)[material].max()
             chance = fisher.sf(above / freedom, 2 * freedom, 2 * worth)
-            square = 2.0 * ((power - noise) @ weight)[:HOURS] / (size > 0).sum() ** 2
             score = above - freedom * np.log(days)  # Schwarz's criterion
-            material = square.mean() >= criteria.timetable_gain**2 and score > 0
-            if material and chance * tests < criteria.timetable_chance:
+            if score > 0 and chance * tests < criteria.timetable_chance:
                 found[every] = score
         if not found:
             return None
