@@ -121,8 +121,7 @@ def test_it_may_keep_to_some_hours(there, driver, period):
     assert found.ranges["hour"] == (7, 17)
     assert found.places[1].period == pytest.approx(60.0 * period, rel=0.01)
     square = 9.0 * there.mean() * (1 - there.mean())
-    # the hour takes its own share beside it
-    assert found.gain**2 == pytest.approx(square, rel=0.15)
+    assert 0.8 * square < found.gain**2 < 1.1 * square  # cells are shrunk
 
 
 @pytest.mark.parametrize("name", NOISES)

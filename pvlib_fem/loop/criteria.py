@@ -126,8 +126,11 @@ class Criteria:
     timetable_lines : int
         *structure.* Lines of the spectrum whose median is the noise of the one in
         their middle. [-]
+    timetable_phases : int
+        *structure.* Phases by which a timetable of minutes is told. [-]
     timetable_bins : int
-        *structure.* Bins of a timetable of minutes. [-]
+        *structure.* Bins that its phases are joined to: on, off and what a module's
+        memory makes of them; a table with the hour has few rows in each cell. [-]
     timetable_multiples : int
         *structure.* Times its strongest line's period that one may be. [-]
     timetable_gain : float
@@ -193,7 +196,8 @@ class Criteria:
     timetable_steps: int = 3
     timetable_trend: int = 21
     timetable_lines: int = 101
-    timetable_bins: int = 30
+    timetable_phases: int = 60
+    timetable_bins: int = 6
     timetable_multiples: int = 4
     timetable_gain: float = 0.05
     most_timetables: int = 2

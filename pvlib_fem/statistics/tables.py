@@ -300,7 +300,7 @@ def placed(chosen, residual, bins, count, shrink, criteria):
     means = sums / (rows + shrink)
     strong = np.abs(means) >= criteria.strong_cell * np.abs(means).max()
     squares = np.where(strong, means**2 * rows, 0.0)
-    top = strong & (np.sign(means) == np.sign(means[np.argmax(squares)]))
+    top = strong & (np.sign(means) == np.sign(squares @ np.sign(means)))
     if any(axis.period for axis in chosen):
         # what happens half of the time leaves as much of the other sign
         squares = np.where(top, squares, 0.0)

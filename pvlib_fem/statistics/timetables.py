@@ -233,12 +233,27 @@ def of_minutes(residual, seconds, folds, step, criteria):
     line = frequency[np.argmax(np.where(clear, power, 0.0))]
     if (line := refined(line, series, criteria)) is None:
         return None
-    bins = criteria.timetable_bins
-    edges = [rounded(i / bins / line / 60.0) for i in range(bins + 1)]
-    labels = tuple(pairwise(edges))
-    phase = phases(seconds, line, bins)
+    fine = phases(seconds, line, criteria.timetable_phases)
+    edges = segments(fine, series[0], criteria)
+    place = np.searchsorted(edges, fine, side="right") - 1
+    ends = [rounded(edge / criteria.timetable_phases / line / 60.0) for edge in edges]
+    labels = tuple(pairwise([*ends, rounded(1.0 / line / 60.0)]))
     period = float(1.0 / line)
-    return Minutes("timetable_minutes", phase, labels, cyclic=True, period=period)
+    return Minutes("timetable_minutes", place, labels, cyclic=True, period=period)
+
+
+def segments(fine, residual, criteria):
+    """First phases of a few bins, of which neighbours of like mean are joined."""
+    count = criteria.timetable_phases
+    sums, rows = np.bincount(fine, residual, count), np.bincount(fine, minlength=count)
+    first = np.arange(count)
+    while len(first) > criteria.timetable_bins:
+        held, size = np.add.reduceat(sums, first), np.add.reduceat(rows, first)
+        means = held / np.maximum(size, 1)
+        both = size[1:] * size[:-1] / np.maximum(size[1:] + size[:-1], 1)
+        # Ward's criterion: what the squares within them rise by
+        first = np.delete(first, 1 + np.argmin(both * np.diff(means) ** 2))
+    return first
 
 
 def phases(seconds, line, bins):
@@ -250,7 +265,7 @@ def phases(seconds, line, bins):
 def refined(line, series, criteria):
     """The line, or one that it is a multiple of, by the gain of the folded table."""
     residual, seconds, folds, shrink = series
-    rows, bins = np.ones(len(residual)), criteria.timetable_bins
+    rows, bins = np.ones(len(residual)), criteria.timetable_phases
     apart = 1.0 / (seconds[-1] - seconds[0])
 
     def gain(line):
