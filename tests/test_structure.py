@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.tables import axes, find_structure
+from pvlib_fem.statistics.tables import find_structure
 from pvlib_fem.statistics.timetables import timetables
 
 CRITERIA = Criteria()

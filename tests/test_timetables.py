@@ -6,8 +6,9 @@ import pytest
 from scipy.signal import lfilter
 
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.tables import axes, find_structure
+from pvlib_fem.statistics.tables import find_structure
 from pvlib_fem.statistics.timetables import timetables
 
 CRITERIA, STEP, DAY = Criteria(), 300.0, 86400.0

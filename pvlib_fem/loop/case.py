@@ -15,8 +15,8 @@ from pvlib_fem.quality.clock import Clock
 from pvlib_fem.record.checks import Record, measured
 from pvlib_fem.record.columns import COLUMNS, filled, usable_drivers, with_aliases
 from pvlib_fem.record.resampling import coarse, covered
+from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import FOLDS, calendar_weeks
-from pvlib_fem.statistics.tables import axes
 
 SEALED = 5  # of this many weeks one is sealed
 FEWEST_DAYS = 2 * FOLDS  # open ones, below which none is left out

@@ -8,7 +8,8 @@ from scipy.fft import fft, next_fast_len, rfft
 from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.stats import f as fisher
 
-from pvlib_fem.statistics.tables import DAY, Axis, held_out_gain, rounded
+from pvlib_fem.statistics.axes import Axis, rounded
+from pvlib_fem.statistics.tables import DAY, held_out_gain
 
 HOUR = 3600.0  # s
 HOURS, WEEK = 24, 7

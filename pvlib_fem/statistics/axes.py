@@ -1,0 +1,155 @@
+"""Ways to sort rows: by clock, by calendar and by columns."""
+
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+
+SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
+#: names that are not a column's
+CLOCK = ("hour", "weekend", "month", "timetable_days", "timetable_minutes")
+OF_COLUMN = "column "  # before a column's name that could be taken for one of those
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """
+    One way to sort rows: a bin for each, and what the bins are called.
+
+    Attributes
+    ----------
+    name : str
+        As it is told; that of a column is never that of a clock.
+    bins : array of int
+        Of each row.
+    labels : tuple
+        From and to of each bin.
+    column : str
+        The column that it sorts by; none where that is clock or calendar.
+    cyclic : bool
+        Whether the first bin follows the last.
+    period : float
+        Time after which a timetable comes again, 0 for anything else. [s]
+    """
+
+    name: str
+    bins: np.ndarray = field(repr=False)
+    labels: tuple = field(repr=False)
+    column: str = ""
+    cyclic: bool = False
+    period: float = 0.0
+
+    def of(self, rows):
+        """The same for some of the rows."""
+        return self if rows.all() else replace(self, bins=self.bins[rows])
+
+    def strongest(self, squares, share):
+        """Shortest run of bins that holds a share of the squares, in order."""
+        count, whole = len(squares), squares.sum()
+        for length in range(1, count):
+            starts = np.arange(count if self.cyclic else count - length + 1)
+            runs = (starts[:, None] + np.arange(length)) % count
+            held = squares[runs].sum(axis=1)
+            if held.max() >= share * whole:
+                return runs[np.argmax(held)]
+        return np.arange(count)
+
+    def words(self, bins, share):
+        """Words for a run of bins, with a share of the rows in it."""
+        if len(bins) == len(self.labels):
+            return ""
+        start, end = self.labels[bins[0]][0], self.labels[bins[-1]][1]
+        if not self.column and isinstance(start, str):
+            return start
+        start, end = (v if isinstance(v, str) else f"{v:g}" for v in (start, end))
+        return f"{self.name} {start}" + ("" if start == end else f"–{end}")
+
+    def place(self, bins, rows):
+        """The place that some bins are, of as many rows in each."""
+        share = float(rows[bins].sum() / rows.sum())
+        ends = self.labels[bins[0]][0], self.labels[bins[-1]][1]
+        told = self.words(bins, share)
+        return Place(self.name, self.column, *ends, share, self.period, told)
+
+
+@dataclass(frozen=True)
+class Place:
+    """
+    Where along one axis a residual lives.
+
+    Attributes
+    ----------
+    driver : str
+        The axis.
+    column : str
+        The column that it is made of; none where that is clock or calendar.
+    start, end : float or str
+        Labels of the bins: hours, months, the driver's unit, compass points; of a
+        timetable the dates of its first days, or its phase. [min]
+    share : float
+        Of all rows that lie there: the duty of a timetable. [-]
+    period : float
+        Time after which a timetable comes again, 0 for anything else. [s]
+    words : str
+        The same to be read; empty where it is everywhere along the axis.
+    """
+
+    driver: str
+    column: str
+    start: float | str
+    end: float | str
+    share: float
+    period: float
+    words: str
+
+
+def axes(index, dates, columns, criteria):
+    """
+    All ways to sort the rows but by timetables, which the residual itself shows.
+
+    ``columns`` are the drivers by name; those with few values get a bin for
+    each, the others bins with equal numbers of rows.
+    """
+    hour = np.asarray(index.hour)
+    month = np.asarray(index.month) - 1
+    yield Axis("hour", hour, tuple((h, h + 1) for h in range(24)), cyclic=True)
+    if len(np.unique(dates)) >= criteria.weekend_days:
+        weekend = (np.asarray(dates) + 3) % 7 >= 5  # 1970-01-01 was a Thursday
+        labels = (("weekdays",) * 2, ("weekend",) * 2)
+        yield Axis("weekend", weekend.astype(int), labels)
+    if len(np.unique(month)) > 1:
+        labels = tuple((m, m) for m in range(1, 13))
+        yield Axis("month", month, labels, cyclic=True)
+    for name, values in columns.items():
+        if (axis := sorted_by(name, values, criteria)) is not None:
+            yield axis
+
+
+def sorted_by(name, values, criteria):
+    """Bins of one driver, or nothing where it does not vary."""
+    if name == "wind_direction":
+        count = len(SECTORS)
+        bins = np.round(np.nan_to_num(values) * count / 360.0).astype(int) % count
+        return Axis(name, bins, tuple((s, s) for s in SECTORS), name, cyclic=True)
+    finite = values[np.isfinite(values)]
+    if name == "poa_global":  # nights are a bin of their own
+        finite = finite[finite > criteria.dark]
+    if len(finite) == 0:
+        return None
+    inner = np.linspace(0.0, 1.0, criteria.driver_bins + 1)[1:-1]
+    cuts = np.unique(np.quantile(finite[:: max(1, len(finite) // 20_000)], inner))
+    if name == "poa_global":
+        cuts = np.concatenate(([criteria.dark], cuts))
+    low, high = finite.min(), finite.max()
+    cuts = cuts[(cuts > min(low, values.min())) & (cuts <= high)]
+    if len(cuts) == 0:
+        return None
+    edges = [min(low, np.nanmin(values)), *cuts, high]
+    labels = tuple((rounded(a), rounded(b)) for a, b in pairwise(edges))
+    bins = np.searchsorted(cuts, values, side="right")
+    clear = name not in CLOCK and not name.startswith(OF_COLUMN)
+    return Axis(name if clear else OF_COLUMN + name, bins, labels, name)
+
+
+def rounded(value):
+    return float(f"{value:.3g}")
