@@ -163,6 +163,17 @@ def test_gaps_and_uneven_steps_do_not_matter():
     assert axis.period == pytest.approx(9000.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("step", [0.5, 1, 4, 6, 24])
+def test_long_steps_keep_what_they_can_show(step):
+    rows = np.flatnonzero(MINUTE % (60 * step) == 0)
+    series = [a[rows] for a in (SECONDS, DATES, FOLDS)]
+    residual = remembering(7200.0, 9)[rows]
+    assert timetables(residual, *series, 3600 * step, CRITERIA) == []
+    residual = residual + 2.0 * (DAYS[rows] % 3 == 1)
+    found = timetables(residual, *series, 3600 * step, CRITERIA)
+    assert found[0].period == 3 * DAY
+
+
 @pytest.mark.parametrize("days", [1, 3, 10, 30])
 def test_few_days_keep_none(days):
     rows = days > DAYS

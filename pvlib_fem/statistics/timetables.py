@@ -50,6 +50,7 @@ def timetables(residual, seconds, dates, folds, step, criteria):
     """
     Timetables that a residual keeps, to sort its rows by.
 
+    It costs two Fourier transforms: a loop calls it once for all tables of a round.
     A search among many periods finds one by chance, so a period counts only where
     its lines stand above the spectrum around them by more than
     ``criteria.timetable_chance`` lets the largest of all be [1]_. The day's own
@@ -73,7 +74,9 @@ def timetables(residual, seconds, dates, folds, step, criteria):
     Returns
     -------
     list of Axis
-        ``timetable_days`` and ``timetable_minutes``, as far as there are any.
+        ``timetable_days`` and ``timetable_minutes``, as far as there are any. Days
+        and minutes may both say the same, as 48 times 150 min are 5 days: that is
+        for tables to decide.
 
     References
     ----------
@@ -213,6 +216,25 @@ def of_minutes(residual, seconds, folds, step, criteria):
     table = np.bincount(place, residual, days * slots).reshape(days, slots).T
     table = steadied(table / np.maximum(rows, 1), rows > 0, criteria.timetable_trend)
     series = table.T.ravel()
+    line = strongest_line(series, width, step, criteria)
+    if line is None:
+        return None
+    series = series[place]
+    shrink = criteria.cell_weight / step
+    line = refined(line, series, seconds, folds, shrink, criteria)
+    if line is None:
+        return None
+    fine = phases(seconds, line, criteria.timetable_phases)
+    edges = segments(fine, series, criteria)
+    bins = np.searchsorted(edges, fine, side="right") - 1
+    ends = [rounded(edge / criteria.timetable_phases / line / 60.0) for edge in edges]
+    labels = tuple(pairwise([*ends, rounded(1.0 / line / 60.0)]))
+    period = float(1.0 / line)
+    return Minutes("timetable_minutes", bins, labels, cyclic=True, period=period)
+
+
+def strongest_line(series, width, step, criteria):
+    """Frequency of the strongest line above the noise around it, or nothing. [Hz]"""
     size = next_fast_len(2 * len(series), real=True)  # between the lines, too
     power = np.abs(rfft(series, size)) ** 2
     frequency = np.arange(len(power)) / (size * width)
@@ -220,27 +242,17 @@ def of_minutes(residual, seconds, folds, step, criteria):
     free = np.abs(off) > 1.0 / criteria.timetable_trend
     free &= frequency > 1.0 / criteria.timetable_longest
     free &= frequency < 1.0 / (criteria.timetable_steps * step)
+    if not free.any():
+        return None
     frequency, off, power = frequency[free], off[free], power[free]
     power /= (1.0 - np.sinc(criteria.timetable_trend * off)) ** 2  # the mean's ripple
     level = median_filter(power, 2 * criteria.timetable_lines) / np.log(2.0)
-    worth = WORTH * criteria.timetable_lines
     ratio = np.divide(power, level, out=np.zeros_like(power), where=level > 0)
+    worth = WORTH * criteria.timetable_lines
     chance = (1.0 + ratio / worth) ** -worth * len(power)
     clear = chance < criteria.timetable_chance
-    if not clear.any():
-        return None
     # effects of the day alone have weaker lines beside it, a turn a day away
-    series = (series[place], seconds, folds, criteria.cell_weight / step)
-    line = frequency[np.argmax(np.where(clear, power, 0.0))]
-    if (line := refined(line, series, criteria)) is None:
-        return None
-    fine = phases(seconds, line, criteria.timetable_phases)
-    edges = segments(fine, series[0], criteria)
-    place = np.searchsorted(edges, fine, side="right") - 1
-    ends = [rounded(edge / criteria.timetable_phases / line / 60.0) for edge in edges]
-    labels = tuple(pairwise([*ends, rounded(1.0 / line / 60.0)]))
-    period = float(1.0 / line)
-    return Minutes("timetable_minutes", place, labels, cyclic=True, period=period)
+    return frequency[np.argmax(np.where(clear, power, 0.0))] if clear.any() else None
 
 
 def segments(fine, residual, criteria):
@@ -263,9 +275,8 @@ def phases(seconds, line, bins):
     return ((turns - np.floor(turns)) * bins).astype(int)
 
 
-def refined(line, series, criteria):
+def refined(line, residual, seconds, folds, shrink, criteria):
     """The line, or one that it is a multiple of, by the gain of the folded table."""
-    residual, seconds, folds, shrink = series
     rows, bins = np.ones(len(residual)), criteria.timetable_phases
     apart = 1.0 / (seconds[-1] - seconds[0])
 
@@ -281,7 +292,7 @@ def refined(line, series, criteria):
     gains = {
         times: gain(line / times)
         for times in range(1, criteria.timetable_multiples + 1)
-        if line / times > 1.0 / criteria.timetable_longest
+        if times == 1 or line / times > 1.0 / criteria.timetable_longest
     }
     if max(gains.values()) < criteria.timetable_gain**2:
         return None
