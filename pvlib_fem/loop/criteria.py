@@ -110,7 +110,9 @@ class Criteria:
         each. [days]
     timetable_chance : float
         *structure.* Chance that noise keeps any timetable of days, and the same of
-        minutes. [-]
+        minutes, before it has to be material: of 2325 series of fifteen kinds of
+        noise (white, of hours' to weeks' memory, of sun, weather, shade, episodes;
+        90 to 730 days) 3 showed one of days and 4 one of minutes. [-]
     timetable_days : int
         *structure.* Longest timetable of days. [days]
     timetable_repeats : int
