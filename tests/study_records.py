@@ -49,7 +49,7 @@ def formed(data, seed, dynamics, u0, u1, memory, noise, hours, by_day):
         truth = heat_balance(*usual, 30.0 * memory, model="faiman", u0=u0, u1=u1)
     step = (data.index[1] - data.index[0]).total_seconds()
     random = np.random.default_rng([seed, 77])
-    error = simulator.site.wander(random, len(data), hours * 3600.0 / step)
+    error = simulator.pieces.wander(random, len(data), hours * 3600.0 / step)
     scale = 0.5 + data["poa_global"] / 700.0 if by_day else 1.0
     return truth + noise * scale * error
 

@@ -5,33 +5,33 @@ module in it (`simulate`: nodes in W/m², T⁴ radiation, TARP and MoWiTT convec
 water, snow, ground) and the sensors and loggers that watch (`measure`). Every
 effect is a switch with an amplitude, 0 for off and 1 for its nominal size, so
 that two runs which differ in one switch differ by that effect only. Nothing here
-comes from the models of this package: convection is from [1]_, layers from [2]_,
-mounting from [3]_, sun and sky from [4]_ and [5]_, wet bulb from [6]_, snow from [7]_.
+comes from the models of this package: layers are from [1]_, mounting from [2]_, sun
+and clear sky from [3]_, wet bulb from [4]_. Where the literature has rivals for a law
+(convection, emissivity of the sky, dirt, snow, ...), a site's `Forms` say by name
+which of them holds; `drawn` takes them by chance.
+
+`simulate` has a rival as a whole in `fuentes`, which is pvlib's.
 
 References
 ----------
-.. [1] EnergyPlus Engineering Reference, outside surface heat balance: TARP
-   (Walton 1983) and MoWiTT (Yazdanian and Klems 1994) convection.
-.. [2] B. Herteleer et al., 2022, :doi:`10.22541/au.166922866.68736478`, layers
+.. [1] B. Herteleer et al., 2022, :doi:`10.22541/au.166922866.68736478`, layers
    and heat capacities of a module.
-.. [3] NREL System Advisor Model, ``lib_cec6par.cpp``: mounting, emissivities.
-.. [4] J. W. Spencer, "Fourier series representation of the position of the sun",
+.. [2] NREL System Advisor Model, ``lib_cec6par.cpp``: mounting, emissivities.
+.. [3] J. W. Spencer, "Fourier series representation of the position of the sun",
    Search 2, 172 (1971); B. Haurwitz, J. Meteorol. 2, 154 (1945); A. B. Meinel and
-   M. P. Meinel, "Applied solar energy", 1976, for the clear beam; D. Erbs et al.,
-   Solar Energy 28, 293 (1982), :doi:`10.1016/0038-092X(82)90302-4`.
-.. [5] P. Berdahl and M. Martin, Solar Energy 32, 663 (1984),
-   :doi:`10.1016/0038-092X(84)90144-0`, emissivity of the clear sky.
-.. [6] R. Stull, J. Appl. Meteorol. Climatol. 50, 2267 (2011),
+   M. P. Meinel, "Applied solar energy", 1976, for the clear beam.
+.. [4] R. Stull, J. Appl. Meteorol. Climatol. 50, 2267 (2011),
    :doi:`10.1175/JAMC-D-11-0143.1`, wet-bulb temperature.
-.. [7] B. Marion et al., "Measured and modeled photovoltaic system energy losses
-   from snow for Colorado and Wisconsin locations", Solar Energy 97, 112 (2013).
 """
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pandas as pd
 
+from pvlib_fem.simulator.drawn import drawn
+from pvlib_fem.simulator.forms import RIVALS, Days, Forms, Minutes, Obstacle
 from pvlib_fem.simulator.module import simulate
+from pvlib_fem.simulator.second import fuentes
 from pvlib_fem.simulator.sensors import measure
 from pvlib_fem.simulator.site import ALBUQUERQUE, RHINE, Site
 from pvlib_fem.simulator.sky import weather
@@ -39,20 +39,32 @@ from pvlib_fem.simulator.switches import LINEAR, OUTDOORS, PHYSICS, SWITCHES, UN
 
 __all__ = [
     "ALBUQUERQUE",
+    "GENERATORS",
     "LINEAR",
     "OUTDOORS",
     "PHYSICS",
     "RHINE",
+    "RIVALS",
     "SWITCHES",
     "UNITS",
+    "Days",
+    "Forms",
+    "Minutes",
+    "Obstacle",
     "Site",
     "difference",
+    "drawn",
+    "fuentes",
     "measure",
     "record",
     "records",
     "simulate",
     "weather",
 ]
+
+
+#: what can stand for the module
+GENERATORS = {"nodes": simulate, "fuentes": fuentes}
 
 
 def record(site=RHINE, effects=OUTDOORS, days=365, step=60.0, seed=0, **options):
@@ -68,12 +80,16 @@ def record(site=RHINE, effects=OUTDOORS, days=365, step=60.0, seed=0, **options)
     days, step, seed
         As in `weather`.
     **options
-        ``start`` as in `weather`, ``noise`` as in `measure`.
+        ``start`` as in `weather`, ``noise`` as in `measure`; ``forms`` to take the
+        place of the site's, a `Forms` or as `drawn` gives them; ``generator``, one
+        of `GENERATORS`: ``"nodes"``, which is `simulate` and the default, or
+        ``"fuentes"``.
 
     Returns
     -------
     DataFrame
-        As `measure` gives it. ``.attrs`` holds ``site``, ``effects``, ``seed``.
+        As `measure` gives it. ``.attrs`` holds ``site`` (with its ``forms``),
+        ``effects``, ``seed``, ``generator``.
 
     Examples
     --------
@@ -86,13 +102,29 @@ def record(site=RHINE, effects=OUTDOORS, days=365, step=60.0, seed=0, **options)
     return next(records(site, [effects], days, step, seed, **options))
 
 
-def records(site, scenarios, days=365, step=60.0, seed=0, start="2023-01-01", noise=1):
+def records(
+    site,
+    scenarios,
+    days=365,
+    step=60.0,
+    seed=0,
+    start="2023-01-01",
+    noise=1,
+    forms=None,
+    generator="nodes",
+):
     """Records of several scenarios in one weather, one after the other."""
+    if generator not in GENERATORS:
+        raise ValueError(
+            f"generator = {generator!r}; it is {' or '.join(map(repr, GENERATORS))}"
+        )
+    site = site if forms is None else replace(site, forms=forms)
     sky = weather(site, days, step, start, seed)
     for effects in scenarios:
-        truth = simulate(sky, site, effects)
+        truth = GENERATORS[generator](sky, site, effects)
         data = measure(sky, truth, site, effects, seed, noise)
-        data.attrs = {"site": asdict(site), "effects": dict(effects), "seed": seed}
+        data.attrs = {"site": asdict(site), "effects": dict(effects)}
+        data.attrs |= {"seed": seed, "generator": generator}
         yield data
 
 

@@ -1,59 +1,54 @@
-"""Light on a plane, and what lies on it and around: dirt, snow, an obstacle."""
+"""Light on a plane, and what stands before it."""
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from pvlib import irradiance
+from pvlib.atmosphere import get_relative_airmass
 
-from pvlib_fem.simulator.site import DAY, seconds
-
-SNOW_BELOW = 0.5  # °C
+from pvlib_fem.simulator.pieces import SOLAR_CONSTANT
 
 
-def plane(weather, tilt, azimuth, albedo):
-    """Beam, sky and ground light on a plane, isotropic; cosine of incidence."""
-    up, side = np.radians(weather["elevation"].to_numpy()), np.radians(tilt)
-    around = np.radians(weather["azimuth"].to_numpy() - azimuth)
-    cosine = np.sin(up) * np.cos(side) + np.cos(up) * np.sin(side) * np.cos(around)
-    cosine = np.where(up > 0, np.maximum(cosine, 0.0), 0.0)
-    sky = weather["dhi"].to_numpy() * (1 + np.cos(side)) / 2
-    ground = albedo * weather["ghi"].to_numpy() * (1 - np.cos(side)) / 2
+def plane(weather, tilt, azimuth, albedo, form):
+    """Beam, sky and ground light on a plane, and the cosine of incidence."""
+    elevation = weather["elevation"].to_numpy()
+    cosine = irradiance.aoi_projection(
+        tilt, azimuth, 90.0 - elevation, weather["azimuth"].to_numpy()
+    )
+    cosine = np.where(elevation > 0, np.maximum(cosine, 0.0), 0.0)
+    sky = sky_diffuse(form, weather, tilt, azimuth)
+    ground = irradiance.get_ground_diffuse(tilt, weather["ghi"].to_numpy(), albedo)
     return weather["dni"].to_numpy() * cosine, sky, ground, cosine
 
 
-def behind_obstacle(weather):
-    """Where the sun stands behind the obstacle on the horizon."""
-    azimuth, elevation = weather["azimuth"].to_numpy(), weather["elevation"].to_numpy()
-    return (azimuth >= 108) & (azimuth <= 135) & (elevation < 28)
-
-
-def dirt(weather):
-    """Share of light lost to dirt: 0.3 % a day since 1 mm of rain in 3 h; ≤ 15 %."""
-    step, rows = seconds(weather.index), np.arange(len(weather))
-    fallen = np.cumsum(weather["precipitation"].to_numpy()) * step / 3600.0
-    before = np.concatenate((np.zeros(round(3 * 3600 / step)), fallen))[: len(rows)]
-    washed = np.maximum.accumulate(np.where(fallen - before > 1.0, rows, 0))
-    return np.minimum(0.003 * (rows - washed) * step / DAY, 0.15)
-
-
-def snowpack(weather):
-    """Depth of snow on the ground [cm], and where it covers the module."""
-    step, rows = seconds(weather.index), np.arange(len(weather))
-    air, sun = weather["temp_air"].to_numpy(), weather["ghi"].to_numpy()
-    falling = weather["precipitation"].to_numpy() * (air < SNOW_BELOW)
-    melt = 4.0 * np.maximum(air, 0.0) / 24.0  # mm/h: 4 mm per day and K
-    # a store that is never below zero: its sum less the lowest sum so far
-    total = np.cumsum((falling - melt) * step / 3600.0)
-    depth = total - np.minimum(np.minimum.accumulate(total), 0.0)
-    # snow slides where the air is warmer than −G/80 [7]_, for two hours of day
-    slides = ((air > sun / -80.0) & (sun > 50.0)).astype(float)
-    slides = uniform_filter1d(slides, round(7200 / step)) > 0.99
-    fell, slid = (
-        np.maximum.accumulate(np.where(event, rows, -1))
-        for event in (falling > 0.3, slides)
+def sky_diffuse(form, weather, tilt, azimuth):
+    """Diffuse light of the sky on a plane by one of pvlib's models. [W/m²]"""
+    zenith = 90.0 - weather["elevation"].to_numpy()
+    found = irradiance.get_sky_diffuse(
+        tilt,
+        azimuth,
+        zenith,
+        weather["azimuth"].to_numpy(),
+        *(weather[name].to_numpy() for name in ("dni", "ghi", "dhi")),
+        dni_extra=SOLAR_CONSTANT,
+        airmass=get_relative_airmass(zenith),
+        model=form,
     )
-    return depth, fell > slid  # 1 mm of water is 1 cm of snow
+    return np.where(weather["dhi"] > 0, np.maximum(np.nan_to_num(found), 0.0), 0.0)
 
 
-def bright(weather, site, on):
-    """Albedo of the ground: 0.65 where there is more than 1 cm of snow."""
-    white = np.clip(on["snow"] * (snowpack(weather)[0] > 1.0), 0.0, 1.0)
-    return site.albedo + white * (0.65 - site.albedo)
+def hidden(weather, obstacles):
+    """Share of the beam that obstacles take, the largest where they overlap."""
+    azimuth, elevation = weather["azimuth"].to_numpy(), weather["elevation"].to_numpy()
+    share = np.zeros(len(weather))
+    for one in obstacles:
+        across = (azimuth - one.azimuth + 180.0) % 360.0 - 180.0
+        knots = np.linspace(-one.width / 2, one.width / 2, len(one.heights))
+        below = np.interp(across, knots, one.heights) - elevation
+        inside = np.minimum(one.width / 2 - np.abs(across), below)  # ° from an edge
+        dark = np.clip(inside / one.blur + 0.5, 0, 1) if one.blur else inside >= 0
+        share = np.maximum(share, one.covers * dark)
+    return share
+
+
+def shade(weather, site, amplitude):
+    """Share of the beam that obstacles leave."""
+    return 1 - np.minimum(amplitude * hidden(weather, site.forms.obstacles), 1)

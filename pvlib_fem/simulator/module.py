@@ -11,12 +11,13 @@ from pvlib_fem.simulator.forcing import (
     TO_DEEP,
     forcing,
 )
-from pvlib_fem.simulator.site import DAY, SIGMA, ZERO, Site, seconds, vapour
+from pvlib_fem.simulator.pieces import DAY, SIGMA, ZERO, seconds
+from pvlib_fem.simulator.site import Site
 from pvlib_fem.simulator.switches import amplitudes
 
 BLOCK = DAY  # solved side by side, see march
 
-# the module: glass, back sheet with its share of frame, cell [2]_
+# the module: glass, back sheet with its share of frame, cell [1]_
 CAPACITY = np.array([[4800.0], [4900.0], [1400.0]])  # glass, back, cell: J m⁻² K⁻¹
 LINK = np.array([[450.0], [330.0]])  # glass, back to cell, 1/r there: W m⁻² K⁻¹
 ROOM = 295.0  # K, where the linear world takes its radiation coefficient
@@ -121,8 +122,7 @@ def advance(on, step, surfaces, series, start):
     store, damp = on["thermal_storage"], max(on["rain"], on["dew"])
     shape, free = on["wind_shape"], on["natural_convection"]
     curved = on["radiative_loss"]
-    warm = free * surfaces["natural"][:, 0]
-    cold = free * surfaces["natural"][:, 1]
+    natural, (a, b, c) = surfaces["natural"], surfaces["saturation"]
     still = (1 - free) * surfaces["calm"]
     glow = curved * SIGMA * EMISSIVITY
     even_glow = (1 - curved) * 4 * ROOM**3 * SIGMA * EMISSIVITY
@@ -131,14 +131,12 @@ def advance(on, step, surfaces, series, start):
     cell_gives = cell_holds + LINK.sum()
 
     skin, (cell, ground, film) = start[:2].copy(), start[2:].copy()
-    h, radiation, size = (np.empty_like(skin) for _ in range(3))
+    h, radiation = np.empty_like(skin), np.empty_like(skin)
     found = np.zeros((len(series["air"]), 8, skin.shape[1]))
     for i, air in enumerate(series["air"]):
         # convection: natural and forced in quadrature, or their straight stand-in
-        excess = skin - air
-        np.cbrt(np.abs(excess, out=size), out=size)
-        calm = np.where(excess > 0, warm, cold)
-        calm *= size
+        calm = natural(skin - air)
+        calm *= free
         calm += still
         np.multiply(calm, calm, out=h)
         h += series["forced"][i]
@@ -163,12 +161,12 @@ def advance(on, step, surfaces, series, start):
         load[0] += series["cooler"][i]
         if damp:
             celsius = skin[0] - ZERO
-            pressure = vapour(celsius)
+            pressure = a * np.exp(b * celsius / (c + celsius))
             deficit = pressure - series["vapour"][i]
             patch = damp * np.minimum(film / FILM_WHOLE, 1.0)
             rate = LEWIS * h[0] * np.where(deficit > 0, patch, on["dew"])
             deficit *= rate
-            rate *= pressure * (17.62 * 243.12) / (243.12 + celsius) ** 2
+            rate *= pressure * (b * c) / (c + celsius) ** 2
             gain[0] += rate
             load[0] += rate * skin[0] - deficit
         if store:

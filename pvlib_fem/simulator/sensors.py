@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.simulator.ground import behind_obstacle, bright, dirt, plane, snowpack
-from pvlib_fem.simulator.site import (
+from pvlib_fem.simulator.deposits import bright, dirt, snow_depth
+from pvlib_fem.simulator.ground import plane, shade
+from pvlib_fem.simulator.pieces import (
     DAY,
     SIGMA,
     ZERO,
@@ -16,7 +17,7 @@ from pvlib_fem.simulator.site import (
 from pvlib_fem.simulator.switches import UNITS, amplitudes
 
 #: column: white noise (sd), slow noise (sd, memory [h]), resolution, relative?
-#: from data sheets of class A stations; the module's RTD is 0.4 K (k = 2) in [2]_
+#: from data sheets of class A stations; the module's RTD is 0.4 K (k = 2) in [1]_
 SENSORS = {
     "poa_global": (0.0, 0.01, 0.5, 0.1, True),
     "temp_air": (0.05, 0.15, 1.0, 0.01, False),
@@ -74,7 +75,7 @@ def measure(weather, truth, site, effects, seed=0, noise=1.0) -> pd.DataFrame:
         "wind_speed": np.where(speed < on["wind_stall"], 0.0, speed),
         "temp_module": back,
         "precipitation": np.diff(tips, prepend=0.0) * 0.1 * 3600.0 / step,
-        "snow_depth": snowpack(weather)[0],
+        "snow_depth": snow_depth(weather),
         "p_dc": power,
     }
     data = {}
@@ -98,10 +99,12 @@ def pyranometer(weather, site, on, step):
     """Irradiance in the plane of the sensor, as it tells it. [W/m²]"""
     azimuth = site.surface_azimuth + on["poa_misalignment"]
     albedo = bright(weather, site, on)
-    beam, sky, ground, _ = plane(weather, site.surface_tilt, azimuth, albedo)
-    beam *= 1 - np.minimum(0.8 * on["shading_sensor"], 1) * behind_obstacle(weather)
+    beam, sky, ground, _ = plane(
+        weather, site.surface_tilt, azimuth, albedo, site.forms.transposition
+    )
+    beam *= shade(weather, site, on["shading_sensor"])
     poa = lagged(beam + sky + ground, 8 / step)  # a thermopile takes 8 s
-    poa *= 1 - on["soiling_sensor"] * dirt(weather)
+    poa *= 1 - on["soiling_sensor"] * dirt(weather, site)
     aged = 0.05 * on["sensitivity_drift"] * years(weather.index)
     poa *= 1 + 0.02 * on["irradiance_gain"] - aged
     black = SIGMA * (weather["temp_air"].to_numpy() + ZERO) ** 4

@@ -1,14 +1,10 @@
-"""Where the module stands, and small pieces that all layers share."""
+"""Where the module stands, and in which climate."""
 
-import zlib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-import numpy as np
-from scipy.signal import lfilter
+from pvlib_fem.simulator.forms import Forms
 
-SIGMA = 5.670374419e-8  # W m⁻² K⁻⁴
-ZERO = 273.15  # 0 °C [K]
-DAY = 86400.0  # s
 MOUNTINGS = ("rack", "roof")
 
 
@@ -35,6 +31,8 @@ class Site:
         Median of air temperature less dew point. [K]
     albedo : float
         Of the ground. [-]
+    forms : Forms
+        Which formulation each law has there, and what stands or runs around.
     """
 
     latitude: float = 49.4
@@ -49,8 +47,11 @@ class Site:
     clear_share: float = 0.35
     dew_depression: float = 5.0
     albedo: float = 0.2
+    forms: Forms = field(default_factory=Forms)
 
     def __post_init__(self):
+        if isinstance(self.forms, Mapping):  # of a record's attrs
+            object.__setattr__(self, "forms", Forms(**self.forms))
         if self.mounting not in MOUNTINGS:
             raise ValueError(f"mounting = {self.mounting!r}; it is 'rack' or 'roof'")
 
@@ -76,46 +77,3 @@ ALBUQUERQUE = Site(
     dew_depression=14.0,
     albedo=0.25,
 )
-
-
-def stream(seed, purpose):
-    """Random numbers of one purpose, so that no other use of chance moves them."""
-    return np.random.default_rng([seed, zlib.crc32(purpose.encode())])
-
-
-def wander(random, rows, lag):
-    """Ornstein-Uhlenbeck noise of unit variance, with a memory of ``lag`` rows."""
-    decay = np.exp(-1.0 / lag)
-    source = random.standard_normal(rows)
-    source[1:] *= np.sqrt(1.0 - decay**2)
-    return lfilter([1.0], [1.0, -decay], source)
-
-
-def lagged(values, lag):
-    """First-order response with a memory of ``lag`` rows, settled at the start."""
-    decay = np.exp(-1.0 / lag)
-    return lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0]
-
-
-def vapour(celsius):
-    """Saturation vapour pressure over water, Magnus. [Pa]"""
-    return 611.2 * np.exp(17.62 * celsius / (243.12 + celsius))
-
-
-def clock(times):
-    """Hour of the day and day of the year, both with their fraction."""
-    hour = (times - times.normalize()).total_seconds().to_numpy() / 3600.0
-    return hour, times.day_of_year.to_numpy() + hour / 24.0
-
-
-def winter(site, day):
-    """1 in midwinter, −1 in midsummer."""
-    return np.sign(site.latitude or 1.0) * np.cos(2 * np.pi * (day - 15) / 365.25)
-
-
-def seconds(times):
-    """The even step of a time axis. [s]"""
-    steps = np.diff(times.asi8)
-    if len(steps) == 0 or (steps != steps[0]).any():
-        raise ValueError("weather is not on even steps; resample it first")
-    return (times[1] - times[0]).total_seconds()

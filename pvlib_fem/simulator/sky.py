@@ -2,22 +2,29 @@
 
 import numpy as np
 import pandas as pd
+from pvlib.atmosphere import rh_from_tdew
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 from scipy.special import gamma, ndtr
 
-from pvlib_fem.simulator.site import (
+from pvlib_fem.simulator.air import (
+    EMISSIVITIES,
+    VAPOUR,
+    diffuse_share,
+    vapour,
+)
+from pvlib_fem.simulator.pieces import (
     DAY,
     SIGMA,
+    SOLAR_CONSTANT,
     ZERO,
-    Site,
     clock,
     lagged,
     stream,
-    vapour,
     wander,
     winter,
 )
+from pvlib_fem.simulator.site import Site
 
 
 def weather(
@@ -71,7 +78,7 @@ def weather(
     rain, onset = rainfall(site, sky, days, minute, stream(seed, "rain"))
     share = [lagged((sky == kind).astype(float), 8 * minute) for kind in range(3)]
     index = clear_sky_index(share, minute, stream(seed, "cloud"))
-    ghi, dni, dhi = irradiance(elevation, index)
+    ghi, dni, dhi = irradiance(elevation, index, site.forms.diffuse)
     random = stream(seed, "cover")
     cover = 0.03 * share[0] + 0.5 * share[1] + 0.95 * share[2]
     cover = lagged(cover, 20 * minute) + 0.06 * wander(random, rows, 2 * hourly)
@@ -98,8 +105,10 @@ def weather(
     temp_dew = np.minimum(temp_dew, temp_air - 0.2)
 
     speed, direction, scatter = wind(site, hour, minute, stream(seed, "wind"))
-    emissivity = 0.711 + 0.0056 * temp_dew + 0.000073 * temp_dew**2  # [5]_
-    emissivity += 0.013 * np.cos(2 * np.pi * hour / 24)
+    saturation = VAPOUR[site.forms.vapour]
+    pressure = vapour(temp_dew, site.forms.vapour)
+    law = EMISSIVITIES[site.forms.emissivity]
+    emissivity = law(temp_air, temp_dew, pressure, hour)
     emissivity += (1.0 - emissivity) * 0.84 * cloud  # of low cloud bases
     columns = {
         "ghi": ghi,
@@ -107,7 +116,7 @@ def weather(
         "dhi": dhi,
         "temp_air": temp_air,
         "temp_dew": temp_dew,
-        "relative_humidity": 100.0 * vapour(temp_dew) / vapour(temp_air),
+        "relative_humidity": rh_from_tdew(temp_air, temp_dew, saturation),
         "wind_speed": speed,
         "wind_direction": direction,
         "precipitation": rain,
@@ -123,7 +132,7 @@ def weather(
 
 
 def sun_position(times, site):
-    """Elevation and azimuth of the sun, Spencer [4]_; no refraction. [°]"""
+    """Elevation and azimuth of the sun, Spencer [3]_; no refraction. [°]"""
     hour, day = clock(times)
     angle = 2 * np.pi * (day - 1) / 365.0
     waves = [f(n * angle) for n in (1, 2, 3) for f in (np.cos, np.sin)]
@@ -201,16 +210,14 @@ def clear_sky_index(share, minute, random):
     return np.clip(index, 0.05, 1.25)
 
 
-def irradiance(elevation, index):
-    """Global, beam and diffuse: Haurwitz, Meinel and Erbs [4]_. [W/m²]"""
+def irradiance(elevation, index, form):
+    """Global, beam and diffuse: Haurwitz, Meinel [3]_ and the form's. [W/m²]"""
     up = np.maximum(np.sin(np.radians(elevation)), 1e-3)
     day = elevation > 0
     ghi = np.where(day, index * 1098.0 * up * np.exp(-0.057 / up), 0.0)
     mass = 1.0 / np.maximum(up, 0.03)
-    beam = 1361.0 * 0.7 ** (mass**0.678)
-    kt = np.clip(ghi / (1361.0 * up), 0.0, 0.8)
-    series = 0.9511 - 0.1604 * kt + 4.388 * kt**2 - 16.638 * kt**3 + 12.336 * kt**4
-    share = np.where(kt <= 0.22, 1.0 - 0.09 * kt, series)
+    beam = SOLAR_CONSTANT * 0.7 ** (mass**0.678)
+    share = diffuse_share(form, ghi, elevation)
     dni = np.where(day, np.minimum((1.0 - share) * ghi / up, beam), 0.0)
     return ghi, dni, ghi - dni * up * day
 

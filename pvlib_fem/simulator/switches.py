@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pvlib_fem.simulator.site import ZERO
+from pvlib_fem.simulator.pieces import ZERO
 
 #: Every switch, with what amplitude 1 is and what 0 means. Nominal sizes lie within
 #: what is published: curtailment at spring noon (CAISO), 0.1 to 0.5 % of dirt a day,
@@ -11,8 +11,8 @@ from pvlib_fem.simulator.site import ZERO
 SWITCHES = {
     # the physical world; PHYSICS has these at 1, LINEAR at 0
     "radiative_loss": "T⁴ exchange; 0: a constant coefficient, at 295 K",
-    "natural_convection": "TARP's ΔT^(1/3); 0: its value at 15 K",
-    "wind_shape": "MoWiTT in quadrature; 0: a straight line through 3 m/s",
+    "natural_convection": "grows with ΔT, by default TARP's ΔT^(1/3); 0: as at 15 K",
+    "wind_shape": "by default MoWiTT, in quadrature; 0: a straight line through 3 m/s",
     "incidence_angle": "Fresnel reflection; 0: as at normal incidence",
     "conversion": "efficiency follows temperature and low light; 0: constant",
     # effects with a driver of their own
@@ -24,7 +24,8 @@ SWITCHES = {
     "snow": "cover, and bright ground; 0: none",
     "soiling": "module loses 0.3 % of light a day until it rains; 0: clean",
     "soiling_sensor": "the same of the irradiance sensor",
-    "shading": "obstacle, azimuth 108–135°, below 28°, takes 80 % of the beam; 0: none",
+    "shading": "obstacles take their share of the beam, by default 80 % of it at "
+    "azimuths of 108–135° and below 28°; 0: none",
     "shading_sensor": "the same before the irradiance sensor",
     # shapes
     "thermal_storage": "ground or roof stores heat; 0: it is at air temperature",
@@ -34,8 +35,9 @@ SWITCHES = {
     # heats that nobody declared
     "weekend_exhaust": "120 W/m² behind the module on weekends, 9–16 h",
     "chiller": "up to 100 W/m² behind it on warm afternoons of June to August, 13–19 h",
-    "irrigation": "−150 W/m² on the glass every second day, April to September, "
-    "6–7 and 20–21 h",
+    "irrigation": "−150 W/m² on the glass by a timetable of days, April to "
+    "September; by default every second day, 6–7 and 20–21 h",
+    "fan": "100 W/m² behind it by a timetable of minutes; by default 35 of every 150",
     "shelter": "50 W/m² behind it on nights from October to April (animals)",
     # sensors
     "poa_misalignment": "irradiance sensor turned west by 1° (an amplitude in degrees)",

@@ -1,0 +1,49 @@
+"""Small pieces that all layers share: constants, chance, memory, clocks."""
+
+import zlib
+
+import numpy as np
+from scipy.signal import lfilter
+
+SIGMA = 5.670374419e-8  # W m⁻² K⁻⁴
+ZERO = 273.15  # 0 °C [K]
+DAY = 86400.0  # s
+SOLAR_CONSTANT = 1361.0  # W/m²; this world's sun is always at its mean distance
+
+
+def stream(seed, purpose):
+    """Random numbers of one purpose, so that no other use of chance moves them."""
+    return np.random.default_rng([seed, zlib.crc32(purpose.encode())])
+
+
+def wander(random, rows, lag):
+    """Ornstein-Uhlenbeck noise of unit variance, with a memory of ``lag`` rows."""
+    decay = np.exp(-1.0 / lag)
+    source = random.standard_normal(rows)
+    source[1:] *= np.sqrt(1.0 - decay**2)
+    return lfilter([1.0], [1.0, -decay], source)
+
+
+def lagged(values, lag):
+    """First-order response with a memory of ``lag`` rows, settled at the start."""
+    decay = np.exp(-1.0 / lag)
+    return lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0]
+
+
+def clock(times):
+    """Hour of the day and day of the year, both with their fraction."""
+    hour = (times - times.normalize()).total_seconds().to_numpy() / 3600.0
+    return hour, times.day_of_year.to_numpy() + hour / 24.0
+
+
+def winter(site, day):
+    """1 in midwinter, −1 in midsummer."""
+    return np.sign(site.latitude or 1.0) * np.cos(2 * np.pi * (day - 15) / 365.25)
+
+
+def seconds(times):
+    """The even step of a time axis. [s]"""
+    steps = np.diff(times.asi8)
+    if len(steps) == 0 or (steps != steps[0]).any():
+        raise ValueError("weather is not on even steps; resample it first")
+    return (times[1] - times[0]).total_seconds()

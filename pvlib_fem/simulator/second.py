@@ -1,0 +1,81 @@
+"""A second generator that is not ours: `pvlib.temperature.fuentes`."""
+
+import numpy as np
+import pandas as pd
+import pvlib
+
+from pvlib_fem.simulator.deposits import bright, snow_cover
+from pvlib_fem.simulator.forcing import (
+    AT_MODULE,
+    EFFICIENCY,
+    light,
+    output,
+    scattered,
+)
+from pvlib_fem.simulator.schedules import curtailed, undeclared
+from pvlib_fem.simulator.switches import amplitudes
+
+ABSORPTION = 0.83  # share of sunlight that is heat, pvlib's default
+INSTALLED = {"rack": 45.0, "roof": 49.0}  # °C, installed NOCT as PVWatts has it
+HEIGHT = 9.144 * AT_MODULE**5  # m, at which v·(height/9.144)^0.2 is our module's wind
+
+#: switches that this model has in it, and those for which it has no place
+INSIDE = ("radiative_loss", "natural_convection", "wind_shape")
+NO_PLACE = ("sky_radiation", "wind_direction", "rain", "dew", "thermal_storage")
+
+
+def fuentes(weather, site, effects) -> pd.DataFrame:
+    """
+    Temperature of a module by M. K. Fuentes, SAND85-0330 (1987), in the same weather.
+
+    What changes the light that a module receives changes the model's irradiance;
+    heats and the output that is not taken are irradiance of the same heat. The
+    model's absorption is constant, so that ``conversion`` is of the power alone,
+    and its sky follows the air.
+
+    Parameters
+    ----------
+    weather, site, effects
+        As in `simulate`. Switches `INSIDE` the model have to be 1, those that have
+        `NO_PLACE` in it 0.
+
+    Returns
+    -------
+    DataFrame
+        ``temp_back`` and ``temp_cell``, which are the same [°C], ``p_dc``,
+        ``poa_global`` (what the model was given [W/m²]).
+
+    Raises
+    ------
+    ValueError
+        Of a switch that this model cannot follow.
+    """
+    on = amplitudes(effects)
+    wrong = [name for name in INSIDE if on[name] != 1.0]
+    wrong += [name for name in NO_PLACE if on[name] != 0.0]
+    if wrong:
+        raise ValueError(
+            f"fuentes cannot follow {', '.join(wrong)}; set {', '.join(INSIDE)} to 1 "
+            f"and {', '.join(NO_PLACE)} to 0, or take generator='nodes'"
+        )
+    covered = on["snow"] * snow_cover(weather, site)
+    sun, rear = light(weather, site, on, covered, bright(weather, site, on))
+    idle = on["electrical_output"] * curtailed(weather)
+    air = weather["temp_air"].to_numpy()
+    front, back = undeclared(weather.index, air, on, site.forms)
+    heat = front + back + rear + EFFICIENCY * sun * idle
+    poa = pd.Series(sun + heat / ABSORPTION, weather.index)
+    speed = weather["wind_speed"] * scattered(weather, on)
+    module = pvlib.temperature.fuentes(
+        poa,
+        weather["temp_air"],
+        speed,
+        INSTALLED[site.mounting],
+        module_height=HEIGHT,
+        absorption=ABSORPTION,
+        surface_tilt=site.surface_tilt,
+    )
+    constant, slope = output(sun, idle, on)
+    power = np.asarray(constant + slope * module)
+    columns = dict(temp_back=module, temp_cell=module, p_dc=power, poa_global=poa)
+    return pd.DataFrame(columns, index=weather.index)
