@@ -32,6 +32,7 @@ from study_worlds import (
     LOGGERS,
     MARGIN,
     NEAR,
+    SECOND_GENERATOR,
 )
 
 from pvlib_fem.loop.ranking import ENOUGH_DAYS
@@ -48,6 +49,7 @@ def worlds(families=None, quick=False):
 QUICK = {
     "exact null": (0,),
     "physics null": (0, 9),
+    SECOND_GENERATOR: (1, 4, 12),
     "one effect": (0, 1, 2, 4, 8, 9, 13),
     "pairs and triples": (0, 1),
     "no catalogue": (0, 1, 2, 3),
@@ -115,6 +117,11 @@ def told(rows, family, begin):
 def done(row):
     """Whether the loop came to an end."""
     return row["after"] == row["after"]
+
+
+def null(row):
+    """Whether nothing but physics is in it."""
+    return done(row) and not row["sizes"]
 
 
 def clear(row):
@@ -227,6 +234,9 @@ NO_NAME = "no wrong name"
 BARS = (
     Bar("exact null", NO_NAME, done, honest, 0.95),
     Bar("physics null", NO_NAME, done, honest, 0.95),
+    Bar(SECOND_GENERATOR, NO_NAME, null, honest, 0.95),
+    Bar(SECOND_GENERATOR, "the first finding holds the truth", clear, first, 0.95),
+    Bar(SECOND_GENERATOR, "coefficient within 20 %", has_coefficient, near, 0.95),
     Bar("one effect", "the first finding holds the truth", clear, first, 0.95),
     Bar("one effect", "coefficient within 20 %", has_coefficient, near, 0.95),
     Bar("one effect", NO_NAME, done, honest, 0.95),

@@ -8,10 +8,11 @@ import pandas as pd
 from study_worlds import (
     FLOOR,
     IN_PHYSICS,
-    OBSTACLE,
+    SECOND_GENERATOR,
     TRUTHS,
     UNDECLARED,
     Case,
+    skyline,
 )
 
 from pvlib_fem import fem_temperature, fit_fem, heat_balance, simulator
@@ -20,21 +21,20 @@ from pvlib_fem.effects.candidates import driver
 from pvlib_fem.effects.catalogue.shading import within
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.record.columns import COLUMNS
-from pvlib_fem.simulator.forcing import (
-    undeclared,
-)
+from pvlib_fem.simulator.schedules import undeclared
 from pvlib_fem.simulator.switches import amplitudes
 from pvlib_fem.thermal.model import thermal_model
 
 
-def seen(data, case):
+def seen(data, case, forms):
     """The columns that a user would have."""
     data = data.copy()
     data.attrs = {}
     if case.form is not None:
         data["temp_module"] = formed(data, **case.form)
     if case.neighbour:
-        heats = undeclared(data.index, data["temp_air"], amplitudes(case.sizes))
+        on = amplitudes(case.sizes)
+        heats = undeclared(data.index, data["temp_air"], on, forms)
         data["neighbour"] = (np.asarray(heats[0]) + np.asarray(heats[1])) / 10.0
     data["temp_module"] += case.offset
     return data.drop(columns=list(case.drop))
@@ -90,13 +90,14 @@ def as_recorded(loop, data):
     return float(fit.scores["rmse_test"].iloc[-1])
 
 
-def catalogue(loop, data, case):
+def catalogue(loop, data, case, forms):
     """The true effects by switch, as terms of the catalogue; without a driver none."""
     record = loop.fit.record
     terms = {}
     for switch in case.sizes:
         if switch in ("shading", "shading_sensor"):
-            terms[switch] = within(OBSTACLE, sensor=switch == "shading_sensor")
+            windows = list(skyline(forms.obstacles))
+            terms[switch] = within(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = ~loop.fit.holdout.to_numpy()
             terms[switch] = OF_RECORD[switch](record.inputs.columns, rows)
@@ -121,11 +122,18 @@ def judged(world, cases):
     nulls = {key(case.off): case.off for case in cases if case.off is not None}
     scenarios = [*nulls.values(), *(case.on for case in cases)]
     made = simulator.records(
-        world.site, scenarios, world.days, world.step, world.seed, world.start
+        world.site,
+        scenarios,
+        world.days,
+        world.step,
+        world.seed,
+        world.start,
+        generator=world.generator,
     )
     known, rows = {}, []
     for name, off in nulls.items():
-        null = Case("physics null", off)
+        second = world.generator == "fuentes"
+        null = Case(SECOND_GENERATOR if second else "physics null", off)
         known[name], row = looked(world, null, next(made))
         rows.append(row)
     for case, data in zip(cases, made):
@@ -149,7 +157,7 @@ def looked(world, case, data, off=None):
         "truths": case.truths,
         "sizes": dict(case.sizes),
     }
-    data = seen(data, case)
+    data = seen(data, case, world.site.forms)
     begin = time.perf_counter()
     try:
         loop = close_loop(data, **world.place)
@@ -161,7 +169,7 @@ def looked(world, case, data, off=None):
         broken = f"{type(error).__name__}: {error}"
         return None, row | {"broken": broken, "first": "broken"}
     row["seconds"] = time.perf_counter() - begin
-    row |= said(loop, case) | errors(loop, data, case, off)
+    row |= said(loop, case) | errors(loop, data, case, off, world.site.forms)
     row["coefficients"] = coefficients(loop, world, case, off)
     return loop, row
 
@@ -229,11 +237,11 @@ def mentioned(loop, case):
     return set(case.truths) <= {*loop.untestable, *listed}
 
 
-def errors(loop, data, case, off):
+def errors(loop, data, case, off, forms):
     """Sealed-day errors, and how large the effects are. [K]"""
     table = loop.table["rmse_test"]
     before, after = float(table[loop.base]), float(table[loop.last])
-    terms = catalogue(loop, data, case)
+    terms = catalogue(loop, data, case, forms)
     best = refit(loop, list(terms.values())) if terms else before
     row = {"before": before, "after": after, "oracle": best}
     if "clock_shift" in case.sizes and off is not None:
@@ -291,7 +299,9 @@ def coefficients(loop, world, case, off):
         fitted = [f.coefficients for f in loop.findings if f.effect == truth.effect]
         if not fitted or name not in fitted[0]:
             continue
-        expected = truth.expected(world.site, size)
+        expected = truth.expected(world, size)
+        if math.isnan(expected):  # this world's law has no such coefficient
+            continue
         if truth.added and off is not None:
             # of what physics leaves, the other shapes of the loop take their part
             others = IN_PHYSICS.intersection(loop.effects) - {truth.effect}

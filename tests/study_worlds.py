@@ -8,12 +8,14 @@ import numpy as np
 import pvlib
 
 from pvlib_fem import simulator
+from pvlib_fem.simulator.deposits import PER_DAY
 from pvlib_fem.simulator.forcing import (
     EFFICIENCY,
     EMISSIVITY,
     IN_CELL,
     IN_GLASS,
 )
+from pvlib_fem.simulator.second import ABSORPTION
 
 SHIFT = 0  # of all seeds, for worlds on which no rule was tried
 FLOOR = 0.15  # K, the least gain that the loop calls material
@@ -21,30 +23,65 @@ CLEARLY = 2.0  # times the smallest detectable size, from which an effect must s
 NEAR = 0.20  # of a coefficient's truth
 MARGIN = 0.05  # K by which the loop may stay behind a refit with the truth
 PHYSICS = simulator.PHYSICS
+SECOND_GENERATOR = "second generator"
 LOGGERS = "clock, logger, unit"  # the family whose records may be refused
-OBSTACLE = [(108.0, 135.0, 0.0, 28.0)]  # the simulator's
-ABSORBED = IN_GLASS + IN_CELL - EFFICIENCY  # share of sunlight that is heat
+FINE = 1.0  # ° of azimuth of the windows that trace a skyline
+#: share of sunlight that is heat
+ABSORBED = {"nodes": IN_GLASS + IN_CELL - EFFICIENCY, "fuentes": ABSORPTION}
 
 
-def sky_share(site, size):
+def skyline(obstacles):
+    """Windows of the sky in columns that trace the obstacles' upper edges."""
+    for one in obstacles:
+        columns = max(round(one.width / FINE), 1)
+        edges = np.linspace(-one.width / 2, one.width / 2, columns + 1)
+        middle = (edges[1:] + edges[:-1]) / 2
+        knots = np.linspace(edges[0], edges[-1], len(one.heights))
+        for left, right, at in zip(edges, edges[1:], middle):
+            height = float(np.interp(at, knots, one.heights))
+            yield (one.azimuth + left, one.azimuth + right, 0.0, height)
+
+
+def beam_share(world, size):
+    """Of hard edges and one share for all; a penumbra has no fixed share."""
+    obstacles = world.site.forms.obstacles
+    if len({one.covers for one in obstacles}) > 1 or any(o.blur for o in obstacles):
+        return math.nan
+    return size * obstacles[0].covers
+
+
+def sensor_share(world, size):
+    return -beam_share(world, size)
+
+
+def sensor_dirt(world, size):
+    """Of dirt that gathers day by day; mass that settles, or pauses, has no rate."""
+    return size * PER_DAY if world.site.forms.cleaning == "rain" else math.nan
+
+
+def module_dirt(world, size):
+    return -sensor_dirt(world, size)
+
+
+def sky_share(world, size):
     """Emissivity times view of the sky, over the share of sunlight that is heat."""
-    tilt = math.cos(math.radians(site.surface_tilt))
+    tilt = math.cos(math.radians(world.site.surface_tilt))
     front, back = EMISSIVITY[:, 0]
-    rear = back * (1 - tilt) / 2 if site.mounting == "rack" else 0.0
-    return size * (front * (1 + tilt) / 2 + rear) / ABSORBED
+    rear = back * (1 - tilt) / 2 if world.site.mounting == "rack" else 0.0
+    return size * (front * (1 + tilt) / 2 + rear) / ABSORBED[world.generator]
 
 
-def power_share(site, size):
+def power_share(world, size):
     """That of all power, however much of it is curtailed."""
-    return 1.0 / ABSORBED
+    return 1.0 / ABSORBED[world.generator]
 
 
-def emitted(site, size):
+def emitted(world, size):
     """Emissivity of both faces, over the share of sunlight that is heat."""
-    return size * EMISSIVITY.sum() / ABSORBED
+    return size * EMISSIVITY.sum() / ABSORBED[world.generator]
 
 
-def aged(site, size):
+def aged(world, size):
     """What the module gains on the sensor each year, at the middle of two."""
     return 0.05 * size / (1.0 - 0.05 * size)
 
@@ -62,12 +99,13 @@ class Truth:
     days: int = 365
     step: float = 300.0
 
-    def expected(self, site, size):
-        """The coefficient that this size makes."""
-        return self.value(site, size) if callable(self.value) else size * self.value
+    def expected(self, world, size):
+        """The coefficient that this size makes; NaN where none is the truth."""
+        return self.value(world, size) if callable(self.value) else size * self.value
 
 
 SHARES = (0.25, 0.5, 0.75, 1.0)  # of what cannot be more than all
+SHADES = (0.25, 0.5, 0.75, 1.25)  # of obstacles that take at most 80 % of the beam
 COLD = dict(latitude=52.0, temp_mean=4.0, temp_amplitude=12.0, rain_days=0.35)
 RACK, ROOF = dict(mounting="rack"), dict(mounting="roof")
 DRY = dict(rain_days=0.2, clear_share=0.4)  # dirt gathers, and seldom to its most
@@ -78,10 +116,10 @@ TRUTHS = {
     "wind_direction": Truth("wind_direction", place=RACK),  # ×2 stops a channel
     "rain": Truth("rain", place=dict(rain_days=0.4)),
     "snow": Truth("snow", sizes=SHARES, place=COLD),
-    "soiling": Truth("soiling", "per_day", -0.003, place=DRY),
-    "soiling_sensor": Truth("soiling", "per_day", 0.003, place=DRY),
-    "shading": Truth("shading", "share", 0.8, sizes=(0.25, 0.5, 0.75, 1.25)),
-    "shading_sensor": Truth("shading", "share", -0.8, sizes=(0.25, 0.5, 0.75, 1.25)),
+    "soiling": Truth("soiling", "per_day", module_dirt, place=DRY),
+    "soiling_sensor": Truth("soiling", "per_day", sensor_dirt, place=DRY),
+    "shading": Truth("shading", "share", beam_share, sizes=SHADES),
+    "shading_sensor": Truth("shading", "share", sensor_share, sizes=SHADES),
     "sensitivity_drift": Truth("sensitivity_drift", "per_year", aged, days=730),
     "clock_shift": Truth(
         "clock_shift", "minutes", 1.0, sizes=(1.0, 2.0, 4.0, 8.0), step=60.0
@@ -112,8 +150,9 @@ IN_PHYSICS = {
 UNDECLARED = {
     "weekend_exhaust": ({"weekend"}, {"hour", "poa_global"}),
     "chiller": ({"hour", "poa_global"}, {"month", "temp_air"}),
-    "irrigation": ({"hour"}, {"timetable_days", "month"}),
+    "irrigation": ({"hour", "poa_global"}, {"timetable_days", "month"}),
     "shelter": ({"hour", "poa_global"}, {"month", "temp_air"}),
+    "fan": ({"timetable_minutes"},),
 }
 
 
@@ -126,6 +165,7 @@ class World:
     days: float = 365
     step: float = 300.0
     start: str = "2023-01-01"
+    generator: str = "nodes"
 
     @property
     def name(self):
@@ -178,7 +218,7 @@ class Case:
 
 
 def site(seed, **changes):
-    """A site that could be; the same for a seed."""
+    """A site that could be, its laws and obstacles; the same for a seed."""
     random = np.random.default_rng([seed, 2023])
     latitude = random.uniform(25.0, 60.0)
     clear = random.uniform(0.2, 0.75)
@@ -198,7 +238,12 @@ def site(seed, **changes):
         dew_depression=2.0 + 18.0 * clear**2 + random.uniform(0.0, 3.0),
         albedo=random.uniform(0.1, 0.35),
     )
-    return replace(made, **changes)
+    return lawful(replace(made, **changes), seed)
+
+
+def lawful(where, seed):
+    """A site with formulations and obstacles of its own."""
+    return replace(where, forms=simulator.drawn(seed, where))
 
 
 def exact_null(count=60, draws=5):
@@ -223,13 +268,47 @@ def exact_null(count=60, draws=5):
         yield World(site(SHIFT + 1000 + i), SHIFT + 1000 + i), cases
 
 
-def physics_null(count=20):
+def physics_null(count=30):
     """The full simulator with all that has a driver of its own off."""
     known = [simulator.RHINE, simulator.ALBUQUERQUE]
     for i in range(count):
-        where = known[i % 2] if i < 6 else site(SHIFT + 2000 + i)
+        seed = SHIFT + 2000 + i
+        where = lawful(known[i % 2], seed) if i < 6 else site(seed)
         step = 60.0 if i in (4, 5, 6) else 300.0
-        yield World(where, SHIFT + 2000 + i, step=step), [Case("physics null", PHYSICS)]
+        yield World(where, seed, step=step), [Case("physics null", PHYSICS)]
+
+
+#: switches of the second generator, each in a size that shows
+SECOND = dict(
+    soiling=2.0,
+    soiling_sensor=2.0,
+    shading=1.0,
+    shading_sensor=1.0,
+    electrical_output=1.0,
+    snow=1.0,
+    sensitivity_drift=2.0,
+    rear_irradiance=2.0,
+    poa_misalignment=8.0,
+    season=2.0,
+    air_shield=2.0,
+    temperature_gain=2.0,
+)
+
+
+def second_generator(count=44):
+    """pvlib's `fuentes` in the same weather: nulls, a third of them with an effect."""
+    for i in range(count):
+        seed, effects = SHIFT + 9500 + i, list(SECOND.items())
+        if i >= len(SECOND):
+            world = World(site(seed), seed, step=600.0, generator="fuentes")
+            yield world, [Case(SECOND_GENERATOR, PHYSICS)]
+            continue
+        switch, size = effects[i]
+        truth = TRUTHS[switch]
+        where = site(seed, **truth.place)
+        world = World(where, seed, truth.days, 600.0, generator="fuentes")
+        on = PHYSICS | {switch: size}
+        yield world, [Case(SECOND_GENERATOR, on, {switch: size}, PHYSICS)]
 
 
 def one_effect(weathers=3):
@@ -276,10 +355,10 @@ def several(count=30):
         yield world, [Case("pairs and triples", PHYSICS | sizes, sizes, PHYSICS)]
 
 
-def unknown(count=20, neighbour=False):
+def unknown(count=25, neighbour=False):
     name = "its driver as a column" if neighbour else "no catalogue"
     for i in range(count):
-        switch = list(UNDECLARED)[i % 4]
+        switch = list(UNDECLARED)[i % len(UNDECLARED)]
         size = {switch: 1.5 if switch == "irrigation" else 1.0}
         seed = SHIFT + (5500 if neighbour else 5000) + i
         case = Case(name, PHYSICS | size, size, PHYSICS, neighbour=neighbour)
@@ -361,6 +440,7 @@ def short(count=20):
 FAMILIES = {
     "exact null": exact_null,
     "physics null": physics_null,
+    SECOND_GENERATOR: second_generator,
     "one effect": one_effect,
     "pairs and triples": several,
     "no catalogue": unknown,
