@@ -234,7 +234,8 @@ NO_NAME = "no wrong name"
 BARS = (
     Bar("exact null", NO_NAME, done, honest, 0.95),
     Bar("physics null", NO_NAME, done, honest, 0.95),
-    Bar(SECOND_GENERATOR, NO_NAME, null, honest, 0.95),
+    Bar(SECOND_GENERATOR, NO_NAME + " in a null", null, honest, 0.95),
+    Bar(SECOND_GENERATOR, NO_NAME, done, honest, 0.95),
     Bar(SECOND_GENERATOR, "the first finding holds the truth", clear, first, 0.95),
     Bar(SECOND_GENERATOR, "coefficient within 20 %", has_coefficient, near, 0.95),
     Bar("one effect", "the first finding holds the truth", clear, first, 0.95),
