@@ -51,7 +51,7 @@ QUICK = {
     "physics null": (0, 9),
     SECOND_GENERATOR: (1, 4, 12),
     "one effect": (0, 1, 2, 4, 8, 9, 13),
-    "pairs and triples": (0, 1),
+    "pairs and triples": (0, 4),  # in which every effect shows
     "no catalogue": (0, 1, 2, 3),
     "its driver as a column": (0, 1),
     "driver missing": (0, 1),

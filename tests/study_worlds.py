@@ -25,7 +25,7 @@ MARGIN = 0.05  # K by which the loop may stay behind a refit with the truth
 PHYSICS = simulator.PHYSICS
 SECOND_GENERATOR = "second generator"
 LOGGERS = "clock, logger, unit"  # the family whose records may be refused
-FINE = 1.0  # ° of azimuth of the windows that trace a skyline
+FINE = 2.0  # ° of azimuth of the windows that trace a skyline
 #: share of sunlight that is heat
 ABSORBED = {"nodes": IN_GLASS + IN_CELL - EFFICIENCY, "fuentes": ABSORPTION}
 

@@ -108,7 +108,11 @@ def test_imports_nothing_of_the_package(path):
             assert own or name.split(".")[0] in outside
 
 
-@pytest.mark.parametrize("site", [RHINE, ROOF], ids=["rack", "roof"])
+@pytest.mark.parametrize(
+    "site",
+    [RHINE, ROOF, *(replace(RHINE, forms=simulator.drawn(seed)) for seed in (1, 2, 3))],
+    ids=["rack", "roof", "drawn 1", "drawn 2", "drawn 3"],
+)
 def test_every_node_closes_its_energy_balance(site, wet_week):
     sky, truth = wet_week, simulate(wet_week, site, OUTDOORS)
     assert truth["film"].max() > 0.1
@@ -116,7 +120,7 @@ def test_every_node_closes_its_energy_balance(site, wet_week):
     glass, back, cell, ground = (
         truth[f"temp_{name}"] + ZERO for name in ("glass", "back", "cell", "ground")
     )
-    tilt, rack = np.cos(np.radians(site.surface_tilt)), site is RHINE
+    tilt, rack = np.cos(np.radians(site.surface_tilt)), site.mounting == "rack"
 
     def face(node, convection, emissivity, ground_view, cavity):
         before, under = node.shift(), ground.shift()

@@ -50,13 +50,13 @@ def obstacles(random, site):
     hard, covers = random.random() < 0.5, random.uniform(0.4, 0.8)
     made = []
     for place in random.choice(low, random.integers(1, 4)):
-        height = elevation[place] + random.uniform(2.0, 12.0)
+        height = float(elevation[place]) + random.uniform(2.0, 12.0)
         ragged = random.uniform(0.6, 1.2, random.integers(1, 6))
         made.append(
             Obstacle(
-                azimuth=azimuth[place],
+                azimuth=float(azimuth[place]),
                 width=random.uniform(10.0, 45.0),
-                heights=tuple(height * ragged / ragged.max()),
+                heights=tuple((height * ragged / ragged.max()).tolist()),
                 covers=covers if hard else random.uniform(0.4, 0.8),
                 blur=0.0 if hard else random.uniform(1.0, 5.0),
             )

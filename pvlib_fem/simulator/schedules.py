@@ -2,7 +2,10 @@
 
 import numpy as np
 
+from pvlib_fem.simulator.forms import Forms
 from pvlib_fem.simulator.pieces import clock, stream
+
+PLAIN = Forms()
 
 
 def curtailed(weather):
@@ -17,7 +20,7 @@ def curtailed(weather):
     return (draw < odds) & (hour >= 9.5 + 2 * first) & (hour < 13.5 + 2.5 * last)
 
 
-def undeclared(times, air, on, forms):
+def undeclared(times, air, on, forms=PLAIN):
     """Heats of schedules and neighbours, on the glass and on the back. [W/m²]"""
     hour, month = clock(times)[0], times.month.to_numpy()
     weekend = times.day_of_week.to_numpy() >= 5
