@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import sun
-from pvlib_fem.effects import find
+from pvlib_fem.effects import find, several
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.thermal.model import thermal_model
@@ -42,7 +43,7 @@ class DynamicCellTemperature:
         moment, as in :func:`pvlib.temperature.sapm_cell`. [K]
     k_bs_c : float, default 0
         Back-to-cell resistance on smoothed irradiance [1]_. [K m²/W]
-    effects : sequence of str, dict or Effect, optional
+    effects : str, dict, Effect or sequence of them, optional
         Physical effects whose coefficients are among ``coefficients``. Where
         they need the place of the sun and of the module, the chain's is taken.
     **drivers
@@ -87,7 +88,7 @@ class DynamicCellTemperature:
             if not isinstance(getattr(series, "index", None), pd.DatetimeIndex):
                 raise ValueError(f"driver {name} must be a Series with a DatetimeIndex")
         if not callable(model):
-            wanted = thermal_model(model, dynamics, map(find, effects))
+            wanted = thermal_model(model, dynamics, map(find, several(effects)))
             effects = wanted.effects
             given = [n for n in drivers if n not in WEATHER]
             # the chain knows the sun and its mounts
@@ -118,12 +119,13 @@ class DynamicCellTemperature:
         ----------
         path : str or path-like
         **options
-            ``deltaT``, ``k_bs_c``, drivers, and ``effects`` where the fit has some
-            of the user's own, which the file knows by name only.
+            ``deltaT``, ``k_bs_c``, drivers, and ``effects``: those of the user's own
+            in the fit, which the file knows by name and settings only.
         """
         with open(path, encoding="utf-8") as file:
             fit = json.load(file)
-        options.setdefault("effects", fit["effects"])
+        own = [e for e in several(options.pop("effects", ())) if isinstance(e, Effect)]
+        options["effects"] = [find(spec, own) for spec in fit["effects"]]
         return cls(fit["model"], fit["dynamics"], fit["coefficients"], **options)
 
     def __call__(self, mc):

@@ -16,7 +16,7 @@ from study_worlds import (
 )
 
 from pvlib_fem import fem_temperature, fit_fem, heat_balance, simulator
-from pvlib_fem.effects import EFFECTS, OF_RECORD, find
+from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.candidates import driver
 from pvlib_fem.effects.catalogue.shading import within
 from pvlib_fem.loop.close import close_loop
@@ -100,7 +100,7 @@ def catalogue(loop, data, case, forms):
             terms[switch] = within(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = ~loop.fit.holdout.to_numpy()
-            terms[switch] = OF_RECORD[switch](record.inputs.columns, rows)
+            terms[switch] = EFFECTS[switch].prepare(record.inputs.columns, rows)
         elif switch == "sky_radiation" and "longwave_down" in case.drop:
             humid = "relative_humidity" not in case.drop
             source = "humidity" if humid else "clouds of the day"

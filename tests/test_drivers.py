@@ -8,7 +8,7 @@ from pvlib.location import Location
 
 from pvlib_fem import datasets, drivers, simulator
 from pvlib_fem.drivers import DERIVED, completed, needed_for, sun
-from pvlib_fem.effects import EFFECTS, VARIANTS
+from pvlib_fem.effects import EFFECTS
 from pvlib_fem.record.checks import read
 from pvlib_fem.record.columns import GEOMETRY
 
@@ -156,7 +156,9 @@ def rhine():
 def test_the_sky_is_known_better_from_humidity_and_sun(rhine):
     """Correlation with the measured deficit, in the order of the variants."""
     data, columns = rhine
-    names = [name for effect in VARIANTS["sky_radiation"] for name in effect.drivers]
+    names = [
+        name for effect in EFFECTS["sky_radiation"].forms for name in effect.drivers
+    ]
     found = derived(columns, *names)
     true, *others = (found[name] for name in names)
     follow = [np.corrcoef(true, other)[0, 1] for other in others]
@@ -248,8 +250,7 @@ def test_a_driver_behind_drivers_is_asked_for_by_what_is_measured():
 
 
 def test_shapes_are_functions_of_the_usual_columns_and_the_sun():
-    effects = [*EFFECTS.values(), *VARIANTS["sky_radiation"]]
-    for effect in effects:
+    for effect in [form for effect in EFFECTS.values() for form in effect.forms]:
         if effect.confounder:
             assert set(needed_for(effect.drivers)) <= set(GEOMETRY), effect.name
             assert effect.decided_by

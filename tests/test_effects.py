@@ -1,5 +1,6 @@
 """Effects: what they add, and that a fit finds what was planted."""
 
+import dataclasses
 import json
 import pickle
 
@@ -11,7 +12,7 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem import drivers
-from pvlib_fem.effects import EFFECTS, OF_RECORD, find
+from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.effect import Tabled, tabled
 from pvlib_fem.record.checks import read
 from pvlib_fem.thermal.model import ThermalModel
@@ -319,6 +320,120 @@ def test_ones_own_effect_can_be_read_back(plant, tmp_path):
     assert model.coefficients == fit.coefficients
 
 
+def vent(column, **options):
+    """Heat of a vent of one's own, by a column that says how far it is open."""
+
+    def terms(opened, *, warmth):
+        return fem.Terms(heat=warmth * opened)
+
+    row = fem.Parameter(0.0, 0.0, 500.0, "W/m²")
+    return fem.Effect("vent", terms, {"warmth": row}, columns=(column,), **options)
+
+
+def above(level):
+    """The same that is open above a level of humidity, more so in wind."""
+
+    def terms(relative_humidity, wind_speed, *, warmth, windy):
+        heat = warmth + windy * wind_speed
+        return fem.Terms(heat=heat * (relative_humidity > level))
+
+    rows = {
+        "warmth": fem.Parameter(0.0, 0.0, 500.0, "W/m²"),
+        "windy": fem.Parameter(0.0, -50.0, 50.0, "W s/m³"),
+    }
+    return fem.Effect("vent", terms, rows, settings={"level": level}, make=above)
+
+
+@pytest.fixture(scope="module")
+def vented(plant):
+    """Heat where it is humid, of which the model knows nothing."""
+    values = {**coefficients("balance"), "vent.warmth": 60.0, "vent.windy": 20.0}
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (above(60.0),))
+    usual = [plant[n] for n in DRIVERS]
+    humid = plant["relative_humidity"]
+    module = model.predict(*usual, values, relative_humidity=humid)
+    noise = np.random.default_rng(3).normal(0, 0.2, len(plant))
+    data = plant[[*DRIVERS, "relative_humidity"]]
+    return data.assign(temp_module=module + noise)
+
+
+def added(data, effect):
+    """What the loop adds of one effect."""
+    loop = fem.close_loop(data, effects=effect)
+    assert loop.effects == ["vent"], loop
+    return loop.fit.effects[0], loop.fit.coefficients
+
+
+def test_ones_own_variants_are_tried_as_those_of_the_catalogue(vented):
+    """The second form, since the column of the first is not there."""
+    damp = (vented["relative_humidity"] > 60) * (60 + 20 * vented["wind_speed"])
+    data = vented.assign(half_open=damp / 200)
+    forms = (vent("flow", source="its flow"), vent("half_open", source="its flap"))
+    effect, found = added(data, vent("flow", variants=forms))
+    assert effect is forms[1]
+    assert found["vent.warmth"] == pytest.approx(200.0, rel=0.03)
+
+
+def test_ones_own_effect_takes_settings_from_the_record(vented):
+    looked_at = []
+
+    def prepare(columns, rows):
+        looked_at.append(rows.sum())
+        # three levels, of which the record's own mean is near the true one
+        return above(round(columns["relative_humidity"][rows].mean() / 20) * 20.0)
+
+    start = dataclasses.replace(above(0.0), prepare=prepare)
+    effect, found = added(vented, start)
+    assert effect.settings == {"level": 60.0}
+    assert found["vent.windy"] == pytest.approx(20.0, rel=0.1)
+    assert 0 < max(looked_at) < len(vented)  # nothing of the weeks held out
+
+
+def test_ones_own_scan_finds_settings_in_what_is_left(vented):
+    """Of three levels that whose tangent follows the residual best."""
+    levels = (40.0, 60.0, 80.0)
+
+    def everywhere(relative_humidity, *, at40, at60, at80):
+        return fem.Terms(
+            heat=sum(
+                share * (relative_humidity > level)
+                for share, level in zip((at40, at60, at80), levels)
+            )
+        )
+
+    def scan(rest, tangents, columns, weeks, criteria):
+        assert set(columns) == {"relative_humidity"}
+        assert len(weeks) == len(rest) and criteria.chance == 0.05
+        alike = [(rest @ tangent) ** 2 / (tangent @ tangent) for tangent in tangents]
+        return above(levels[int(np.argmax(alike))])
+
+    def by_value(rest, tangents, *others, **criteria):
+        assert list(tangents) == ["vent.at40", "vent.at60", "vent.at80"]
+        return scan(rest, list(tangents.values()), *others, **criteria)
+
+    row = fem.Parameter(0.0, 0.0, 500.0, "W/m²")
+    rows = dict.fromkeys(("at40", "at60", "at80"), row)
+    wide = fem.Effect("vent", everywhere, rows)
+    start = dataclasses.replace(above(0.0), scan=by_value, scanned_from=wide)
+    effect, found = added(vented, start)
+    assert effect.settings == {"level": 60.0}
+    assert found["vent.warmth"] == pytest.approx(60.0, rel=0.1)
+
+
+def test_ones_own_settings_are_read_back(vented, tmp_path):
+    """From a file, where the effect that makes them is given again."""
+    humid = {"relative_humidity": vented["relative_humidity"]}
+    usual = [vented[n] for n in COLUMNS]
+    fit = fem.fit_fem(*usual, effects=above(60.0), **humid)
+    fit.to_json(tmp_path / "fit.json")
+    model = fem.DynamicCellTemperature.from_json(
+        tmp_path / "fit.json", effects=[above(0.0)], **humid
+    )
+    assert model.effects[0].settings == {"level": 60.0}
+    with pytest.raises(ValueError, match="unknown effect 'vent'"):
+        fem.DynamicCellTemperature.from_json(tmp_path / "fit.json", **humid)
+
+
 def test_a_coefficient_that_lacks_is_named(plant):
     values = {k: v for k, v in coefficients("balance", "rain").items() if k != "u1"}
     with pytest.raises(ValueError, match="faiman needs u1"):
@@ -618,7 +733,7 @@ def test_curtailed_power_is_what_lacks_of_the_usual(plant):
     """Of a record in which a fifth of the hours gives a fifth of the power."""
     rows = np.ones(len(plant), dtype=bool)
     columns = {n: plant[n].to_numpy() for n in ("poa_global", "temp_air", "p_dc")}
-    effect = OF_RECORD["electrical_output"](columns, rows)
+    effect = EFFECTS["electrical_output"].prepare(columns, rows)
     # the fixture's modules lose nothing to warmth
     assert effect.settings["efficiency"] == pytest.approx(0.18, rel=0.15)
     heat = effect.at(columns, {"electrical_output.share": 1.0}).heat
@@ -636,7 +751,9 @@ def test_power_that_snow_takes_is_not_curtailed(plant):
     """Else its heat would be missed where there is no light to make it."""
     columns = {n: plant[n].to_numpy() for n in ("poa_global", "temp_air", "p_dc")}
     columns["snow_depth"] = np.full(len(plant), 5.0)
-    effect = OF_RECORD["electrical_output"](columns, np.ones(len(plant), dtype=bool))
+    effect = EFFECTS["electrical_output"].prepare(
+        columns, np.ones(len(plant), dtype=bool)
+    )
     assert effect.drivers[-1] == "snow_cover"
     columns["snow_cover"] = np.ones(len(plant))
     heat = effect.at(columns, {"electrical_output.share": 1.0}).heat

@@ -13,7 +13,7 @@ import pytest
 
 import pvlib_fem
 from pvlib_fem.drivers import DERIVED, MEASURED, needed_for
-from pvlib_fem.effects import EFFECTS, VARIANTS, find
+from pvlib_fem.effects import EFFECTS, find
 
 DOCS = Path(__file__).parents[1] / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
@@ -47,8 +47,8 @@ def test_every_effect_has_all_that_a_reader_needs(name):
         unit = re.escape(row.unit if row.unit != "-" else "\\-")
         cells = rf"``{parameter}``\n +- {unit}\n +- {bounds[0]} to {bounds[1]}\n"
         assert re.search(cells, said), parameter
-    for variant in VARIANTS.get(name, (effect,)):
-        assert name not in VARIANTS or variant.source in said
+    for variant in effect.forms:
+        assert not effect.variants or variant.source in said
         for driver in variant.drivers:
             assert re.search(rf":ref:`{driver} <\w+-{driver}>`\n +- \S", said), driver
     assert effect.confused_with and effect.decided_by
@@ -71,7 +71,7 @@ def test_an_equation_has_the_names_of_the_code(name):
 
 @every
 def test_an_equation_stands_for_the_column_that_the_terms_add_to(name):
-    for effect in (find(name), *VARIANTS.get(name, ())):
+    for effect in (find(name), *find(name).variants):
         # low sun in the east, where the window of shading is
         drivers = [
             np.array([80.0 if "solar" in driver else 7.0 + i])
@@ -93,12 +93,12 @@ def test_what_looks_like_an_effect_by_name_is_another_one(name):
 
 @every
 def test_a_variant_is_confused_with_what_the_effect_is(name):
-    for variant in VARIANTS.get(name, ()):
+    for variant in find(name).variants:
         assert variant.confused_with == find(name).confused_with
 
 
 def test_every_column_and_driver_says_what_it_is_in_its_unit():
-    effects = [v for name in EFFECTS for v in VARIANTS.get(name, (find(name),))]
+    effects = [form for effect in EFFECTS.values() for form in effect.forms]
     behind = {c for effect in effects for c in needed_for(effect.drivers)}
     assert set(MEASURED) >= behind
     said = {

@@ -64,11 +64,6 @@ def forms(effect):
     return [own, *(f for f in others if ".. math::" in (f.__doc__ or ""))]
 
 
-def variants(effect):
-    """The effect from each of its sources, the best first."""
-    return effects.VARIANTS.get(effect.name, (effect,))
-
-
 def behind(name):
     """Measured columns that a driver is made of, each once."""
     if name not in drivers.DERIVED:
@@ -139,7 +134,7 @@ def target(label):
 def overview(chosen):
     for effect in chosen:
         lead = words(inspect.getmodule(forms(effect)[0]))[0].rstrip(".")
-        best, *others = variants(effect)
+        best, *others = effect.forms
         wanted = needs(best) + ("; or other sources" if others else "")
         link = f":ref:`{effect.name} <effect-{effect.name}>`"
         yield link, lead, wanted, "class" if effect.confounder else "named"
@@ -171,7 +166,7 @@ def described(effect):
 def parameter_rows(effect):
     """Rows of all sources, each that differs once."""
     seen = {}
-    for variant in (effect, *variants(effect)):
+    for variant in (effect, *effect.forms):
         for name, row in variant.rows().items():
             bounds = f"{number(row.lower)} to {number(row.upper)}"
             unit = row.unit.replace("-", "\\-")  # else a list
@@ -182,7 +177,7 @@ def parameter_rows(effect):
 def drivers_of(effect):
     """Table of its drivers, with where they come from if there is a choice."""
     rows = []
-    for variant in variants(effect):
+    for variant in effect.forms:
         source = variant.source or "the columns alone"
         if variant.confounder and not effect.confounder:
             source += " (told as a class)"
@@ -190,7 +185,7 @@ def drivers_of(effect):
             rows.append((source, to_driver(name), meaning(name), made_of(name)))
             source = ""
     header = ("Source, the best first", "Driver", "What it is", "Made of")
-    if effect.name in effects.VARIANTS:
+    if effect.variants:
         yield from table(header, rows, "20 22 33 25")
     else:
         yield from table(header[1:], [row[1:] for row in rows], "25 45 30")
@@ -211,22 +206,22 @@ def made_of(name):
 
 def settings(effect):
     """What it can be made with beside its name."""
-    if effect.name in effects.VARIANTS:
-        made = next(v.spec for v in variants(effect) if v.settings)
+    if effect.variants:
+        made = next(v.spec for v in effect.forms if v.settings)
         yield "By its name alone it takes the first source whose columns are there, by"
         yield from (f"``{made}`` that one.", "")
-    elif effect.name in effects.MAKERS:
-        made = inspect.signature(effects.MAKERS[effect.name]).parameters.values()
+    elif effect.make:
+        made = inspect.signature(effect.make).parameters.values()
         given = ", ".join(f"{p.name!r}: …" for p in made)
-        summary = words(effects.MAKERS[effect.name])[0]
+        summary = words(effect.make)[0]
         yield f"With settings, ``{{'name': {effect.name!r}, {given}}}``: {summary}"
         yield ""
-    if effect.name in effects.OF_RECORD:
-        summary = words(effects.OF_RECORD[effect.name])[0]
+    if effect.prepare:
+        summary = words(effect.prepare)[0]
         yield f"In the loop: {summary[:1].lower()}{summary[1:]}"
         yield ""
-    if effect.name in effects.SCANS:
-        summary = words(effects.SCANS[effect.name][1])[0]
+    if effect.scan:
+        summary = words(effect.scan)[0]
         yield f"In the loop a scan looks for {summary[:1].lower()}{summary[1:]}"
         yield ""
 

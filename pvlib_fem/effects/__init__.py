@@ -4,22 +4,16 @@ from collections.abc import Mapping
 
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
-from pvlib_fem.effects.catalogue.electrical_output import below, of_record
 from pvlib_fem.effects.catalogue.incidence_angle import EFFECT as incidence_angle
 from pvlib_fem.effects.catalogue.natural_convection import EFFECT as natural_convection
 from pvlib_fem.effects.catalogue.poa_misalignment import EFFECT as poa_misalignment
 from pvlib_fem.effects.catalogue.radiative_loss import EFFECT as radiative_loss
 from pvlib_fem.effects.catalogue.rain import EFFECT as rain
-from pvlib_fem.effects.catalogue.rain import VARIANTS as RAINS
-from pvlib_fem.effects.catalogue.rain import out_of as rain_out_of
 from pvlib_fem.effects.catalogue.rear_irradiance import EFFECT as rear_irradiance
 from pvlib_fem.effects.catalogue.season import EFFECT as season
 from pvlib_fem.effects.catalogue.sensitivity_drift import EFFECT as sensitivity_drift
 from pvlib_fem.effects.catalogue.shading import EFFECT as shading
-from pvlib_fem.effects.catalogue.shading import EVERYWHERE, scan, within
 from pvlib_fem.effects.catalogue.sky_radiation import EFFECT as sky_radiation
-from pvlib_fem.effects.catalogue.sky_radiation import VARIANTS as SKIES
-from pvlib_fem.effects.catalogue.sky_radiation import out_of
 from pvlib_fem.effects.catalogue.snow import EFFECT as snow
 from pvlib_fem.effects.catalogue.soiling import EFFECT as soiling
 from pvlib_fem.effects.catalogue.temperature_gain import EFFECT as temperature_gain
@@ -54,23 +48,9 @@ EFFECTS = {
         season,
     )
 }
-#: effects that can take their driver from several columns, the best source first
-VARIANTS = {"sky_radiation": SKIES, "rain": RAINS}
-#: effects that are made with settings, and what makes them
-MAKERS = {
-    "electrical_output": below,
-    "rain": rain_out_of,
-    "shading": within,
-    "sky_radiation": out_of,
-}
-#: effects that take settings from columns and the rows that may be looked at
-OF_RECORD = {"electrical_output": of_record}
-
-#: effects that a scan of what is left finds: what it begins with, and the scan
-SCANS = {"shading": (EVERYWHERE, scan)}
 
 
-def find(effect):
+def find(effect, own=()):
     """
     An effect by name, or one of the user's own as it is.
 
@@ -80,6 +60,8 @@ def find(effect):
         A name; a dict of the name and its settings, as ``{"name": "shading",
         "windows": [...]}`` or ``{"name": "sky_radiation", "source":
         "humidity"}``; or an effect.
+    own : sequence of Effect, optional
+        Effects of one's own that are found by name, too.
 
     Returns
     -------
@@ -87,12 +69,19 @@ def find(effect):
     """
     if isinstance(effect, Effect):
         return effect
+    known = EFFECTS | {effect.name: effect for effect in own}
     settings = dict(effect) if isinstance(effect, Mapping) else {"name": effect}
     name = settings.pop("name", None)
-    if name not in EFFECTS:
-        raise ValueError(f"unknown effect {name!r}; there are {', '.join(EFFECTS)}")
-    if not settings:
-        return EFFECTS[name]
-    if name not in MAKERS:
+    if name not in known:
+        raise ValueError(f"unknown effect {name!r}; there are {', '.join(known)}")
+    if not settings or settings == known[name].settings:
+        return known[name]
+    if known[name].make is None:
         raise ValueError(f"{name} has no settings; drop {', '.join(settings)}")
-    return MAKERS[name](**settings)
+    return known[name].make(**settings)
+
+
+def several(effects):
+    """One effect or many, by name or not, as a list."""
+    one = isinstance(effects, (str, Mapping, Effect))
+    return [effects] if one else list(effects)

@@ -1,7 +1,7 @@
 """Which effects a record can try, and its own columns as effects."""
 
 from pvlib_fem.drivers import needed_for
-from pvlib_fem.effects import EFFECTS, VARIANTS, find
+from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
@@ -18,15 +18,13 @@ def candidates(drivers, refused, effects, there=()):
         own = [driver(n, column) for n, column in drivers.items() if n not in known]
         wanted = [*EFFECTS, *own]
     else:
-        wanted = list(effects)
+        wanted = several(effects)
     testable, notes = [], {}
     for choice in wanted:
         effect = find(choice)
         if effect.name in there:
             continue
-        # by its name alone it takes the best of what is there
-        variants = VARIANTS.get(choice) if isinstance(choice, str) else None
-        for variant in variants or (effect,):
+        for variant in effect.forms:  # the best of what is there
             lacking = [n for n in needed_for(variant.drivers) if n not in drivers]
             if not lacking:
                 testable.append(variant)
@@ -43,8 +41,7 @@ def candidates(drivers, refused, effects, there=()):
 
 def measured_for(effect):
     """Columns that any variant of an effect needs."""
-    variants = VARIANTS.get(effect.name, (effect,))
-    return [n for variant in variants for n in needed_for(variant.drivers)]
+    return [n for variant in effect.forms for n in needed_for(variant.drivers)]
 
 
 def driver(name, column):
@@ -61,6 +58,7 @@ def driver(name, column):
         terms,
         {"heat": row},
         columns=(name,),
+        column=name,
         confounder=name in IRRADIANCES,
         decided_by=f"what {name} stands for",
     )

@@ -74,6 +74,24 @@ class Effect:
         Which of several drivers it uses; printed as "from ...".
     confused_with : tuple of str, optional
         What else can leave the same residual: names of effects, or phrases.
+    column : str, optional
+        Name of the user's own column that it follows, where it is no more than that.
+    variants : tuple of Effect, optional
+        Its forms by what is measured, the best first; one of its own name is tried
+        as the first whose columns are there. Without any it is its one form.
+    make : callable, optional
+        The effect of its settings, by keyword, as they stand in ``settings``.
+    prepare : callable, optional
+        ``prepare(columns, rows)``: the effect with settings that it takes from a
+        record's columns at ``rows``, which may be looked at.
+    scan : callable, optional
+        ``scan(rest, tangents, columns, weeks, criteria)``: the effect with settings
+        that what is left of a fit shows, or None. ``rest`` and ``tangents``, a dict
+        by parameter of ``scanned_from``, are in K; ``columns`` are the drivers of
+        ``scanned_from``, ``weeks`` the number of each row's week, and ``criteria``
+        holds the thresholds.
+    scanned_from : Effect, optional
+        The wide effect whose tangents the scan needs, if it is not this one.
     """
 
     name: str
@@ -85,6 +103,17 @@ class Effect:
     settings: Mapping = field(default_factory=dict)
     source: str = ""
     confused_with: tuple = ()
+    column: str = ""
+    variants: tuple = ()
+    make: Callable | None = None
+    prepare: Callable | None = None
+    scan: Callable | None = None
+    scanned_from: "Effect | None" = None
+
+    @property
+    def forms(self):
+        """Its variants, the best first, or itself alone."""
+        return self.variants or (self,)
 
     @property
     def spec(self):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.effects import find
+from pvlib_fem.effects import find, several
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.paper.filters import counted
@@ -71,7 +71,7 @@ def fit_fem(
         Wind below which ``method="paper"`` takes the air as calm. [m/s]
     check_units : bool, default True
         Refuse columns that look to be in another unit.
-    effects : sequence of str, dict or Effect, optional
+    effects : str, dict, Effect or sequence of them, optional
         Physical effects to fit beside the model: by name
         (``pvlib_fem.effects.EFFECTS``), by name and settings, as ``{"name":
         "sky_radiation", "source": "humidity"}``, or of one's own. ``scores`` has a
@@ -114,7 +114,7 @@ def fit_fem(
        thermal models at second-to-minute timescales", 2022, Eq. 28.
        :doi:`10.22541/au.166922866.68736478`
     """
-    target = thermal_model(model, dynamics, [find(name) for name in effects])
+    target = thermal_model(model, dynamics, map(find, several(effects)))
     drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
     target.check_drivers(drivers)
     if method not in METHODS:
@@ -124,7 +124,7 @@ def fit_fem(
             "method='paper' has no heat balance; use dynamics='ewm', or "
             "method='least_squares'"
         )
-    if method == "paper" and effects:
+    if method == "paper" and target.effects:
         raise ValueError("method='paper' has no effects; use method='least_squares'")
     if method == "paper" and night:
         raise ValueError("method='paper' is for daytime rows; use night=False")

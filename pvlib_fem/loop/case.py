@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from pvlib_fem.drivers import geometry
-from pvlib_fem.effects import OF_RECORD
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.paper.filters import counted
@@ -165,9 +164,7 @@ def divided(whole, case, holdout):
         short = replace(short, inputs=inputs)
     case = replace(case, whole=whole, record=short, seen=seen, sealed=sealed)
     wanted = [
-        OF_RECORD[effect.name](short.inputs.columns, case.open)
-        if effect.name in OF_RECORD and not effect.settings
-        else effect
+        effect.prepare(short.inputs.columns, case.open) if effect.prepare else effect
         for effect in case.wanted
     ]
     return replace(case, wanted=tuple(wanted))

@@ -1,11 +1,12 @@
 """What absent effects would explain, from one pass over a record."""
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from scipy.stats import f as fisher
 
-from pvlib_fem.effects import EFFECTS, SCANS
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.relaxation import relax
 from pvlib_fem.statistics.clusters import DailySums, calendar_weeks, daily_sums
 from pvlib_fem.thermal.model import ThermalModel
@@ -133,7 +134,7 @@ class Evidence:
         )
 
 
-def gather(model, coefficients, record, seen, candidates, fixed=()):
+def gather(model, coefficients, record, seen, candidates, fixed=(), criteria=None):
     """
     Evidence for candidates beside a model at its minimum.
 
@@ -149,13 +150,15 @@ def gather(model, coefficients, record, seen, candidates, fixed=()):
     candidates : sequence of Effect
     fixed : sequence of str
         Coefficients at a bound, which stay there.
+    criteria : Criteria, optional
     """
     also, own, failed, effects = {}, {}, {}, {}
     inputs = model.with_drivers(record.inputs)
     scanned = {}
     for effect in candidates:
-        if effect.name in SCANS and effect is EFFECTS[effect.name]:
-            effect = scanned[effect.name] = SCANS[effect.name][0]
+        if effect.scan:
+            scanned[effect.name] = effect.scan
+            effect = effect.scanned_from or effect
         try:
             alone = ThermalModel(model.steady_model, model.dynamics, (effect,))
             inputs = alone.with_drivers(inputs)
@@ -184,15 +187,16 @@ def gather(model, coefficients, record, seen, candidates, fixed=()):
     sums = daily_sums(list(columns.values()), residual, dates)
     names = (tuple(base), tuple(more))
     found = Evidence(columns, residual, dates, seen, *names, own, effects, failed, sums)
-    for name in scanned:
-        if name in effects:
-            found = narrowed(found, name, model, coefficients, inputs, seen)
+    scanned = {name: scan for name, scan in scanned.items() if name in effects}
+    for name, scan in scanned.items():
+        scan = partial(scan, criteria=criteria or Criteria())
+        found = narrowed(found, name, scan, model, coefficients, inputs, seen)
     return found
 
 
-def narrowed(found, name, model, coefficients, inputs, seen):
+def narrowed(found, name, scan, model, coefficients, inputs, seen):
     """The evidence with an effect only where a scan of what is left shows it."""
-    keys, scan = found.own[name], SCANS[name][1]
+    keys = found.own[name]
     places = {n: inputs[n][seen] for n in found.effects[name].drivers}
     tangents = {key: found.columns[key] for key in keys}
     weeks = calendar_weeks(found.dates)
@@ -206,14 +210,16 @@ def narrowed(found, name, model, coefficients, inputs, seen):
     effect = scan(found.rest(found.nuisances), tangents, places, weeks)
     if effect is None:
         return replace(without, failed={**found.failed, name: NOWHERE})
+    inputs = replace(model, effects=(effect,)).with_drivers(inputs)
     start = {row: table.start for row, table in effect.rows().items()}
-    (key,) = start
     also = effect.slopes(inputs.columns, start)
     slopes = model.slopes(inputs, coefficients, also=also)[1]
-    better = without.with_column(key, np.ascontiguousarray(slopes[key][seen]))
+    better = without
+    for key in also:
+        better = better.with_column(key, np.ascontiguousarray(slopes[key][seen]))
     return replace(
         better,
-        own={**better.own, name: (key,)},
+        own={**better.own, name: tuple(also)},
         effects={**better.effects, name: effect},
     )
 

@@ -1,7 +1,7 @@
 """What to measure next, from what a closed loop left open."""
 
 from pvlib_fem.drivers import needed_for
-from pvlib_fem.effects import EFFECTS, VARIANTS
+from pvlib_fem.effects import EFFECTS
 from pvlib_fem.record.columns import GEOMETRY
 
 
@@ -70,7 +70,7 @@ def lacking(loop):
 def sources(name, there):
     """Sets of columns, none within another, with any of which it could be tested."""
     found = []
-    for variant in VARIANTS.get(name, (EFFECTS[name],) if name in EFFECTS else ()):
+    for variant in EFFECTS[name].forms if name in EFFECTS else ():
         needs = tuple(n for n in needed_for(variant.drivers) if n not in there)
         if not needs:  # what it has been tried with
             break

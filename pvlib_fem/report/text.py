@@ -95,7 +95,7 @@ def verdict(finding, loop):
         parts.append(f"{name}{value:.{min(digits, 6)}f} ± {error:.2g}{unit}")
     words = f"{finding.verdict}  {', '.join(parts)}"
     # of a column of the user's own it says nothing but the column's unit
-    if len(effect.parameters) == 1 and not effect.name.startswith("driver:"):
+    if len(effect.parameters) == 1 and not effect.column:
         (row,) = effect.parameters.values()
         words += f" ({row.lower:.3g} … {row.upper:.3g})"
     return words + (f", from {effect.source}" if effect.source else "")

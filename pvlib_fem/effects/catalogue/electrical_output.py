@@ -62,6 +62,7 @@ def below(efficiency, snow=False):
         terms=partial(curtailed, efficiency=efficiency),
         columns=columns,
         settings={"efficiency": efficiency, "snow": snow},
+        prepare=None,
     )
 
 
@@ -89,4 +90,6 @@ EFFECT = Effect(
         "natural_convection",
         "an error of the irradiance sensor, which power measures, too",
     ),
+    make=below,
+    prepare=of_record,
 )

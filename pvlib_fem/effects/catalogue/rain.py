@@ -35,7 +35,7 @@ def evaporation(film_vapour, *, film):
     return Terms(heat=-film * film_vapour)
 
 
-EFFECT = Effect(
+FROM_WETNESS = Effect(
     "rain",
     terms,
     {"film": Parameter(0.0, 0.0, 1000.0, "W/(m² K)")},
@@ -49,14 +49,12 @@ EFFECT = Effect(
     ),
 )
 FROM_HUMIDITY = replace(
-    EFFECT,
+    FROM_WETNESS,
     terms=evaporation,
     parameters={"film": Parameter(0.0, 0.0, 200.0, "W/(m² hPa)")},
     settings={"source": "humidity"},
     source="humidity",
 )
-#: by what is known of the air, the best first
-VARIANTS = (FROM_HUMIDITY, EFFECT)
 
 
 def out_of(source):
@@ -64,3 +62,7 @@ def out_of(source):
     if source != "humidity":
         raise ValueError(f"unknown source {source!r} of rain; there is humidity")
     return FROM_HUMIDITY
+
+
+#: by what is known of the air, the best first
+EFFECT = replace(FROM_WETNESS, variants=(FROM_HUMIDITY, FROM_WETNESS), make=out_of)

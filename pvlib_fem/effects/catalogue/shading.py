@@ -1,5 +1,6 @@
 """An obstacle between the sun and the module, or its irradiance sensor."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -111,7 +112,7 @@ def within(windows, sensor=False):
     )
 
 
-def scan(rest, lost, columns, weeks):
+def scan(rest, lost, columns, weeks, criteria):
     """
     Windows of the sky where what is left of a fit follows the beam.
 
@@ -128,6 +129,7 @@ def scan(rest, lost, columns, weeks):
     columns : mapping
         ``solar_azimuth`` and ``solar_zenith`` of these rows. [°]
     weeks : array of int
+    criteria : object
 
     Returns
     -------
@@ -212,4 +214,6 @@ EVERYWHERE = Effect(
     },
 )
 #: low sun in the east; where an obstacle really stands, a scan of windows shows
-EFFECT = within([(60.0, 180.0, 0.0, 15.0)])
+EFFECT = replace(
+    within([(60.0, 180.0, 0.0, 15.0)]), make=within, scan=scan, scanned_from=EVERYWHERE
+)

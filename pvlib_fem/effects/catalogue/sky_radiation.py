@@ -30,7 +30,7 @@ def terms(sky_deficit, *, share):
 def estimated(source, column, confounder=False):
     """The same effect where longwave is not measured."""
     return replace(
-        EFFECT,
+        MEASURED,
         columns=(column,),
         confounder=confounder,
         settings={"source": source},
@@ -38,7 +38,7 @@ def estimated(source, column, confounder=False):
     )
 
 
-EFFECT = Effect(
+MEASURED = Effect(
     "sky_radiation",
     terms,
     {"share": Parameter(0.0, 0.0, 3.0, "-")},
@@ -58,7 +58,7 @@ FROM_CLOUDS = estimated("clouds of the day", "sky_deficit_clouds", confounder=Tr
 FROM_AIR = estimated("air temperature alone", "sky_deficit_air", confounder=True)
 
 #: by what is known of the sky, the best first
-VARIANTS = (EFFECT, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
+VARIANTS = (MEASURED, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
 
 
 def out_of(source):
@@ -70,3 +70,6 @@ def out_of(source):
         f"unknown source {source!r} of sky_radiation; there are "
         f"{'; '.join(effect.source for effect in VARIANTS)}"
     )
+
+
+EFFECT = replace(MEASURED, variants=VARIANTS, make=out_of)
