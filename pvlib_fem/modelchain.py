@@ -46,6 +46,9 @@ class DynamicCellTemperature:
     effects : str, dict, Effect or sequence of them, optional
         Physical effects whose coefficients are among ``coefficients``. Where
         they need the place of the sun and of the module, the chain's is taken.
+    base : dict, optional
+        Coefficients of the model without effects, for effects that grow with the
+        module's temperature; by default those of the model in ``coefficients``.
     **drivers
         Series by name, aligned on time with the run: ``poa_global``,
         ``temp_air`` or ``wind_speed`` instead of the chain's, those of the
@@ -70,6 +73,7 @@ class DynamicCellTemperature:
     deltaT: float
     k_bs_c: float
     effects: tuple
+    base: dict | None
     drivers: dict = field(repr=False)
 
     def __init__(
@@ -80,6 +84,7 @@ class DynamicCellTemperature:
         deltaT=0.0,
         k_bs_c=0.0,
         effects=(),
+        base=None,
         **drivers,
     ):
         if callable(model) and dynamics == "balance":
@@ -105,6 +110,7 @@ class DynamicCellTemperature:
             deltaT=deltaT,
             k_bs_c=k_bs_c,
             effects=tuple(effects),
+            base=None if base is None else dict(base),
             drivers=drivers,
         )
         for name, value in values.items():
@@ -126,6 +132,7 @@ class DynamicCellTemperature:
             fit = json.load(file)
         own = [e for e in several(options.pop("effects", ())) if isinstance(e, Effect)]
         options["effects"] = [find(spec, own) for spec in fit["effects"]]
+        options.setdefault("base", fit.get("base"))
         return cls(fit["model"], fit["dynamics"], fit["coefficients"], **options)
 
     def __call__(self, mc):
@@ -190,7 +197,7 @@ class DynamicCellTemperature:
                 **own,
             )
         else:
-            model = thermal_model(self.model, self.dynamics, self.effects)
+            model = thermal_model(self.model, self.dynamics, self.effects, self.base)
             temperature = model.predict(
                 poa_global, temp_air, wind_speed, coefficients, **own
             )

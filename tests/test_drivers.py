@@ -6,8 +6,8 @@ import pvlib
 import pytest
 from pvlib.location import Location
 
-from pvlib_fem import datasets, drivers, simulator
-from pvlib_fem.drivers import DERIVED, completed, needed_for, sun
+from pvlib_fem import datasets, simulator
+from pvlib_fem.drivers import DERIVED, completed, memory, needed_for, sky, solar, sun
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.record.checks import read
 from pvlib_fem.record.columns import GEOMETRY
@@ -129,15 +129,15 @@ def test_diffuse_share_is_erbs():
     extra = pvlib.irradiance.get_extra_radiation(100)
     theirs = pvlib.irradiance.erbs(clearness * extra, 0.0, 100)
     np.testing.assert_allclose(
-        drivers.diffuse_share(theirs["kt"]), theirs["dhi"] / (clearness * extra)
+        solar.diffuse_share(theirs["kt"]), theirs["dhi"] / (clearness * extra)
     )
 
 
 def test_clear_skies_have_the_emissivity_of_their_sources():
     """Worked by hand: 20 °C, and for Prata a vapour pressure of 11.68 hPa."""
-    assert drivers.moist_emissivity(50.0, 20.0) == pytest.approx(0.788, abs=5e-4)
-    assert drivers.moist_emissivity(0.0, 20.0) == pytest.approx(1 - np.exp(-(1.2**0.5)))
-    lacking = drivers.sky_deficit_air(np.array([20.0]), None)
+    assert sky.moist_emissivity(50.0, 20.0) == pytest.approx(0.788, abs=5e-4)
+    assert sky.moist_emissivity(0.0, 20.0) == pytest.approx(1 - np.exp(-(1.2**0.5)))
+    lacking = sky.sky_deficit_air(np.array([20.0]), None)
     # Swinbank's own form, 5.31e-13 T^6 W/m²
     assert lacking == pytest.approx(
         5.670374e-8 * 293.15**4 - 5.31e-13 * 293.15**6, 2e-3
@@ -213,14 +213,15 @@ def test_what_is_stored_vanishes_where_nothing_changes(name):
 def test_the_year_begins_in_january():
     index = pd.DatetimeIndex(["2023-01-01 00:00", "2023-07-02 12:00"])
     inputs = read({"poa_global": pd.Series(0.0, index)})
-    np.testing.assert_allclose(drivers.day_angle(inputs), [0, np.pi], atol=0.02)
+    np.testing.assert_allclose(memory.day_angle(inputs), [0, np.pi], atol=0.02)
     with pytest.raises(ValueError, match="bring no DatetimeIndex; give them as Series"):
-        drivers.day_angle(read({"poa_global": np.zeros(3)}, step=60.0))
+        memory.day_angle(read({"poa_global": np.zeros(3)}, step=60.0))
 
 
 def test_what_is_missing_stays_missing(plant):
     """And nothing else: a row counts where all that was measured is there."""
-    holes = plant[[*needed_for(DERIVED), "poa_global", "temp_air"]].iloc[:3000].copy()
+    holes = plant[[*needed_for(DERIVED), "poa_global", "temp_air"]].iloc[:3000]
+    holes = holes.assign(temp_base=holes["temp_air"] + 5.0)
     for i in range(holes.shape[1]):
         holes.iloc[1200 + 10 * i : 1205 + 10 * i, i] = np.nan
     found = derived({name: holes[name] for name in holes}, *DERIVED)
@@ -246,11 +247,11 @@ def test_a_driver_behind_drivers_is_asked_for_by_what_is_measured():
         "solar_azimuth",
         "surface_azimuth",
     ]
-    assert needed_for(["irradiance_smoothed", "wind_speed"]) == []
+    assert needed_for(["temp_base", "wind_speed"]) == []
 
 
 def test_shapes_are_functions_of_the_usual_columns_and_the_sun():
-    for effect in [form for effect in EFFECTS.values() for form in effect.forms]:
+    for effect in (form for one in EFFECTS.values() for form in one.forms):
         if effect.confounder:
             assert set(needed_for(effect.drivers)) <= set(GEOMETRY), effect.name
             assert effect.decided_by

@@ -11,7 +11,7 @@ import pytest
 from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
-from pvlib_fem import drivers
+from pvlib_fem.drivers import completed, water
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.effect import Tabled, tabled
 from pvlib_fem.record.checks import read
@@ -99,6 +99,7 @@ def test_the_jacobian_with_all_effects_is_exact(plant, dynamics):
     model = model_with(dynamics, *EFFECTS)
     values = coefficients(dynamics, *EFFECTS)
     inputs = {**{n: hours[n] for n in DRIVERS}, **columns(hours, model)}
+    model = dataclasses.replace(model, base=coefficients(dynamics))
     inputs = model.with_drivers(read(inputs))
     temperature, slopes = model.slopes(inputs, values)
     missing = hours[[*DRIVERS, *model.drivers]].isna().any(axis=1)
@@ -227,7 +228,7 @@ def test_wind_from_one_side_is_a_law_of_its_own():
 def test_rain_ends_where_the_film_has_dried():
     minutes = np.arange(0, 7200, 60.0)
     rain = np.where((minutes >= 600) & (minutes < 1200), 4.0, 0.0)
-    wet = drivers.wetness(rain, read({"rain": rain}, times=minutes))
+    wet = water.wetness(rain, read({"rain": rain}, times=minutes))
     assert (wet[:10] == 0).all()
     assert wet[19] == 1.0
     after = minutes - 1140
@@ -241,11 +242,13 @@ def test_a_film_gives_off_what_the_air_does_not_hold():
     columns = {"rain": np.ones(len(times)), "dry": np.zeros(len(times))}
     inputs = read(columns, times=times)
     dark = np.zeros(len(times))
-    wet = drivers.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark, inputs)
+    wet = water.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark + 20.0, inputs)
     np.testing.assert_allclose(wet, 23.3 / 2, atol=0.05)
-    soaked = drivers.film_vapour(dark + 1.0, dark + 100.0, dark + 20.0, dark, inputs)
+    soaked = water.film_vapour(
+        dark + 1.0, dark + 100.0, dark + 20.0, dark + 20.0, inputs
+    )
     assert (soaked == 0).all()
-    warm = drivers.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark + 800, inputs)
+    warm = water.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark + 40.0, inputs)
     np.testing.assert_allclose(warm, 73.6 - 23.3 / 2, atol=0.3)  # 40 °C: 73.8 hPa
 
 
@@ -270,7 +273,7 @@ def test_dirt_gathers_until_rain_cleans():
     rain = np.where((hours >= 4 * 86400) & (hours < 4 * 86400 + 7200), 5.0, 0.0)
     drizzle = np.where(hours == 7 * 86400, 0.2, 0.0)
     rain = rain + drizzle
-    days = drivers.days_since_rain(rain, read({"rain": rain}, times=hours))
+    days = water.days_since_rain(rain, read({"rain": rain}, times=hours))
     assert days[4 * 24 - 1] == pytest.approx(4 - 1 / 24)
     assert days[4 * 24] == 0
     assert days[-1] == pytest.approx(10 - 4 - 2 / 24, abs=0.1)
@@ -594,7 +597,10 @@ def test_a_sky_from_other_columns_is_found(plant, noise, source):
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
-        ({"name": "snow", "windows": []}, "snow has no settings; drop windows"),
+        (
+            {"name": "snow", "windows": []},
+            "snow has no setting windows; it has snowfall",
+        ),
         ({"name": "rain", "source": "dew"}, "unknown source 'dew' of rain"),
         ({"name": "ghosts"}, "unknown effect 'ghosts'; there are sky_radiation"),
         (
@@ -680,15 +686,15 @@ def test_a_chain_knows_where_sun_and_module_are(plant, tmp_path, tracker, way):
 
 
 def test_natural_convection_is_tarps_in_calm_air():
-    """At 35° and 0.03 K m²/W: from 15 K at 500 W/m² to 6 and 30 K."""
+    """At 35°: from 15 K, where the steady model has it, to 6 and 30 K."""
 
     def tarp(excess):
         tilt = np.cos(np.radians(35))
         return np.cbrt(excess) * (9.482 / (7.283 - tilt) + 1.810 / (1.382 + tilt))
 
-    irradiance = np.array([200.0, 500.0, 1000.0])
-    loss = EFFECTS["natural_convection"].terms(irradiance, 0.0, free=5.65).loss
-    np.testing.assert_allclose(loss, tarp(0.03 * irradiance) - tarp(15.0), atol=0.02)
+    excess = np.array([6.0, 15.0, 30.0])
+    terms = EFFECTS["natural_convection"].terms(20.0 + excess, 20.0, 0.0, free=5.65)
+    np.testing.assert_allclose(terms.loss, tarp(excess) - tarp(15.0), atol=0.02)
 
 
 def test_incidence_angle_is_pvlibs_ashrae():
@@ -704,7 +710,8 @@ def test_incidence_angle_is_pvlibs_ashrae():
 def test_a_table_of_a_linear_effect_is_the_effect(plant, name):
     """All in the catalogue are linear, so their slopes on a record say all."""
     effect = find(SHADED if name == "shading" else name)
-    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
+    base = coefficients("balance")
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,), base)
     inputs = {n: plant[n] for n in (*DRIVERS, *model.drivers)}
     columns = model.with_drivers(read(inputs)).columns
     table = tabled(effect, columns)
@@ -732,7 +739,8 @@ def test_what_is_not_linear_has_no_table(plant):
 def test_curtailed_power_is_what_lacks_of_the_usual(plant):
     """Of a record in which a fifth of the hours gives a fifth of the power."""
     rows = np.ones(len(plant), dtype=bool)
-    columns = {n: plant[n].to_numpy() for n in ("poa_global", "temp_air", "p_dc")}
+    columns = {n: plant[n].to_numpy() for n in ("poa_global", "p_dc")}
+    columns["temp_base"] = plant["temp_air"].to_numpy() + 0.03 * columns["poa_global"]
     effect = EFFECTS["electrical_output"].prepare(columns, rows)
     # the fixture's modules lose nothing to warmth
     assert effect.settings["efficiency"] == pytest.approx(0.18, rel=0.15)
@@ -749,7 +757,8 @@ def test_curtailed_power_is_what_lacks_of_the_usual(plant):
 
 def test_power_that_snow_takes_is_not_curtailed(plant):
     """Else its heat would be missed where there is no light to make it."""
-    columns = {n: plant[n].to_numpy() for n in ("poa_global", "temp_air", "p_dc")}
+    columns = {n: plant[n].to_numpy() for n in ("poa_global", "p_dc")}
+    columns["temp_base"] = plant["temp_air"].to_numpy() + 0.03 * columns["poa_global"]
     columns["snow_depth"] = np.full(len(plant), 5.0)
     effect = EFFECTS["electrical_output"].prepare(
         columns, np.ones(len(plant), dtype=bool)
@@ -758,3 +767,115 @@ def test_power_that_snow_takes_is_not_curtailed(plant):
     columns["snow_cover"] = np.ones(len(plant))
     heat = effect.at(columns, {"electrical_output.share": 1.0}).heat
     assert (heat == 0).all()
+
+
+def test_the_rain_that_cleans_can_be_set():
+    """Kimber's 6 mm in 24 h, against 1 mm in 3 h, in pvlib's two functions."""
+    kimber = find({"name": "soiling", "cleaning": 6.0, "within": 24})
+    assert find(kimber.spec).drivers == kimber.drivers
+    assert json.loads(json.dumps(kimber.spec))["within"] == 24
+    index = pd.date_range("2023-06-01", periods=40 * 24, freq="1h")
+    mm = pd.Series(0.0, index)
+    mm["2023-06-10 03:00"] = 2.0  # cleans by the one and not by the other
+    mm["2023-06-20 03:00"], mm["2023-06-20 14:00"] = 4.0, 4.0
+    inputs = read({"precipitation": mm, "poa_global": mm + 500.0})
+    # at the end of each day, of dirt that begins with the record and stays when wet
+    options = dict(grace_period=0, soiling_loss_rate=0.01, max_soiling=1.0)
+    theirs = pvlib.soiling.kimber(mm, **options) / 0.01
+    (days,) = [n for n in kimber.drivers if n != "poa_global"]
+    found = completed(inputs, kimber.drivers)[days]
+    usual = completed(inputs, find("soiling").drivers)["days_since_rain"]
+    at = np.flatnonzero((index.day > 21) & (index.month == 6) & (index.hour == 12))
+    assert (usual[at] == found[at]).all()
+    at = np.flatnonzero((index.day > 11) & (index.day < 19) & (index.month == 6))
+    np.testing.assert_allclose(found[at], theirs.iloc[at], atol=1.1)
+    np.testing.assert_allclose(found[at] - usual[at], 9 + 3 / 24, atol=1e-9)
+
+
+def test_the_record_decides_which_rain_cleans(plant, noise):
+    """Dirt that only 6 mm in 24 h wash away is found as that."""
+    kimber = find({"name": "soiling", "cleaning": 6.0, "within": 24.0})
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (kimber,))
+    day = pd.factorize(plant.index.date)[0]
+    # 2, 4 and 10 mm by turns
+    rate = np.select([day % 12 == 0, day % 12 == 4, day % 12 == 8], [1.0, 2.0, 5.0])
+    night = (plant.index.hour == 2) | (plant.index.hour == 3)
+    wet = pd.Series(np.where(night, rate, 0.0), plant.index)
+    usual = [plant[n] for n in DRIVERS]
+    values = {**coefficients("balance"), "soiling.per_day": -0.005}
+    module = model.predict(*usual, values, precipitation=wet)
+    data = plant[[*DRIVERS]].assign(
+        temp_module=module + noise(len(plant), 0.2), precipitation=wet
+    )
+    loop = fem.close_loop(data, effects="soiling")
+    (effect,) = loop.fit.effects
+    assert (effect.settings["cleaning"], effect.settings["within"]) == (6.0, 24.0)
+    found = loop.fit.coefficients["soiling.per_day"]
+    assert found == pytest.approx(-0.005, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("spec", "driver"),
+    [
+        ({"name": "rain", "source": "humidity", "drying": 3600}, "film_vapour(dry"),
+        ({"name": "sky_radiation", "source": "humidity", "cloud_base": 0.7}, "sky_def"),
+        ({"name": "wind_shape", "calm": 1.5}, "wind_speed"),
+        ({"name": "electrical_output", "efficiency": 0.2, "gamma": -0.004}, "poa_gl"),
+    ],
+)
+def test_a_constant_of_an_effect_reaches_what_it_adds(plant, spec, driver):
+    usual = {key: value for key, value in spec.items() if key in NAMING}
+    heats = []
+    for one in (spec, usual):
+        effect = find(one)
+        assert find(json.loads(json.dumps(effect.spec))).spec == effect.spec
+        base = coefficients("balance")
+        model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,), base)
+        inputs = {n: plant[n] for n in (*DRIVERS, *model.drivers)}
+        most = {key: row.upper for key, row in effect.rows().items()}
+        terms = effect.at(model.with_drivers(read(inputs)).columns, most)
+        heats.append(terms.heat + terms.loss)
+    assert find(spec).drivers[0].startswith(driver)
+    assert np.abs(heats[0] - heats[1]).max() > 0.1
+
+
+NAMING = ("name", "source", "efficiency")
+
+
+def test_a_constant_by_name_alone_reaches_all_variants():
+    sky = find({"name": "sky_radiation", "cloud_base": 0.7})
+    assert [form.settings.get("cloud_base") for form in sky.variants] == [
+        *(None, 0.7, 0.7, None, None)
+    ]
+    assert sky.drivers == ("sky_deficit",)  # it takes none itself
+
+
+def test_an_effect_that_needs_the_modules_temperature_needs_a_base(plant):
+    model = model_with("balance", "radiative_loss")
+    with pytest.raises(ValueError, match="need temp_base, and the model has no base"):
+        model.with_drivers(read({n: plant[n] for n in DRIVERS}))
+
+
+def test_the_base_is_the_fit_without_effects(plant, noise, tmp_path):
+    """On other weather, too: in a fit, in JSON and in a model of it."""
+    names = ("radiative_loss", "natural_convection")
+    values = coefficients("balance", *names)
+    module = predicted(plant, model_with("balance", *names), values)
+    module = module + noise(len(plant), 0.2)
+    usual = [plant[n] for n in DRIVERS]
+    options = dict(model="faiman", dynamics="balance")
+    fit = fem.fit_fem(*usual, module, effects=names, **options)
+    alone = fem.fit_fem(*usual, module, **options)
+    assert alone.base is None and set(fit.base) == set(alone.coefficients)
+    for name, value in fit.base.items():
+        assert value == pytest.approx(alone.coefficients[name], rel=1e-3), name
+    other = [plant[n].iloc[:2000] + shift for n, shift in zip(DRIVERS, (0, -8, 1))]
+    here = fit.predict(*other)
+    base = fem.heat_balance(*other, model="faiman", **fit.base)
+    again = ThermalModel(STEADY_MODELS["faiman"], "balance", fit.effects)
+    inputs = again.with_drivers(read({**dict(zip(DRIVERS, other)), "temp_base": base}))
+    there = again.temperature(inputs, fit.coefficients)
+    np.testing.assert_allclose(here, there, rtol=1e-12)
+    fit.to_json(tmp_path / "fit.json")
+    chain = fem.DynamicCellTemperature.from_json(tmp_path / "fit.json")
+    assert chain.base == fit.base == fit.temperature_model().base

@@ -147,7 +147,7 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
     text = text.replace("\n__all__ =", f"\n{line}\n__all__ =", 1)
     text = text.replace("        season,\n", "        season,\n        water,\n")
     registry.write_text(text, encoding="utf-8")
-    with (package / "drivers.py").open("a", encoding="utf-8") as drivers:
+    with (package / "drivers" / "derived.py").open("a", encoding="utf-8") as drivers:
         drivers.write(f"\n\n{driver}\n\n{row}")
     script = (
         "import effects_page, pvlib_fem, numpy as np;"

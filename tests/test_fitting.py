@@ -1,6 +1,7 @@
 """Fits: planted truth comes back, with errors that mean what they say."""
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -385,3 +386,66 @@ def test_the_plot_shows_a_held_out_day(week):
         measured_line.get_ydata() - modelled_line.get_ydata(), fit.residual[shown]
     )
     assert fit.plot(axes) is axes
+
+
+def test_what_is_held_is_not_fitted(month, noise):
+    """The others come out as they would if it were so."""
+    usual = [month[n] for n in DRIVERS]
+    truth = {"u0": 25.0, "u1": 6.84, "tau": 378.0, "bias": -1.0}
+    module = fem.fem_temperature(*usual, model="faiman", **truth)
+    module = module + noise(len(month), 0.5)
+    free = fem.fit_fem(*usual, module, model="faiman")
+    fit = fem.fit_fem(*usual, module, model="faiman", fixed={"tau": 378, "bias": -1})
+    assert fit.fixed == {"tau": 378.0, "bias": -1.0}
+    for name in ("tau", "bias"):
+        assert fit.coefficients[name] == truth[name] and fit.stderr[name] == 0.0
+    for name in ("u0", "u1"):
+        assert abs(fit.coefficients[name] - truth[name]) < 4 * fit.stderr[name]
+        assert 0 < fit.stderr[name] <= 1.05 * free.stderr[name]
+    assert re.search(r"tau +378 +held +s\n", str(fit))
+    assert not re.search(r"held +s\n", str(free))
+    assert json.loads(fit.to_json())["fixed"] == fit.fixed
+    assert (fit.confidence_interval().loc["tau"] == 378.0).all()
+
+
+@pytest.mark.parametrize("held", [{"k": 0.03}, {"k_w": 0.002}])
+def test_a_share_or_its_whole_can_be_held(month, noise, held):
+    """WM2's k_w is searched as a share of k."""
+    usual = [month[n] for n in DRIVERS]
+    truth = {"k": 0.03, "k_w": 0.002, "tau": 378.0, "bias": 0.0}
+    module = fem.fem_temperature(*usual, model="wm2", **truth)
+    fit = fem.fit_fem(*usual, module + noise(len(month), 0.2), model="wm2", fixed=held)
+    for name, value in truth.items():
+        assert abs(fit.coefficients[name] - value) <= 4 * fit.stderr[name], name
+    assert fit.converged
+
+
+def test_a_coefficient_of_an_effect_can_be_held(plant):
+    usual = [plant[n] for n in COLUMNS]
+    rain = {"precipitation": plant["precipitation"]}
+    fit = fem.fit_fem(*usual, effects="rain", fixed={"rain.film": 20.0}, **rain)
+    assert fit.coefficients["rain.film"] == 20.0 and fit.stderr["rain.film"] == 0.0
+    assert list(fit.scores.index)[-1] == "+ rain"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (dict(fixed={"u9": 1.0}), "fixed has u9, which is no coefficient here; .* tau"),
+        (dict(fixed={"rain.film": 1.0}), "fixed has rain.film, which is no coeff"),
+        (dict(fixed={"tau": -3}), "fixed tau = -3 s cannot be; it is from 1 to 7200"),
+        (
+            dict(model="wm2", fixed={"k": 0.01, "k_w": 0.002}),
+            "fixed k_w = 0.002 K m s/W cannot be; it is from 0 to 0.00124",
+        ),
+        (
+            dict(model="ross", fixed={"k": 0.03, "tau": 400, "bias": 0}),
+            "fixed holds all coefficients",
+        ),
+        (dict(method="paper", fixed={"tau": 400}), "method='paper' holds nothing"),
+    ],
+)
+def test_what_cannot_be_held_is_refused(month, options, message):
+    usual = [month[n] for n in DRIVERS]
+    with pytest.raises(ValueError, match=message):
+        fem.fit_fem(*usual, month["temp_air"] + 1.0, **options)

@@ -18,7 +18,6 @@ from pvlib_fem.effects import EFFECTS
 from pvlib_fem.record.checks import measured
 from pvlib_fem.record.resampling import coarse
 from pvlib_fem.simulator import PHYSICS, RHINE
-from pvlib_fem.thermal.model import thermal_model
 
 RHEIN = pvlib.location.Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
 PLACE = dict(location=RHEIN, surface_tilt=35, surface_azimuth=180)
@@ -101,12 +100,9 @@ def test_contributions_are_what_leaving_one_out_changes(two):
     parts = loop.contributions(data)
     assert list(parts) == [effect.name for effect in loop.fit.effects]
     nothing = {k: 0.0 for k in loop.fit.coefficients if k.startswith("wind_direction")}
-    model = fem.DynamicCellTemperature  # the same model, as a chain has it
-    assert model is not None
     coefficients = {**loop.fit.coefficients, **nothing}
-    without = thermal_model(
-        loop.fit.model, loop.fit.dynamics, loop.fit.effects
-    ).predict(*(data[n] for n in COLUMNS[:3]), coefficients, **loop.inputs(data)[1])
+    usual, drivers = (data[n] for n in COLUMNS[:3]), loop.inputs(data)[1]
+    without = loop.fit.thermal_model.predict(*usual, coefficients, **drivers)
     want = loop.predict(data) - without
     np.testing.assert_allclose(parts["wind_direction"], want, atol=1e-9)
     assert parts["sky_radiation"].max() < 0.1  # the sky cools

@@ -90,9 +90,9 @@ def literal(names):
 
 
 def to_driver(name):
-    kind = "driver" if name in drivers.DERIVED else "column"
-    known = name in drivers.DERIVED or name in drivers.MEASURED
-    return f":ref:`{name} <{kind}-{name}>`" if known else f"``{name}``"
+    kind = "column" if name in drivers.MEASURED else "driver"
+    known = {*drivers.DERIVED, *drivers.MODELLED, *drivers.MEASURED}
+    return f":ref:`{name} <{kind}-{name}>`" if name in known else f"``{name}``"
 
 
 def to_drivers(names, nothing="the times"):
@@ -107,7 +107,7 @@ def linked(text):
 def meaning(name):
     if name in drivers.DERIVED:
         return linked(words(drivers.DERIVED[name][1])[0])
-    return drivers.MEASURED.get(name, "")
+    return (drivers.MEASURED | drivers.MODELLED).get(name, "")
 
 
 def table(header, rows, widths):
@@ -194,7 +194,7 @@ def drivers_of(effect):
 def made_of(name):
     """What has to be measured for a driver, in words."""
     if name not in drivers.DERIVED:
-        return "measured"
+        return "measured" if name in drivers.MEASURED else "the fit without effects"
     columns = behind(name)
     place = [n for n in columns if n in GEOMETRY]
     if len(place) < len(GEOMETRY):
@@ -216,6 +216,11 @@ def settings(effect):
         summary = words(effect.make)[0]
         yield f"With settings, ``{{'name': {effect.name!r}, {given}}}``: {summary}"
         yield ""
+    taken = {n: v for form in effect.forms for n, v in form.constants.items()}
+    if taken := {n: v for n, v in taken.items() if isinstance(v, float)}:
+        values = ", ".join(f"``{name}`` ({value:g})" for name, value in taken.items())
+        yield f"Constants that can be set by name, with their usual values: {values}."
+        yield ""
     if effect.prepare:
         summary = words(effect.prepare)[0]
         yield f"In the loop: {summary[:1].lower()}{summary[1:]}"
@@ -231,6 +236,8 @@ def driver_table():
         anchored = f".. _driver-{name}:\n\n``{name}``"
         what = "\n\n".join([meaning(name), *sources(compute)])
         yield anchored, what, to_drivers(columns)
+    for name, what in drivers.MODELLED.items():
+        yield f".. _driver-{name}:\n\n``{name}``", what, made_of(name)
 
 
 def sources(compute):
@@ -238,8 +245,13 @@ def sources(compute):
     own = words(compute)[2]
     for name in re.findall(r":func:`(\w+)`", inspect.getdoc(compute)):
         if name not in drivers.DERIVED:
-            own += words(getattr(drivers, name))[2]
+            own += words(named(compute, name))[2]
     return own
+
+
+def named(compute, name):
+    """What a function's docstring refers to, in the file that it is in."""
+    return getattr(inspect.getmodule(compute), name)
 
 
 def measured_table():

@@ -58,8 +58,8 @@ def find(effect, own=()):
     ----------
     effect : str, dict or Effect
         A name; a dict of the name and its settings, as ``{"name": "shading",
-        "windows": [...]}`` or ``{"name": "sky_radiation", "source":
-        "humidity"}``; or an effect.
+        "windows": [...]}``, ``{"name": "sky_radiation", "source": "humidity"}`` or
+        ``{"name": "soiling", "cleaning": 6.0, "within": 24.0}``; or an effect.
     own : sequence of Effect, optional
         Effects of one's own that are found by name, too.
 
@@ -76,9 +76,7 @@ def find(effect, own=()):
         raise ValueError(f"unknown effect {name!r}; there are {', '.join(known)}")
     if not settings or settings == known[name].settings:
         return known[name]
-    if known[name].make is None:
-        raise ValueError(f"{name} has no settings; drop {', '.join(settings)}")
-    return known[name].make(**settings)
+    return known[name].made(**settings)
 
 
 def several(effects):

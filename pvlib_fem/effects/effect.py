@@ -2,9 +2,13 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from numbers import Real
 
 import numpy as np
+
+from pvlib_fem.drivers import constants, own_constants, with_constants
 
 
 @dataclass(frozen=True)
@@ -114,6 +118,75 @@ class Effect:
     def forms(self):
         """Its variants, the best first, or itself alone."""
         return self.variants or (self,)
+
+    @property
+    def constants(self):
+        """What its function and its drivers take beside, with the usual values."""
+        found = {}
+        for driver in self.drivers:
+            found |= constants(driver)
+        return found | own_constants(self.terms, besides=self.parameters)
+
+    def made(self, **settings):
+        """
+        The effect with other settings.
+
+        Parameters
+        ----------
+        **settings
+            The ``source`` of one of its variants, what ``make`` takes, and any of
+            the constants of its function and its drivers.
+
+        Returns
+        -------
+        Effect
+        """
+        effect, left = self, dict(settings)
+        if self.variants and "source" in left:
+            effect = self.from_source(left.pop("source"))
+        own = inspect.signature(effect.make).parameters if effect.make else {}
+        if mine := {name: left.pop(name) for name in own if name in left}:
+            effect = effect.make(**mine)
+        if taken := {name for form in effect.forms for name in form.constants}:
+            forms = tuple(form.with_constants(left) for form in effect.variants)
+            effect = replace(effect.with_constants(left), variants=forms)
+        if unknown := [name for name in left if name not in taken]:
+            there = sorted({*own, *taken, *(["source"] if self.variants else [])})
+            raise ValueError(
+                f"{self.name} has no setting {', '.join(unknown)}; "
+                + (f"it has {', '.join(there)}" if there else "it has none")
+            )
+        return effect
+
+    def from_source(self, source):
+        """The variant of that source."""
+        for form in self.variants:
+            if form.source == source:
+                return form
+        sources = "; ".join(form.source for form in self.variants if form.source)
+        raise ValueError(
+            f"unknown source {source!r} of {self.name}; there are {sources}"
+        )
+
+    def with_constants(self, settings):
+        """The effect with those constants that it takes."""
+        given = {k: v for k, v in settings.items() if k in self.constants}
+        if not given:
+            return self
+        for name, value in given.items():
+            if not isinstance(value, Real) or not np.isfinite(value):
+                raise ValueError(f"{self.name}: {name} = {value!r} must be a number")
+        own = own_constants(self.terms, besides=self.parameters)
+        terms = self.terms
+        if mine := {name: given[name] for name in own if name in given}:
+            terms = partial(terms, **mine)
+            terms.__doc__ = self.terms.__doc__  # else that of all partials
+        return replace(
+            self,
+            terms=terms,
+            columns=tuple(with_constants(driver, given) for driver in self.drivers),
+            settings={**self.settings, **given},
+        )
 
     @property
     def spec(self):

@@ -15,7 +15,7 @@ from pvlib_fem.record.checks import measured
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.statistics.clusters import calendar_weeks, day_errors
 from pvlib_fem.statistics.leastsquares import FLAT, gauss_newton, normal_equations
-from pvlib_fem.thermal.model import INSTANT, ThermalModel, thermal_model
+from pvlib_fem.thermal.model import FROZEN, INSTANT, thermal_model
 
 METHODS = ("least_squares", "paper")
 FEWEST_DAYS = 5  # below this the spread between days is no error
@@ -36,6 +36,7 @@ def fit_fem(
     check_units=True,
     effects=(),
     night=False,
+    fixed=FROZEN,
     **drivers,
 ) -> FemFit:
     """
@@ -79,6 +80,9 @@ def fit_fem(
     night : bool, default False
         Whether night rows count, too. By day only, as in the paper, the
         coefficients serve the energy; nights tell more of sky and storage.
+    fixed : dict, optional
+        Coefficients that are known and not fitted, as ``{"tau": 378.0}`` or
+        ``{"rain.film": 20.0}``; they have no error.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
@@ -115,6 +119,7 @@ def fit_fem(
        :doi:`10.22541/au.166922866.68736478`
     """
     target = thermal_model(model, dynamics, map(find, several(effects)))
+    target = replace(target, held=possible(target, fixed))
     drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
     target.check_drivers(drivers)
     if method not in METHODS:
@@ -126,12 +131,13 @@ def fit_fem(
         )
     if method == "paper" and target.effects:
         raise ValueError("method='paper' has no effects; use method='least_squares'")
+    if method == "paper" and fixed:
+        raise ValueError("method='paper' holds nothing; use method='least_squares'")
     if method == "paper" and night:
         raise ValueError("method='paper' is for daytime rows; use night=False")
     record = measured(
         poa_global, temp_air, wind_speed, temp_module, check_units, **drivers
     )
-    record = replace(record, inputs=target.with_drivers(record.inputs))
     filtered = counted(record.inputs.columns, night)
     for name in target.drivers:
         filtered &= ~np.isnan(record[name])
@@ -144,9 +150,10 @@ def fit_fem(
         at_bound, converged = (), True
         notes.append("no errors: the paper's recipe gives none")
     else:
-        stages, minimum = least_squares_stages(target, record, train, ~out)
-        free = list(target.parameters)
-        at_bound = tuple(np.array(free)[minimum.at_bound].tolist())
+        target, record, stages, minimum = least_squares_stages(
+            target, record, train, ~out
+        )
+        at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
         converged = minimum.converged
         stderr = errors(target, record, train, last(stages)[1], at_bound, notes)
         if not converged:
@@ -188,8 +195,33 @@ def finished(target, record, temperature, parts, minimum, **how):
         test_days=len(np.unique(days[test])),
         holdout=pd.Series(out, record.index, name="holdout"),
         record=record,
+        base=target.base if target.effects else None,
+        fixed=dict(target.held),
         **how,
     )
+
+
+def possible(model, fixed):
+    """The coefficients to hold, if they are the model's and can be."""
+    rows = model.parameters
+    if unknown := [name for name in fixed if name not in rows]:
+        raise ValueError(
+            f"fixed has {', '.join(unknown)}, which is no coefficient here; there are "
+            f"{', '.join(rows)}"
+        )
+    held = {name: float(value) for name, value in fixed.items()}
+    for name, value in held.items():
+        row, whole = rows[name], 1.0
+        if row.share_of is not None:
+            whole = held.get(row.share_of, rows[row.share_of].upper)
+        if not row.lower * whole <= value <= row.upper * whole:
+            raise ValueError(
+                f"fixed {name} = {value:g} {row.unit} cannot be; it is from "
+                f"{row.lower * whole:g} to {row.upper * whole:g}"
+            )
+    if not set(rows) - set(held):
+        raise ValueError("fixed holds all coefficients; leave one to fit")
+    return held
 
 
 def held_out(record, filtered, holdout, notes):
@@ -219,11 +251,11 @@ def needed(step, rows, parameters):
 
 
 def least_squares_stages(target, record, train, not_held_out):
-    """Model and coefficients after each step, and the last minimum."""
-    needed("least squares", int(train.sum()), len(target.parameters))
+    """The model with its base, its record, the steps to it, and the last minimum."""
+    needed("least squares", int(train.sum()), len(target.free))
     complete = np.isfinite(sum(record[name] for name in COLUMNS))
-    steady = ThermalModel(target.steady_model, "steady")
-    plain = ThermalModel(target.steady_model, target.dynamics)
+    plain = replace(target, effects=())
+    steady = replace(plain, dynamics="steady")
     start = {name: row.start for name, row in target.parameters.items()}
     steps = [
         ("standard", steady, complete & not_held_out, False),
@@ -238,17 +270,22 @@ def least_squares_stages(target, record, train, not_held_out):
     for name, model, rows, biased in steps:
         # what a later step starts from need not be as flat as the last
         flat = FLAT if name == steps[-1][0] else ROUGH
+        model = replace(model, base=target.base)
         minimum, start = minimise(model, record, rows, start, biased, flat)
         stages[name] = (model, natural(model, start)[0])
-    return stages, minimum
+        if name == "fem" and target.effects:
+            target = replace(target, base=public(model, stages[name][1]))
+            record = replace(record, inputs=target.with_drivers(record.inputs))
+    return target, record, stages, minimum
 
 
 def minimise(model, record, rows, start, biased, flat):
     """Least squares of one stage, over its parameters as the search sees them."""
-    # the bias is last, so leaving it out leaves the others where they are
-    names = list(model.parameters)[: None if biased else -1]
+    names = [name for name in model.free if biased or name != "bias"]
+    places = [list(model.parameters).index(name) for name in names]
     model = replace(model, effects=tables(model.effects, record))
     table = [model.parameters[name] for name in names]
+    lower = [max(row.lower, least(model, name)) for name, row in zip(names, table)]
     rows = np.flatnonzero(rows)
     measured_rows = record["temp_module"][rows]
 
@@ -264,20 +301,32 @@ def minimise(model, record, rows, start, biased, flat):
                 if own[i] == 1.0 and len(own.nonzero()[0]) == 1
                 # a share moves with the whole that it is of
                 else sum(columns[j] * own[j] for j in np.flatnonzero(own))
-                for i, own in enumerate(chain[: len(names), : len(names)].T)
+                for i, own in enumerate(chain[np.ix_(places, places)].T)
             ]
 
         return measured_rows - temperature[rows], jacobian
 
     minimum = gauss_newton(
         evaluate,
-        [start[name] for name in names],
-        [row.lower for row in table],
+        [max(start[name], low) for name, low in zip(names, lower)],
+        lower,
         [row.upper for row in table],
         flat=flat,
     )
     found = {**start, **dict(zip(names, minimum.x.tolist()))}
     return minimum, found
+
+
+def least(model, name):
+    """The least that a coefficient can be beside a share of it that is held."""
+    return max(
+        (
+            model.held[part] / row.upper
+            for part, row in model.parameters.items()
+            if row.share_of == name and part in model.held
+        ),
+        default=-np.inf,
+    )
 
 
 def tables(effects, record):
@@ -288,21 +337,29 @@ def tables(effects, record):
 def natural(model, searched):
     """Coefficients from what the search varies, and the slopes of that map."""
     names = list(model.parameters)
-    values = {name: searched[name] for name in names}
+    values = {**{name: searched[name] for name in names}, **held(model)}
     chain = np.eye(len(names))
     for i, (name, row) in enumerate(model.parameters.items()):
-        if row.share_of is not None:
-            whole = searched[row.share_of]
+        if row.share_of is not None and name not in model.held:
+            whole = values[row.share_of]
             values[name] = searched[name] * whole
             chain[i, i] = whole
             chain[i, names.index(row.share_of)] = searched[name]
     return {**values, **model.steady_model.fixed}, chain
 
 
+def held(model):
+    """Those coefficients of a model that are held; it may yet lack the others."""
+    return {n: value for n, value in model.held.items() if n in model.parameters}
+
+
 def errors(target, record, train, coefficients, at_bound, notes):
     """Standard errors by the day, NaN with a note where there are none."""
-    names = [name for name in target.parameters if name not in at_bound]
-    stderr = dict.fromkeys(target.parameters, np.nan)
+    names = [name for name in target.free if name not in at_bound]
+    stderr = {
+        **dict.fromkeys(target.parameters, np.nan),
+        **dict.fromkeys(held(target), 0.0),
+    }
     if at_bound:
         notes.append(
             f"at the bound of its range: {', '.join(at_bound)}; the errors of the "

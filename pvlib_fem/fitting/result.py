@@ -56,6 +56,11 @@ class FemFit:
         The record as it was checked.
     night : bool
         Whether night rows count, too.
+    base : dict or None
+        Coefficients of the step before the effects, by which effects know the
+        temperature of the module; None without effects.
+    fixed : dict
+        Coefficients that were held and not fitted; their error is 0.
     """
 
     model: str
@@ -74,11 +79,15 @@ class FemFit:
     holdout: pd.Series = field(repr=False)
     record: Record = field(repr=False)
     night: bool = False
+    base: dict | None = None
+    fixed: dict = field(default_factory=dict)
 
     @property
     def thermal_model(self):
         """The steady model, dynamics and effects that were fitted."""
-        return thermal_model(self.model, self.dynamics, self.effects)
+        return thermal_model(
+            self.model, self.dynamics, self.effects, self.base, self.fixed
+        )
 
     def predict(self, poa_global, temp_air, wind_speed, **drivers):
         """
@@ -138,6 +147,7 @@ class FemFit:
             self.dynamics,
             self.coefficients,
             effects=self.effects,
+            base=self.base,
             **options,
         )
 
@@ -177,6 +187,8 @@ class FemFit:
             "effects": [effect.spec for effect in self.effects],
             "coefficients": self.coefficients,
             "stderr": self.stderr,
+            "fixed": self.fixed,
+            "base": self.base,
             "scores": self.scores.to_dict(orient="index"),
             "at_bound": list(self.at_bound),
             "converged": self.converged,
@@ -227,7 +239,7 @@ def report(fit):
     for name, row in rows.items():
         value, error = fit.coefficients[name], fit.stderr[name]
         bound = "   at its bound" if name in fit.at_bound else ""
-        error = rounded(error)
+        error = "held" if name in fit.fixed else rounded(error)
         yield f"{name:<{wide}}{value:>12.5g}{error:>12}   {row.unit}{bound}"
     yield ""
     yield f"what each step bought, {'day and night' if fit.night else 'daytime'} [K]"

@@ -162,12 +162,7 @@ def divided(whole, case, holdout):
         places = {name: column.to_numpy() for name, column in places.items()}
         inputs = replace(short.inputs, columns={**short.inputs.columns, **places})
         short = replace(short, inputs=inputs)
-    case = replace(case, whole=whole, record=short, seen=seen, sealed=sealed)
-    wanted = [
-        effect.prepare(short.inputs.columns, case.open) if effect.prepare else effect
-        for effect in case.wanted
-    ]
-    return replace(case, wanted=tuple(wanted))
+    return replace(case, whole=whole, record=short, seen=seen, sealed=sealed)
 
 
 def sealed_rows(record, seen, holdout):

@@ -154,7 +154,7 @@ class Search:
         clock, days = self.case.clock, self.case.days
         before = self.fits.gathered(raw, []).left()
         self.fits = Fits(self.case.corrected())
-        step = self.fits.fitted(raw.model, raw)
+        step = self.fits.fitted(raw.model, raw).as_base()
         self.steps["+clock_shift"] = step
         gain = before - self.fits.gathered(step, []).left()
         error = left_open(clock.stderr, clock.limit)

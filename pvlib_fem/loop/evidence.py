@@ -9,7 +9,6 @@ from scipy.stats import f as fisher
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.relaxation import relax
 from pvlib_fem.statistics.clusters import DailySums, calendar_weeks, daily_sums
-from pvlib_fem.thermal.model import ThermalModel
 
 POWER = 2.8  # errors that a coefficient needs to be seen 4 times in 5 at 5 %
 RIVAL = 0.6  # share of the best gain from which a candidate is a rival
@@ -153,15 +152,17 @@ def gather(model, coefficients, record, seen, candidates, fixed=(), criteria=Non
     criteria : Criteria, optional
     """
     also, own, failed, effects = {}, {}, {}, {}
-    inputs = model.with_drivers(record.inputs)
+    model = replace(model, base=model.base or coefficients)
+    inputs = model.with_base(model.with_drivers(record.inputs))
     scanned = {}
     for effect in candidates:
-        if effect.scan:
-            scanned[effect.name] = effect.scan
-            effect = effect.scanned_from or effect
         try:
-            alone = ThermalModel(model.steady_model, model.dynamics, (effect,))
-            inputs = alone.with_drivers(inputs)
+            if effect.prepare:
+                effect = effect.prepare(inputs.columns, seen)
+            if effect.scan:
+                scanned[effect.name] = effect.scan
+                effect = effect.scanned_from or effect
+            inputs = replace(model, effects=(effect,)).with_drivers(inputs)
             start = {key: row.start for key, row in effect.rows().items()}
             slopes = effect.slopes(inputs.columns, start)
         except Exception as error:  # whatever an effect does, the others go on
@@ -170,7 +171,7 @@ def gather(model, coefficients, record, seen, candidates, fixed=(), criteria=Non
         also |= slopes
         own[effect.name], effects[effect.name] = tuple(slopes), effect
     temperature, slopes = model.slopes(inputs, coefficients, also=also)
-    base = [name for name in model.parameters if name not in fixed]
+    base = [name for name in model.free if name not in fixed]
     more = shapes(temperature - coefficients["bias"], record)
     slopes = {**slopes, **more}
     seen = seen & np.isfinite(temperature)

@@ -34,6 +34,10 @@ class Step:
     temperature: np.ndarray
     measured: np.ndarray
 
+    def as_base(self):
+        """The same, by which effects know the temperature of the module."""
+        return replace(self, model=replace(self.model, base=self.coefficients))
+
     def error(self, rows):
         return scores.rmse(self.measured[rows], self.temperature[rows])
 
@@ -69,7 +73,7 @@ class Fits:
             left = {n: self.gathered(steps[n], []).left() for n in ("fem", "balance")}
         else:
             left = {n: steps[n].error(self.case.train) for n in ("fem", "balance")}
-        return steps[min(left, key=left.get)]
+        return steps[min(left, key=left.get)].as_base()
 
     def fitted(self, model, before=None, start=FROZEN, biased=True, whole=True):
         """
@@ -96,7 +100,7 @@ class Fits:
             record, tabled = self.prepared(case.whole, model)
             if whole:
                 minimum, at = minimise(tabled, record, case.train, at, biased, CLOSE)
-        names = list(model.parameters)[: len(minimum.x)]
+        names = model.free[: len(minimum.x)]
         coefficients = natural(model, at)[0]
         return Step(
             model,

@@ -1,10 +1,12 @@
 """A thermal model: a steady model, effects, and the dynamics that answers them."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
-from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.drivers import behind, completed, needed_for
 from pvlib_fem.effects.effect import Parameter, Terms
 from pvlib_fem.record.checks import read
 from pvlib_fem.record.columns import ALIASES
@@ -29,16 +31,34 @@ MEMORY = {
     "ewm": {"tau": Parameter(TAU, 1.0, 7200.0, "s")},
     "balance": {"capacity": Parameter(12e3, 50.0, 1e6, "J/(m² K)")},
 }
+#: temperature of the module by the model without effects
+BASE = "temp_base"
+FROZEN = MappingProxyType({})
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
 
 
 @dataclass(frozen=True, eq=False)
 class ThermalModel:
-    """A steady model, one of three dynamics, an offset of the sensor, and effects."""
+    """
+    A steady model, one of three dynamics, an offset of the sensor, and effects.
+
+    Parameters
+    ----------
+    steady_model : SteadyModel
+    dynamics : str
+    effects : tuple of Effect
+    base : dict, optional
+        Coefficients of the model without effects, with which it gives the effects
+        the temperature of the module, ``temp_base``.
+    held : dict
+        Coefficients that a fit leaves as they are.
+    """
 
     steady_model: SteadyModel
     dynamics: str
     effects: tuple = ()
+    base: Mapping | None = None
+    held: Mapping = field(default_factory=dict)
 
     def __post_init__(self):
         if self.dynamics not in MEMORY:
@@ -55,6 +75,11 @@ class ThermalModel:
         return {**rows, "bias": BIAS}
 
     @property
+    def free(self):
+        """Names of the parameters that a fit varies, bias last."""
+        return [name for name in self.parameters if name not in self.held]
+
+    @property
     def drivers(self):
         """Measured columns that the effects need beside the usual three."""
         return needed_for(self.effect_drivers)
@@ -66,7 +91,32 @@ class ThermalModel:
 
     def with_drivers(self, inputs):
         """The inputs with what is derived from them for the effects."""
+        if BASE in behind(self.effect_drivers):
+            inputs = self.with_base(inputs)
         return completed(inputs, self.effect_drivers)
+
+    def with_base(self, inputs):
+        """
+        The inputs with the temperature of the module by the base, once.
+
+        Effects that grow with the module's own temperature take that without
+        effects, at fixed coefficients: so they stay linear in their parameters.
+        """
+        if BASE in inputs.columns:
+            return inputs
+        if self.base is None:
+            raise ValueError(
+                f"the effects need {BASE}, and the model has no base; give it the "
+                "coefficients of the model without effects as base="
+            )
+        plain = ThermalModel(self.steady_model, self.dynamics)
+        temperature = plain.temperature(inputs, self.completed(self.base))
+        return replace(inputs, columns={**inputs.columns, BASE: temperature})
+
+    def completed(self, coefficients):
+        """Coefficients with those that have a default."""
+        defaults = {**self.steady_model.fixed, "tau": TAU, "bias": 0.0}
+        return {**defaults, **coefficients}
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
         """Module temperature; without a tau the default, without a bias none. [°C]"""
@@ -89,15 +139,12 @@ class ThermalModel:
             "wind_speed": wind_speed,
             **drivers,
         }
-        coefficients = {
-            **self.steady_model.fixed,
-            "tau": TAU,
-            "bias": 0.0,
-            **coefficients,
-        }
+        coefficients = self.completed(coefficients)
         if missing := [n for n in self.parameters if n not in coefficients]:
             raise ValueError(f"{self.steady_model.name} needs {', '.join(missing)}")
-        inputs = self.with_drivers(read(columns, purpose="a dynamic temperature"))
+        # without a base its own coefficients are those of the model without effects
+        based = self if self.base else replace(self, base=coefficients)
+        inputs = based.with_drivers(read(columns, purpose="a dynamic temperature"))
         return inputs.restore(self.temperature(inputs, coefficients))
 
     def check_drivers(self, given):
@@ -167,7 +214,7 @@ class ThermalModel:
         }
 
 
-def thermal_model(model, dynamics, effects=()):
+def thermal_model(model, dynamics, effects=(), base=None, held=FROZEN):
     """The thermal model of that name, which a fit can take."""
     if callable(model):
         raise ValueError(
@@ -175,7 +222,7 @@ def thermal_model(model, dynamics, effects=()):
             f"callable: {', '.join(STEADY_MODELS)}; translate() gives the "
             "coefficients of other models"
         )
-    return ThermalModel(steady_model(model), dynamics, tuple(effects))
+    return ThermalModel(steady_model(model), dynamics, tuple(effects), base, held)
 
 
 def resistance(steady_model, own, wind, loss):

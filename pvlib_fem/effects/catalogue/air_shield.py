@@ -5,17 +5,17 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(poa_global, wind_speed, *, warm):
+def terms(poa_global, wind_speed, *, warm, calm=1.2):
     r"""
     Air that is measured too warm in sun and calm [1]_.
 
     .. math::
 
         \mathrm{offset} = -\mathrm{warm} \cdot \mathrm{poa\_global} / 1000
-        \cdot \exp(-\mathrm{wind\_speed} / 1.2)
+        \cdot \exp(-\mathrm{wind\_speed} / \mathrm{calm})
 
     ``warm`` is the error at 1000 W/m² and no wind: 2 to 4 K in a shield that is
-    not aspirated.
+    not aspirated. ``calm`` is the wind in which it is a third of that. [m/s]
 
     References
     ----------
@@ -23,8 +23,8 @@ def terms(poa_global, wind_speed, *, warm):
        Naturally Ventilated Radiation Shields", J. Atmos. Oceanic Technol. 22,
        1046 (2005), :doi:`10.1175/JTECH1762.1`.
     """
-    calm = np.exp(-wind_speed / 1.2)
-    return Terms(offset=-warm * poa_global / 1000.0 * calm)
+    still = np.exp(-wind_speed / calm)
+    return Terms(offset=-warm * poa_global / 1000.0 * still)
 
 
 EFFECT = Effect(

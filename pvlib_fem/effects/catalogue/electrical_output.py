@@ -10,7 +10,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 GAMMA = -0.0035  # 1/K, of crystalline silicon's power
 MISSING = 0.15  # of the expected power, from which it is curtailed
 BRIGHT = 300.0  # W/m², where power tells of efficiency
-RESISTANCE = 0.03  # K m²/W, of a module whose temperature is not asked
+USED = ("poa_global", "temp_base", "p_dc")
 
 
 def terms(p_dc, *, share):
@@ -31,53 +31,65 @@ def terms(p_dc, *, share):
     return Terms(heat=-share * p_dc)
 
 
-def curtailed(poa_global, temp_air, p_dc, snow_cover=0.0, *, share, efficiency):
+def curtailed(
+    poa_global,
+    temp_base,
+    p_dc,
+    snow_cover=0.0,
+    *,
+    share,
+    efficiency,
+    gamma=GAMMA,
+    missing=MISSING,
+):
     r"""
     The same of the power that is missing only.
 
     .. math:: \mathrm{heat} = \mathrm{share} \cdot (\mathrm{expected} - \mathrm{p\_dc})
 
-    where ``p_dc`` is more than 15 % below ``expected``, that of ``efficiency`` at
-    ``temp_air`` + 0.03 K m²/W · ``poa_global`` with -0.35 %/K, and no snow lies;
+    where ``p_dc`` is more than ``missing`` (15 %) below ``expected``, that of
+    ``efficiency`` at ``temp_base`` with ``gamma`` (-0.35 %/K), and no snow lies;
     elsewhere 0. Power is an irradiance sensor, too: what it knows of the other
     sensor's errors would be taken for heat. Under snow it is the light that is
     missing. Where the loss grows with over-temperature, which the equation does not
     know, ``share`` comes out low: by 10 to 20 % in simulated physics, most on roofs.
     """
-    cell = temp_air + RESISTANCE * poa_global
-    expected = efficiency * poa_global * (1.0 + GAMMA * (cell - 25.0))
-    missing = np.where(snow_cover > 0.0, 0.0, expected - p_dc)
-    return Terms(heat=share * np.where(missing > MISSING * expected, missing, 0.0))
+    expected = efficiency * poa_global * (1.0 + gamma * (temp_base - 25.0))
+    lacks = np.where(snow_cover > 0.0, 0.0, expected - p_dc)
+    return Terms(heat=share * np.where(lacks > missing * expected, lacks, 0.0))
 
 
-def below(efficiency, snow=False):
+def below(efficiency=None, snow=False, gamma=GAMMA, missing=MISSING):
     """
     The effect of power below that of a module of this efficiency. [-]
 
-    With ``snow`` it needs the depth of snow, too, and leaves covered rows out.
+    Without one the loop takes that of the record. With ``snow`` it needs the depth of
+    snow, too, and leaves covered rows out. ``gamma`` is how power falls with
+    temperature [1/K], ``missing`` the share that counts as curtailed.
     """
-    columns = ("poa_global", "temp_air", "p_dc", *(["snow_cover"] if snow else []))
+    own = {"gamma": gamma, "missing": missing}
+    if efficiency is None:
+        return replace(EFFECT, settings=own, prepare=partial(of_record, **own))
     return replace(
         EFFECT,
-        terms=partial(curtailed, efficiency=efficiency),
-        columns=columns,
-        settings={"efficiency": efficiency, "snow": snow},
+        terms=partial(curtailed, efficiency=efficiency, **own),
+        columns=USED + ("snow_cover",) * snow,
+        settings={"efficiency": efficiency, "snow": snow, **own},
         prepare=None,
     )
 
 
-def of_record(columns, rows):
+def of_record(columns, rows, gamma=GAMMA, missing=MISSING):
     """The effect with the efficiency of a record's uncurtailed rows."""
-    bright = rows & (columns["poa_global"] > BRIGHT)
-    poa, air, power = (columns[n][bright] for n in ("poa_global", "temp_air", "p_dc"))
-    usual = poa * (1.0 + GAMMA * (air + RESISTANCE * poa - 25.0))
-    snow = "snow_depth" in columns
-    if not bright.any():
-        return below(0.0, snow)
-    share = power / usual
+    poa, module, power = (columns[name][rows] for name in USED)
+    bright = (poa > BRIGHT) & np.isfinite(module + power)
     # curtailment is rarer than three hours in four, and only ever downwards
-    full = share > (1.0 - MISSING) * np.quantile(share, 0.75)
-    return below(float(np.median(share[full])), snow)
+    share = power[bright] / (poa * (1.0 + gamma * (module - 25.0)))[bright]
+    efficiency = 0.0
+    if len(share):
+        full = share > (1.0 - missing) * np.quantile(share, 0.75)
+        efficiency = float(np.median(share[full]))
+    return below(efficiency, "snow_depth" in columns, gamma, missing)
 
 
 EFFECT = Effect(

@@ -5,20 +5,19 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(irradiance_smoothed, wind_speed, *, free):
+def terms(temp_base, temp_air, wind_speed, *, free):
     r"""
     Loss that grows with the module's warmth, where the air is calm [1]_.
 
     .. math::
 
         \mathrm{loss} = \mathrm{free} \cdot
-        \frac{\sqrt[3]{\mathrm{irradiance\_smoothed} / 500} - 1}
+        \frac{\sqrt[3]{|\mathrm{temp\_base} - \mathrm{temp\_air}| / 15} - 1}
         {\sqrt{1 + \mathrm{wind\_speed}^2}}
 
-    Natural convection goes with the third root of the over-temperature, which
-    follows the irradiance of some minutes. ``free`` is that of both faces at 500
-    W/m², where the steady model has it already: 15 K above air at a tilt of 35°, TARP's
-    9.482/(7.283 - cos) above and 1.810/(1.382 + cos) below make it 5.6
+    Natural convection goes with the third root of the over-temperature. ``free``
+    is that of both faces at 15 K, where the steady model has it already: at a tilt
+    of 35° TARP's 9.482/(7.283 - cos) above and 1.810/(1.382 + cos) below make it 5.6
     W/(m² K), and 7.5 where heat is counted by incident irradiance. It adds to the
     convection of wind in squares, which at 1 m/s is about as large.
 
@@ -28,7 +27,7 @@ def terms(irradiance_smoothed, wind_speed, *, free):
        surface heat balance: TARP (Walton 1983), and the sum of squares of
        MoWiTT and DOE-2.
     """
-    warmer = np.cbrt(np.maximum(irradiance_smoothed, 0.0) / 500.0) - 1.0
+    warmer = np.cbrt(np.abs(temp_base - temp_air) / 15.0) - 1.0
     return Terms(loss=free * warmer / np.hypot(1.0, wind_speed))
 
 

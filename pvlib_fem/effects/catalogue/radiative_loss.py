@@ -1,22 +1,20 @@
 """Longwave exchange, which grows with the fourth power of temperature."""
 
-from pvlib_fem.drivers import RESISTANCE, STEFAN_BOLTZMANN, ZERO_CELSIUS
+from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 USUAL = 298.15  # K, where the coefficients of the steady model have it already
 
 
-def terms(irradiance_smoothed, temp_air, *, share):
+def terms(temp_base, temp_air, *, share):
     r"""
     Loss by longwave exchange with what is as warm as the air, beyond 25 °C [1]_.
 
     .. math::
 
         \mathrm{loss} = \mathrm{share} \cdot \sigma
-        ((\mathrm{temp\_air} + \mathrm{module})
-        (\mathrm{temp\_air}^2 + \mathrm{module}^2) - 4 \cdot 298.15^3),
-        \quad \mathrm{module} = \mathrm{temp\_air}
-        + 0.025 \cdot \mathrm{irradiance\_smoothed}
+        ((\mathrm{temp\_air} + \mathrm{temp\_base})
+        (\mathrm{temp\_air}^2 + \mathrm{temp\_base}^2) - 4 \cdot 298.15^3)
 
     with temperatures in kelvin. ``share`` is the emissivity of both faces over
     the absorbed share of irradiance, about (0.88 + 0.85)/0.72. No module is
@@ -28,7 +26,7 @@ def terms(irradiance_smoothed, temp_air, *, share):
        section 1.2: the coefficient of radiation, ε·σ·(T₁ + T₂)·(T₁² + T₂²).
     """
     air = temp_air + ZERO_CELSIUS
-    module = air + RESISTANCE * irradiance_smoothed
+    module = temp_base + ZERO_CELSIUS
     exchange = (air + module) * (air**2 + module**2) - 4.0 * USUAL**3
     return Terms(loss=share * STEFAN_BOLTZMANN * exchange)
 

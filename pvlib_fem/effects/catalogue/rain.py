@@ -55,14 +55,5 @@ FROM_HUMIDITY = replace(
     settings={"source": "humidity"},
     source="humidity",
 )
-
-
-def out_of(source):
-    """The effect from one of its sources."""
-    if source != "humidity":
-        raise ValueError(f"unknown source {source!r} of rain; there is humidity")
-    return FROM_HUMIDITY
-
-
 #: by what is known of the air, the best first
-EFFECT = replace(FROM_WETNESS, variants=(FROM_HUMIDITY, FROM_WETNESS), make=out_of)
+EFFECT = replace(FROM_WETNESS, variants=(FROM_HUMIDITY, FROM_WETNESS))

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from scipy.ndimage import binary_propagation, label
 
-from pvlib_fem.drivers import beam_around
+from pvlib_fem.drivers.solar import beam_around
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 ACROSS, UP = 9.0, 4.0  # ° of azimuth and elevation of a cell

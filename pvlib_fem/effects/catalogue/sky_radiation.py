@@ -59,17 +59,4 @@ FROM_AIR = estimated("air temperature alone", "sky_deficit_air", confounder=True
 
 #: by what is known of the sky, the best first
 VARIANTS = (MEASURED, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
-
-
-def out_of(source):
-    """The effect from one of its sources."""
-    for effect in VARIANTS:
-        if effect.source == source:
-            return effect
-    raise ValueError(
-        f"unknown source {source!r} of sky_radiation; there are "
-        f"{'; '.join(effect.source for effect in VARIANTS)}"
-    )
-
-
-EFFECT = replace(MEASURED, variants=VARIANTS, make=out_of)
+EFFECT = replace(MEASURED, variants=VARIANTS)

@@ -5,26 +5,26 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(wind_speed, *, root, stall):
+def terms(wind_speed, *, root, stall, calm=0.7):
     r"""
     Loss that bends at strong wind, and one where the anemometer stands still [1]_.
 
     .. math::
 
         \mathrm{loss} = \mathrm{root} \cdot \sqrt{\mathrm{wind\_speed}}
-        + \mathrm{stall} \cdot \exp(-\mathrm{wind\_speed} / 0.7)
+        + \mathrm{stall} \cdot \exp(-\mathrm{wind\_speed} / \mathrm{calm})
 
     ``root`` goes with the square root of wind, that of a laminar layer of air;
-    ``stall`` is there below some 0.7 m/s only, where cups do not turn and the
-    air moves all the same.
+    ``stall`` is there below some ``calm`` (0.7 m/s) only, where cups do not turn and
+    the air moves all the same.
 
     References
     ----------
     .. [1] F. P. Incropera et al., "Fundamentals of Heat and Mass Transfer",
        section 7.2: a flat plate, Nu of Re^(1/2) to Re^(4/5).
     """
-    calm = np.exp(-wind_speed / 0.7)
-    return Terms(loss=root * np.sqrt(wind_speed) + stall * calm)
+    still = np.exp(-wind_speed / calm)
+    return Terms(loss=root * np.sqrt(wind_speed) + stall * still)
 
 
 EFFECT = Effect(

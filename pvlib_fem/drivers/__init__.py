@@ -1,0 +1,17 @@
+"""What an effect may need beside the measured columns, computed from them."""
+
+from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
+    DERIVED,
+    MEASURED,
+    MODELLED,
+    Driver,
+    behind,
+    completed,
+    constants,
+    needed_for,
+    own_constants,
+    with_constants,
+)
+from pvlib_fem.drivers.solar import geometry, standard_time, sun  # noqa: F401
+
+__all__ = ["sun"]

@@ -1,0 +1,185 @@
+"""The registry of derived drivers: what each is computed from, and how.
+
+A driver is computed by a function of its columns and, last, of the
+:class:`~pvlib_fem.record.checks.Inputs` that they stand in, which bring the times.
+What the function takes after the star are its constants, which can be set.
+"""
+
+import inspect
+from dataclasses import replace
+
+from pvlib_fem.drivers.memory import HOUR, day_angle, elapsed, stored, years
+from pvlib_fem.drivers.sky import (
+    cloud_share,
+    sky_deficit,
+    sky_deficit_air,
+    sky_deficit_clouds,
+    sky_deficit_humid,
+    sky_deficit_moist,
+)
+from pvlib_fem.drivers.solar import (
+    aoi_projection,
+    beam,
+    beam_around,
+    beam_by_azimuth,
+    beam_by_tilt,
+    beam_clear,
+    clearness,
+    ghi_estimated,
+)
+from pvlib_fem.drivers.water import (
+    days_since_rain,
+    film_vapour,
+    snow_cover,
+    wetness,
+)
+from pvlib_fem.record.columns import GEOMETRY
+
+#: name: (columns that it needs, how to compute it from them and the times)
+DERIVED = {
+    "aoi_projection": (GEOMETRY, aoi_projection),
+    "clearness": (
+        ("poa_global", "solar_zenith", "surface_tilt", "aoi_projection"),
+        clearness,
+    ),
+    "beam": (("poa_global", "clearness", "aoi_projection"), beam),
+    "beam_clear": (("solar_zenith", "aoi_projection"), beam_clear),
+    "elapsed": ((), elapsed),
+    "beam_around": (("beam", "beam_clear", "elapsed"), beam_around),
+    "ghi_estimated": (("clearness", "solar_zenith"), ghi_estimated),
+    "beam_by_tilt": (("beam", "aoi_projection", *GEOMETRY), beam_by_tilt),
+    "beam_by_azimuth": (("beam", "aoi_projection", *GEOMETRY), beam_by_azimuth),
+    "sky_deficit": (("longwave_down", "temp_air"), sky_deficit),
+    "sky_deficit_moist": (("relative_humidity", "temp_air"), sky_deficit_moist),
+    "cloud_share": (("clearness", "solar_zenith"), cloud_share),
+    "sky_deficit_humid": (("sky_deficit_moist", "cloud_share"), sky_deficit_humid),
+    "sky_deficit_air": (("temp_air",), sky_deficit_air),
+    "sky_deficit_clouds": (("sky_deficit_air", "cloud_share"), sky_deficit_clouds),
+    "film_vapour": (
+        ("wetness", "relative_humidity", "temp_air", "temp_base"),
+        film_vapour,
+    ),
+    "wetness": (("precipitation",), wetness),
+    "days_since_rain": (("precipitation",), days_since_rain),
+    "snow_cover": (("snow_depth", "temp_air", "poa_global"), snow_cover),
+    "poa_stored_1h": (("poa_global",), stored(HOUR)),
+    "poa_stored_3h": (("poa_global",), stored(3.0 * HOUR)),
+    "air_stored": (("temp_air",), stored(3.0 * HOUR)),
+    "years": ((), years),
+    "day_angle": ((), day_angle),
+}
+
+#: measured columns: what they are, and their unit
+MEASURED = {
+    "poa_global": "Irradiance in the plane of the module. [W/m²]",
+    "temp_air": "Air temperature. [°C]",
+    "wind_speed": "Wind speed. [m/s]",
+    "wind_direction": "Where the wind comes from, clockwise from north. [°]",
+    "relative_humidity": "Relative humidity. [%]",
+    "longwave_down": "Longwave irradiance from the sky, ``ir_down`` in pvlib. [W/m²]",
+    "precipitation": "Rate of precipitation, as water. [mm/h]",
+    "snow_depth": "Depth of snow on the ground. [cm]",
+    "p_dc": "DC power for each square metre of module. [W/m²]",
+    "solar_zenith": "Angle of the sun from the vertical. [°]",
+    "solar_azimuth": "Where the sun stands, clockwise from north. [°]",
+    "surface_tilt": "Tilt of the module from horizontal. [°]",
+    "surface_azimuth": "Where the module faces, clockwise from north. [°]",
+}
+USUAL = ("poa_global", "temp_air", "wind_speed")
+
+#: modelled columns: what they are, and their unit
+MODELLED = {
+    "temp_base": "Temperature of the module by the model without effects. [°C]",
+}
+
+
+class Driver(str):
+    """
+    A derived driver with constants of its own.
+
+    Parameters
+    ----------
+    name : str
+        As in :data:`DERIVED`.
+    **settings : float
+        Those that its function takes, or one behind it.
+
+    Examples
+    --------
+    >>> Driver("days_since_rain", cleaning=6.0, within=24.0)
+    'days_since_rain(cleaning=6, within=24)'
+    """
+
+    def __new__(cls, name, **settings):
+        given = ", ".join(f"{key}={value:g}" for key, value in settings.items())
+        driver = super().__new__(cls, f"{name}({given})" if given else name)
+        driver.name, driver.settings = name, settings
+        return driver
+
+
+def constants(name):
+    """Constants that a driver takes, or one behind it, with their values."""
+    found = dict(getattr(name, "settings", {}))
+    if (name := getattr(name, "name", name)) not in DERIVED:
+        return {}
+    needs, compute = DERIVED[name]
+    for needed in needs:
+        found = {**constants(needed), **found}
+    return {**own_constants(compute), **found}
+
+
+def own_constants(function, besides=()):
+    """What a function takes after the star, with its usual value."""
+    taken = inspect.signature(function).parameters.values()
+    return {
+        p.name: p.default
+        for p in taken
+        if p.kind is p.KEYWORD_ONLY and p.name not in besides
+    }
+
+
+def with_constants(name, settings):
+    """A driver with those of some constants that it takes."""
+    own = {key: value for key, value in settings.items() if key in constants(name)}
+    if not own:
+        return name
+    own = {**getattr(name, "settings", {}), **own}
+    return Driver(getattr(name, "name", name), **own)
+
+
+def made_of(name):
+    """What a derived driver is computed from, how, and by which constants."""
+    settings = getattr(name, "settings", {})
+    needs, compute = DERIVED[getattr(name, "name", name)]
+    needs = [with_constants(needed, settings) for needed in needs]
+    own = {key: settings[key] for key in own_constants(compute) if key in settings}
+    return needs, compute, own
+
+
+def is_derived(name):
+    return getattr(name, "name", name) in DERIVED
+
+
+def behind(names):
+    """Columns behind drivers that are not derived, each once."""
+    columns = []
+    for name in names:
+        found = behind(made_of(name)[0]) if is_derived(name) else [name]
+        columns += [n for n in found if n not in columns]
+    return columns
+
+
+def needed_for(names):
+    """Measured columns behind drivers beside the usual three, each once."""
+    return [name for name in behind(names) if name not in (*USUAL, *MODELLED)]
+
+
+def completed(inputs, names):
+    """The inputs with those drivers, and what is behind them, derived."""
+    for name in names:
+        if is_derived(name) and name not in inputs.columns:
+            needs, compute, own = made_of(name)
+            inputs = completed(inputs, needs)
+            found = compute(*(inputs[n] for n in needs), inputs, **own)
+            inputs = replace(inputs, columns={**inputs.columns, name: found})
+    return inputs

@@ -1,0 +1,56 @@
+"""What lies behind in time: memories of a column, and the time itself."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.relaxation import relax
+
+HOUR = 3600.0  # s
+YEAR = 365.2425 * 86400.0  # s
+
+
+def smoothed(column, inputs, memory):
+    """A column through a first-order memory. [s]"""
+    column = np.asarray(column, dtype=float)
+    return relax(column, inputs.steps, memory / inputs.unit)
+
+
+def backwards(column, steps, memory):
+    """A column through a first-order memory of what comes after."""
+    turned = np.append(steps[:1], steps[:0:-1])
+    return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
+
+
+def stored(memory):
+    """The driver that a column's memory lags behind the column: 0 when settled."""
+
+    def lag(column, inputs):
+        return smoothed(column, inputs, memory) - column
+
+    lag.__doc__ = (
+        f"Mean of the past {memory / HOUR:g} h, weighted by age, beyond what is now. "
+        "[unit of the column]"
+    )
+    return lag
+
+
+def elapsed(inputs):
+    """Time since the record began. [s]"""
+    return inputs.seconds
+
+
+def years(inputs):
+    """Time since the record began. [years]"""
+    seconds = inputs.seconds
+    return (seconds - seconds[0]) / YEAR
+
+
+def day_angle(inputs):
+    """Angle of the year, 0 on the first of January. [rad]"""
+    if not isinstance(inputs.index, pd.DatetimeIndex):
+        raise ValueError(
+            "the season needs the date, and the columns bring no DatetimeIndex; give "
+            "them as Series with one"
+        )
+    days = inputs.index.day_of_year.to_numpy() - 1.0
+    return 2.0 * np.pi * days / 365.25

@@ -1,0 +1,82 @@
+"""Rain, the film and the dirt that it leaves or takes, and snow."""
+
+import numpy as np
+
+from pvlib_fem.drivers.memory import HOUR, smoothed
+
+SOAKED = 5.0  # times the memory of a film at which a module is all wet
+
+
+def saturation(celsius):
+    """Saturation vapour pressure over water, by Magnus. [hPa]"""
+    return 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
+
+
+def wetness(precipitation, inputs, *, drying=1800.0):
+    """
+    Share of a module that is wet: 1 in rain, and drying after it. [-]
+
+    ``drying`` is how long a film of water keeps its memory of rain. [s]
+    """
+    falling = np.where(np.isnan(precipitation), np.nan, precipitation > 0)
+    return np.minimum(1.0, SOAKED * smoothed(falling, inputs, drying))
+
+
+def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
+    """Vapour pressure of a wet module above that of the air, times wetness. [hPa]"""
+    air = relative_humidity / 100.0 * saturation(temp_air)
+    return wetness * np.maximum(saturation(temp_base) - air, 0.0)
+
+
+def days_since_rain(precipitation, inputs, *, cleaning=1.0, within=3.0, dirtiest=60.0):
+    """
+    Time since rain cleaned the module, or the record began [1]_ [2]_. [days]
+
+    Rain cleans where more than ``cleaning`` [mm] of it falls ``within`` some hours:
+    1 mm as in :func:`pvlib.soiling.hsu`, 6 mm in 24 h as in
+    :func:`pvlib.soiling.kimber`. After ``dirtiest`` [days] dirt gathers no more.
+
+    References
+    ----------
+    .. [1] M. Coello and L. Boyle, "Simple Model for Predicting Time Series Soiling
+       of Photovoltaic Panels", IEEE J. Photovoltaics 9, 1382 (2019),
+       :doi:`10.1109/JPHOTOV.2019.2919628`.
+    .. [2] A. Kimber et al., "The Effect of Soiling on Large Grid-Connected
+       Photovoltaic Systems in California and the Southwest Region of the United
+       States", WCPEC 2006, :doi:`10.1109/WCPEC.2006.279690`.
+    """
+    seconds = inputs.seconds
+    rain = np.nan_to_num(precipitation)
+    hours = np.diff(seconds, prepend=seconds[0]) / HOUR
+    fallen = np.cumsum(rain * hours)
+    shower = fallen - np.interp(seconds - within * HOUR, seconds, fallen, left=0.0)
+    cleans = (rain > 0) & (shower >= cleaning)
+    last = np.maximum.accumulate(np.where(cleans, seconds, seconds[0]))
+    return np.minimum((seconds - last) / 86400.0, dirtiest)
+
+
+def snow_cover(snow_depth, temp_air, poa_global, inputs, *, snowfall=0.5):
+    """
+    Whether snow lies on the module, by its depth on the ground [1]_. [-]
+
+    From when it last grew by ``snowfall`` in about an hour [cm], half a step of the
+    usual gauge, until the sun, above 50 W/m², and air warmer than
+    −G/80 have let it slide for an hour and a half.
+
+    References
+    ----------
+    .. [1] B. Marion et al., "Measured and modeled photovoltaic system energy
+       losses from snow for Colorado and Wisconsin locations", Solar Energy 97,
+       112 (2013), :doi:`10.1016/j.solener.2013.07.029`, as in
+       :func:`pvlib.snow.coverage_nrel`.
+    """
+    known = 0.0 * (snow_depth + temp_air + poa_global)
+    depth = np.nan_to_num(snow_depth)
+    grows = depth - smoothed(depth, inputs, HOUR) > snowfall
+    warm = (temp_air > poa_global / -80.0) & (poa_global > 50.0)
+    slides = smoothed(warm * 1.0, inputs, HOUR) > 1.0 - np.exp(-1.5)
+    rows = np.arange(len(depth))
+    grew, slid = (
+        np.maximum.accumulate(np.where(event, rows, -1)) for event in (grows, slides)
+    )
+    return known + (grew > slid)
