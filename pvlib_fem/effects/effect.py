@@ -90,8 +90,9 @@ class Effect:
         record's columns at ``rows``, which may be looked at.
     scan : callable, optional
         ``scan(rest, tangents, columns, weeks, criteria)``: the effect with settings
-        that what is left of a fit shows, or None. ``rest`` and ``tangents``, a dict
-        by parameter of ``scanned_from``, are in K; ``columns`` are the drivers of
+        that what is left of a fit shows, or None. ``rest`` and ``tangents`` are in
+        K, the latter a dict by name: of the parameters of ``scanned_from``, and after
+        them of all beside which it is weighed; ``columns`` are the drivers of
         ``scanned_from``, ``weeks`` the number of each row's week, and ``criteria``
         holds the thresholds.
     scanned_from : Effect, optional

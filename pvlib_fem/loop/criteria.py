@@ -2,7 +2,16 @@
 
 from dataclasses import dataclass, fields
 
-STAGES = ("record", "weeks", "weighing", "naming", "classes", "structure", "confirming")
+STAGES = (
+    "record",
+    "weeks",
+    "weighing",
+    "naming",
+    "classes",
+    "structure",
+    "scan",
+    "confirming",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,6 +150,18 @@ class Criteria:
         Edges of sun and shade that wander through the year leave less. [K]
     most_timetables : int
         *structure.* Timetables of days that are tried beside each other. [-]
+    window_azimuth, window_elevation : float
+        *scan.* Cells of the sky in which windows of shade are looked for; the sun
+        crosses one in ten minutes. [°]
+    window_share : float
+        *scan.* Share of the beam that a window has to take, since less is no
+        obstacle. [-]
+    window_errors : float
+        *scan.* Standard errors, by the spread between weeks, that its share has to be
+        from nothing: more than elsewhere, for it is the best of thousands. [-]
+    most_windows : int
+        *scan.* Rectangles of which an obstacle, or several, are made; each has to
+        take ``hint_gain``. [-]
     sure : float
         *confirming.* Standard errors that a coefficient of the refit has to be
         from nothing. [-]
@@ -203,6 +224,12 @@ class Criteria:
     timetable_multiples: int = 4
     timetable_gain: float = 0.05
     most_timetables: int = 2
+
+    window_azimuth: float = 2.0
+    window_elevation: float = 1.0
+    window_share: float = 0.1
+    window_errors: float = 4.0
+    most_windows: int = 8
 
     sure: float = 3.0
     contradiction: float = 1.0

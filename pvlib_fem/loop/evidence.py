@@ -199,7 +199,9 @@ def narrowed(found, name, scan, model, coefficients, inputs, seen):
     """The evidence with an effect only where a scan of what is left shows it."""
     keys = found.own[name]
     places = {n: inputs[n][seen] for n in found.effects[name].drivers}
-    tangents = {key: found.columns[key] for key in keys}
+    names = list(found.columns)
+    beside = [names[i] for i in found.places(found.nuisances)]
+    tangents = {key: found.columns[key] for key in (*keys, *beside)}
     weeks = calendar_weeks(found.dates)
     without = replace(
         found,

@@ -4,18 +4,12 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from scipy.ndimage import binary_propagation, label
 
 from pvlib_fem.drivers.solar import beam_around
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects.windows import find_windows
 
-ACROSS, UP = 9.0, 4.0  # ° of azimuth and elevation of a cell
-AROUND = 40  # cells round the horizon
-FEWEST = 0.005  # of the median cell's squares, below which a cell is not judged
-ERRORS = 3.0  # of a cell's share, from week to week, from which it shows
-BESIDE = 1.5  # the same of a cell that touches one that shows
-ALIKE = 0.5  # of a group's share, from which a cell that touches it belongs to it
-LEAST = 0.1  # share of lost beam that counts
+FAINT = 1e-3  # of the largest response to a clear sky, below which there is no sun
 
 
 def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
@@ -112,22 +106,22 @@ def within(windows, sensor=False):
     )
 
 
-def scan(rest, lost, columns, weeks, criteria):
+def scan(rest, tangents, columns, weeks, criteria):
     """
     Windows of the sky where what is left of a fit follows the beam.
 
-    Cells of the sky whose share of the beam shows from week to week, with those
-    that touch them, of shade on the module or on the sensor, whichever shows more.
+    Before the module or before the sensor, whichever takes more of what is left.
+    Where the sun stood whose beam is in the temperature is the mean place over the
+    memory of the module.
 
     Parameters
     ----------
     rest : array
         What a fit leaves. [K]
-    lost : dict
-        Response of the temperature to the loss of all beam, by :data:`EVERYWHERE`'s
-        parameters. [K]
+    tangents : dict of array
+        Responses of the temperature to :data:`EVERYWHERE`'s parameters, and those
+        of all that it is weighed beside. [K]
     columns : mapping
-        ``solar_azimuth`` and ``solar_zenith`` of these rows. [°]
     weeks : array of int
     criteria : object
 
@@ -135,82 +129,57 @@ def scan(rest, lost, columns, weeks, criteria):
     -------
     Effect or None
     """
-    module, dark = shaded(rest, lost["shading.share"], columns, weeks, 1.0)
-    sensor, blind = shaded(rest, lost["shading.unseen"], columns, weeks, -1.0)
-    if max(module, sensor) == 0.0:
-        return None
-    windows = runs(blind if sensor > module else dark)
-    return within(tuple(windows), sensor=bool(sensor > module))
+    own = {name: tangents[f"shading.{name}"] for name in EVERYWHERE.parameters}
+    beside = [c for name, c in tangents.items() if not name.startswith("shading.")]
+    azimuth = np.degrees(np.arctan2(own["east"], own["north"])) % 360.0
+    clear = own["clear"]
+    seen = clear > FAINT * clear.max()
+    elevation = np.divide(own["up"], clear, out=np.zeros_like(clear), where=seen)
+    found = {
+        sensor: find_windows(
+            rest,
+            own["unseen" if sensor else "share"],
+            beside,
+            (azimuth, elevation),
+            weeks,
+            -1.0 if sensor else 1.0,
+            criteria,
+        )
+        for sensor in (False, True)
+    }
+    sensor = found[True][0] > found[False][0]
+    windows = found[sensor][1]
+    return within(windows, sensor=sensor) if windows else None
 
 
-def shaded(rest, lost, columns, weeks, sign):
-    """Gain of the best group of cells where beam is lost, or gained, and which."""
-    elevation = 90.0 - columns["solar_zenith"]
-    sunny = np.flatnonzero((elevation > 0) & (lost < 0))
-    bands = int(np.ceil(90.0 / UP))
-    if len(sunny) == 0:
-        return 0.0, np.zeros((bands, AROUND), dtype=bool)
-    across = (columns["solar_azimuth"][sunny] % 360.0 // ACROSS).astype(int)
-    cell = (elevation[sunny] // UP).astype(int) * AROUND + across
-    week = np.unique(weeks[sunny], return_inverse=True)[1]
-    shape = (week.max() + 1, AROUND * bands)
-    size = shape[0] * shape[1]
-    place, x = week * shape[1] + cell, lost[sunny]
-    products = np.bincount(place, rest[sunny] * x, size).reshape(shape)
-    squares = np.bincount(place, x * x, size).reshape(shape)
-    whole = squares.sum(axis=0)
-    known = whole > FEWEST * np.median(whole[whole > 0])
-    share = np.divide(products.sum(axis=0), whole, out=0.0 * whole, where=known)
-    error = np.sqrt(((products - share * squares) ** 2).sum(axis=0))
-    sure = np.abs(products.sum(axis=0)) / np.maximum(error, 1e-12)
-    likely = known & (sign * share > LEAST) & (sure > BESIDE)
-    shows = likely & (sure > ERRORS)
-    cells = (likely, shows, share, whole)
-    return touching(*(column.reshape(-1, AROUND) for column in cells))
-
-
-def touching(likely, shows, share, whole):
-    """
-    Of groups of cells that touch, that with the largest gain, and which it is.
-
-    A group is cells that show, and likely ones around them with half its share.
-    """
-    best = (0.0, np.zeros_like(likely))
-    # azimuth is a circle: the sky twice, side by side, keeps groups whole
-    twice = label(np.hstack([shows, shows]))[0]
-    for number in range(1, twice.max() + 1):
-        group = (twice == number).reshape(len(likely), 2, -1).any(axis=1)
-        mean = abs((share * whole)[group].sum() / whole[group].sum())
-        alike = likely & (np.abs(share) > ALIKE * mean)
-        around, allowed = (np.hstack([a] * 3) for a in (group & alike, alike))
-        wide = binary_propagation(around, mask=allowed)
-        group = wide.reshape(len(likely), 3, -1).any(axis=1)
-        gain = (share**2 * whole)[group].sum()
-        if gain > best[0]:
-            best = (gain, group)
-    return best
-
-
-def runs(marked):
-    """Windows of a group of cells: in each band of elevation its runs of azimuth."""
-    for band, row in enumerate(marked):
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], row, [0]))))
-        for start, end in zip(edges[::2], edges[1::2]):
-            yield (start * ACROSS, end * ACROSS, band * UP, (band + 1) * UP)
-
-
-def both(beam, beam_around, solar_azimuth, solar_zenith, *, share, unseen):
-    """Loss of all beam, as it is and as the hours around let expect it."""
-    return Terms(heat=-share * beam - unseen * beam_around)
+def everywhere(
+    beam,
+    beam_around,
+    beam_clear,
+    solar_azimuth,
+    solar_zenith,
+    *,
+    share,
+    unseen,
+    clear,
+    north,
+    east,
+    up,
+):
+    """Loss of all beam, as it is and as expected, and where the sun stands."""
+    azimuth = np.radians(solar_azimuth)
+    place = north * np.cos(azimuth) + east * np.sin(azimuth)
+    place = clear + place + up * (90.0 - solar_zenith)
+    return Terms(heat=beam_clear * place - share * beam - unseen * beam_around)
 
 
 #: all of the sky, from which the scan takes windows
 EVERYWHERE = Effect(
     "shading",
-    both,
+    everywhere,
     {
-        "share": Parameter(0.0, -1.0, 1.0, "-"),
-        "unseen": Parameter(0.0, -1.5, 0.0, "-"),
+        name: Parameter(0.0, -1.0, 1.0, "-")
+        for name in ("share", "unseen", "clear", "north", "east", "up")
     },
 )
 #: low sun in the east; where an obstacle really stands, a scan of windows shows

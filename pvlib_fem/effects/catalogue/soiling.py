@@ -50,7 +50,8 @@ def every_rain(poa_global, *days, even, **per_day):
 
 def scan(rest, tangents, columns, weeks, criteria):
     """The rain that cleans: that since which dirt follows what is left best."""
-    even, *gathered = tangents.values()
+    even = tangents["soiling.even"]
+    gathered = [tangents[f"soiling.per_day_{i}"] for i in range(len(RAINS))]
     alike = []
     for one in gathered:
         # what never changes is in the coefficients already, and in the rest no more

@@ -1,0 +1,225 @@
+"""
+Windows of the sky in which what is left of a fit follows the beam.
+
+An obstacle is a mask of small cells of the sky with one share of the beam. It is
+built of rectangles: the best one, with edges anywhere, and then what is best added
+to it or cut from it, as long as that is worth it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
+BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
+STARTS = 5  # of those
+TURNS = 20  # of edges in azimuth and in elevation, until neither moves
+MOST = 1.5  # share of the beam: all, and what the beam is underestimated by
+
+
+def find_windows(rest, tangent, beside, sun, weeks, sign, criteria):
+    """
+    Windows of the sky that take beam from the module, or from its sensor.
+
+    Parameters
+    ----------
+    rest : array
+        What a fit leaves. [K]
+    tangent : array
+        Response of the temperature to the loss of all beam. [K]
+    beside : list of array
+        Tangents of all that is fitted. [K]
+    sun : (array, array)
+        Azimuth and elevation of the sun whose beam is in the temperature. [°]
+    weeks : array of int
+    sign : float
+        1 where the module loses beam, -1 where the sensor does.
+    criteria : object
+
+    Returns
+    -------
+    float
+        Fall of the sum of squares. [K²]
+    tuple
+        The windows, as azimuth from and to, elevation from and to. [°]
+    """
+    sunny = (sun[1] > 0) & (sun[1] < 90) & (tangent < 0)
+    if not sunny.any():
+        return 0.0, ()
+    basis = orthonormal(beside)[sunny]
+    floor = len(rest) * criteria.hint_gain**2
+    rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
+    sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)
+    mask, gain = np.zeros(sky.squares.shape, dtype=bool), 0.0
+    for _ in range(criteria.most_windows):
+        steps = [sky.step(mask, cut, sign) for cut in (False, True)]
+        new, its = max(steps, key=lambda step: step[1])
+        if its - gain < floor:
+            break
+        # the cells of the step as a column, beside those that are there already
+        column = tangent * (new ^ mask).ravel()[sky.place]
+        known = np.column_stack([basis, tangent * mask.ravel()[sky.place]])
+        if certainty(rest, column, known, weeks) < criteria.window_errors:
+            break
+        mask, gain = new, its
+    if not sign * sky.share(mask) >= criteria.window_share:
+        return 0.0, ()
+    return gain, tuple(sky.edges(mask))
+
+
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """
+    The sky in cells, with the sums by which any part of it is weighed.
+
+    All are by cell of elevation and azimuth, ``squares`` of the tangent, and ``sums``
+    of its products: first with what is left, then with itself, then with each of the
+    orthonormal columns of the fit. So the share of a part of the sky, beside all that
+    is fitted, comes from sums over its cells.
+    """
+
+    sums: np.ndarray  # columns, elevation, azimuth
+    place: np.ndarray  # cell of each row
+    origin: float  # azimuth of the first cell [°]
+    size: tuple  # of a cell in elevation and azimuth [°]
+
+    @classmethod
+    def of(cls, rest, tangent, basis, azimuth, elevation, criteria):
+        """The sums of some rows by where the sun stood."""
+        up, across = size = (criteria.window_elevation, criteria.window_azimuth)
+        shape = int(np.ceil(90.0 / up)), int(np.ceil(360.0 / across))
+        origin = darkest(azimuth, tangent, across)
+        place = (elevation // up).astype(int) * shape[1]
+        place += ((azimuth - origin) % 360.0 // across).astype(int)
+        sums = [
+            np.bincount(place, tangent * column, shape[0] * shape[1]).reshape(shape)
+            for column in (rest, tangent, *basis.T)
+        ]
+        return cls(np.array(sums), place, origin, size)
+
+    @property
+    def squares(self):
+        return self.sums[1]
+
+    def share(self, mask):
+        """Share of the beam that a part of the sky takes."""
+        return float(weighed(self.sums[:, mask].sum(axis=1))[0])
+
+    def step(self, mask, cut, sign):
+        """The mask with the best rectangle added or cut, and what it then takes."""
+        there = self.sums[:, mask].sum(axis=1)
+        total = totals(self.sums * (mask if cut else ~mask))
+        seen = (self.squares > 0) & (mask if cut else ~mask)
+        if not seen.any():
+            return mask, 0.0
+        ends = [
+            np.flatnonzero(seen.any(axis=axis))[[0, -1]] + [0, 1] for axis in (1, 0)
+        ]
+
+        def weigh(low, high, start, end):
+            part = box(total, low, high, start, end)
+            whole = there.reshape(-1, *[1] * (part.ndim - 1)) + (-part if cut else part)
+            share, gain = weighed(whole)
+            return np.where((sign * share > 0) & (sign * share < MOST), gain, 0.0)
+
+        found = [climb(weigh, start, ends) for start in self.starts(weigh, ends)]
+        if not found:
+            return mask, 0.0
+        (low, high, start, end), gain = max(found, key=lambda one: one[1])
+        new = mask.copy()
+        new[low:high, start:end] = not cut
+        return new, gain
+
+    def starts(self, weigh, ends):
+        """Blocks of the sky with the largest gains."""
+        steps = [max(1, round(wide / cell)) for wide, cell in zip(BLOCK, self.size)]
+        first = [np.arange(*end, step) for end, step in zip(ends, steps)]
+        low, start = (edges.ravel() for edges in np.meshgrid(*first, indexing="ij"))
+        high = np.minimum(low + steps[0], ends[0][1])
+        end = np.minimum(start + steps[1], ends[1][1])
+        gains = weigh(low, high, start, end)
+        for i in np.argsort(-gains, kind="stable")[:STARTS]:
+            if gains[i] > 0:
+                yield int(low[i]), int(high[i]), int(start[i]), int(end[i])
+
+    def edges(self, mask):
+        """Windows of a mask: runs of azimuth, over all elevations that share them."""
+        up, across = self.size
+        open_runs = {}
+        for row in range(len(mask) + 1):
+            line = mask[row] if row < len(mask) else np.zeros(mask.shape[1], dtype=bool)
+            turns = np.flatnonzero(np.diff(np.concatenate(([0], line, [0]))))
+            runs = set(zip(turns[::2].tolist(), turns[1::2].tolist()))
+            for run in sorted(set(open_runs) - runs):
+                around = [(self.origin + edge * across) % 360.0 for edge in run]
+                yield (*around, open_runs.pop(run) * up, row * up)
+            open_runs |= dict.fromkeys(runs - set(open_runs), row)
+
+
+def darkest(azimuth, tangent, across):
+    """Azimuth amid the longest stretch without sun, where the sky may be cut. [°]"""
+    cells = int(np.ceil(360.0 / across))
+    light = np.bincount((azimuth % 360.0 // across).astype(int), tangent**2, cells)
+    dark = np.flatnonzero(np.tile(light <= light.min(), 2))
+    longest = max(np.split(dark, np.flatnonzero(np.diff(dark) > 1) + 1), key=len)
+    return float(longest[len(longest) // 2] % cells * across)
+
+
+def totals(sums):
+    """Sums over all cells before each edge."""
+    return np.pad(sums, [(0, 0), (1, 0), (1, 0)]).cumsum(axis=1).cumsum(axis=2)
+
+
+def box(total, low, high, start, end):
+    """Sums over rectangles of cells."""
+    above = total[:, high, end] - total[:, high, start]
+    return above - total[:, low, end] + total[:, low, start]
+
+
+def weighed(sums):
+    """Share of parts of the sky beside all that is fitted, and the square it takes."""
+    product, square = sums[:2]
+    left = square - (sums[2:] ** 2).sum(axis=0)
+    there = left > UNSEEN * square
+    share = np.divide(product, left, out=np.zeros_like(product), where=there)
+    return share, share * product
+
+
+def climb(weigh, window, ends):
+    """Move the edges of a rectangle, two by two, while its gain grows."""
+    gain, stays = 0.0, 0
+    for turn in range(TURNS):
+        first, last = ends[turn % 2]
+        one, other = (first + i for i in np.triu_indices(last - first + 1, 1))
+        low, high, start, end = window
+        tries = (low, high, one, other) if turn % 2 else (one, other, start, end)
+        gains = weigh(*tries)
+        best = int(np.argmax(gains))
+        stays = 0 if gains[best] > gain * (1.0 + 1e-9) else stays + 1
+        if stays == 2:
+            break
+        if not stays:
+            gain = float(gains[best])
+            pair = (int(one[best]), int(other[best]))
+            window = (low, high, *pair) if turn % 2 else (*pair, start, end)
+    return window, gain
+
+
+def orthonormal(columns):
+    """An orthonormal basis of what columns span."""
+    sizes = [np.linalg.norm(column) for column in columns]
+    columns = [c / size for c, size in zip(columns, sizes) if size > 0]
+    basis, sizes, _ = np.linalg.svd(np.column_stack(columns), full_matrices=False)
+    return basis[:, sizes > UNSEEN * sizes[0]]
+
+
+def certainty(rest, column, known, weeks):
+    """Standard errors, by the spread between weeks, that a share is from nothing."""
+    known = known[:, np.abs(known).sum(axis=0) > 0]
+    both = np.column_stack([column, known])
+    found = np.linalg.lstsq(known, np.column_stack([column, rest]), rcond=None)[0]
+    column, rest = both[:, 0] - known @ found[:, 0], rest - known @ found[:, 1]
+    share = (column @ rest) / max(column @ column, 1e-300)
+    week = np.unique(weeks, return_inverse=True)[1]
+    scores = np.bincount(week, column * (rest - share * column))
+    return abs(column @ rest) / max(np.sqrt(scores @ scores), 1e-300)

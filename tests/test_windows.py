@@ -1,0 +1,128 @@
+"""Windows of the sky: an obstacle is found wherever it stands, and no other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from pvlib.location import Location
+
+from pvlib_fem.drivers import sun
+from pvlib_fem.effects.catalogue.shading import within_any
+from pvlib_fem.effects.windows import find_windows
+from pvlib_fem.loop.criteria import Criteria
+
+#: obstacles with edges anywhere, what is left of the beam, and where the module is
+OBSTACLES = {
+    "a house": (50.0, [(112.6, 141.3, 0.0, 26.4)]),
+    "in the west": (35.0, [(222.7, 251.3, 0.0, 33.3)]),
+    "a branch": (50.0, [(117.7, 150.2, 13.6, 31.4)]),
+    "two houses": (50.0, [(103.4, 127.2, 0.0, 28.4), (226.1, 257.5, 0.0, 23.2)]),
+    "a skyline": (
+        35.0,
+        [(91, 100.5, 0, 17.3), (100.5, 113.2, 0, 37.5), (113.2, 124, 0, 25.4)],
+    ),
+    "in the north": (-33.0, [(338.4, 24.7, 0.0, 44.6)]),
+}
+
+
+class Scene:
+    """Two hundred days of sun and clouds on a module, in steps of five minutes."""
+
+    def __init__(self, latitude, seed=0):
+        random = np.random.default_rng(seed)
+        index = pd.date_range("2023-04-01", periods=200 * 288, freq="5min", tz="UTC")
+        place = sun(index, Location(latitude, 0.0))
+        self.azimuth = place["solar_azimuth"].to_numpy()
+        self.elevation = 90.0 - place["solar_zenith"].to_numpy()
+        self.weeks = np.arange(len(index)) // (7 * 288)
+        up = np.maximum(np.sin(np.radians(self.elevation)), 0.0)
+        sky = np.repeat(random.uniform(size=len(index) // 6) < 0.5, 6)
+        # K that all of the beam is worth
+        self.tangent = -25.0 * up**0.5 * (up > 0) * sky
+        self.noise = random.normal(0, 0.5, len(index))
+        self.beside = [self.tangent, up, up * sky * up, np.ones(len(index))]
+
+    def rest(self, windows, share):
+        """What a fit leaves that knows the other columns and not the windows."""
+        inside = within_any(windows, self.azimuth, 90.0 - self.elevation)
+        whole = share * self.tangent * inside + self.noise
+        known = np.column_stack(self.beside)
+        return whole - known @ np.linalg.lstsq(known, whole, rcond=None)[0]
+
+    def find(self, rest, sign=1.0, criteria=None, tangent=None):
+        return find_windows(
+            rest,
+            self.tangent if tangent is None else tangent,
+            self.beside,
+            (self.azimuth, self.elevation),
+            self.weeks,
+            sign,
+            criteria or Criteria(),
+        )
+
+    def share(self, rest, windows):
+        """What a fit makes of windows."""
+        inside = within_any(windows, self.azimuth, 90.0 - self.elevation)
+        columns = np.column_stack([self.tangent * inside, *self.beside])
+        return np.linalg.lstsq(columns, rest, rcond=None)[0][0]
+
+
+@pytest.mark.parametrize("name", OBSTACLES)
+@pytest.mark.parametrize("share", [0.8, 0.4])
+def test_the_share_of_an_obstacle_is_found_wherever_its_edges_are(name, share):
+    latitude, obstacle = OBSTACLES[name]
+    scene = Scene(latitude)
+    rest = scene.rest(obstacle, share)
+    gain, windows = scene.find(rest)
+    assert gain > 0
+    assert scene.share(rest, windows) == pytest.approx(share, rel=0.1)
+    true, found = (
+        within_any(some, scene.azimuth, 90.0 - scene.elevation)
+        for some in (obstacle, windows)
+    )
+    beam = scene.tangent**2
+    assert beam[true != found].sum() < 0.15 * beam[true].sum()
+
+
+def test_what_the_sensor_does_not_see_is_found_with_the_other_sign():
+    scene, obstacle = Scene(50.0), OBSTACLES["a house"][1]
+    rest = scene.rest(obstacle, -0.8)
+    assert scene.find(rest, sign=1.0)[0] < 0.1 * scene.find(rest, sign=-1.0)[0]
+    windows = scene.find(rest, sign=-1.0)[1]
+    assert scene.share(rest, windows) == pytest.approx(-0.8, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_where_nothing_stands_nothing_is_found(seed):
+    """Nor where a fault of one day looks like an obstacle."""
+    scene = Scene(50.0, seed)
+    assert scene.find(scene.rest([], 0.0)) == (0.0, ())
+    once = scene.tangent * (np.arange(len(scene.tangent)) // 288 == 90)
+    assert scene.find(scene.rest([], 0.0) + 0.8 * once) == (0.0, ())
+
+
+def test_a_record_without_sun_has_no_window():
+    scene = Scene(50.0)
+    dark = np.zeros(len(scene.tangent))
+    assert scene.find(scene.noise, tangent=dark) == (0.0, ())
+
+
+@pytest.mark.parametrize(
+    "stricter", [{"window_share": 0.9}, {"window_errors": 1e3}, {"hint_gain": 5.0}]
+)
+def test_the_thresholds_are_those_of_the_criteria(stricter):
+    scene, obstacle = Scene(50.0), OBSTACLES["a house"][1]
+    rest = scene.rest(obstacle, 0.8)
+    assert scene.find(rest)[1]
+    assert not scene.find(rest, criteria=replace(Criteria(), **stricter))[1]
+
+
+def test_cells_and_windows_are_as_many_as_the_criteria_say():
+    scene, obstacle = Scene(50.0), OBSTACLES["two houses"][1]
+    rest = scene.rest(obstacle, 0.8)
+    one = scene.find(rest, criteria=Criteria(most_windows=1))[1]
+    assert len(one) == 1 < len(scene.find(rest)[1])
+    coarse = Criteria(window_azimuth=10.0, window_elevation=5.0)
+    for window in scene.find(rest, criteria=coarse)[1]:
+        assert all(edge % 5.0 == 0.0 for edge in window)
