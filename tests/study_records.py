@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -100,7 +101,9 @@ def catalogue(loop, data, case, forms):
             terms[switch] = within(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = ~loop.fit.holdout.to_numpy()
-            terms[switch] = EFFECTS[switch].prepare(record.inputs.columns, rows)
+            base = loop.fit.base or loop.fit.coefficients
+            inputs = replace(loop.fit.thermal_model, base=base).with_base(record.inputs)
+            terms[switch] = EFFECTS[switch].prepare(inputs.columns, rows)
         elif switch == "sky_radiation" and "longwave_down" in case.drop:
             humid = "relative_humidity" not in case.drop
             source = "humidity" if humid else "clouds of the day"
