@@ -15,7 +15,7 @@ from pvlib_fem.record.checks import measured
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.statistics.clusters import calendar_weeks, day_errors
 from pvlib_fem.statistics.leastsquares import FLAT, gauss_newton, normal_equations
-from pvlib_fem.thermal.model import FROZEN, INSTANT, thermal_model
+from pvlib_fem.thermal.model import INSTANT, thermal_model
 
 METHODS = ("least_squares", "paper")
 FEWEST_DAYS = 5  # below this the spread between days is no error
@@ -36,7 +36,7 @@ def fit_fem(
     check_units=True,
     effects=(),
     night=False,
-    fixed=FROZEN,
+    fixed=None,
     **drivers,
 ) -> FemFit:
     """
@@ -119,7 +119,7 @@ def fit_fem(
        :doi:`10.22541/au.166922866.68736478`
     """
     target = thermal_model(model, dynamics, map(find, several(effects)))
-    target = replace(target, held=possible(target, fixed))
+    target = replace(target, held=possible(target, fixed or {}))
     drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
     target.check_drivers(drivers)
     if method not in METHODS:

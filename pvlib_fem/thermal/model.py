@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -33,7 +32,6 @@ MEMORY = {
 }
 #: temperature of the module by the model without effects
 BASE = "temp_base"
-FROZEN = MappingProxyType({})
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
 
 
@@ -214,7 +212,7 @@ class ThermalModel:
         }
 
 
-def thermal_model(model, dynamics, effects=(), base=None, held=FROZEN):
+def thermal_model(model, dynamics, effects=(), base=None, held=None):
     """The thermal model of that name, which a fit can take."""
     if callable(model):
         raise ValueError(
@@ -222,7 +220,7 @@ def thermal_model(model, dynamics, effects=(), base=None, held=FROZEN):
             f"callable: {', '.join(STEADY_MODELS)}; translate() gives the "
             "coefficients of other models"
         )
-    return ThermalModel(steady_model(model), dynamics, tuple(effects), base, held)
+    return ThermalModel(steady_model(model), dynamics, tuple(effects), base, held or {})
 
 
 def resistance(steady_model, own, wind, loss):
