@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test lint docs benchmark quality energy study clean
+.PHONY: demo test lint docs benchmark quality energy study sweep clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -40,7 +40,11 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --shift 110000 --out docs/study.md
+	$(BIN)/python tests/study.py --shift 510000 --out docs/study.md
+
+# what each criterion of the loop does, halved and doubled
+sweep: $(VENV)/.installed
+	$(BIN)/python tests/sweep.py --out docs/sensitivity.md
 
 clean:
 	rm -rf $(VENV) $(VENV)-quality .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated

@@ -50,12 +50,12 @@ for column, unit in [*units.items(), *others]:
 faults = {"clock_shift": 4.0, "stuck": 1.0}  # 4 min late, frozen for 12 h in 30 days
 faulty = simulator.record(effects=world | faults, days=60, start="2023-05-01")
 loop = fem.close_loop(faulty[COLUMNS], **place)
-print(*loop.notes, sep="\n")
+print(*loop.notes, *loop.corrections, sep="\n")
 print(loop.table["rmse_test"].round(2).to_string())
 
 # %%
-# The frozen rows are not used, and the loop goes on with a corrected clock: a step with
-# its gain, like an effect.
+# The frozen rows are not used. The clock is corrected before any effect is weighed, and
+# that has a row of its own in the table.
 #
 # Two drifts
 # ----------
@@ -78,7 +78,7 @@ for name, data in {**records, "back sensor, one year": loose.loc["2023"]}.items(
 # %%
 # Both drifts are named ``sensitivity_drift``: from year to year the module warms by
 # more, or by less, than its irradiance says. What differs is the sign. One year is too
-# short: there the drift is taken for a part of the season.
+# short: there a drift cannot be told from the season.
 #
 # The nights
 # ----------

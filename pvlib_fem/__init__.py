@@ -11,10 +11,11 @@ from pvlib_fem import (
     simulator,
 )
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.findings import Finding
+from pvlib_fem.findings import Check, Correction, Finding
 from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.ranking import rank_effects
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
@@ -25,6 +26,9 @@ from pvlib_fem.translate import translate, translation_mismatch
 __version__ = "0.1.0"
 
 __all__ = [
+    "Check",
+    "Correction",
+    "Criteria",
     "DynamicCellTemperature",
     "Effect",
     "FemFit",

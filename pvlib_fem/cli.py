@@ -10,9 +10,10 @@ from pvlib.location import Location
 from tqdm import tqdm
 
 from pvlib_fem import __version__, datasets, simulator
+from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.fitting.fit import METHODS, fit_fem
-from pvlib_fem.loop.close import Search
-from pvlib_fem.loop.ranking import ENOUGH_DAYS
+from pvlib_fem.loop.close import close_loop
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import read_file
 from pvlib_fem.thermal.model import MEMORY
@@ -148,7 +149,7 @@ def fit(file, **options):
 @click.option(
     "--min-gain",
     type=click.FloatRange(min=0),
-    default=0.15,
+    default=Criteria().min_gain,
     show_default=True,
     help="Gain below which no effect is added [K].",
 )
@@ -236,9 +237,9 @@ def demo_site(days, step, seed, report):
 def answer(name, found):
     """What a loop said of an effect that is there."""
     for finding in found.findings:
-        if name in finding.candidates and finding.verdict != "unknown":
+        if name in finding.candidates and finding.kind is not Kind.STRUCTURE:
             under = "" if name == finding.effect else f", under {finding.effect}"
-            how = "a hint only" if finding.verdict == "suggestive" else "found"
+            how = "a hint only" if finding.verdict is Verdict.SUGGESTIVE else "found"
             return f"{how}{under}, {finding.gain:.2f} K"
     return "not found"
 
@@ -257,7 +258,7 @@ def demo_week():
         f"\na measured week: {data.attrs['source']}\n\n{found}\n\n"
         f"what {days} days can say: what memory and bias are worth, on days that the "
         f"fit has not seen\nwhat they cannot: the name of an effect, which takes "
-        f"{ENOUGH_DAYS} days and its driver"
+        f"{Criteria().enough_days} days and its driver"
     )
 
 
@@ -268,18 +269,22 @@ def closed(
     lon=None,
     tilt=None,
     azimuth=None,
-    min_gain=0.15,
+    min_gain=None,
     no_unit_check=False,
 ):
     """The loop of a frame, with its progress on a terminal."""
     check_columns(data)
-    place = {"surface_tilt": tilt, "surface_azimuth": azimuth}
-    place["location"] = None if lat is None else location(data.index, lat, lon)
     with progress() as bar:
-        bar.set_description_str("checking the record")
-        checked = not no_unit_check
-        search = Search.of(data, model, place, None, min_gain, None, checked)
-        return search.run(bar.set_description_str)
+        return close_loop(
+            data,
+            model,
+            None if lat is None else location(data.index, lat, lon),
+            tilt,
+            azimuth,
+            min_gain=min_gain,
+            check_units=not no_unit_check,
+            progress=bar.set_description_str,
+        )
 
 
 def progress():

@@ -1,14 +1,82 @@
-"""What a closed loop can say."""
+"""What a closed loop can say: findings, corrections, and the checks behind them."""
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from enum import Enum, StrEnum
 
-ADDED = ("named", "class")  # verdicts of what enters the model
+import numpy as np
+
+from pvlib_fem.reasons import Because
+
+
+class Verdict(StrEnum):
+    """What a finding is worth."""
+
+    NAMED = "named"
+    CLASS = "class"
+    SUGGESTIVE = "suggestive"
+    UNKNOWN = "unknown"
+
+
+ADDED = (Verdict.NAMED, Verdict.CLASS)  # what enters the model
+
+
+class Kind(Enum):
+    """What a finding is about."""
+
+    EFFECT = "an effect of the catalogue"
+    OWN = "an effect of the user's own"
+    COLUMN = "a column of the user's own"
+    STRUCTURE = "structure of unknown cause"
+
+
+@dataclass(frozen=True)
+class Check:
+    """
+    One rule, and what a finding made of it.
+
+    Attributes
+    ----------
+    name : str
+        What is asked, in words.
+    criterion : str
+        The field of :class:`pvlib_fem.Criteria` that is the threshold, "" where the
+        rule has none.
+    statistic, threshold : float
+    most : bool
+        Whether the threshold is the most that passes; else it is the least.
+    unit : str
+    """
+
+    name: str
+    criterion: str
+    statistic: float
+    threshold: float
+    most: bool = False
+    unit: str = ""
+
+    @property
+    def passed(self):
+        """Whether the rule is kept; an unknown statistic keeps a most."""
+        if np.isnan(self.statistic):
+            return self.most
+        if self.most:
+            return bool(self.statistic <= self.threshold)
+        return bool(self.statistic >= self.threshold)
+
+    def __str__(self):
+        unit = f" {self.unit}" if self.unit else ""
+        rule = f" ({self.criterion})" if self.criterion else ""
+        side = "at most" if self.most else "at least"
+        return (
+            f"{'passed' if self.passed else 'FAILED'}  {self.name}: "
+            f"{self.statistic:.3g}{unit}, {side} {self.threshold:.3g}{unit}{rule}"
+        )
 
 
 @dataclass(frozen=True)
 class Finding:
     """
-    One thing that the record shows.
+    One thing that the record shows; ``print(finding)`` has all checks.
 
     Attributes
     ----------
@@ -16,25 +84,118 @@ class Finding:
         Name of the effect, or the drivers along which unknown structure lives.
     candidates : tuple of str
         All names that the data cannot tell from it, itself included.
-    verdict : str
+    verdict : Verdict
         ``"named"``; ``"class"``, one of the candidates; ``"suggestive"``, not
         added to the model; ``"unknown"``, which no effect explains.
     gain : float
-        What it takes off the held-out error: root of the fall of its mean square,
-        over weeks of the open part left out in turn. [K]
+        What it takes off the error: root of the fall of the mean square, over
+        fitting weeks left out in turn. [K]
     coefficients, stderr : dict
         Those of the last fit where it was added, else of the ranking.
-    why : str
-        The reason for the verdict, in one line.
+    because : Because
+        The reason for the verdict.
+    checks : tuple of Check
+        The rules in the order in which they were asked; of a finding that was not
+        added, up to the one that failed.
+    kind : Kind
     where : dict
         Of unknown structure: from and to of each driver.
+    place : str
+        Of unknown structure: where it lives, in words.
     """
 
     effect: str
     candidates: tuple
-    verdict: str
+    verdict: Verdict
     gain: float
     coefficients: dict
     stderr: dict
-    why: str
+    because: Because
+    checks: tuple = ()
+    kind: Kind = Kind.EFFECT
     where: dict = field(default_factory=dict)
+    place: str = ""
+
+    @property
+    def why(self):
+        """The reason for the verdict, in one line."""
+        return str(self.because)
+
+    @property
+    def failed(self):
+        """The first check that it does not pass, if any."""
+        return next((check for check in self.checks if not check.passed), None)
+
+    @property
+    def added(self):
+        """Whether it is in the model."""
+        return self.verdict in ADDED
+
+    def content(self):
+        """The same for a file."""
+        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
+        return {
+            **asdict(self),
+            "verdict": str(self.verdict),
+            "kind": self.kind.name,
+            "because": self.because.content(),
+            "checks": checks,
+            "why": self.why,
+        }
+
+    def __str__(self):
+        head = f"{' | '.join(self.candidates)}: {self.verdict}, {self.gain:.2f} K"
+        return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])
+
+
+@dataclass(frozen=True)
+class Correction:
+    """
+    A fault of a clock, and what was made of it before any effect was weighed.
+
+    Attributes
+    ----------
+    fault : str
+        ``"clock_shift"``, ``"clock_drift"``, ``"dst"`` or ``"file_dst"``; several
+        of one clock are joined by ``+``.
+    columns : tuple of str
+        Those that were re-timed; all of them where the whole file was.
+    values, stderr : dict
+        What the clock is out by: ``late`` [min], ``drift`` [s/day], ``summer``
+        [min].
+    before, after : float
+        Error without and with the correction.
+    unit : str
+        Of those errors.
+    because : Because
+    checks : tuple of Check
+    applied : bool
+        Whether the record was corrected.
+    """
+
+    fault: str
+    columns: tuple
+    values: dict
+    stderr: dict
+    before: float
+    after: float
+    unit: str
+    because: Because
+    checks: tuple = ()
+    applied: bool = True
+
+    @property
+    def why(self):
+        """The reason in one line."""
+        return str(self.because)
+
+    def content(self):
+        """The same for a file."""
+        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
+        return {**asdict(self), "because": self.because.content(), "checks": checks}
+
+    def __str__(self):
+        words = "corrected" if self.applied else "not corrected"
+        error = f"{self.before:.2f} → {self.after:.2f} {self.unit}"
+        head = f"{self.fault}: {words}, {error}"
+        return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])

@@ -35,7 +35,10 @@ from study_worlds import (
     SECOND_GENERATOR,
 )
 
-from pvlib_fem.loop.ranking import ENOUGH_DAYS
+from pvlib_fem import Criteria
+
+ENOUGH_DAYS = Criteria().enough_days
+RISE = 0.02  # K by which the error of test weeks may lie above that before
 
 
 def worlds(families=None, quick=False):
@@ -181,6 +184,10 @@ def no_worse(row):
     return row["after"] <= row["before"] + 1e-9
 
 
+def hardly_worse(row):
+    return row["after"] <= row["before"] + RISE
+
+
 def sound(row):
     """Whether the record is such that nothing has to be refused."""
     return row["family"] != LOGGERS
@@ -264,7 +271,8 @@ BARS = (
     ),
     Bar("short records", NO_NAME, done, honest),
     Bar("all", f"error ≤ a refit with the truth + {MARGIN} K", long_enough, close),
-    Bar("all", "error never above that before", done, no_worse),
+    Bar("all", "error on test weeks not above that before", done, no_worse, 0.98),
+    Bar("all", f"and nowhere by more than {RISE} K", done, hardly_worse),
     Bar("all", "brought to an end", sound, done),
 )
 
@@ -282,22 +290,31 @@ def misses(table):
 
 METHOD = """\
 Each record comes from `pvlib_fem.simulator` (but those of the exact null, which are
-the fitted form itself), at a site and in a weather of its own. The loop sees the
-columns that a user would have, the site's coordinates and the module's angles.
+the fitted form itself), at a site and in a weather of its own, by laws drawn for it
+from rivals in the literature: obstacles, cleaning, vapour, diffuse share and
+transposition, emissivity of the sky, convection, snow. Those of the second generator
+are pvlib's `fuentes` in the same weather. The loop sees the columns that a user would
+have, the site's coordinates and the module's angles.
 
-*Size* of an effect: what its own terms of the catalogue take off the error of sealed
-days in a refit of the same base, less what they take off in the same weather without
+*Size* of an effect: what its own terms of the catalogue take off the error of test
+weeks in a refit of the same base, less what they take off in the same weather without
 the effect, as mean squares. *Smallest detectable*: {floor} K, or what the loop's
 ranking calls detectable in the record without the effect, whichever is larger. An
-effect has to be found from {clearly:g} times that. A *refit with the truth* has the
-true effects' terms of the catalogue, the same open rows and the same sealed ones.
+effect has to be found from {clearly:g} times that. The ranking's minimum detectable
+gain has the chance of the whole family of hypotheses in it. A *refit with the truth*
+has the true effects' terms of the catalogue, the same fitting rows and the same
+test ones.
 
 The loop's rules were mended on the worlds of seeds 1000 to 9019, of which
-`tests/test_study.py` takes a part, and looked at on those of shifts 50000, 70000
-and 90000; other seeds are worlds on which none was tried.
+`tests/test_study.py` takes a part, and looked at on those of shifts 50000, 70000,
+90000 and 310000; other seeds are worlds on which none was tried.
 
-A shape of the usual inputs counts as found when it is a candidate of any class;
+A confounder counts as found when it is a candidate of any class;
 physics itself leaves such classes, so a class is no false name, and only `named` is.
+
+The coefficient of shade is beside the share of the beam that the drawn obstacle takes.
+The effect knows the beam by Erbs from irradiance in the plane alone: where a world has
+another law, a refit with the true windows misses that share, too.
 
 A bar counts the records that it can judge: effects that are large enough, loops that
 came to an end, records of {days} days and more where effects can be added.

@@ -2,7 +2,6 @@
 
 import math
 import time
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -21,6 +20,7 @@ from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.candidates import driver
 from pvlib_fem.effects.catalogue.shading import within
 from pvlib_fem.loop.close import close_loop
+from pvlib_fem.paper.filters import counted
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.simulator.schedules import undeclared
 from pvlib_fem.simulator.switches import amplitudes
@@ -56,8 +56,18 @@ def formed(data, seed, dynamics, u0, u1, memory, noise, hours, by_day):
 
 
 def refit(loop, effects):
-    """Sealed-day error of the same base with other effects. [K]"""
-    return float(refitted(loop, effects).scores["rmse_test"].iloc[-1])
+    """Test-week error of the same base with other effects. [K]"""
+    return test_error(refitted(loop, effects), loop.weeks)
+
+
+def test_error(fit, weeks):
+    """Error of the test weeks' rows that count. [K]"""
+    rows = np.asarray(counted(fit.record.inputs.columns, with_night=True))
+    rows &= (weeks == "test").to_numpy() & fit.residual.notna().to_numpy()
+    return float(np.sqrt((fit.residual[rows] ** 2).mean()))
+
+
+test_error.__test__ = False  # no test, whatever its name
 
 
 def refitted(loop, effects):
@@ -73,22 +83,23 @@ def refitted(loop, effects):
         model="faiman",
         dynamics=fit.dynamics,
         effects=effects,
-        holdout=fit.holdout,
+        holdout=loop.weeks != "fitting",
         night=True,
         check_units=False,
     )
 
 
 def as_recorded(loop, data):
-    """Sealed-day error of the base on the record as it came. [K]"""
+    """Test-week error of the base on the record as it came. [K]"""
+    weeks = loop.weeks.reindex(data.index, fill_value="fitting")
     fit = fit_fem(
         *(data[name] for name in COLUMNS),
         model="faiman",
         dynamics=loop.fit.dynamics,
-        holdout=loop.fit.holdout.reindex(data.index, fill_value=False),
+        holdout=weeks != "fitting",
         night=True,
     )
-    return float(fit.scores["rmse_test"].iloc[-1])
+    return test_error(fit, weeks)
 
 
 def catalogue(loop, data, case, forms):
@@ -100,10 +111,10 @@ def catalogue(loop, data, case, forms):
             windows = list(skyline(forms.obstacles))
             terms[switch] = within(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
-            rows = ~loop.fit.holdout.to_numpy()
-            base = loop.fit.base or loop.fit.coefficients
-            inputs = replace(loop.fit.thermal_model, base=base).with_base(record.inputs)
-            terms[switch] = EFFECTS[switch].prepare(inputs.columns, rows)
+            rows = (loop.weeks == "fitting").to_numpy()
+            base = thermal_model("faiman", loop.fit.dynamics, (), loop.plain[1])
+            columns = base.with_base(record.inputs).columns
+            terms[switch] = EFFECTS[switch].prepare(columns, rows)
         elif switch == "sky_radiation" and "longwave_down" in case.drop:
             humid = "relative_humidity" not in case.drop
             source = "humidity" if humid else "clouds of the day"
@@ -180,11 +191,14 @@ def looked(world, case, data, off=None):
 def said(loop, case):
     """What the loop found, and whether that is right."""
     added = [f for f in loop.findings if f.verdict in ("named", "class")]
-    groups = [set(finding.candidates) for finding in added]
+    clocks = [c for c in loop.corrections if c.applied and c.fault != "file_dst"]
+    groups = [{"clock_shift"} for _ in clocks]
+    groups += [set(finding.candidates) for finding in added]
     there = set(case.truths) | (IN_PHYSICS if case.form is None else set())
     wrong = [
         f.effect for f in added if f.verdict == "named" and f.effect not in case.truths
     ]
+    wrong += ["clock_shift"] * (len(clocks) > 0 and "clock_shift" not in case.truths)
     misled = [
         "|".join(f.candidates)
         for f in added
@@ -192,7 +206,9 @@ def said(loop, case):
     ]
     verdicts = [f.verdict for f in loop.findings]
     first = added[0].effect if added else "nothing"
-    if not added and verdicts:
+    if clocks:
+        first = "clock_shift"
+    elif not added and verdicts:
         first = "unknown" if "unknown" in verdicts else "suggestive"
     return {
         "findings": "; ".join(
@@ -214,17 +230,17 @@ def said(loop, case):
         "untestable": tuple(loop.untestable),
         "mentioned": mentioned(loop, case),
         "notes": "; ".join(loop.notes),
-        "whys": "; ".join(f.why for f in loop.findings if f.effect == "clock_shift"),
+        "whys": "; ".join(correction.why for correction in loop.corrections),
     }
 
 
 def first_ok(groups, case):
-    """Whether the first finding holds a truth; of shapes, any class."""
+    """Whether the first finding holds a truth; of confounders, any class."""
     truths = set(case.truths)
     if not truths or not groups:
         return False
-    shape = all(name in EFFECTS and EFFECTS[name].confounder for name in truths)
-    return bool(truths & (set().union(*groups) if shape else groups[0]))
+    alike = all(name in EFFECTS and EFFECTS[name].confounder for name in truths)
+    return bool(truths & (set().union(*groups) if alike else groups[0]))
 
 
 def unexplained_ok(loop, case):
@@ -241,7 +257,7 @@ def mentioned(loop, case):
 
 
 def errors(loop, data, case, off, forms):
-    """Sealed-day errors, and how large the effects are. [K]"""
+    """Test-week errors, and how large the effects are. [K]"""
     table = loop.table["rmse_test"]
     before, after = float(table[loop.base]), float(table[loop.last])
     terms = catalogue(loop, data, case, forms)
@@ -283,7 +299,7 @@ def sizes(loop, terms, before, best, off):
 
 def smallest(off, name):
     """Smallest detectable size, from the record without the effect. [K]"""
-    known = off.ranking["detectable"].get(name, math.nan)
+    known = off.ranking["minimum_detectable"].get(name, math.nan)
     return max(FLOOR, known) if np.isfinite(known) else FLOOR
 
 
@@ -300,13 +316,15 @@ def coefficients(loop, world, case, off):
             continue
         name = f"{truth.effect}.{truth.coefficient}"
         fitted = [f.coefficients for f in loop.findings if f.effect == truth.effect]
+        if truth.effect == "clock_shift":
+            fitted = [{name: c.values["late"]} for c in loop.corrections if c.applied]
         if not fitted or name not in fitted[0]:
             continue
         expected = truth.expected(world, size)
         if math.isnan(expected):  # this world's law has no such coefficient
             continue
         if truth.added and off is not None:
-            # of what physics leaves, the other shapes of the loop take their part
+            # of what physics leaves, the other confounders of the loop take their part
             others = IN_PHYSICS.intersection(loop.effects) - {truth.effect}
             beside = [find(other) for other in sorted(others)]
             alone = refitted(off, [*beside, find(truth.effect)])

@@ -13,6 +13,7 @@ PACKAGE = Path(pvlib_fem.__file__).parent
 ORDER = (
     "simulator",
     "layers",
+    "reasons",
     "record",
     "relaxation",
     "statistics",

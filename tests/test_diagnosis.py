@@ -47,7 +47,7 @@ def test_the_planted_effect_comes_first(plant, noise, name):
     table = fem.rank_effects(base_fit(data), data)
     assert table.index[0] == name
     best = table.iloc[0]
-    assert best["gain"] > 1.5 * best["detectable"] > 0
+    assert best["gain"] > 1.5 * best["minimum_detectable"] > 0
     assert best["p_value"] < 1e-3 and best["physical"]
     truth = coefficients("balance", name, **larger)
     if best["note"].startswith("from "):
@@ -153,13 +153,18 @@ def test_pvlibs_older_name_of_the_longwave_is_known(plant, noise):
 def test_a_short_record_is_suggestive_at_best(plant, noise):
     data = record_with(plant, noise, "wind_direction").iloc[: 288 * 20]
     table = fem.rank_effects(base_fit(data), data)
-    assert table.loc["wind_direction", "note"] == "suggestive at best: 20 days, of 60"
+    assert (
+        table.loc["wind_direction", "note"] == "20 days are too few for a name, of 60"
+    )
 
 
 def test_a_day_holds_nothing_out(day):
     fit = fem.fit_fem(*(day[n] for n in COLUMNS), model="faiman", dynamics="balance")
     table = fem.rank_effects(fit, day[[*COLUMNS, "wind_direction"]])
-    assert table.loc["wind_direction", "note"] == "1 days are too few to hold any out"
+    assert (
+        table.loc["wind_direction", "note"]
+        == "1 days are too few to leave any out, of 5"
+    )
     assert table["gain"].isna().all()
 
 
@@ -172,8 +177,8 @@ def test_smaller_effects_than_detectable_are_rarely_significant(plant, noise):
         plant, noise, "sensitivity_drift", sensitivity_drift={"per_year": 2.8 * error}
     )
     found = fem.rank_effects(base_fit(big), big, ["sensitivity_drift"]).iloc[0]
-    assert found["gain"] == pytest.approx(row["detectable"], rel=1.0)
-    assert 0.0 < row["detectable"] < 0.2
+    assert found["gain"] == pytest.approx(row["minimum_detectable"], rel=1.0)
+    assert 0.0 < row["minimum_detectable"] < 0.2
 
 
 @pytest.mark.parametrize(("days", "found"), [(60, False), (900, True)])

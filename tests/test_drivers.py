@@ -251,7 +251,7 @@ def test_a_driver_behind_drivers_is_asked_for_by_what_is_measured():
 
 
 def test_shapes_are_functions_of_the_usual_columns_and_the_sun():
-    for effect in (form for one in EFFECTS.values() for form in one.forms):
-        if effect.confounder:
-            assert set(needed_for(effect.drivers)) <= set(GEOMETRY), effect.name
-            assert effect.decided_by
+    for form in (form for effect in EFFECTS.values() for form in effect.forms):
+        if form.confounder:
+            assert set(needed_for(form.drivers)) <= set(GEOMETRY), form.name
+            assert form.decided_by

@@ -880,3 +880,23 @@ def test_the_base_is_the_fit_without_effects(plant, noise, tmp_path):
     fit.to_json(tmp_path / "fit.json")
     chain = fem.DynamicCellTemperature.from_json(tmp_path / "fit.json")
     assert chain.base == fit.base == fit.temperature_model().base
+
+
+@pytest.mark.parametrize("name", ["soiling", "rain", "snow", "sky_radiation"])
+def test_where_a_driver_lacks_there_is_no_temperature(plant, name):
+    """A gap is no dry hour, and no bare module."""
+    (effect,) = [f for f in EFFECTS[name].forms if f.drivers][:1]
+    base = {"u0": 25.0, "u1": 6.0, "capacity": 15e3, "bias": 0.0}
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,), base=base)
+    values = {**base, **{key: 0.3 * row.upper for key, row in effect.rows().items()}}
+    usual = [plant[n] for n in DRIVERS]
+    drivers = {n: pd.Series(5.0, plant.index) for n in model.drivers}
+    whole = model.predict(*usual, values, **drivers)
+    some = slice(400, 460)
+    for column in drivers:
+        gap = drivers[column].copy()
+        gap.iloc[some] = np.nan
+        found = model.predict(*usual, values, **{**drivers, column: gap})
+        assert found.iloc[some].isna().all()
+        assert found.drop(found.index[some]).notna().all()
+        assert whole.notna().all()

@@ -10,7 +10,7 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
-from pvlib_fem.fitting.fit import natural
+from pvlib_fem.fitting.search import natural
 from pvlib_fem.paper.recipe import recipe
 from pvlib_fem.record.checks import measured
 from pvlib_fem.statistics.leastsquares import gauss_newton

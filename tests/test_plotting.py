@@ -75,15 +75,15 @@ def test_the_day_is_that_of_the_record_by_its_own_clock(closed, ax):
         np.testing.assert_allclose(left, residual[day.index], atol=1e-9)
 
 
-def test_no_other_sealed_day_is_more_variable(closed, ax):
+def test_no_other_test_day_is_more_variable(closed, ax):
     plotting.plot_fit(closed.fit, ax=ax)
-    record, sealed = closed.fit.record, closed.fit.holdout
-    change = pd.Series(record["poa_global"], record.index).diff().abs()[sealed]
+    record, test = closed.fit.record, closed.fit.holdout
+    change = pd.Series(record["poa_global"], record.index).diff().abs()[test]
     by_day = change.groupby(change.index.strftime("%Y-%m-%d")).sum()
     assert by_day.idxmax() == ax.get_title()[:10]
 
 
-def test_bars_are_the_errors_of_the_sealed_days(closed, ax):
+def test_bars_are_the_errors_of_the_test_days(closed, ax):
     plotting.plot_steps(closed, ax)
     widths = [bar.get_width() for bar in ax.patches]
     np.testing.assert_array_equal(widths, closed.table["rmse_test"])

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.statistics.axes import axes
+from pvlib_fem.statistics.axes import axes, sorted_by
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.tables import find_structure
 from pvlib_fem.statistics.timetables import timetables
@@ -116,3 +116,18 @@ def test_few_days_have_no_weekend():
     rows = slice(0, 96 * 7)
     names = {axis.name for axis in axes(TIMES[rows], DATES[rows], {}, CRITERIA)}
     assert names == {"hour"}
+
+
+@pytest.mark.parametrize("name", ["wind_direction", "relative_humidity"])
+def test_rows_without_a_driver_are_a_bin_of_their_own(name):
+    """They are sorted to no value, and what lives there is said so."""
+    values = np.linspace(0.0, 100.0, 2000)
+    whole = sorted_by(name, values, CRITERIA)
+    values[::7] = np.nan
+    axis = sorted_by(name, values, CRITERIA)
+    gone = np.isnan(values)
+    last = len(axis.labels) - 1
+    assert (axis.bins[gone] == last).all() and (axis.bins[~gone] < last).all()
+    assert axis.labels[last] == ("missing", "missing")
+    assert len(axis.labels) == len(whole.labels) + 1
+    assert "missing" in axis.words([last], 0.1)

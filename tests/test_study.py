@@ -4,20 +4,20 @@ import pytest
 from study import (
     BARS,
     CLEARLY,
+    ENOUGH_DAYS,
     FAMILIES,
     LOGGERS,
     QUICK,
     clear,
     found_before,
+    hardly_worse,
     listed,
-    no_worse,
     page,
     run,
 )
 from study_worlds import TRUTHS, UNDECLARED
 
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.loop.ranking import ENOUGH_DAYS
 from pvlib_fem.simulator import SWITCHES
 
 
@@ -90,10 +90,11 @@ def test_a_short_record_is_never_better_than_suggestive(table):
         assert not {"named", "class"} & {*verdicts}
 
 
-def test_the_error_of_sealed_days_never_rises(table):
+def test_the_error_of_test_weeks_hardly_ever_rises(table):
+    """A measurement: nothing was chosen by them."""
     done = table[table["after"].notna()]
     for _, row in done.iterrows():
-        assert no_worse(row), (row["truth"], row["before"], row["after"])
+        assert hardly_worse(row), (row["truth"], row["before"], row["after"])
 
 
 def test_the_page_has_every_family_and_a_verdict(table):

@@ -9,7 +9,7 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects.catalogue.shading import within_any
-from pvlib_fem.effects.windows import find_windows
+from pvlib_fem.effects.windows import find_windows, orthonormal
 from pvlib_fem.loop.criteria import Criteria
 
 #: obstacles with edges anywhere, what is left of the beam, and where the module is
@@ -54,7 +54,7 @@ class Scene:
         return find_windows(
             rest,
             self.tangent if tangent is None else tangent,
-            self.beside,
+            orthonormal(self.beside),
             (self.azimuth, self.elevation),
             self.weeks,
             sign,

@@ -25,9 +25,10 @@ GROUPS = {
 Each follows what no other does: a column, the years, or one window of the sky. So the
 loop may name it, unless another explains as much.
 """,
-    "Shapes of the usual inputs": """
-Functions of irradiance, air temperature, wind, sun and date alone. Several look alike,
-so the loop reports them as a class, with the measurement that would decide.
+    "Confounders": """
+Functions of the usual inputs alone: irradiance, air temperature, wind, sun and date.
+Several look alike, so the loop reports them as a class, with the measurement that
+would decide.
 """,
 }
 MEASURED = """
@@ -73,7 +74,7 @@ def behind(name):
 
 
 def needs(effect):
-    """What has to be measured beside the usual three, in words."""
+    """What has to be measured besides the usual three, in words."""
     names = drivers.needed_for(effect.drivers)
     columns = [f"``{name}``" for name in names if name not in GEOMETRY]
     if len(columns) < len(names):
@@ -205,7 +206,7 @@ def made_of(name):
 
 
 def settings(effect):
-    """What it can be made with beside its name."""
+    """What it can be made with besides its name."""
     if effect.variants:
         made = next(v.spec for v in effect.forms if v.settings)
         yield "By its name alone it takes the first source whose columns are there, by"
@@ -263,13 +264,13 @@ def page():
     """The whole page, in reStructuredText."""
     title = "Effects"
     lines = [title, "=" * len(title), INTRO]
-    header = ("Effect", "What it is", "Needs beside the usual", "Told as")
+    header = ("Effect", "What it is", "Needs besides the usual", "Told as")
     chosen = effects.EFFECTS.values()
     lines += table(header, overview(chosen), "22 43 23 12")
-    for shape, (group, text) in zip((False, True), GROUPS.items()):
+    for confounder, (group, text) in zip((False, True), GROUPS.items()):
         lines += [group, "-" * len(group), text]
         for effect in chosen:
-            if effect.confounder == shape:
+            if effect.confounder == confounder:
                 lines += described(effect)
     lines += ["Measured columns", "-" * 16, MEASURED]
     lines += table(("Column", "What it is"), measured_table(), "30 70")

@@ -3,6 +3,7 @@
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.reasons import Reason, because, together
 
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
 #: the same sunlight in other planes: no cause of its own
@@ -30,13 +31,17 @@ def candidates(drivers, refused, effects, there=()):
                 testable.append(variant)
                 break
         else:
-            lacking = [n for n in needed_for(effect.drivers) if n not in drivers]
-            why = [refused[name] for name in lacking if name in refused]
-            none = [SUN.get(name, name) for name in lacking if name not in refused]
-            if none:
-                why.append(f"no {', '.join(sorted(set(none)))}")
-            notes[effect.name] = "; ".join(why)
+            notes[effect.name] = lacks(effect, drivers, refused)
     return testable, notes
+
+
+def lacks(effect, drivers, refused):
+    """Why an effect cannot be tried."""
+    lacking = [n for n in needed_for(effect.drivers) if n not in drivers]
+    why = [refused[name] for name in lacking if name in refused]
+    if none := sorted({SUN.get(n, n) for n in lacking if n not in refused}):
+        why.append(because(Reason.LACKS, columns=none))
+    return together(why)
 
 
 def measured_for(effect):

@@ -97,6 +97,8 @@ class Effect:
         holds the thresholds.
     scanned_from : Effect, optional
         The wide effect whose tangents the scan needs, if it is not this one.
+    choices : int, default 1
+        Forms among which its scan chooses, by which its chance is multiplied.
     """
 
     name: str
@@ -114,6 +116,7 @@ class Effect:
     prepare: Callable | None = None
     scan: Callable | None = None
     scanned_from: "Effect | None" = None
+    choices: int = 1
 
     @property
     def forms(self):

@@ -17,7 +17,7 @@ TURNS = 20  # of edges in azimuth and in elevation, until neither moves
 MOST = 1.5  # share of the beam: all, and what the beam is underestimated by
 
 
-def find_windows(rest, tangent, beside, sun, weeks, sign, criteria):
+def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
     """
     Windows of the sky that take beam from the module, or from its sensor.
 
@@ -27,8 +27,8 @@ def find_windows(rest, tangent, beside, sun, weeks, sign, criteria):
         What a fit leaves. [K]
     tangent : array
         Response of the temperature to the loss of all beam. [K]
-    beside : list of array
-        Tangents of all that is fitted. [K]
+    basis : array
+        Rows by columns: :func:`orthonormal` of the tangents of all that is fitted.
     sun : (array, array)
         Azimuth and elevation of the sun whose beam is in the temperature. [°]
     weeks : array of int
@@ -46,7 +46,7 @@ def find_windows(rest, tangent, beside, sun, weeks, sign, criteria):
     sunny = (sun[1] > 0) & (sun[1] < 90) & (tangent < 0)
     if not sunny.any():
         return 0.0, ()
-    basis = orthonormal(beside)[sunny]
+    basis = basis[sunny]
     floor = len(rest) * criteria.hint_gain**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
     sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)
@@ -208,9 +208,11 @@ def climb(weigh, window, ends):
 def orthonormal(columns):
     """An orthonormal basis of what columns span."""
     sizes = [np.linalg.norm(column) for column in columns]
-    columns = [c / size for c, size in zip(columns, sizes) if size > 0]
-    basis, sizes, _ = np.linalg.svd(np.column_stack(columns), full_matrices=False)
-    return basis[:, sizes > UNSEEN * sizes[0]]
+    columns = np.column_stack([c / size for c, size in zip(columns, sizes) if size > 0])
+    # from the small matrix of their products, which is one pass over the rows
+    squares, turns = np.linalg.eigh(columns.T @ columns)
+    kept = squares > UNSEEN**2 * squares[-1]
+    return columns @ (turns[:, kept] / np.sqrt(squares[kept]))
 
 
 def certainty(rest, column, known, weeks):

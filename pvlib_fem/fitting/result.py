@@ -216,6 +216,8 @@ def without_nan(content):
     """JSON has no NaN: null stands for it."""
     if isinstance(content, dict):
         return {key: without_nan(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [without_nan(value) for value in content]
     if isinstance(content, float) and not np.isfinite(content):
         return None
     return content

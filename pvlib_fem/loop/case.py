@@ -1,26 +1,33 @@
-"""A user's frame as the loop takes it: checked, corrected, split."""
+"""A user's frame as the loop takes it: checked, corrected, and divided."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem.drivers import geometry
+from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.findings import Check, Correction
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.check import check
 from pvlib_fem.quality.clock import Clock
-from pvlib_fem.record.checks import Record, measured
-from pvlib_fem.record.columns import COLUMNS, filled, usable_drivers, with_aliases
+from pvlib_fem.quality.daylight import daylight_saving
+from pvlib_fem.quality.stuck import stuck
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.record.checks import (
+    Record,
+    as_record,
+    refuse_units,
+    with_columns,
+    without_impossible,
+)
+from pvlib_fem.record.columns import COLUMNS, usable_drivers, with_aliases
 from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
-from pvlib_fem.statistics.clusters import FOLDS, calendar_weeks
+from pvlib_fem.statistics.clusters import calendar_weeks
 
-SEALED = 5  # of this many weeks one is sealed
-FEWEST_DAYS = 2 * FOLDS  # open ones, below which none is left out
-FEWEST_SEALED_WEEKS = 5  # weeks below which every other day is sealed instead
-WORTH_SAYING = 120.0  # s that a clock may be off unseen
 OFF_THE_SUN = ("file_shift", "file_dst")  # faults with which the sun is elsewhere
 
 
@@ -36,29 +43,41 @@ class Case:
     whole: Record
     record: Record  # on coarse steps
     seen: np.ndarray  # rows of the whole that count
-    sealed: np.ndarray  # rows of the whole that nothing looks at before the end
+    parts: np.ndarray  # what each row of the whole is for
     drivers: tuple
     wanted: tuple  # effects whose drivers are there
-    untestable: dict
+    untestable: dict  # name: why
     site: dict
     clock: Clock
-    notes: tuple = field(default=())
+    criteria: Criteria
+    family: int = 1  # hypotheses, counted before the first look
+    fixed: dict = field(default_factory=dict)  # coefficients that are held
+    notes: tuple = ()
+    corrections: tuple = ()  # of the whole file
 
-    @property
-    def train(self):
-        return self.seen & ~self.sealed
-
-    @property
-    def test(self):
-        return self.seen & self.sealed
+    def rows(self, part):
+        """Rows of the whole that count for a part."""
+        return self.seen & (self.parts == part)
 
     @cached_property
-    def open(self):
+    def fitting(self):
+        return self.rows(Part.FITTING)
+
+    @cached_property
+    def choosing(self):
+        return self.rows(Part.CHOOSING)
+
+    @cached_property
+    def test(self):
+        return self.rows(Part.TEST)
+
+    @cached_property
+    def searched(self):
         """Rows of the coarse record that the search may look at."""
-        columns = self.record.inputs.columns
-        seen = np.asarray(counted(columns, with_night=True))
+        seen = np.asarray(counted(self.record.inputs.columns, with_night=True))
         seen &= covered(self.seen, self.whole, self.record)
-        return seen & ~covered(self.sealed, self.whole, self.record)
+        kept = self.parts != Part.FITTING
+        return seen & ~covered(kept, self.whole, self.record)
 
     @property
     def days(self):
@@ -66,28 +85,41 @@ class Case:
         return len(np.unique(self.whole.dates[self.seen]))
 
     @property
-    def open_days(self):
-        return len(np.unique(self.record.dates[self.open]))
+    def fitting_days(self):
+        return len(np.unique(self.record.dates[self.searched]))
 
     @property
     def divisible(self):
         """Whether there are days to leave out in turn."""
-        return self.open_days >= FEWEST_DAYS
+        return self.fitting_days >= self.criteria.fewest_fitting_days
+
+    @property
+    def enough(self):
+        """Whether the record is long enough for a name."""
+        return self.days >= self.criteria.enough_days
 
     @cached_property
     def axes(self):
-        """All ways to sort the open rows."""
+        """All ways to sort the rows that are searched."""
         # power follows the light itself, and would sort by what it should tell
         names = sorted({*self.drivers, *COLUMNS[:3]} - {"p_dc"})
-        record, rows = self.record, self.open
+        record, rows = self.record, self.searched
         columns = {name: record[name][rows] for name in names}
-        return list(axes(record.index[rows], record.dates[rows], columns, Criteria()))
+        return list(
+            axes(record.index[rows], record.dates[rows], columns, self.criteria)
+        )
 
     @cached_property
     def folds(self):
-        """Group of weeks of each open row."""
-        weeks = calendar_weeks(self.record.dates[self.open])
-        return np.unique(weeks, return_inverse=True)[1] % FOLDS
+        """Group of weeks of each row that is searched."""
+        weeks = calendar_weeks(self.record.dates[self.searched])
+        return np.unique(weeks, return_inverse=True)[1] % self.criteria.folds
+
+    def without(self, effect):
+        """The case without an effect, and the column that it follows."""
+        wanted = tuple(other for other in self.wanted if other.name != effect.name)
+        drivers = tuple(name for name in self.drivers if name not in effect.drivers)
+        return replace(self, wanted=wanted, drivers=drivers)
 
     def corrected(self):
         """The case with the module's record re-timed."""
@@ -98,84 +130,146 @@ class Case:
             moved = self.clock.corrected(seconds, columns["p_dc"])
             columns["p_dc"] = follows(columns["poa_global"], columns["p_dc"], moved)
         whole = replace(self.whole, inputs=replace(self.whole.inputs, columns=columns))
-        return divided(whole, replace(self, clock=Clock()), self.sealed)
+        return divided(whole, replace(self, clock=Clock()))
 
 
-def prepared(data, site, holdout, effects, check_units=True):
-    """Everything checked that comes in."""
+def prepared(
+    data,
+    site,
+    holdout,
+    effects,
+    criteria,
+    check_units=True,
+    fixed=None,
+    corrections=(),
+):
+    """Everything checked that comes in, and divided before it is looked at."""
     columns = with_aliases(data)
-    usual = [columns.pop(name) for name in COLUMNS]
-    drivers, refused = usable_drivers(columns, usual)
-    record = measured(*usual, check_units, **filled(drivers))
-    health = check(record, **site)
-    doubts = {f"units:{name}" for name in health.doubtful}  # said with the refused
-    notes = [
-        f"{line}; corrected" if name in health.clock.faults else line
-        for name, line in health.faults.items()
-        if name not in doubts
-    ]
+    usual = as_record(*(columns.pop(name) for name in COLUMNS))
+    what = parts(usual, counting(usual), holdout, criteria)
+    # of the test rows' answer nothing is known to any rule
+    if check_units:
+        refuse_units(without_answer(usual, what == Part.TEST).inputs)
+    usual = without_impossible(usual)
+    hidden = without_answer(usual, what == Part.TEST)
+    drivers, refused = usable_drivers(columns, hidden, criteria.most_missing)
+    whole = with_columns(usual, drivers)
+    health = check(with_columns(hidden, drivers), limits=criteria.limits, **site)
+    if "file_dst" in health.faults and site["location"] is not None and not corrections:
+        place = (health.noon, *site.values(), criteria.limits)
+        summer = daylight_saving(whole["poa_global"], whole.index, *place)
+        how = (site, holdout, effects, criteria, check_units, fixed)
+        if summer.explained:
+            if holdout is not None:
+                how = (site, summer.corrected(holdout), *how[2:])
+            return prepared(summer.corrected(data), *how, (told_of(summer),))
+        corrections = (told_of(summer, health.faults["file_dst"]),)
+    # what test rows show of a sensor is of themselves alone
+    own = np.any(list(stuck(usual, criteria.limits).values()), axis=0)
+    stands = health.mask | (own & (what == Part.TEST))
+    # doubts are said with the refused, clocks with their correction
+    said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
+    said |= {c.fault for c in corrections}
+    notes = [line for name, line in health.faults.items() if name not in said]
     notes += health.unchecked
-    for name, reason in health.doubtful.items():
+    for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
-        refused[name] = reason
-    sun = geometry(record.index, **site)
+        words = doubt.removeprefix(f"{name} ")
+        refused[name] = because(Reason.DOUBTFUL, column=name, doubt=words)
+    sun = geometry(whole.index, **site)
     if off := [name for name in OFF_THE_SUN if name in health.faults]:
         sun = {}
         notes.append(f"no effect that needs the sun is tried: {off[0]}")
-    places = {name: column.to_numpy() for name, column in sun.items()}
-    kept = {n: c for n, c in record.inputs.columns.items() if n not in refused}
-    module = np.where(health.mask, np.nan, record["temp_module"])
-    columns = {**kept, **places, "temp_module": module}
-    inputs = replace(record.inputs, columns=columns)
-    record = replace(record, inputs=inputs)
     wanted, untestable = candidates({**drivers, **sun}, refused, effects)
-    if health.clock.limit > WORTH_SAYING and not health.clock.fault:
-        untestable["clock_shift"] = (
-            f"rows so far apart show it from {health.clock.limit / 60:.2g} min only"
-        )
-    notes += [f"{reason}: not used" for name, reason in refused.items()]
+    if health.clock.limit > criteria.unseen_clock and not health.clock.fault:
+        minutes = health.clock.limit / 60.0
+        notes.append(str(because(Reason.COARSE_CLOCK, minutes=minutes)))
+    notes += [f"{reason}: not used" for reason in refused.values()]
+    notes += gaps(whole, drivers, wanted)
+    kept = {n: c for n, c in whole.inputs.columns.items() if n not in refused}
+    kept |= {name: column.to_numpy() for name, column in sun.items()}
+    kept["temp_module"] = np.where(stands, np.nan, whole["temp_module"])
+    whole = replace(whole, inputs=replace(whole.inputs, columns=kept))
     case = Case(
-        record,
-        record,
-        ~health.mask,
-        np.zeros(len(health.mask), dtype=bool),
-        tuple(drivers),
-        tuple(wanted),
-        untestable,
-        site if sun else dict.fromkeys(site),
-        health.clock,
-        tuple(notes),
+        whole=whole,
+        record=whole,
+        seen=~stands,
+        parts=what,
+        drivers=tuple(drivers),
+        wanted=tuple(wanted),
+        untestable=untestable,
+        site=site if sun else dict.fromkeys(site),
+        clock=health.clock,
+        criteria=criteria,
+        family=criteria.rounds * max(1, len(wanted)),
+        fixed=dict(fixed or {}),
+        notes=tuple(notes),
+        corrections=corrections,
     )
-    return divided(record, case, holdout)
+    return divided(whole, case)
 
 
-def divided(whole, case, holdout):
-    """The case with this record, its coarse steps and its sealed rows."""
-    seen = np.asarray(counted(whole.inputs.columns, with_night=True)) & case.seen
-    sealed = holdout
-    if not isinstance(holdout, np.ndarray):
-        sealed = sealed_rows(whole, seen, holdout)
-    short = coarse(whole)
+def told_of(summer, fault=""):
+    """What was made of a file that keeps daylight-saving time."""
+    noon = "the day's light beside the sun, root mean square"
+    why = because(Reason.CORRECTED, fault=summer.line)
+    if not summer.explained:
+        why = because(Reason.NOT_CORRECTED, fault=fault, remedy=summer.line)
+    check = Check(noon, "", summer.after, summer.before, most=True, unit="min")
+    return Correction(
+        fault="file_dst",
+        columns=("all",),
+        values={"summer": 60.0} if summer.explained else {},
+        stderr={},
+        before=summer.before,
+        after=summer.after,
+        unit="min",
+        because=why,
+        checks=(check,) if summer.explained else (),
+        applied=summer.explained,
+    )
+
+
+def without_answer(record, rows):
+    """The record without the module's temperature in some rows."""
+    module = np.where(rows, np.nan, record["temp_module"])
+    columns = {**record.inputs.columns, "temp_module": module}
+    return replace(record, inputs=replace(record.inputs, columns=columns))
+
+
+def counting(record):
+    """Rows that can be fitted."""
+    return np.asarray(counted(record.inputs.columns, with_night=True))
+
+
+def divided(whole, case):
+    """The case with this record and its coarse steps."""
+    limits = case.criteria
+    seen = case.seen & counting(whole)
+    short = whole
+    if whole.inputs.seconds[-1] > 0:
+        hidden = without_answer(whole, case.parts == Part.TEST)
+        short = coarse(hidden, limits.search_step, limits.step_present)
+        short = whole if short is hidden else short
     if short is not whole:
         # the sun is where it is, and nothing is averaged over a horizon
         places = geometry(short.index, **case.site)
         places = {name: column.to_numpy() for name, column in places.items()}
         inputs = replace(short.inputs, columns={**short.inputs.columns, **places})
         short = replace(short, inputs=inputs)
-    return replace(case, whole=whole, record=short, seen=seen, sealed=sealed)
+    return replace(case, whole=whole, record=short, seen=seen)
 
 
-def sealed_rows(record, seen, holdout):
-    """Rows that nothing looks at before the end."""
-    if holdout is not None:
-        return record.rows(holdout)
-    weeks = np.unique(calendar_weeks(record.dates), return_inverse=True)[1]
-    if weeks.max() + 1 >= FEWEST_SEALED_WEEKS:
-        return weeks % SEALED == SEALED // 2
-    days = record.days
-    if len(np.unique(days[seen])) < 2:
-        return np.zeros(len(seen), dtype=bool)
-    return days % 2 == 1
+def gaps(record, drivers, wanted):
+    """How many rows do not count for effects whose drivers lack, one line each."""
+    for name in drivers:
+        lacking = int(np.isnan(record[name]).sum())
+        using = [e.name for e in wanted if name in needed_for(e.drivers)]
+        if lacking and using:
+            yield (
+                f"{name} lacks in {lacking:,} rows, which do not count for "
+                f"{', '.join(using)}"
+            )
 
 
 def follows(poa_global, *columns):

@@ -1,15 +1,19 @@
 """Every threshold by which the loop decides, in one place."""
 
-from dataclasses import dataclass, fields
+import re
+from dataclasses import dataclass, field
 
+from pvlib_fem.quality.limits import Limits
+
+#: stages in the order in which the loop goes through them
 STAGES = (
     "record",
     "weeks",
     "weighing",
+    "scan",
     "naming",
     "classes",
     "structure",
-    "scan",
     "confirming",
 )
 
@@ -43,6 +47,9 @@ class Criteria:
         constants; fits end on the record's own. [s]
     step_present : float
         *record.* Share of such a step's rows that have to be there. [-]
+    unseen_clock : float
+        *record.* Time by which the module's clock may be off unseen, beyond which
+        that is said. [s]
     test_every, choose_every : int
         *weeks.* One of this many weeks is a test week, and one of this many of
         the others a choosing week. [weeks]
@@ -52,6 +59,11 @@ class Criteria:
     fewest_fitting_days : int
         *weeks.* Fitting days below which none can be left out in turn, so that no
         effect is weighed. [days]
+    folds : int
+        *weighing.* Groups of fitting weeks that are left out in turn. [-]
+    fewest_clusters : int
+        *weighing.* Weeks below which errors come from the spread between days.
+        [weeks]
     min_gain : float
         *weighing.* Gain that is worth an effect: root of the fall of the mean
         square on fitting weeks left out in turn. A third of the 0.4 K of a
@@ -168,6 +180,8 @@ class Criteria:
     contradiction : float
         *confirming.* Standard errors by which a refit may raise the mean square
         of the choosing weeks, and not be withdrawn. [-]
+    limits : Limits
+        Thresholds of what is checked of sensors and clocks before any fit.
     """
 
     enough_days: int = 60
@@ -176,12 +190,15 @@ class Criteria:
     leak_beyond: float = 0.5
     search_step: float = 300.0
     step_present: float = 0.5
+    unseen_clock: float = 120.0
 
     test_every: int = 5
     choose_every: int = 4
     fewest_weeks: int = 5
     fewest_fitting_days: int = 10
 
+    folds: int = 5
+    fewest_clusters: int = 8
     min_gain: float = 0.15
     min_share: float = 0.015
     chance: float = 0.05
@@ -234,8 +251,15 @@ class Criteria:
     sure: float = 3.0
     contradiction: float = 1.0
 
+    limits: Limits = field(default_factory=Limits)
+
+    @classmethod
+    def stages(cls):
+        """Name of each criterion to the stage that uses it, from the text above."""
+        rows = re.findall(r"^    ([\w, ]+) : .*\n +\*(\w+)\.\*", cls.__doc__, re.M)
+        return {name: stage for names, stage in rows for name in names.split(", ")}
+
     def __post_init__(self):
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not value > 0:
-                raise ValueError(f"{field.name} = {value} must be more than 0")
+        for name, value in vars(self).items():
+            if name != "limits" and not value > 0:
+                raise ValueError(f"{name} = {value} must be more than 0")

@@ -1,23 +1,29 @@
-"""What absent effects would explain, from one pass over a record."""
+"""What absent effects would explain of what a fit leaves, and with what error."""
 
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property
 
 import numpy as np
 from scipy.stats import f as fisher
+from scipy.stats import t as student
 
-from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.relaxation import relax
-from pvlib_fem.statistics.clusters import DailySums, calendar_weeks, daily_sums
+from pvlib_fem.reasons import Because, Reason, because
+from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
 
-POWER = 2.8  # errors that a coefficient needs to be seen 4 times in 5 at 5 %
-RIVAL = 0.6  # share of the best gain from which a candidate is a rival
-TIED = 0.15  # share of its own gain that is left beside a rival it is tied with
-#: the same of shapes, which the sun drives all alike
-LIKE, ALIKE = 0.35, 0.4
-SLACK = 0.35  # of a bound, by which a tangent may miss it where a refit would not
-NOWHERE = "nothing is left that a window of the sky would explain"
-UNSEEN = 1e-6  # of a column: below this nothing is left of it beside others
+UNSEEN = 1e-6  # of a column: what rounding leaves of it beside others
+
+
+@dataclass(frozen=True)
+class Weight:
+    """What an effect would explain, given others: one row of a ranking."""
+
+    gain: float  # root of the fall of the held-out mean square; negative: a rise [K]
+    p_value: float  # for this candidate alone
+    coefficients: dict
+    stderr: dict
+    possible: bool  # whether the coefficients are within the effect's bounds
+    minimum_detectable: float  # minimum detectable gain [K]
+    rows: int  # on which its drivers are there
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,224 +31,209 @@ class Evidence:
     """
     Tangents of a fitted model and of effects that it lacks, and what is left.
 
-    ``base`` are the fitted coefficients, ``own`` has the columns of each effect,
-    and ``shapes`` are columns of what a misshapen model leaves.
+    Attributes
+    ----------
+    columns : dict of array
+        A tangent of each coefficient, misfit and effect, on ``rows``; NaN where
+        the driver of an effect lacks. [K per unit of the coefficient]
+    residual : array
+        Measured minus modelled on ``rows``. [K]
+    dates : array of int
+        Day of each of the rows, from 1970-01-01.
+    rows : array of int
+        Those of the record that count.
+    base : tuple of str
+        The fitted coefficients.
+    misfits : tuple of str
+        What a misshapen steady model leaves: functions of the usual inputs, with
+        which no effect is credited.
+    own : dict
+        Names of the columns of each effect.
+    effects : dict of Effect
+    failed : dict of Because
+        Effects that could not be weighed.
+    partial : dict of array
+        Of effects whose drivers lack somewhere: which of the rows are known.
+    family : int
+        Number of hypotheses among which a chance is counted.
+    criteria : Criteria
     """
 
     columns: dict = field(repr=False)
     residual: np.ndarray = field(repr=False)
     dates: np.ndarray = field(repr=False)
-    seen: np.ndarray = field(repr=False)  # rows of the record that count
+    rows: np.ndarray = field(repr=False)
     base: tuple
-    shapes: tuple
+    misfits: tuple
     own: dict
     effects: dict
     failed: dict
-    sums: DailySums = field(repr=False)
+    partial: dict
+    family: int
+    criteria: object
+    ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
-    @property
-    def clusters(self):
-        return len(self.sums.by_cluster)
+    def sums(self, names) -> ClusterSums:
+        """Sums over the rows on which all of some effects are known."""
+        lacking = frozenset(name for name in names if name in self.partial)
+        if lacking not in self.ready:
+            columns, rest = list(self.columns.values()), (self.residual, self.dates)
+            if lacking:
+                known = np.all([self.partial[name] for name in lacking], axis=0)
+                columns = [column[known] for column in columns]
+                rest = [part[known] for part in rest]
+            # of effects that are not asked for, gaps may be anything
+            columns = [np.nan_to_num(c) if self.partial else c for c in columns]
+            limits = self.criteria.folds, self.criteria.fewest_clusters
+            self.ready[lacking] = cluster_sums(columns, *rest, *limits)
+        return self.ready[lacking]
+
+    @cached_property
+    def order(self):
+        """Place of each column in the sums."""
+        return {name: i for i, name in enumerate(self.columns)}
 
     def places(self, names):
         """Columns of the base and of some effects or columns, each once."""
         wanted = list(self.base)
         for name in names:
             wanted += [n for n in self.own.get(name, (name,)) if n not in wanted]
-        order = {name: i for i, name in enumerate(self.columns)}
-        return [order[name] for name in wanted]
+        return [self.order[name] for name in wanted]
 
     @property
-    def nuisances(self):
-        """Shapes, as columns and as effects, which no driver is credited with."""
+    def confounders(self):
+        """Misfits and effects of the usual inputs, which no driver is credited with."""
         own = [name for name, effect in self.effects.items() if effect.confounder]
-        return [*self.shapes, *own]
+        return [*self.misfits, *own]
 
-    def left(self, beside=()):
+    def left(self, given=()):
         """Held-out mean square with the base and these. [K²]"""
-        return self.sums.left(self.places(beside))
+        return self.sums(given).left(self.places(given))
 
-    def gain(self, name, beside=()):
-        """Fall of the held-out mean square that it brings beside others. [K²]"""
-        return self.left(beside) - self.left([*beside, name])
+    def gain(self, name, given=()):
+        """Fall of the held-out mean square that it brings, given others. [K²]"""
+        both = [*given, name]
+        sums = self.sums(both)
+        change = sums.left(self.places(given)) - sums.left(self.places(both))
+        return change * sums.rows / len(self.rows)
 
     def with_column(self, name, values):
         """The same with one more column, which no effect owns."""
-        columns, rest = list(self.columns.values()), (self.residual, self.dates)
-        sums = self.sums.with_column(columns, *rest, values)
-        return replace(self, columns={**self.columns, name: values}, sums=sums)
+        columns, ready = {**self.columns, name: values}, {}
+        if not self.partial:
+            old, rest = list(self.columns.values()), (self.residual, self.dates)
+            ready = {frozenset(): self.sums([]).with_column(old, *rest, values)}
+        return replace(self, columns=columns, ready=ready)
 
-    def rest(self, beside=()):
+    def without(self, name):
+        """The same without an effect and its columns."""
+        keys = self.own[name]
+        kept = [i for i, n in enumerate(self.columns) if n not in keys]
+        return replace(
+            self,
+            columns={n: c for n, c in self.columns.items() if n not in keys},
+            own={n: k for n, k in self.own.items() if n != name},
+            effects={n: e for n, e in self.effects.items() if n != name},
+            partial={n: k for n, k in self.partial.items() if n != name},
+            ready={frozenset(): self.sums([]).of(kept)},
+        )
+
+    def on_rows_of(self, name):
+        """The same on the rows on which an effect is known."""
+        if name not in self.partial:
+            return self
+        known = self.partial[name]
+        others = {n: k[known] for n, k in self.partial.items()}
+        return replace(
+            self,
+            columns={n: column[known] for n, column in self.columns.items()},
+            residual=self.residual[known],
+            dates=self.dates[known],
+            rows=self.rows[known],
+            partial={n: k for n, k in others.items() if not k.all()},
+            ready={},
+        )
+
+    def rest(self, given=()):
         """Residual that the base and these leave, row by row. [K]"""
-        kept = self.places(beside)
-        found = self.sums.solve(kept) / self.sums.scale[kept]
+        kept, sums = self.places(given), self.sums(given)
+        found = sums.solve(kept) / sums.scale[kept]
         names = list(self.columns)
         rest = self.residual.copy()
         for place, value in zip(kept, found):
             rest -= value * self.columns[names[place]]
         return rest
 
-    def weigh(self, name, beside=()):
-        """One row of a ranking: what an effect would explain beside others."""
-        effect = self.effects[name]
-        beside = [other for other in beside if other != name]
-        nuisance = self.places(beside)
-        kept = self.places([*beside, name])
+    def weigh(self, name, given=()) -> Weight | Because:
+        """What an effect would explain, given others, or why that cannot be said."""
+        given = [other for other in given if other != name]
+        sums, nuisance = self.sums([*given, name]), self.places(given)
+        kept = self.places([*given, name])
         own = kept[len(nuisance) :]
-        if not all(self.sums.beside(column, []) > 0 for column in own):
-            return {"note": "it adds nothing in this record's weather"}
-        beyond = np.array([self.sums.beside(column, nuisance) for column in own])
+        if not all(sums.given(column, []) > 0 for column in own):
+            return because(Reason.ADDS_NOTHING)
+        beyond = np.array([sums.given(column, nuisance) for column in own])
         if (beyond < UNSEEN).any():
-            return {"note": "the record cannot tell it from the fitted coefficients"}
-        step = self.sums.solve(kept)[len(nuisance) :]
-        covariance = self.sums.covariance(kept)[len(nuisance) :, len(nuisance) :]
+            return because(Reason.COLLINEAR)
+        step = sums.solve(kept)[len(nuisance) :]
+        covariance = sums.covariance(kept)[len(nuisance) :, len(nuisance) :]
         error = np.sqrt(np.diag(covariance))
-        scale, rows = self.sums.scale[own], effect.rows()
-        coefficients = dict(zip(rows, (step / scale).tolist()))
-        near = 2.0 * error / scale
-        physical = all(
-            row.lower - max(n, SLACK * abs(row.lower))
-            <= coefficients[key]
-            <= row.upper + max(n, SLACK * abs(row.upper))
-            for (key, row), n in zip(rows.items(), near)
-        )
-        change = self.sums.left(nuisance) - self.sums.left(kept)
-        freedom = max(self.clusters - 1, 1)
+        change = self.gain(name, given)
+        freedom = max(len(sums.by_cluster) - 1, 1)
         statistic = step @ np.linalg.solve(covariance, step) / len(own)
-        return {
-            "gain": float(np.sign(change) * np.sqrt(abs(change))),
-            "p_value": float(fisher.sf(statistic, len(own), freedom)),
-            "coefficients": coefficients,
-            "stderr": dict(zip(rows, (error / scale).tolist())),
-            "physical": physical,
-            "detectable": float(POWER * (error * beyond).max()),
-        }
+        chance = float(fisher.sf(statistic, len(own), freedom))
+        share = np.sqrt(sums.rows / len(self.rows))
+        keys, scale = self.effects[name].rows(), sums.scale[own]
+        coefficients = dict(zip(keys, (step / scale).tolist()))
+        stderr = dict(zip(keys, (error / scale).tolist()))
+        return Weight(
+            gain=float(np.sign(change) * np.sqrt(abs(change))),
+            p_value=min(1.0, chance * self.effects[name].choices),
+            coefficients=coefficients,
+            stderr=stderr,
+            possible=self.possible(keys, coefficients, stderr),
+            minimum_detectable=float(
+                share * self.visible(freedom) * (error * beyond).max()
+            ),
+            rows=sums.rows,
+        )
 
-    def ties(self, name, gains, beside=()):
-        """Rivals beside which an effect has nothing left to explain."""
+    def possible(self, keys, coefficients, stderr):
+        """Whether coefficients are in their bounds, as far as a tangent can say."""
+
+        def slack(bound, error):
+            most = self.criteria.bound_slack * abs(bound)
+            return max(self.criteria.bound_errors * error, most)
+
+        return all(
+            row.lower - slack(row.lower, stderr[key])
+            <= coefficients[key]
+            <= row.upper + slack(row.upper, stderr[key])
+            for key, row in keys.items()
+        )
+
+    def visible(self, freedom):
+        """Standard errors that an effect needs to be seen, with the stated power."""
+        seen = 1.0 - self.criteria.chance / self.family / 2.0
+        return sum(student.ppf([seen, self.criteria.power], freedom))
+
+    def chance(self, weight):
+        """Chance that any of the family looks as good by accident."""
+        return min(1.0, weight.p_value * self.family)
+
+    def ties(self, name, gains, given=()):
+        """Rivals given which an effect has nothing left to explain."""
         own = max(gains[name], 0.0) ** 2
-        beside = [other for other in beside if other != name]
-        rival, tied = (LIKE, ALIKE) if self.effects[name].confounder else (RIVAL, TIED)
+        given = [other for other in given if other != name]
+        limits = self.criteria
+        rival, tied = (limits.rival, limits.tied)
+        if self.effects[name].confounder:
+            rival, tied = limits.confounder_rival, limits.confounder_tied
         rivals = [
             other
             for other, gain in gains.items()
             if other != name and max(gain, 0.0) ** 2 >= rival * own > 0.0
         ]
         return tuple(
-            other for other in rivals if self.gain(name, [*beside, other]) < tied * own
+            other for other in rivals if self.gain(name, [*given, other]) < tied * own
         )
-
-
-def gather(model, coefficients, record, seen, candidates, fixed=(), criteria=None):
-    """
-    Evidence for candidates beside a model at its minimum.
-
-    Parameters
-    ----------
-    model : ThermalModel
-    coefficients : dict
-        All of the model's.
-    record : Record
-        With every driver of the candidates, without gaps.
-    seen : array of bool
-        Rows that count.
-    candidates : sequence of Effect
-    fixed : sequence of str
-        Coefficients at a bound, which stay there.
-    criteria : Criteria, optional
-    """
-    also, own, failed, effects = {}, {}, {}, {}
-    model = replace(model, base=model.base or coefficients)
-    inputs = model.with_base(model.with_drivers(record.inputs))
-    scanned = {}
-    for effect in candidates:
-        try:
-            if effect.prepare:
-                effect = effect.prepare(inputs.columns, seen)
-            if effect.scan:
-                scanned[effect.name] = effect.scan
-                effect = effect.scanned_from or effect
-            inputs = replace(model, effects=(effect,)).with_drivers(inputs)
-            start = {key: row.start for key, row in effect.rows().items()}
-            slopes = effect.slopes(inputs.columns, start)
-        except Exception as error:  # whatever an effect does, the others go on
-            failed[effect.name] = f"{type(error).__name__}: {error}"
-            continue
-        also |= slopes
-        own[effect.name], effects[effect.name] = tuple(slopes), effect
-    temperature, slopes = model.slopes(inputs, coefficients, also=also)
-    base = [name for name in model.free if name not in fixed]
-    more = shapes(temperature - coefficients["bias"], record)
-    slopes = {**slopes, **more}
-    seen = seen & np.isfinite(temperature)
-    wanted = [*base, *more, *also]
-    columns = {name: np.ascontiguousarray(slopes[name][seen]) for name in wanted}
-    for name in list(own):
-        if not all(np.isfinite(columns[key]).all() for key in own[name]):
-            failed[name] = "it is not a number in all rows"
-            for key in own.pop(name):
-                del columns[key]
-            del effects[name]
-    residual = (record["temp_module"] - temperature)[seen]
-    dates = record.dates[seen]
-    sums = daily_sums(list(columns.values()), residual, dates)
-    names = (tuple(base), tuple(more))
-    found = Evidence(columns, residual, dates, seen, *names, own, effects, failed, sums)
-    scanned = {name: scan for name, scan in scanned.items() if name in effects}
-    for name, scan in scanned.items():
-        scan = partial(scan, criteria=criteria or Criteria())
-        found = narrowed(found, name, scan, model, coefficients, inputs, seen)
-    return found
-
-
-def narrowed(found, name, scan, model, coefficients, inputs, seen):
-    """The evidence with an effect only where a scan of what is left shows it."""
-    keys = found.own[name]
-    places = {n: inputs[n][seen] for n in found.effects[name].drivers}
-    names = list(found.columns)
-    beside = [names[i] for i in found.places(found.nuisances)]
-    tangents = {key: found.columns[key] for key in (*keys, *beside)}
-    weeks = calendar_weeks(found.dates)
-    without = replace(
-        found,
-        columns={n: c for n, c in found.columns.items() if n not in keys},
-        own={n: k for n, k in found.own.items() if n != name},
-        effects={n: e for n, e in found.effects.items() if n != name},
-        sums=found.sums.of([i for i, n in enumerate(found.columns) if n not in keys]),
-    )
-    effect = scan(found.rest(found.nuisances), tangents, places, weeks)
-    if effect is None:
-        return replace(without, failed={**found.failed, name: NOWHERE})
-    inputs = replace(model, effects=(effect,)).with_drivers(inputs)
-    start = {row: table.start for row, table in effect.rows().items()}
-    also = effect.slopes(inputs.columns, start)
-    slopes = model.slopes(inputs, coefficients, also=also)[1]
-    better = without
-    for key in also:
-        better = better.with_column(key, np.ascontiguousarray(slopes[key][seen]))
-    return replace(
-        better,
-        own={**better.own, name: tuple(also)},
-        effects={**better.effects, name: effect},
-    )
-
-
-def shapes(temperature, record):
-    """
-    What a misshapen model leaves beside the shapes that are effects.
-
-    Functions of the usual inputs alone, which every cause without a driver of
-    its own shares: curvature in the over-temperature, its fall with air
-    temperature, a slower mass, and a record that is late.
-    """
-    air, hour = record["temp_air"], 3600.0 / record.inputs.unit
-    over = temperature - air
-    known = np.nan_to_num(over)
-    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
-    columns = {
-        "curved": over * np.sqrt(np.abs(over)),
-        "warm": over * (air - np.nanmean(air)),
-        "slow": relax(known, record.inputs.steps, hour) - over,
-        "late": np.nan_to_num(np.diff(temperature, prepend=temperature[:1]) / steps),
-    }
-    return {f"shape:{name}": column for name, column in columns.items()}

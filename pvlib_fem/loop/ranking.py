@@ -4,14 +4,14 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.effects.candidates import candidates
-from pvlib_fem.loop.evidence import gather
+from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.evidence import Weight
+from pvlib_fem.loop.gather import gather
 from pvlib_fem.paper.filters import counted
-from pvlib_fem.record.checks import measured
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.record.checks import measured, with_columns
 from pvlib_fem.record.columns import COLUMNS as USUAL
-from pvlib_fem.record.columns import filled, usable_drivers, with_aliases
-from pvlib_fem.statistics.clusters import FOLDS
-
-ENOUGH_DAYS = 60  # below this even pure noise looks like an effect
+from pvlib_fem.record.columns import usable_drivers, with_aliases
 
 COLUMNS = [
     "gain",
@@ -19,20 +19,21 @@ COLUMNS = [
     "coefficients",
     "stderr",
     "physical",
-    "detectable",
+    "minimum_detectable",
+    "rows",
     "ties",
     "note",
 ]
 
 
-def rank_effects(fit, data, effects=None) -> pd.DataFrame:
+def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
     """
     Rank absent effects by what each would explain on days it has not seen.
 
-    Every effect enters as the tangent of the fitted model, beside the tangents
-    of all fitted coefficients and beside shapes that any misfit leaves (a year's
-    swing, curvature, a slower mass), so that none is credited with repairing
-    those. Gains are measured on weeks left out in turn.
+    Every effect enters as the tangent of the fitted model, conditional on the
+    tangents of all fitted coefficients and on the confounders that any misfit
+    leaves (a year's swing, curvature, a slower mass), so that none is credited
+    with repairing those. Gains are measured on weeks left out in turn.
 
     This ranks; it names no cause. Effects that follow the same columns share
     their gain, and what no effect here can explain is not looked for.
@@ -46,8 +47,10 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
         [° from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
         ``precipitation`` [mm/h]. Every other numeric column that varies is a
         candidate of its own, ``driver:<column>``.
-    effects : sequence of str or Effect, optional
+    effects : str, Effect, or sequence of these, optional
         Candidates; by default all, and those columns.
+    criteria : Criteria, optional
+        Thresholds other than the usual.
 
     Returns
     -------
@@ -58,11 +61,14 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
         ``gain``: what it takes off the held-out daytime error, the root of the
         fall of its mean square, negative for a rise [K];
         ``p_value``: chance that as much of it shows where it is not, by the
-        spread between days, for this candidate alone;
+        spread between weeks, for this candidate alone;
         ``coefficients``, ``stderr``: dicts of what it would take;
-        ``physical``: whether those are within two errors of the effect's bounds;
-        ``detectable``: the smallest gain that this record would have shown [K];
-        ``ties``: other candidates that explain as much, beside which it has
+        ``physical``: whether those are within the effect's bounds, as far as
+        their errors let say;
+        ``minimum_detectable``: the smallest gain that this record would have
+        shown, with the criteria's chance and power [K];
+        ``rows``: on which its drivers are there;
+        ``ties``: other candidates that explain as much, given which it has
         nothing left to explain: the record cannot tell them apart;
         ``note``: what stands in the way.
 
@@ -71,23 +77,36 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
     ValueError
         If a column lacks or is unusable.
     """
+    criteria = criteria or Criteria()
     columns = with_aliases(data)
-    usual = [columns.pop(name) for name in USUAL]
-    drivers, refused = usable_drivers(columns, usual)
+    usual = measured(*(columns.pop(name) for name in USUAL), check_units=False)
+    drivers, refused = usable_drivers(columns, usual, criteria.most_missing)
     there = {effect.name for effect in fit.effects}
     testable, notes = candidates(drivers, refused, effects, there)
     model = fit.thermal_model
-    record = measured(*usual, check_units=False, **filled(drivers))
+    record = with_columns(usual, drivers)
     seen = counted(record.inputs.columns, fit.night)
-    rows = {name: {"note": note} for name, note in notes.items()}
-    if (days := len(np.unique(record.dates[seen]))) < FOLDS:
-        few = f"{days} days are too few to hold any out"
+    for name in model.drivers:
+        seen &= np.isfinite(record[name])
+    rows = {name: {"note": str(why)} for name, why in notes.items()}
+    days = len(np.unique(record.dates[seen]))
+    if days < criteria.folds:
+        few = str(because(Reason.FEW_DAYS, days=days, least=criteria.folds))
         rows |= {effect.name: {"note": few} for effect in testable}
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
-        fixed = fit.at_bound
-        found = gather(model, coefficients, record, seen, testable, fixed)
-        rows |= ranked(found, days)
+        family = max(1, len(testable))
+        found = gather(
+            model,
+            coefficients,
+            record,
+            seen,
+            testable,
+            criteria,
+            family,
+            fit.at_bound,
+        )
+        rows |= {n: as_row(*row) for n, row in ranked(found, days).items()}
     table = pd.DataFrame.from_dict(rows, orient="index")
     table = table.reindex(columns=COLUMNS).rename_axis("effect")
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
@@ -95,31 +114,69 @@ def rank_effects(fit, data, effects=None) -> pd.DataFrame:
 
 
 def ranked(found, days):
-    """Rows of all candidates, each beside the shapes that any misfit leaves."""
-    rows = {name: {"note": note} for name, note in found.failed.items()}
-    beside = found.nuisances
-    for name in found.effects:
-        effect = found.effects[name]
-        estimated = effect.settings.get("source")
-        note = f"from {estimated}" if estimated else ""
-        row = rows[name] = {"note": note, **found.weigh(name, beside)}
-        if "gain" not in row:
+    """
+    Weight, ties and what stands in the way, of all candidates.
+
+    Each is weighed conditional on the confounders that any misfit leaves.
+
+    Returns
+    -------
+    dict
+        Name to (Weight or None, tuple of str, Because or None).
+    """
+    given = found.confounders
+    rows = {name: (None, (), why) for name, why in found.failed.items()}
+    weights = {name: found.weigh(name, given) for name in found.effects}
+    good = {name: w.gain for name, w in weights.items() if possible(w)}
+    for name, weight in weights.items():
+        if not isinstance(weight, Weight):
+            rows[name] = (None, (), weight)
             continue
-        if not row["physical"] and row["gain"] > 0:
-            row["note"] = impossible(effect)
-        elif days < ENOUGH_DAYS:
-            row["note"] = f"suggestive at best: {days} days, of {ENOUGH_DAYS}"
-    gains = {name: row["gain"] for name, row in rows.items() if row.get("physical")}
-    for name in gains:
-        rows[name]["ties"] = found.ties(name, gains, beside)
+        ties = found.ties(name, good, given) if name in good else ()
+        rows[name] = (weight, ties, hindrance(found, name, weight, days))
     return rows
 
 
-def impossible(effect):
-    """Words for what helps with a coefficient that cannot be."""
-    suspect = "suspect its sensor"
-    if effect.confounder:
-        suspect = "another shape would be it"
-    elif "p_dc" in effect.drivers:  # power measures irradiance, too
-        suspect = "suspect the irradiance sensor"
-    return f"informative, but not as this effect: {suspect}"
+def possible(weight):
+    return isinstance(weight, Weight) and weight.possible
+
+
+def hindrance(found, name, weight, days):
+    """What stands in the way of a candidate, if anything does."""
+    effect, least = found.effects[name], found.criteria.enough_days
+    if not weight.possible and weight.gain > 0:
+        if effect.confounder:
+            return because(Reason.ANOTHER_CONFOUNDER)
+        if "p_dc" in effect.drivers:  # power measures irradiance, too
+            return because(Reason.SUSPECT_IRRADIANCE)
+        return because(Reason.SUSPECT_SENSOR)
+    if days < least:
+        return because(Reason.TOO_SHORT, days=days, least=least)
+    if "source" in effect.settings:
+        return because(Reason.SOURCE, source=effect.settings["source"])
+    return None
+
+
+def as_row(weight, ties, why):
+    """A row of the table."""
+    note = {"note": "" if why is None else str(why)}
+    if weight is None:
+        return note
+    return {
+        "gain": weight.gain,
+        "p_value": weight.p_value,
+        "coefficients": weight.coefficients,
+        "stderr": weight.stderr,
+        "physical": weight.possible,
+        "minimum_detectable": weight.minimum_detectable,
+        "rows": weight.rows,
+        "ties": ties,
+        **note,
+    }
+
+
+def table_of(rows):
+    """The ranking as the loop has it: by gain alone."""
+    found = {name: as_row(*row) for name, row in rows.items()}
+    table = pd.DataFrame.from_dict(found, orient="index").reindex(columns=COLUMNS)
+    return table.sort_values("gain", ascending=False, kind="stable")

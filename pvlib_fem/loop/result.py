@@ -7,8 +7,9 @@ import pandas as pd
 
 from pvlib_fem import plotting
 from pvlib_fem.drivers import geometry
-from pvlib_fem.findings import ADDED
+from pvlib_fem.findings import Kind
 from pvlib_fem.fitting.result import FemFit, without_nan
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, with_aliases
 from pvlib_fem.report.document import saved
 from pvlib_fem.report.page import page
@@ -25,57 +26,65 @@ class Loop:
     Attributes
     ----------
     findings : tuple of Finding
-        In the order found.
+        In the order found, then hints, then what no effect explains.
+    corrections : tuple of Correction
+        What was made of clocks that are off.
     table : DataFrame
         A row for each step, ``steady``, ``fem`` (the paper's form), ``balance``,
-        then ``+<effect>``; errors on the fitted and the sealed days [K], on sealed
-        days and nights alone, and the error of the sealed days' performance ratio
-        that they cause [percentage points].
-    untestable : dict
+        ``clock corrected`` where it was, then ``+<effect>``; errors on fitting and
+        test weeks [K], on test days and nights alone, and the error of the test
+        weeks' performance ratio that they cause [percentage points].
+    base, last : str
+        Rows of the table: the better of ``fem`` and ``balance``, and the last step.
+    untestable : dict of Because
         Effect to what it would need, or why this record cannot see it.
     ranking : DataFrame
-        What each absent effect would still explain, see
-        :func:`pvlib_fem.rank_effects`.
+        What each absent effect would still explain, given the model that is
+        returned, see :func:`pvlib_fem.rank_effects`.
     fit : FemFit
-        Of the last step.
+        Of the last step, to the fitting weeks.
     notes : tuple of str
         The state of the record, and what was done about it.
     place : dict
         ``location``, ``surface_tilt`` and ``surface_azimuth`` as given.
     residual_before : Series
-        Measured minus modelled temperature before any effect. [K]
-    min_gain : float
-        As given. [K]
+        Measured minus modelled temperature before anything was added. [K]
+    weeks : Series of str
+        What each row was for: ``fitting``, ``choosing`` or ``test``.
+    plain : tuple of ThermalModel and dict
+        The model without effects, and its coefficients.
+    criteria : Criteria
+        By which it decided.
+    family : int
+        Hypotheses among which each chance is counted.
     weighed : bool
-        Whether there were enough open days to leave some out in turn.
+        Whether there were enough fitting days to leave some out in turn.
+    given : dict
+        Other arguments of the call, as given.
     """
 
     findings: tuple
+    corrections: tuple
     table: pd.DataFrame
+    base: str
+    last: str
     untestable: dict
     ranking: pd.DataFrame = field(repr=False)
     fit: FemFit = field(repr=False)
     notes: tuple
     place: dict
     residual_before: pd.Series = field(repr=False)
-    min_gain: float = 0.15
+    weeks: pd.Series = field(repr=False)
+    plain: tuple = field(repr=False)
+    criteria: Criteria = field(repr=False)
+    family: int = 1
     weighed: bool = True
-
-    @property
-    def base(self):
-        """Row of the table that it went on from: ``fem`` or ``balance``."""
-        return {"ewm": "fem"}.get(self.fit.dynamics, self.fit.dynamics)
-
-    @property
-    def last(self):
-        """Row of the table of the last step; the base where nothing was added."""
-        row = self.table.index[-1]
-        return row if row.startswith("+") else self.base
+    given: dict = field(repr=False, default_factory=dict)
 
     @property
     def effects(self):
         """Names of the findings that were added to the model, in order."""
-        return [f.effect for f in self.findings if f.verdict in ADDED]
+        return [finding.effect for finding in self.findings if finding.added]
 
     @property
     def ties(self):
@@ -83,13 +92,13 @@ class Loop:
         return {
             f.effect: tuple(n for n in f.candidates if n != f.effect)
             for f in self.findings
-            if f.verdict != "unknown" and len(f.candidates) > 1
+            if f.kind is not Kind.STRUCTURE and len(f.candidates) > 1
         }
 
     @property
     def unexplained(self):
         """Findings of structure that no effect explains."""
-        return tuple(f for f in self.findings if f.verdict == "unknown")
+        return tuple(f for f in self.findings if f.kind is Kind.STRUCTURE)
 
     def inputs(self, data):
         """The usual three columns of ``data``, and those that the effects need."""
@@ -100,7 +109,7 @@ class Loop:
         drivers = {name: columns[name] for name in wanted if name in columns}
         return [columns[name] for name in COLUMNS[:3]], drivers
 
-    def predict(self, data):
+    def predict(self, data, fallback=False):
         """
         Module temperature of the last step.
 
@@ -109,19 +118,28 @@ class Loop:
         data : DataFrame
             ``poa_global``, ``temp_air``, ``wind_speed`` and the columns of the
             effects.
+        fallback : bool, default False
+            Where the column of an effect lacks, take the model without any effect
+            instead of NaN.
 
         Returns
         -------
         Series
-            [°C]
+            [°C]; NaN where one of those lacks.
 
         Raises
         ------
         ValueError
-            If a column lacks.
+            If a whole column lacks, and there is no fallback.
         """
         usual, drivers = self.inputs(data)
-        return self.fit.predict(*usual, **drivers)
+        model, coefficients = self.plain
+        if not fallback:
+            return self.fit.predict(*usual, **drivers)
+        plain = model.predict(*usual, coefficients)
+        if {*self.fit.thermal_model.drivers} - {*drivers}:
+            return plain
+        return self.fit.predict(*usual, **drivers).fillna(plain)
 
     def contributions(self, data):
         """
@@ -172,7 +190,7 @@ class Loop:
 
     def plot(self, ax=None):
         """
-        Measured temperature on the most variable sealed day, modelled before and after.
+        Measured temperature on the most variable test day, modelled before and after.
 
         Parameters
         ----------
@@ -213,10 +231,16 @@ class Loop:
         str
         """
         content = {
-            "findings": [asdict(finding) for finding in self.findings],
+            "findings": [finding.content() for finding in self.findings],
+            "corrections": [one.content() for one in self.corrections],
             "table": self.table.to_dict(orient="index"),
-            "untestable": self.untestable,
+            "base": self.base,
+            "last": self.last,
+            "untestable": {n: why.content() for n, why in self.untestable.items()},
             "notes": list(self.notes),
+            "weeks": self.weeks.value_counts().to_dict(),
+            "criteria": asdict(self.criteria),
+            "family": self.family,
             "fit": json.loads(self.fit.to_json()),
         }
         text = json.dumps(without_nan(content), indent=2, ensure_ascii=False)

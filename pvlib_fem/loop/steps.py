@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.fitting.fit import errors, minimise, natural, tables
+from pvlib_fem.fitting.search import errors, minimise, natural, possible, tables
 from pvlib_fem.loop.case import Case
-from pvlib_fem.loop.evidence import gather
+from pvlib_fem.loop.gather import gather
 from pvlib_fem.record.columns import DAYLIGHT
-from pvlib_fem.thermal.model import ThermalModel
+from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
 FROZEN = MappingProxyType({})
@@ -19,6 +19,7 @@ SCORES = [
     f"{name}_{part}" for part in ("train", "test") for name in ("rmse", "mae", "mbe")
 ]
 BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
+MEMORIES = {*MEMORY["ewm"], *MEMORY["balance"]}
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,7 @@ class Step:
     coarse: dict  # where the search ended on coarse steps
     at_bound: tuple
     converged: bool
-    temperature: np.ndarray
+    temperature: np.ndarray  # NaN where a driver lacks
     measured: np.ndarray
 
     def as_base(self):
@@ -47,37 +48,42 @@ class Fits:
     """Fits to one case, which share its drivers and the tables of its effects."""
 
     case: Case
-    ready: dict = field(default_factory=dict)  # by record: it, with drivers, tables
+    ready: dict = field(default_factory=dict)  # what is prepared, by record
 
     def bases(self, steady_model):
         """Fits without any effect, by name."""
         case, step, steps = self.case, None, {}
-        rows = min(int(case.open.sum()), int(case.train.sum()))
+        rows = min(int(case.searched.sum()), int(case.fitting.sum()))
         least = len(ThermalModel(steady_model, "balance").parameters)
         if rows <= least:
-            held = f"{int(case.test.sum()):,} rows that count are held out"
+            held = f"{int(case.test.sum()):,} rows that count are test rows"
             raise ValueError(
-                f"the loop needs more than {least} open rows that count and has "
+                f"the loop needs more than {least} fitting rows that count and has "
                 f"{rows}: {'; '.join([held, *case.notes])}; give a longer record, or "
                 "another holdout"
             )
+        check_held(steady_model, case)
         for name, dynamics in BASES.items():
-            model = ThermalModel(steady_model, dynamics)
+            model = ThermalModel(steady_model, dynamics, held=case.fixed)
             step = self.fitted(model, step, biased=name != "steady")
             steps[name] = step
         return steps
 
     def better(self, steps):
-        """The better dynamics, on weeks left out in turn, to first order."""
+        """The better dynamics, on fitting weeks left out in turn, to first order."""
+        names = ["fem", "balance"]
+        # a memory that is held leaves no choice
+        if memory := MEMORIES & {*self.case.fixed}:
+            names = [n for n in names if memory <= {*MEMORY[BASES[n]]}]
         if self.case.divisible:
-            left = {n: self.gathered(steps[n], []).left() for n in ("fem", "balance")}
+            left = {n: self.gathered(steps[n], []).left() for n in names}
         else:
-            left = {n: steps[n].error(self.case.train) for n in ("fem", "balance")}
-        return steps[min(left, key=left.get)].as_base()
+            left = {n: steps[n].error(self.case.fitting) for n in names}
+        return min(left, key=left.get)
 
     def fitted(self, model, before=None, start=FROZEN, biased=True, whole=True):
         """
-        One step: least squares over the open rows, the coarse ones first.
+        One step: least squares over the fitting rows, the coarse ones first.
 
         What short steps change of a coarse minimum is nearly the same in the step
         ``before``: it is where their fit begins, and without ``whole`` it is taken
@@ -87,11 +93,12 @@ class Fits:
         table = {name: row.start for name, row in model.parameters.items()}
         at = {**table, **(before.coarse if before else {})}
         record, tabled = self.prepared(case.record, model)
+        rows = case.searched & known(record, model)
         # a tangent may lead where there is no temperature
         tried = tabled.temperature(record.inputs, natural(model, {**at, **start})[0])
-        if np.isfinite(tried[case.open]).all():
+        if np.isfinite(tried[rows]).all():
             at = {**at, **start}
-        minimum, at = minimise(tabled, record, case.open, at, biased, ROUGH)
+        minimum, at = minimise(tabled, record, rows, at, biased, ROUGH)
         coarse = at
         if case.record is not case.whole:
             if before:
@@ -99,9 +106,11 @@ class Fits:
                 at = {n: v + change.get(n, 0.0) for n, v in at.items()}
             record, tabled = self.prepared(case.whole, model)
             if whole:
-                minimum, at = minimise(tabled, record, case.train, at, biased, CLOSE)
+                rows = case.fitting & known(record, model)
+                minimum, at = minimise(tabled, record, rows, at, biased, CLOSE)
         names = model.free[: len(minimum.x)]
         coefficients = natural(model, at)[0]
+        temperature = tabled.temperature(record.inputs, coefficients)
         return Step(
             model,
             coefficients,
@@ -109,7 +118,7 @@ class Fits:
             coarse,
             tuple(n for n, bound in zip(names, minimum.at_bound) if bound),
             minimum.converged,
-            tabled.temperature(record.inputs, coefficients),
+            np.where(known(record, model), temperature, np.nan),
             case.whole["temp_module"],
         )
 
@@ -117,54 +126,74 @@ class Fits:
         """Standard errors of a step's coefficients, by the day on coarse steps."""
         record, tabled = self.prepared(self.case.record, step.model)
         found = natural(step.model, step.coarse)[0]
-        return errors(tabled, record, self.case.open, found, step.at_bound, [])
+        rows = self.case.searched & known(record, step.model)
+        return errors(tabled, record, rows, found, step.at_bound, [])
 
     def prepared(self, record, model):
         """A record with a model's drivers, and the model's effects as tables."""
-        key = id(record)
-        _, larger, known = self.ready.get(key, (record, record, {}))
-        larger = with_drivers(larger, model)
+        place = "coarse" if record is self.case.record else "whole"
+        larger, tabled = self.ready.get(place, (record, {}))
+        larger = replace(larger, inputs=model.with_drivers(larger.inputs))
         for effect in model.effects:
-            if effect.name not in known or known[effect.name][0] is not effect:
-                known[effect.name] = (effect, *tables((effect,), larger))
-        # the record itself is kept, so that no other can take its number
-        self.ready[key] = (record, larger, known)
-        effects = tuple(known[effect.name][1] for effect in model.effects)
+            if effect.name not in tabled or tabled[effect.name][0] is not effect:
+                tabled[effect.name] = (effect, *tables((effect,), larger))
+        self.ready[place] = (larger, tabled)
+        effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
     def gathered(self, step, candidates):
-        """Evidence of some effects beside a step, on the open coarse rows."""
+        """Evidence of some effects beside a step, on the coarse fitting rows."""
         case = self.case
+        record = self.prepared(case.record, step.model)[0]
         return gather(
             step.model,
             step.coefficients,
-            self.prepared(case.record, step.model)[0],
-            case.open,
+            record,
+            case.searched & known(record, step.model),
             candidates,
+            case.criteria,
+            case.family,
             step.at_bound,
         )
 
 
+def check_held(steady_model, case):
+    """Refuse coefficients to hold that are of no model, or of two dynamics."""
+    if {*case.fixed} >= MEMORIES:
+        raise ValueError(
+            f"fixed has {' and '.join(sorted(MEMORIES))}, which belong to two kinds of "
+            "dynamics; hold one of them"
+        )
+    dynamics = "balance" if {*MEMORY["balance"]} & {*case.fixed} else "ewm"
+    possible(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)
+
+
+def known(record, model):
+    """Rows that have all measured columns which a model's effects need."""
+    rows = np.ones(len(record.index), dtype=bool)
+    for name in model.drivers:
+        rows &= np.isfinite(record[name])
+    return rows
+
+
 def error_table(case, steps):
-    """Errors of each step on the open and the sealed rows."""
+    """Errors of each step on fitting and test rows, on those that all steps know."""
     poa = pd.Series(case.whole["poa_global"], case.whole.index)
     sunny = case.whole["poa_global"] > DAYLIGHT
+    everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
+    fitting, test = case.fitting & everywhere, case.test & everywhere
     rows = {}
     for name, step in steps.items():
         module, modelled = step.measured, step.temperature
         row = {
             f"{score.__name__}_{part}": score(module[at], modelled[at])
-            for part, at in (("train", case.train), ("test", case.test))
+            for part, at in (("train", fitting), ("test", test))
             for score in (scores.rmse, scores.mae, scores.mbe)
         }
-        row["rmse_test_day"] = step.error(case.test & sunny)
-        row["rmse_test_night"] = step.error(case.test & ~sunny)
-        known = pd.Series(np.where(case.test, module, np.nan), poa.index)
-        energy = scores.energy_error(poa, known, pd.Series(modelled, poa.index))
+        row["rmse_test_day"] = step.error(test & sunny)
+        row["rmse_test_night"] = step.error(test & ~sunny)
+        there = pd.Series(np.where(test, module, np.nan), poa.index)
+        energy = scores.energy_error(poa, there, pd.Series(modelled, poa.index))
         row["energy_error_test"] = energy.performance_ratio
         rows[name] = row
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")
-
-
-def with_drivers(record, model):
-    return replace(record, inputs=model.with_drivers(record.inputs))

@@ -65,7 +65,7 @@ def plot_fit(fit, ax=None, when=None):
 
 def plot_before_after(loop, ax=None):
     """
-    The most variable sealed day: measured, and modelled before and after.
+    The most variable test day: measured, and modelled before and after.
 
     Where the loop re-timed the module's record, that before it is left out.
 
@@ -94,7 +94,7 @@ def plot_before_after(loop, ax=None):
 
 def plot_contributions(loop, ax=None):
     """
-    What each effect adds to the temperature on the most variable sealed day.
+    What each effect adds to the temperature on the most variable test day.
 
     The legend has the root mean square over the whole record.
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.plotting.look import label_with_unit, new_axes
-from pvlib_fem.statistics.axes import SECTORS as NAMES
+from pvlib_fem.statistics import axes
 
 SECTORS = 16  # of a wind rose
 FINER = 3  # pieces in which a sector is drawn, so that it is round
@@ -135,7 +135,7 @@ def plot_residual_rose(residual, wind_speed, wind_direction, ax=None, limit=None
     ax = new_axes(ax, "polar")
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(-1)
-    ax.set_xticks(np.radians(range(0, 360, 45)), NAMES)
+    ax.set_xticks(np.radians(range(0, 360, 45)), axes.SECTORS)
     width = 2 * np.pi / SECTORS
     pieces = np.linspace(0, 2 * np.pi, SECTORS * FINER + 1) - width / 2
     ax.grid(False)  # it would lie between the cells

@@ -22,7 +22,7 @@ NOTHING = 0.005  # K: a change that two decimals do not show
 
 def plot_steps(loop, ax=None):
     """
-    RMSE on the sealed days by step; on the fitted days where none is sealed.
+    RMSE on the test days by step; on the fitted days where there are none.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def plot_steps(loop, ax=None):
     matplotlib Axes
     """
     ax = new_axes(ax)
-    part = "sealed" if loop.fit.test_days else "fitted"
+    part = "test" if loop.fit.test_days else "fitted"
     errors = loop.table["rmse_test" if loop.fit.test_days else "rmse_train"]
     names = [BASES.get(name, name.replace("+", "+ ", 1)) for name in errors.index]
     added = [name.startswith("+") for name in errors.index]

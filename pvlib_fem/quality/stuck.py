@@ -31,6 +31,7 @@ class Runs:
     def within(self, seconds, margin):
         """The same without some time at either end; none shorter than a row."""
         first = np.searchsorted(seconds, seconds[self.first] + margin)
+        first = np.minimum(first, self.last)  # a run at the record's end may be shorter
         last = np.searchsorted(seconds, seconds[self.last] - margin, "right") - 1
         return Runs(self.value, first, np.maximum(first, last), self.time)
 

@@ -1,7 +1,7 @@
 """Check what comes in, once and in one place: times, columns, units, ranges."""
 
 import numbers
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -338,6 +338,14 @@ def measured(
         If times or columns are unusable (see :func:`read`), a column looks to
         be in another unit, or more than 20 % of a column is impossible.
     """
+    record = as_record(poa_global, temp_air, wind_speed, temp_module, **drivers)
+    if check_units:
+        refuse_units(record.inputs)
+    return without_impossible(record)
+
+
+def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
+    """The columns on their common times, as they are."""
     columns = {
         "poa_global": poa_global,
         "temp_air": temp_air,
@@ -363,11 +371,16 @@ def measured(
                 f"{name} holds no value from {inputs.index[0]} to "
                 f"{inputs.index[-1]}; check the column's name and the logger"
             )
-    if check_units:
-        refuse_units(inputs)
-    usable, impossible = {name: inputs[name] for name in drivers}, {}
+    missing = {name: int(np.isnan(inputs[name]).sum()) for name in columns}
+    inputs = Inputs(inputs.columns, inputs.steps, inputs.unit, inputs.index, True)
+    return Record(inputs, missing, {}, 0)
+
+
+def without_impossible(record):
+    """The record without what no sensor can have measured, which is counted."""
+    usable, impossible = dict(record.inputs.columns), {}
     for name, (low, high, unit) in POSSIBLE.items():
-        values = inputs[name]
+        values = record[name]
         outside = (values < low) | (values > high)
         impossible[name] = int(outside.sum())
         share = impossible[name] / np.isfinite(values).sum()
@@ -375,15 +388,22 @@ def measured(
             at = int(np.argmax(outside))
             raise ValueError(
                 f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
-                f"{high:g} {unit}), first {values[at]:g} at {inputs.index[at]}; "
+                f"{high:g} {unit}), first {values[at]:g} at {record.index[at]}; "
                 "check its unit and sensor"
             )
         usable[name] = np.where(outside, np.nan, values)
     clipped = int((usable["poa_global"] < 0).sum())
     usable["poa_global"] = np.where(usable["poa_global"] < 0, 0.0, usable["poa_global"])
-    missing = {name: int(np.isnan(inputs[name]).sum()) for name in columns}
-    inputs = Inputs(usable, inputs.steps, inputs.unit, inputs.index, True)
-    return Record(inputs, missing, impossible, clipped)
+    inputs = replace(record.inputs, columns=usable)
+    return replace(record, inputs=inputs, impossible=impossible, clipped=clipped)
+
+
+def with_columns(record, columns):
+    """The record with further columns, which stand on its index."""
+    arrays = {name: column.to_numpy(float) for name, column in columns.items()}
+    missing = {name: int(np.isnan(values).sum()) for name, values in arrays.items()}
+    inputs = replace(record.inputs, columns={**record.inputs.columns, **arrays})
+    return replace(record, inputs=inputs, missing={**record.missing, **missing})
 
 
 def refuse_units(inputs):

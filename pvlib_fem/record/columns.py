@@ -3,6 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.reasons import Reason, because
+
 #: what every record needs
 COLUMNS = ("poa_global", "temp_air", "wind_speed", "temp_module")
 DAYLIGHT = 20.0  # W/m², above which it is day
@@ -11,8 +13,6 @@ GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
 SOME = 20_000  # rows that are enough to compare columns
-LEAK = 0.05  # of a column's variance that the answer leaves, where it is a leak
-MOST_MISSING = 0.2  # of a driver's rows
 
 
 def with_aliases(data, needed=COLUMNS):
@@ -28,26 +28,51 @@ def with_aliases(data, needed=COLUMNS):
     return columns
 
 
-def usable_drivers(columns, usual):
-    """Numeric columns that say something of their own, and why others do not."""
+def usable_drivers(columns, record, most_missing):
+    """
+    Numeric columns that say something of their own, and why others do not.
+
+    Parameters
+    ----------
+    columns : dict of Series
+    record : Record
+        Of the usual columns, of which no other may be a copy.
+    most_missing : float
+        Share of a column's rows that may lack.
+
+    Returns
+    -------
+    dict of Series, dict of Because
+    """
     used, refused = {}, {}
-    seen = dict(zip(COLUMNS, usual))
+    seen = {name: record[name] for name in COLUMNS}
     for name, column in columns.items():
-        if not pd.api.types.is_numeric_dtype(column):
-            refused[name] = f"{name} is not numeric"
-        elif np.isinf(column).any():
-            refused[name] = f"{name} is infinite at {np.isinf(column).idxmax()}"
-        elif column.notna().sum() == 0:
-            refused[name] = f"{name} holds no value"
-        elif column.isna().mean() > MOST_MISSING:
-            refused[name] = f"{column.isna().mean():.0%} of {name} is missing"
-        elif column.nunique() < 2 and name not in GEOMETRY:
-            refused[name] = f"{name} is constant"
-        elif copies := [n for n, other in seen.items() if same(column, other)]:
-            refused[name] = f"{name} is a copy of {copies[0]}"
+        reason = unusable(name, column, seen, most_missing)
+        if reason is None:
+            used[name] = column.astype(float)
+            seen[name] = used[name].to_numpy()
         else:
-            used[name] = seen[name] = column.astype(float)
+            refused[name] = reason
     return used, refused
+
+
+def unusable(name, column, seen, most_missing):
+    """Why a column can be no driver, if it cannot."""
+    if not pd.api.types.is_numeric_dtype(column):
+        return because(Reason.NOT_NUMERIC, column=name)
+    if np.isinf(column).any():
+        time = str(np.isinf(column).idxmax())
+        return because(Reason.INFINITE, column=name, time=time)
+    if column.notna().sum() == 0:
+        return because(Reason.EMPTY, column=name)
+    if (share := float(column.isna().mean())) > most_missing:
+        return because(Reason.MISSING, column=name, share=share)
+    if column.nunique() < 2 and name not in GEOMETRY:
+        return because(Reason.CONSTANT, column=name)
+    values = column.to_numpy(float)
+    if copies := [other for other, usual in seen.items() if same(values, usual)]:
+        return because(Reason.COPY, column=name, other=copies[0])
+    return None
 
 
 def same(one, other):
@@ -57,24 +82,20 @@ def same(one, other):
 
 
 def alike(one, other):
-    both = one.notna() & other.notna()
-    x, y = one[both].astype(float), other[both].astype(float)
+    both = np.isfinite(one) & np.isfinite(other)
+    x, y = one[both], other[both]
     if both.sum() < 3 or x.std() == 0 or y.std() == 0:
         return False
     return abs(np.corrcoef(x, y)[0, 1]) > 1.0 - 1e-9
 
 
-def filled(drivers):
-    """Drivers without gaps: their median says least where they are missing."""
-    return {name: column.fillna(column.median()) for name, column in drivers.items()}
-
-
-def leaks(record, seen, modelled, names):
+def leaks(record, seen, modelled, names, least, beyond):
     """
     Columns that are the module temperature, or made from it.
 
     Those that the measured temperature, as it is, a little before and after and
-    smoothed, foretells far better than all that a model knows.
+    smoothed, foretells far better than all that a model knows: of whose variance
+    less than ``least`` is left, and less than ``beyond`` of what that leaves.
     """
     module = pd.Series(record["temp_module"]).interpolate(limit_direction="both")
     near = [module, module.shift(1), module.shift(-1), module.rolling(5, 1).mean()]
@@ -85,8 +106,11 @@ def leaks(record, seen, modelled, names):
     with_it = np.column_stack([without, *(c.to_numpy()[rows] for c in near)])
     for name in names:
         column = record[name][rows]
-        before, after = (unexplained(column, x) for x in (without, with_it))
-        if after < LEAK and after < 0.5 * before:
+        known = np.isfinite(column)
+        before, after = (
+            unexplained(column[known], x[known]) for x in (without, with_it)
+        )
+        if after < least and after < beyond * before:
             yield name
 
 

@@ -7,17 +7,16 @@ import pandas as pd
 
 from pvlib_fem.record.checks import Inputs, instants
 
-STEP = 300.0  # s, half of the shortest time constants
 ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")
-VALID = 0.5  # share of a step's rows that have to be there
 
 
-def coarse(record, step=STEP):
+def coarse(record, step=300.0, present=0.5):
     """
     The record in means over longer steps, or as it is where they are long enough.
 
     An input is held over the step that ends at its sample, so inputs are means up
-    to a time, and the module's temperature is the mean around it.
+    to a time, and the module's temperature is the mean around it. ``present`` is the
+    share of a step's rows that have to be there.
 
     Returns
     -------
@@ -32,11 +31,11 @@ def coarse(record, step=STEP):
     until = np.ceil(since / step - 1e-9).astype(int)
     around = np.floor(since / step + 0.5 - 1e-9).astype(int)
     labels = np.unique(until)
-    full = step / usual
+    least = max(1.0, present * step / usual)  # rows of a step
     columns = {}
     for name, values in record.inputs.columns.items():
         place = around if name == "temp_module" else until
-        columns[name] = means(values, place, labels, full, name in ANGLES)
+        columns[name] = means(values, place, labels, least, name in ANGLES)
     times = at[0].astype("datetime64[D]") + (labels * step * 1e9).astype("m8[ns]")
     index = pd.DatetimeIndex(times)
     if record.index.tz is not None:
@@ -46,12 +45,12 @@ def coarse(record, step=STEP):
     return replace(record, inputs=Inputs(columns, steps, step, index, True))
 
 
-def means(values, place, labels, full, angle):
-    """Means of the rows at each label, NaN where half of them lack."""
+def means(values, place, labels, least, angle):
+    """Means of the rows at each label, NaN where too few are there."""
     if angle:
         turned = np.radians(values)
         east, north = (
-            means(part, place, labels, full, False)
+            means(part, place, labels, least, False)
             for part in (np.sin(turned), np.cos(turned))
         )
         return np.degrees(np.arctan2(east, north)) % 360.0
@@ -62,7 +61,7 @@ def means(values, place, labels, full, angle):
     counts = np.bincount(at[there], minlength=size)
     sums = np.bincount(at[there], values[there], size)
     kept = labels - first
-    enough = counts[kept] >= max(1.0, VALID * full)
+    enough = counts[kept] >= least
     return np.where(enough, sums[kept] / np.maximum(counts[kept], 1), np.nan)
 
 

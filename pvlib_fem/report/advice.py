@@ -2,6 +2,7 @@
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.record.columns import GEOMETRY
 
 
@@ -34,11 +35,10 @@ def settling(loop):
     items = []
     for finding in loop.findings:
         gain = f"{finding.gain:.2f} K"
-        if finding.verdict == "unknown":
-            where = place(finding)[0].partition(" lives in ")[2]
-            what = f"a column that follows {where}"
+        if finding.kind is Kind.STRUCTURE:
+            what = f"a column that follows {finding.place}"
             items.append((finding.gain, what, f"would name the cause of {gain}"))
-        elif finding.verdict in ("class", "suggestive"):
+        elif finding.verdict in (Verdict.CLASS, Verdict.SUGGESTIVE):
             names = [n for n in finding.candidates if n in catalogue]
             words = dict.fromkeys(catalogue[n].decided_by for n in names)
             if what := " or ".join(word for word in words if word):
@@ -56,7 +56,7 @@ def lacking(loop):
         for needs in sources(name, there):
             effects.setdefault(needs, []).append(name)
             # a column may be there and of no use
-            if any(n in why for n in needs) and not why.startswith("no "):
+            if any(reason.values.get("column") in needs for reason in why.all):
                 reasons[needs] = f"; here {why}"
     for needs in sorted(effects, key=lambda needs: -len(effects[needs])):
         what = " and ".join(needs)
@@ -88,18 +88,12 @@ def longer(loop):
         return
     rows = loop.ranking[loop.ranking.index.isin(loop.untestable)]
     hidden = {
-        name: row["detectable"]
+        name: row["minimum_detectable"]
         for name, row in rows.iterrows()
-        if row["detectable"] > loop.min_gain and (row["physical"] or row["gain"] <= 0)
+        if row["minimum_detectable"] > loop.criteria.min_gain
+        and (row["physical"] or row["gain"] <= 0)
     }
     if hidden:
         least, most = (f"{end(hidden.values()):.2f}" for end in (min, max))
         size = least if least == most else f"{least} to {most}"
         yield "more days", f"would show {', '.join(hidden)}, here from {size} K only"
-
-
-def place(finding):
-    """Where unknown structure lives and how much, and what else is said of it."""
-    # the reason begins with both; a column's own name may have a colon, its end has not
-    where, _, why = finding.why.rpartition(": ")
-    return where, why

@@ -1,15 +1,17 @@
 """A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
 
 import hashlib
+from dataclasses import fields, is_dataclass
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.findings import ADDED
+from pvlib_fem.findings import Verdict
+from pvlib_fem.reasons import Reason
 from pvlib_fem.record.checks import instants
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.report import advice
-from pvlib_fem.report.advice import place
 from pvlib_fem.report.document import (
     document,
     escaped,
@@ -23,6 +25,8 @@ from pvlib_fem.report.document import (
 )
 from pvlib_fem.report.pictures import pictures
 
+NOT_SHOWN = "this record shows no less"
+WITHOUT_CAUSE = "nothing in the catalogue; a column that follows it would settle it"
 STEPS = {"steady": "no memory", "fem": "the paper's form", "balance": "heat balance"}
 VERDICTS = {
     "named": "no other candidate explains it",
@@ -56,6 +60,7 @@ def page(loop, never=()):
         section("Coefficients", coefficients(loop)),
         section("What the record cannot tell", undecided(loop)),
         section("What is left unexplained", unexplained(loop)),
+        section("Which rules decided", rules(loop)),
         section("What to measure next", next_measurements(loop)),
         section("Not testable", untestable(loop, never)),
         section("The state of the data", health(loop)),
@@ -65,12 +70,12 @@ def page(loop, never=()):
 
 
 def added(loop):
-    return [finding for finding in loop.findings if finding.verdict in ADDED]
+    return [finding for finding in loop.findings if finding.added]
 
 
 def part(loop):
     """The days that the errors of the verdict are of, and their column's ending."""
-    return ("sealed", "test") if loop.fit.test_days else ("fitted", "train")
+    return ("test", "test") if loop.fit.test_days else ("fitted", "train")
 
 
 def short(loop):
@@ -90,7 +95,7 @@ def verdict(loop):
     """What was found, first of all and in plain words."""
     fit, index = loop.fit, loop.fit.record.index
     days = len(np.unique(fit.record.dates))
-    count = f"{fit.test_days} sealed days, which no fit has seen"
+    count = f"{fit.test_days} test days, which no fit and no decision has seen"
     body = [
         f"<h1>Module temperature: {escaped(headline(loop))}</h1>",
         paragraph(
@@ -112,17 +117,15 @@ def verdict(loop):
             paragraph(
                 f"Nothing in the record asks for a further effect: none that was "
                 f"weighed gains "
-                f"{loop.min_gain:.2f} K on days left out, beyond chance and within "
-                "what is possible."
+                f"{loop.criteria.min_gain:.2f} K on days left out, beyond chance and "
+                "within what is possible."
             )
         )
-    if hints := [f for f in loop.findings if f.verdict == "suggestive"]:
+    if hints := [f for f in loop.findings if f.verdict is Verdict.SUGGESTIVE]:
         names = "; ".join(said(f) for f in hints)
         body.append(paragraph(f"Hints that were not added: {names}."))
     if left := loop.unexplained:
-        body.append(
-            paragraph(f"Of unknown cause: {'; '.join(place(f)[0] for f in left)}.")
-        )
+        body.append(paragraph(f"Of unknown cause: {'; '.join(map(lives, left))}."))
     return "\n".join(body)
 
 
@@ -130,6 +133,11 @@ def said(finding):
     """Its name, and all others that it may be."""
     others = [name for name in finding.candidates if name != finding.effect]
     return finding.effect + (f" (or {' or '.join(others)})" if others else "")
+
+
+def lives(finding):
+    """Where unknown structure is, and how much."""
+    return f"{finding.gain:.2f} K lives in {finding.place}"
 
 
 def gained(finding):
@@ -181,11 +189,12 @@ def coefficients(loop):
         value, error = f"{fit.coefficients[name]:.5g}", rounded(fit.stderr[name])
         span = f"{row.lower:g} … {row.upper:g}{share}"
         rows.append((name, value, error, row.unit, span, bound))
-    for finding in loop.findings:  # a clock has numbers and no place in the model
-        for name, value in finding.coefficients.items():
-            if finding.verdict in ADDED and name not in fit.coefficients:
-                error = rounded(finding.stderr.get(name, np.nan))
-                rows.append((name, f"{value:.5g}", error, "", "", ""))
+    for one in loop.corrections:  # a clock has numbers and no place in the model
+        for name, value in one.values.items():
+            error = rounded(one.stderr.get(name, np.nan))
+            unit = "s/day" if name == "drift" else "min"
+            what = "corrected" if one.applied else "not corrected"
+            rows.append((f"clock: {name}", f"{value:.5g}", error, unit, "", what))
     return table(
         ("coefficient", "#value", "#± error", "unit", "range", ""),
         rows,
@@ -195,7 +204,8 @@ def coefficients(loop):
 
 def undecided(loop):
     """Ties and hints, and what would decide."""
-    open_ = [f for f in loop.findings if f.verdict in ("class", "suggestive")]
+    undecided = (Verdict.CLASS, Verdict.SUGGESTIVE)
+    open_ = [f for f in loop.findings if f.verdict in undecided]
     if not open_:
         none = "Nothing: all that was found has one name."
         return paragraph(none if added(loop) else "Nothing was found.")
@@ -206,6 +216,33 @@ def undecided(loop):
             f"{numbers(f)}",
         )
         for f in open_
+    )
+
+
+def rules(loop):
+    """Every finding with the rules that it was asked, the one that decided last."""
+    rows = [
+        (
+            finding.effect,
+            check.name,
+            "passed" if check.passed else "failed",
+            f"{check.statistic:.3g}",
+            f"{'at most' if check.most else 'at least'} {check.threshold:.3g}",
+            check.unit,
+            check.criterion,
+        )
+        for finding in loop.findings
+        for check in finding.checks
+    ]
+    if not rows:
+        return paragraph("Nothing was found of which a rule could be asked.")
+    weeks = loop.weeks.value_counts()
+    days = ", ".join(f"{weeks[n]:,} rows of {n} weeks" for n in weeks.index)
+    return table(
+        ("finding", "rule", "", "#statistic", "asked", "unit", "criterion"),
+        rows,
+        f"{days}. A chance is that of any of {loop.family} hypotheses. Each criterion "
+        "is a field of Criteria.",
     )
 
 
@@ -225,11 +262,10 @@ def unexplained(loop):
         return paragraph("Not looked for: there are too few days to leave any out.")
     if not left:
         return paragraph(
-            f"No structure of {loop.min_gain:.2f} K and more over hours, months or the "
-            "columns of the record."
+            f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, "
+            "months or the columns of the record."
         )
-    places = ((*place(f), numbers(f)) for f in left)
-    return listed((where, f"{mean} K; {why}") for where, why, mean in places)
+    return listed((lives(f), f"{numbers(f)} K; {WITHOUT_CAUSE}") for f in left)
 
 
 def next_measurements(loop):
@@ -243,7 +279,10 @@ def by_reason(reasons):
     """Names by the reason that they share, in the order of the first of them."""
     groups = {}
     for name, why in reasons.items():
-        groups.setdefault(why, []).append(name)
+        words = str(why)
+        if why.reason is Reason.DETECTABLE:
+            name, words = f"{name} below {why.values['gain']:.2g} K", NOT_SHOWN
+        groups.setdefault(words, []).append(name)
     return groups
 
 
@@ -289,7 +328,7 @@ def reproduce(loop):
 
     columns = measured(loop)
     weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
-    sealed = np.packbits(loop.fit.holdout.to_numpy())
+    test = np.packbits(loop.fit.holdout.to_numpy())
     text = "\n".join(
         (
             f"pvlib_fem {__version__}",
@@ -297,7 +336,7 @@ def reproduce(loop):
             call(loop),
             "",
             f"sha256 of the data    {digest(loop)}",
-            f"sha256 of sealed rows {hashlib.sha256(sealed.tobytes()).hexdigest()}",
+            f"sha256 of test rows   {hashlib.sha256(test.tobytes()).hexdigest()}",
         )
     )
     return "\n".join(
@@ -310,11 +349,6 @@ def reproduce(loop):
                 "soft",
             ),
             paragraph(f"Effects that were weighed: {', '.join(weighed) or 'none'}."),
-            paragraph(
-                "If effects, holdout or check_units were given, they belong into the "
-                "call, too.",
-                "soft",
-            ),
             "<details>\n<summary>The printed report</summary>\n"
             f"<pre>{escaped(loop)}</pre>\n</details>",
         )
@@ -322,7 +356,7 @@ def reproduce(loop):
 
 
 def call(loop):
-    """The call that made it, as far as the loop knows; default effects and holdout."""
+    """The call that made it."""
     arguments = [f"model={loop.fit.model!r}"]
     for name, value in loop.place.items():
         if hasattr(value, "latitude"):
@@ -330,9 +364,29 @@ def call(loop):
             value = f"Location({where})"
         if value is not None:
             arguments.append(f"{name}={value}")
-    arguments = ["data", *arguments, f"min_gain={loop.min_gain:g}"]
-    inside = "".join(f"    {argument},\n" for argument in arguments)
+    more = {name: said_of(value) for name, value in loop.given.items()}
+    arguments += [f"{name}={words}" for name, words in more.items() if words]
+    inside = "".join(f"    {argument},\n" for argument in ["data", *arguments])
     return f"loop = pvlib_fem.close_loop(\n{inside})"
+
+
+def said_of(value):
+    """An argument as it is written, nothing where it is the default."""
+    if value is None or value is True:
+        return ""
+    if isinstance(value, pd.Series):
+        return "...  # True in the rows of the second hash"
+    if is_dataclass(value) and not hasattr(value, "spec"):
+        usual = type(value)()
+        changed = [
+            f"{field.name}={getattr(value, field.name)!r}"
+            for field in fields(value)
+            if getattr(value, field.name) != getattr(usual, field.name)
+        ]
+        return f"{type(value).__name__}({', '.join(changed)})" if changed else ""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(said_of, value))}]"
+    return repr(getattr(value, "spec", value))
 
 
 def measured(loop):

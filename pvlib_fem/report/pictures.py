@@ -22,7 +22,7 @@ def pictures(loop):
     list of (str, str)
         An ``svg`` element, and its caption.
     """
-    which = "sealed" if loop.fit.test_days else "fitted"
+    which = "test" if loop.fit.test_days else "fitted"
     # rows of a sensor that stands still have no residual
     known = loop.fit.residual.notna()
     before, after = loop.residual_before[known], loop.fit.residual[known]

@@ -127,11 +127,13 @@ def axes(index, dates, columns, criteria):
 
 def sorted_by(name, values, criteria):
     """Bins of one driver, or nothing where it does not vary."""
+    known = np.isfinite(values)
     if name == "wind_direction":
         count = len(SECTORS)
         bins = np.round(np.nan_to_num(values) * count / 360.0).astype(int) % count
-        return Axis(name, bins, tuple((s, s) for s in SECTORS), name, cyclic=True)
-    finite = values[np.isfinite(values)]
+        labels = tuple((s, s) for s in SECTORS)
+        return Axis(name, *with_missing(bins, labels, known), name, cyclic=True)
+    finite = values[known]
     if name == "poa_global":  # nights are a bin of their own
         finite = finite[finite > criteria.dark]
     if len(finite) == 0:
@@ -141,14 +143,22 @@ def sorted_by(name, values, criteria):
     if name == "poa_global":
         cuts = np.concatenate(([criteria.dark], cuts))
     low, high = finite.min(), finite.max()
-    cuts = cuts[(cuts > min(low, values.min())) & (cuts <= high)]
+    cuts = cuts[(cuts > min(low, np.nanmin(values))) & (cuts <= high)]
     if len(cuts) == 0:
         return None
     edges = [min(low, np.nanmin(values)), *cuts, high]
     labels = tuple((rounded(a), rounded(b)) for a, b in pairwise(edges))
     bins = np.searchsorted(cuts, values, side="right")
     clear = name not in CLOCK and not name.startswith(OF_COLUMN)
-    return Axis(name if clear else OF_COLUMN + name, bins, labels, name)
+    shown = name if clear else OF_COLUMN + name
+    return Axis(shown, *with_missing(bins, labels, known), name)
+
+
+def with_missing(bins, labels, known):
+    """Bins and labels with one more for rows in which the driver lacks."""
+    if known.all():
+        return bins, labels
+    return np.where(known, bins, len(labels)), (*labels, ("missing",) * 2)
 
 
 def rounded(value):

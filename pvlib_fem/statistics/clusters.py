@@ -2,11 +2,11 @@
 Least squares of any columns from one pass over a record.
 
 The products of all columns are summed by the day. Subsets of columns, folds of
-days left out, errors by the week and what one column adds beside others are then
+days left out, errors by the week and what one column adds to others are then
 sums of small matrices.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,12 +15,12 @@ from pvlib_fem.statistics.leastsquares import products
 
 FOLDS = 5
 WEEK = 7  # days that stay together in a fold
-FEWEST_WEEKS = 8  # below which errors are clustered by the day
+FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 
 
 @dataclass(frozen=True, eq=False)
-class DailySums:
+class ClusterSums:
     """
     Products of columns, and of the residual as the last of them, by the day.
 
@@ -32,6 +32,7 @@ class DailySums:
     rows: int
     folds: np.ndarray  # of each day
     weeks: np.ndarray  # of each day, in order
+    fewest: int = FEWEST_CLUSTERS
 
     @property
     def days(self):
@@ -43,13 +44,13 @@ class DailySums:
 
     @cached_property
     def by_fold(self):
-        return [self.sums[self.folds == fold].sum(axis=0) for fold in range(FOLDS)]
+        return [self.sums[self.folds == n].sum(axis=0) for n in np.unique(self.folds)]
 
     @cached_property
     def by_cluster(self):
         """Sums by the week, whose weather is shared; by the day where few weeks."""
         weeks, first = np.unique(self.weeks, return_index=True)
-        if len(weeks) < FEWEST_WEEKS:
+        if len(weeks) < self.fewest:
             return self.sums
         return np.add.reduceat(self.sums, first, axis=0)
 
@@ -57,7 +58,7 @@ class DailySums:
         """Those of some columns alone."""
         both = [*kept, self.sums.shape[1] - 1]
         sums = self.sums[:, both][:, :, both]
-        return DailySums(sums, self.scale[kept], self.rows, self.folds, self.weeks)
+        return replace(self, sums=sums, scale=self.scale[kept])
 
     def with_column(self, columns, residual, dates, new):
         """The same with one more column, before the residual."""
@@ -74,7 +75,7 @@ class DailySums:
             sums[day, -2, old] = sums[day, old, -2] = np.array(products) / scales
             sums[day, -2, -2] = part @ part
         scale = np.append(self.scale, size)
-        return DailySums(sums, scale, self.rows, self.folds, self.weeks)
+        return replace(self, sums=sums, scale=scale)
 
     def solve(self, kept):
         """Best coefficients of the kept columns."""
@@ -103,14 +104,14 @@ class DailySums:
         scores = sums[:, kept, -1] - normals @ self.solve(kept)
         return days_left_out(normals, scores, inverse)
 
-    def beside(self, column, kept):
+    def given(self, column, kept):
         """Root mean square of a column that the kept ones do not explain."""
         explained = ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, column])
         square = self.whole[column, column] - explained @ self.whole[kept, column]
         return np.sqrt(max(square, 0.0) / self.rows)
 
 
-def daily_sums(columns, residual, dates):
+def cluster_sums(columns, residual, dates, folds=FOLDS, fewest=FEWEST_CLUSTERS):
     """
     Sum the products of columns over each date, in order.
 
@@ -127,11 +128,14 @@ def daily_sums(columns, residual, dates):
     for day, (start, end) in enumerate(zip(first, ends)):
         day_sums = products([*columns, residual], slice(start, end))
         sums[day] = day_sums / np.outer(scales, scales)
-    weeks = calendar_weeks(days)
-    # whole weeks in turn, or days where there are few weeks
-    grouped = weeks if days[-1] - days[0] >= FOLDS * WEEK else days
-    folds = np.unique(grouped, return_inverse=True)[1] % FOLDS
-    return DailySums(sums, scale, size, folds, weeks)
+    of_day = days_of_folds(days, folds)
+    return ClusterSums(sums, scale, size, of_day, calendar_weeks(days), fewest)
+
+
+def days_of_folds(dates, folds=FOLDS):
+    """Fold of each date: whole weeks in turn, or days where there are few weeks."""
+    grouped = calendar_weeks(dates) if np.ptp(dates) >= folds * WEEK else dates
+    return np.unique(grouped, return_inverse=True)[1] % folds
 
 
 def starts(dates):
@@ -165,7 +169,7 @@ def days_left_out(normals, scores, inverse):
 
 def day_errors(columns, residual, days):
     """Covariance of a minimum that survives autocorrelation within a day."""
-    sums = daily_sums(columns, residual, days)
+    sums = cluster_sums(columns, residual, days)
     normals, scores = sums.sums[:, :-1, :-1], sums.sums[:, :-1, -1]
     inverse = np.linalg.inv(normals.sum(axis=0))
     covariance = days_left_out(normals, scores, inverse)

@@ -153,9 +153,8 @@ def placed(chosen, residual, bins, count, shrink, criteria):
     strong = np.abs(means) >= criteria.strong_cell * np.abs(means).max()
     squares = np.where(strong, means**2 * rows, 0.0)
     top = strong & ((means > 0) == (squares @ np.sign(means) >= 0))
-    if any(axis.period for axis in chosen):
-        # what happens half of the time leaves as much of the other sign
-        squares = np.where(top, squares, 0.0)
+    # what happens part of the time leaves some of the other sign elsewhere
+    squares = np.where(top, squares, 0.0)
     shape = [len(axis.labels) for axis in chosen]
     places = []
     for i, axis in enumerate(chosen):

@@ -159,7 +159,8 @@ class Table:
         best = max(found, key=found.get)
         # what gaps take from a strong line, a multiple of its period takes up
         enough = found[best] / criteria.pair_gain
-        return min(n for n, score in found.items() if best % n == 0 and score >= enough)
+        alike = [n for n, score in found.items() if best % n == 0 and score >= enough]
+        return min(alike, default=best)
 
     def gain(self, every, phase=None):
         """Held-out gain of a table of days, alone or with the hour. [K²]"""
@@ -298,5 +299,6 @@ def refined(line, residual, seconds, folds, shrink, criteria):
         return None
     # the period of the strongest line itself, unless a longer one says clearly more
     enough = max(gains.values()) / criteria.pair_gain
-    times = min(times for times, value in gains.items() if value >= enough)
+    alike = [times for times, value in gains.items() if value >= enough]
+    times = min(alike, default=max(gains, key=gains.get))
     return best(line / times, 0.2 / times)

@@ -143,7 +143,10 @@ class ThermalModel:
         # without a base its own coefficients are those of the model without effects
         based = self if self.base else replace(self, base=coefficients)
         inputs = based.with_drivers(read(columns, purpose="a dynamic temperature"))
-        return inputs.restore(self.temperature(inputs, coefficients))
+        found = self.temperature(inputs, coefficients)
+        # what follows from a gap in a driver may be a number, and is not known
+        known = np.all([np.isfinite(inputs[name]) for name in self.drivers], axis=0)
+        return inputs.restore(np.where(known, found, np.nan))
 
     def check_drivers(self, given):
         """Refuse drivers that lack, or that nothing uses."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem.drivers.solar import beam_around
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.effects.windows import find_windows
+from pvlib_fem.effects.windows import find_windows, orthonormal
 
 FAINT = 1e-3  # of the largest response to a clear sky, below which there is no sun
 
@@ -129,8 +129,9 @@ def scan(rest, tangents, columns, weeks, criteria):
     -------
     Effect or None
     """
-    own = {name: tangents[f"shading.{name}"] for name in EVERYWHERE.parameters}
-    beside = [c for name, c in tangents.items() if not name.startswith("shading.")]
+    keys = EVERYWHERE.rows()
+    own = dict(zip(EVERYWHERE.parameters, (tangents[key] for key in keys)))
+    basis = orthonormal([c for name, c in tangents.items() if name not in keys])
     azimuth = np.degrees(np.arctan2(own["east"], own["north"])) % 360.0
     clear = own["clear"]
     seen = clear > FAINT * clear.max()
@@ -139,7 +140,7 @@ def scan(rest, tangents, columns, weeks, criteria):
         sensor: find_windows(
             rest,
             own["unseen" if sensor else "share"],
-            beside,
+            basis,
             (azimuth, elevation),
             weeks,
             -1.0 if sensor else 1.0,

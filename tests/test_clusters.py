@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pvlib_fem.statistics.clusters import FOLDS, daily_sums, day_errors
+from pvlib_fem.statistics.clusters import FOLDS, cluster_sums, day_errors
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def rows():
 
 def summed(rows):
     columns, residual, dates = rows
-    return daily_sums(list(columns.T), residual, dates)
+    return cluster_sums(list(columns.T), residual, dates)
 
 
 def test_the_solution_is_least_squares(rows):
@@ -58,7 +58,7 @@ def test_errors_are_those_of_weeks_left_out(rows):
     )
 
 
-def test_beside_others_is_what_they_do_not_explain(rows):
+def test_given_others_is_what_they_do_not_explain(rows):
     columns, _, _ = rows
     sums = summed(rows)
     others = columns[:, :3]
@@ -66,12 +66,12 @@ def test_beside_others_is_what_they_do_not_explain(rows):
         columns[:, 3] - others @ np.linalg.lstsq(others, columns[:, 3], rcond=None)[0]
     )
     want = np.sqrt((rest**2).mean()) / sums.scale[3]
-    assert sums.beside(3, [0, 1, 2]) == pytest.approx(want, rel=1e-5)
+    assert sums.given(3, [0, 1, 2]) == pytest.approx(want, rel=1e-5)
 
 
 def test_a_column_added_later_is_as_good_as_one_from_the_start(rows):
     columns, residual, dates = rows
-    first = daily_sums(list(columns[:, :3].T), residual, dates)
+    first = cluster_sums(list(columns[:, :3].T), residual, dates)
     later = first.with_column(list(columns[:, :3].T), residual, dates, columns[:, 3])
     whole = summed(rows)
     np.testing.assert_allclose(later.sums, whole.sums, rtol=1e-10, atol=1e-10)
@@ -82,5 +82,5 @@ def test_a_column_added_later_is_as_good_as_one_from_the_start(rows):
 
 def test_few_weeks_are_folded_by_days():
     columns = np.ones((100, 1))
-    sums = daily_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))
+    sums = cluster_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))
     assert sums.folds.tolist() == [day % FOLDS for day in range(20)]

@@ -1,0 +1,148 @@
+"""Least squares of one thermal model on some rows of a record, and its errors."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pvlib_fem.effects.effect import tabled
+from pvlib_fem.statistics.clusters import day_errors
+from pvlib_fem.statistics.leastsquares import gauss_newton, normal_equations
+
+FEWEST_DAYS = 5  # below this the spread between days is no error
+UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
+
+
+def possible(model, fixed):
+    """The coefficients to hold, if they are the model's and can be."""
+    rows = model.parameters
+    if unknown := [name for name in fixed if name not in rows]:
+        raise ValueError(
+            f"fixed has {', '.join(unknown)}, which is no coefficient here; there are "
+            f"{', '.join(rows)}"
+        )
+    held = {name: float(value) for name, value in fixed.items()}
+    for name, value in held.items():
+        row, whole = rows[name], 1.0
+        if row.share_of is not None:
+            whole = held.get(row.share_of, rows[row.share_of].upper)
+        if not row.lower * whole <= value <= row.upper * whole:
+            raise ValueError(
+                f"fixed {name} = {value:g} {row.unit} cannot be; it is from "
+                f"{row.lower * whole:g} to {row.upper * whole:g}"
+            )
+    if not set(rows) - set(held):
+        raise ValueError("fixed holds all coefficients; leave one to fit")
+    return held
+
+
+def minimise(model, record, rows, start, biased, flat):
+    """Least squares of one stage, over its parameters as the search sees them."""
+    names = [name for name in model.free if biased or name != "bias"]
+    places = [list(model.parameters).index(name) for name in names]
+    model = replace(model, effects=tables(model.effects, record))
+    table = [model.parameters[name] for name in names]
+    lower = [max(row.lower, least(model, name)) for name, row in zip(names, table)]
+    rows = np.flatnonzero(rows)
+    measured_rows = record["temp_module"][rows]
+
+    def evaluate(x):
+        coefficients, chain = natural(model, {**start, **dict(zip(names, x))})
+        temperature = model.temperature(record.inputs, coefficients)
+
+        def jacobian():
+            slopes = model.slopes(record.inputs, coefficients)[1]
+            columns = [slopes[name][rows] for name in names]
+            return [
+                columns[i]
+                if own[i] == 1.0 and len(own.nonzero()[0]) == 1
+                # a share moves with the whole that it is of
+                else sum(columns[j] * own[j] for j in np.flatnonzero(own))
+                for i, own in enumerate(chain[np.ix_(places, places)].T)
+            ]
+
+        return measured_rows - temperature[rows], jacobian
+
+    minimum = gauss_newton(
+        evaluate,
+        [max(start[name], low) for name, low in zip(names, lower)],
+        lower,
+        [row.upper for row in table],
+        flat=flat,
+    )
+    found = {**start, **dict(zip(names, minimum.x.tolist()))}
+    return minimum, found
+
+
+def least(model, name):
+    """The least that a coefficient can be beside a share of it that is held."""
+    return max(
+        (
+            model.held[part] / row.upper
+            for part, row in model.parameters.items()
+            if row.share_of == name and part in model.held
+        ),
+        default=-np.inf,
+    )
+
+
+def tables(effects, record):
+    """The effects by their slopes on a record, where those say all."""
+    return tuple(tabled(effect, record.inputs.columns) for effect in effects)
+
+
+def natural(model, searched):
+    """Coefficients from what the search varies, and the slopes of that map."""
+    names = list(model.parameters)
+    values = {**{name: searched[name] for name in names}, **held(model)}
+    chain = np.eye(len(names))
+    for i, (name, row) in enumerate(model.parameters.items()):
+        if row.share_of is not None and name not in model.held:
+            whole = values[row.share_of]
+            values[name] = searched[name] * whole
+            chain[i, i] = whole
+            chain[i, names.index(row.share_of)] = searched[name]
+    return {**values, **model.steady_model.fixed}, chain
+
+
+def held(model):
+    """Those coefficients of a model that are held; it may yet lack the others."""
+    return {n: value for n, value in model.held.items() if n in model.parameters}
+
+
+def errors(target, record, train, coefficients, at_bound, notes):
+    """Standard errors by the day, NaN with a note where there are none."""
+    names = [name for name in target.free if name not in at_bound]
+    stderr = {
+        **dict.fromkeys(target.parameters, np.nan),
+        **dict.fromkeys(held(target), 0.0),
+    }
+    if at_bound:
+        notes.append(
+            f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
+            "others hold it fixed"
+        )
+    days = record.days[train]
+    if len(np.unique(days)) < FEWEST_DAYS:
+        notes.append(
+            f"errors are NaN: the spread between days needs {FEWEST_DAYS} training "
+            f"days, and there are {len(np.unique(days))}"
+        )
+        return stderr
+    temperature, slopes = target.slopes(record.inputs, coefficients)
+    rows = np.flatnonzero(train)
+    columns = [slopes[name][rows] for name in names]
+    residual = record["temp_module"][rows] - temperature[rows]
+    normal, _ = normal_equations(columns, residual)
+    size = np.sqrt(np.diag(normal))
+    size[size == 0] = 1.0
+    normal = normal / np.outer(size, size)
+    values, vectors = np.linalg.eigh(normal)
+    if not values[0] > UNKNOWN * values[-1]:
+        tied = [n for n, v in zip(names, np.abs(vectors[:, 0])) if v > 0.1]
+        notes.append(
+            f"errors are NaN: the record does not determine {' and '.join(tied)} "
+            "(does wind_speed vary?)"
+        )
+        return stderr
+    covariance = day_errors(columns, residual, days)
+    return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}

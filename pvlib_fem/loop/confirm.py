@@ -1,0 +1,123 @@
+"""Whether a refit holds: by its own coefficients, and on the choosing weeks."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pvlib_fem.findings import Check, Verdict
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.statistics.clusters import calendar_weeks
+
+ERRORS = "standard errors"
+
+
+def confirmed(finding, case, before, after, stderr):
+    """
+    The finding with what the refit says, withdrawn where that speaks against it.
+
+    Parameters
+    ----------
+    finding : Finding
+    case : Case
+    before, after : Step
+        The fit without it, and with it and all others.
+    stderr : dict
+        Standard errors of the latter.
+
+    Returns
+    -------
+    Finding
+        ``suggestive`` where one of the checks fails, of which it is the last.
+    """
+    checks = list(finding.checks)
+    for check, reason in refit_checks(finding, case, before, after, stderr):
+        checks.append(check)
+        if not check.passed:
+            verdict = Verdict.SUGGESTIVE
+            return replace(
+                finding, verdict=verdict, because=reason, checks=tuple(checks)
+            )
+    return replace(finding, checks=tuple(checks))
+
+
+def refit_checks(finding, case, before, after, stderr):
+    """Checks of a refit, each with the reason of its failure."""
+    limits = case.criteria
+    rows = case.seen & np.isfinite(before.temperature) & known_drivers(case, after)
+    lost = int(np.isnan(after.temperature[rows]).sum())
+    yield (
+        Check("rows without a temperature", "", lost, 0, most=True),
+        because(Reason.NO_TEMPERATURE, rows=lost),
+    )
+    effects = {key for e in after.model.effects for key in e.rows()}
+    bound = sorted(effects & set(after.at_bound))
+    yield (
+        Check("coefficients at a bound", "", len(bound), 0, most=True),
+        because(Reason.AT_BOUND, coefficient=", ".join(bound)),
+    )
+    values = after.coefficients
+    sure = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
+    name = max(sure, key=sure.get)
+    size = sure[name]
+    yield (
+        Check("distance from nothing", "sure", size, limits.sure, unit=ERRORS),
+        because(
+            Reason.UNSURE, coefficient=name, value=values[name], error=stderr[name]
+        ),
+    )
+    errors, rise = contradiction(case, before, after)
+    yield (
+        Check(
+            "rise on the choosing weeks",
+            "contradiction",
+            errors,
+            limits.contradiction,
+            most=True,
+            unit=ERRORS,
+        ),
+        because(Reason.CONTRADICTED, rise=rise, errors=errors),
+    )
+
+
+def distance(value, error):
+    """Standard errors from nothing; without an error, or held, it is no doubt."""
+    return abs(value) / error if error > 0 else np.inf
+
+
+def known_drivers(case, step):
+    """Rows that have what the effects of a step need."""
+    rows = np.ones(len(case.seen), dtype=bool)
+    for name in step.model.drivers:
+        rows &= np.isfinite(case.whole[name])
+    return rows
+
+
+def contradiction(case, before, after):
+    """
+    By how much the choosing weeks speak against a step.
+
+    The rise of the mean square in standard errors, from the spread between weeks, or
+    days where there are few weeks; and the rise of the error in K. NaN without
+    choosing weeks.
+    """
+    rows = case.choosing & np.isfinite(before.temperature + after.temperature)
+    rows &= np.isfinite(before.measured + after.measured)  # a clock's ends have none
+    if not rows.any():
+        return np.nan, np.nan
+    squares = [
+        (step.measured[rows] - step.temperature[rows]) ** 2 for step in (before, after)
+    ]
+    rise = np.sqrt(squares[1].mean()) - np.sqrt(squares[0].mean())
+    dates = case.whole.dates[rows]
+    clusters = np.unique(calendar_weeks(dates), return_inverse=True)[1]
+    if clusters.max() + 1 < case.criteria.fewest_clusters:
+        clusters = np.unique(dates, return_inverse=True)[1]
+    change = np.bincount(clusters, squares[1] - squares[0])
+    size = np.bincount(clusters)
+    mean = change.sum() / size.sum()
+    count = len(size)
+    if count < 2:
+        return np.inf * np.sign(mean), float(rise)
+    spread = np.sqrt(((change - mean * size) ** 2).sum() * count / (count - 1))
+    errors = mean * size.sum() / spread if spread > 0 else np.sign(mean) * np.inf
+    return float(errors) if mean else 0.0, float(rise)

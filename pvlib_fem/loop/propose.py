@@ -1,0 +1,246 @@
+"""What to add next: the effect that explains most, unless something unknown does."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects import EFFECTS
+from pvlib_fem.findings import Check, Finding, Kind, Verdict
+from pvlib_fem.loop.case import Case
+from pvlib_fem.loop.evidence import Evidence, Weight
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.statistics.tables import find_structure
+from pvlib_fem.statistics.timetables import timetables
+
+
+@dataclass(eq=False)
+class Proposals:
+    """
+    Findings of one round, the best first: drivers, then confounders.
+
+    Forward selection: the best that is material, possible and no accident, until
+    none is. What structure of unknown cause explains better waits beside it.
+    """
+
+    case: Case
+    found: Evidence
+    done: frozenset  # names that earlier findings hold already
+    new: list = field(default_factory=list)
+    aside: dict = field(default_factory=dict)  # what unknown structure explains better
+
+    def run(self):
+        """The findings, which the fits have yet to confirm."""
+        effects = self.found.effects
+        driven = [n for n, effect in effects.items() if not effect.confounder]
+        others = [n for n, effect in effects.items() if effect.confounder]
+        self.select(driven, self.found.confounders)
+        self.select(others, [finding.effect for finding in self.new])
+        return self.new
+
+    @cached_property
+    def sorting(self):
+        """All ways to sort the rows, found once a round."""
+        return sorting(self.case, self.found, self.found.confounders)
+
+    def select(self, names, given):
+        """Add findings of some names, one after the other."""
+        limits, found = self.case.criteria, self.found
+        given, unknowns, spill, count = list(given), 0, 0.0, 0
+        # what cannot be told from a finding is no finding of its own
+        taken = {*self.done, *(n for f in self.new for n in f.candidates)}
+        names = [name for name in names if name not in taken]
+        while count < limits.most_effects and names:
+            weights = weighed(found, names, given)
+            floor = max(material(found, given, limits), spill)
+            asked = {n: rules(found, w, floor) for n, w in weights.items()}
+            good = {
+                n: w.gain
+                for n, w in weights.items()
+                if w.gain > 0 and all_pass(asked[n][1:])
+            }
+            best = max(good, key=good.get, default=None)
+            if best is None or not all_pass(asked[best]):
+                break
+            without = without_of(found, best)
+            table = structure(self.case, found, given, self.sorting, without)
+            checks, explained = against(found, best, given, table, floor, limits)
+            if all_pass(checks):
+                ties = found.ties(best, good, given)
+                checks = (*asked[best], *checks)
+                self.new.append(
+                    proposed(self.case, found, best, weights[best], ties, checks)
+                )
+                given, count = [*given, best], count + 1
+                found = found.on_rows_of(best)
+                names = [name for name in names if name not in (best, *ties)]
+                continue
+            if unknowns == limits.most_structures:
+                break
+            unknowns += 1
+            self.aside[best] = (*asked[best], *checks)
+            spill = max(spill, limits.structure_spill * explained)
+            found = found.with_column(f"unknown:{unknowns}", table.values)
+            given.append(f"unknown:{unknowns}")
+
+
+def weighed(found, names, given):
+    """Weights of those names that can be weighed."""
+    weights = {name: found.weigh(name, given) for name in names}
+    return {name: w for name, w in weights.items() if isinstance(w, Weight)}
+
+
+def material(found, given, criteria):
+    """Fall of the mean square that is worth an effect. [K²]"""
+    return max(criteria.min_gain**2, criteria.min_share * found.left(given))
+
+
+def rules(found, weight, floor):
+    """The checks of a candidate by itself: its size, its chance, its bounds."""
+    limits = found.criteria
+    name = "min_gain" if floor <= limits.min_gain**2 else "min_share"
+    return (
+        Check("gain", name, weight.gain, float(np.sqrt(floor)), unit="K"),
+        Check(
+            f"chance among {found.family} hypotheses",
+            "chance",
+            found.chance(weight),
+            limits.chance,
+            most=True,
+        ),
+        Check("coefficients are possible", "bound_slack", float(weight.possible), 1.0),
+    )
+
+
+def all_pass(checks):
+    return all(check.passed for check in checks)
+
+
+def without_of(found, name):
+    """Columns that a rival table may not use: the effect's own."""
+    own = found.effects[name].drivers
+    return [*own, *needed_for(own)]
+
+
+def against(found, name, given, table, floor, criteria):
+    """
+    Whether an effect holds against the strongest table of unknown structure.
+
+    It does where the table is not material, where the effect leaves little of the
+    table, or keeps enough of its own beside it. Also the table's square.
+    """
+    if table is None or table.gain**2 < floor:
+        return (), 0.0
+    wider = found.with_column("unknown", table.values)
+    # several confounders together may make what none of them makes alone
+    with_it = found.confounders if found.effects[name].confounder else [name]
+    left = wider.gain("unknown", [*given, *with_it]) / table.gain**2
+    keeps = wider.gain(name, [*given, "unknown"])
+    share = keeps / found.gain(name, given)
+    explains = Check(
+        f"share left of the table by {table.name}",
+        "structure_left",
+        left,
+        max(criteria.structure_left, floor / table.gain**2),
+        most=True,
+    )
+    stands = Check(
+        f"share kept given the table by {table.name}",
+        "structure_keeps",
+        share if keeps >= floor else 0.0,
+        criteria.structure_keeps,
+    )
+    # either will do
+    best = explains if explains.passed and not stands.passed else stands
+    return (best,), table.gain**2
+
+
+@dataclass(frozen=True, eq=False)
+class Sorting:
+    """Ways to sort some rows: by clock, calendar, drivers and timetables."""
+
+    axes: list
+    rows: np.ndarray
+    folds: np.ndarray
+    seconds: np.ndarray
+    step: float
+
+    def of(self, rows):
+        """The same for fewer rows."""
+        if len(rows) == len(self.rows):
+            return self
+        kept = np.isin(self.rows, rows, assume_unique=True)
+        axes = [axis.of(kept) for axis in self.axes]
+        return Sorting(axes, rows, self.folds[kept], self.seconds[kept], self.step)
+
+
+def sorting(case, found, given):
+    """All ways to sort the rows of the evidence."""
+    record, rows = case.record, found.rows
+    kept = np.isin(np.flatnonzero(case.searched), rows, assume_unique=True)
+    axes, folds = [axis.of(kept) for axis in case.axes], case.folds[kept]
+    seconds = record.inputs.seconds[rows]
+    step = float(np.median(np.diff(seconds)))
+    times = (seconds, record.dates[rows], folds, step)
+    axes += timetables(found.rest(given), *times, case.criteria)
+    return Sorting(axes, rows, folds, seconds, step)
+
+
+def structure(case, found, given, by, without=()):
+    """The strongest table of what is left."""
+    by = by.of(found.rows)
+    how = (by.axes, by.step, case.criteria, without)
+    return find_structure(found.rest(given), by.seconds, by.folds, *how)
+
+
+def proposed(case, found, name, weight, ties, checks):
+    """The finding of an effect that passes all checks."""
+    effects = [found.effects[n] for n in (name, *ties)]
+    if not case.enough:
+        least = case.criteria.enough_days
+        verdict = Verdict.SUGGESTIVE
+        why = because(Reason.TOO_SHORT, days=case.days, least=least)
+        checks = (*checks, Check("days", "enough_days", case.days, least))
+    elif effects[0].confounder or ties:
+        words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
+        verdict = Verdict.CLASS
+        measurements = list(words) or ["a driver of its own"]
+        why = because(Reason.WOULD_DECIDE, measurements=measurements)
+    else:
+        verdict = Verdict.NAMED
+        why = because(Reason.GAINED, gain=weight.gain, chance=found.chance(weight))
+    return Finding(
+        name,
+        (name, *ties),
+        verdict,
+        weight.gain,
+        weight.coefficients,
+        weight.stderr,
+        why,
+        checks,
+        kind_of(effects[0]),
+    )
+
+
+def kind_of(effect):
+    """Whether an effect is of the catalogue, of the user's own, or a column."""
+    if effect.column:
+        return Kind.COLUMN
+    return Kind.EFFECT if effect.name in EFFECTS else Kind.OWN
+
+
+def renamed(finding, found, name, given=()):
+    """A class by another of its candidates, or None where that has no weight."""
+    if name == finding.effect:
+        return finding
+    weight = found.weigh(name, given)
+    if not isinstance(weight, Weight):
+        return None
+    return replace(
+        finding,
+        effect=name,
+        candidates=(name, *(n for n in finding.candidates if n != name)),
+        coefficients=weight.coefficients,
+        stderr=weight.stderr,
+    )

@@ -1,0 +1,62 @@
+"""Three kinds of weeks, made once: to fit, to choose, and to test."""
+
+from enum import IntEnum
+
+import numpy as np
+
+from pvlib_fem.statistics.clusters import calendar_weeks
+
+
+class Part(IntEnum):
+    """What a row is for."""
+
+    FITTING = 0  # coefficients, and what every effect would explain
+    CHOOSING = 1  # whether a refit is kept
+    TEST = 2  # the errors that are told; nothing looks at them before
+
+
+#: names of the parts, in their order
+NAMES = np.array([part.name.lower() for part in Part])
+
+
+def parts(record, seen, holdout, criteria):
+    """
+    What each row of a record is for.
+
+    Parameters
+    ----------
+    record : Record
+    seen : array of bool
+        Rows that count.
+    holdout : Series of bool, optional
+        The test rows; by default every fifth week, or every other day of a record
+        of few weeks.
+    criteria : Criteria
+
+    Returns
+    -------
+    array of Part
+
+    Notes
+    -----
+    A record that is too short for a name has no choosing weeks: nothing is
+    chosen on it.
+    """
+    found = np.full(len(seen), Part.FITTING, dtype=np.int8)
+    weeks = np.unique(calendar_weeks(record.dates), return_inverse=True)[1]
+    if holdout is not None:
+        found[record.rows(holdout)] = Part.TEST
+    elif weeks.max() + 1 >= criteria.fewest_weeks:
+        found[nth(weeks, criteria.test_every)] = Part.TEST
+    elif len(np.unique(record.dates[seen])) > 1:
+        found[record.days % 2 == 1] = Part.TEST
+    if len(np.unique(record.dates[seen])) >= criteria.enough_days:
+        rest = np.flatnonzero(found == Part.FITTING)
+        others = np.unique(weeks[rest], return_inverse=True)[1]
+        found[rest[nth(others, criteria.choose_every)]] = Part.CHOOSING
+    return found
+
+
+def nth(numbers, every):
+    """One of every so many, in the middle of them."""
+    return numbers % every == every // 2

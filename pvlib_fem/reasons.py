@@ -1,0 +1,132 @@
+"""Why something was or was not found: typed, and put into words here alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class Reason(Enum):
+    """A reason; its value is the sentence, with places for the numbers behind it."""
+
+    # a column that is not used
+    NOT_NUMERIC = "{column} is not numeric"
+    INFINITE = "{column} is infinite at {time}"
+    EMPTY = "{column} holds no value"
+    MISSING = "{share:.0%} of {column} is missing"
+    CONSTANT = "{column} is constant"
+    COPY = "{column} is a copy of {other}"
+    DOUBTFUL = "{column} {doubt}"
+    LEAK = "{column} is the module temperature itself, or made from it"
+
+    # an effect that could not be weighed, or not be seen
+    LACKS = "no {columns}"
+    FEW_FITTING_DAYS = "{days} fitting days are too few to leave any out, of {least}"
+    FEW_DAYS = "{days} days are too few to leave any out, of {least}"
+    COARSE_CLOCK = (
+        "the module's clock: rows so far apart show that it is off from "
+        "{minutes:.2g} min only"
+    )
+    ADDS_NOTHING = "it adds nothing in this record's weather"
+    COLLINEAR = "the record cannot tell it from the fitted coefficients"
+    NOT_A_NUMBER = "it is not a number in all rows whose columns are there"
+    BROKEN = "{error}"
+    NO_WINDOW = "nothing is left that a window of the sky would explain"
+    STAND_IN = "no {columns: or }: only what follows the usual inputs was tried"
+    DETECTABLE = "this record shows it from {gain:.2g} K only"
+    ANOTHER_CONFOUNDER = (
+        "informative, but not as this effect: another confounder would be it"
+    )
+    SUSPECT_SENSOR = "informative, but not as this effect: suspect its sensor"
+    SUSPECT_IRRADIANCE = (
+        "informative, but not as this effect: suspect the irradiance sensor"
+    )
+    SOURCE = "from {source}"
+
+    # a finding
+    GAINED = (
+        "{gain:.2f} K of the error on fitting weeks left out in turn, chance "
+        "{chance:.1g}"
+    )
+    WOULD_DECIDE = "{measurements:; or } would decide"
+    TOO_SHORT = "{days} days are too few for a name, of {least}"
+    NO_TEMPERATURE = (
+        "fitted with all others it leaves {rows:,} rows without a temperature"
+    )
+    AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"
+    UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
+    CONTRADICTED = (
+        "the choosing weeks contradict it: their error rises by {rise:.2g} K, "
+        "{errors:.1f} standard errors of the difference"
+    )
+    NOT_MATERIAL = "not enough for a name: material is {least:.2f} K"
+    STRUCTURE_EXPLAINS = "structure of unknown cause explains more"
+    LESS_GIVEN = "given structure of unknown cause it is not material"
+    UNEXPLAINED = (
+        "{gain:.2f} K lives in {where}: nothing in the catalogue; a column that "
+        "follows it would settle it"
+    )
+
+    # a correction
+    CORRECTED = "{fault}"
+    NOT_CORRECTED = "{fault}; not corrected: {remedy}"
+
+
+class Names(tuple):
+    """Names, joined by the format's own words."""
+
+    def __format__(self, words):
+        return (words or ", ").join(map(str, self))
+
+
+@dataclass(frozen=True)
+class Because:
+    """
+    A reason and its numbers; ``str`` puts it into words.
+
+    Attributes
+    ----------
+    reason : Reason
+    values : dict
+        The numbers and names of its sentence.
+    also : tuple of Because
+        Further reasons for the same.
+    """
+
+    reason: Reason
+    values: Mapping = field(default_factory=dict)
+    also: tuple = ()
+
+    @property
+    def all(self):
+        """It and the further ones."""
+        return (self, *(one for more in self.also for one in more.all))
+
+    def content(self):
+        """The same for a file."""
+        return [
+            {"reason": one.reason.name, **one.values, "words": one.sentence()}
+            for one in self.all
+        ]
+
+    def __hash__(self):
+        return hash(str(self))
+
+    def sentence(self):
+        return self.reason.value.format(**self.values)
+
+    def __str__(self):
+        return "; ".join(one.sentence() for one in self.all)
+
+
+def because(reason, /, **values):
+    """A reason by its numbers; a list of names becomes one that formats itself."""
+    for name, value in values.items():
+        if isinstance(value, (list, tuple)):
+            values[name] = Names(value)
+    return Because(reason, values)
+
+
+def together(reasons):
+    """Several reasons as one."""
+    first, *others = reasons
+    return Because(first.reason, first.values, (*first.also, *others))
