@@ -137,8 +137,7 @@ def fit_fem(
         poa_global, temp_air, wind_speed, temp_module, check_units, **drivers
     )
     filtered = counted(record.inputs.columns, night)
-    for name in target.drivers:
-        filtered &= ~np.isnan(record[name])
+    filtered &= record.known(target.drivers)
     notes = []
     out = held_out(record, filtered, holdout, notes)
     train = filtered & ~out

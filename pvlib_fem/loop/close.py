@@ -16,7 +16,7 @@ from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranking import COLUMNS, ranked, table_of
 from pvlib_fem.loop.remains import hints, not_seen, unexplained
 from pvlib_fem.loop.result import Loop
-from pvlib_fem.loop.steps import SCORES, Fits, error_table, known
+from pvlib_fem.loop.steps import SCORES, Fits, error_table
 from pvlib_fem.loop.weeks import NAMES, Part
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import leaks
@@ -254,7 +254,7 @@ class Search:
         if found is None and case.divisible:
             found = self.evidence(last)  # what is told is of the model that is told
         record, tabled = self.fits.prepared(case.whole, last.model)
-        rows = case.fitting & known(record, last.model)
+        rows = case.fitting & record.known(last.model.drivers)
         at_bound = last.at_bound
         stderr = errors(tabled, record, rows, last.coefficients, at_bound, notes)
         table = error_table(case, self.steps)

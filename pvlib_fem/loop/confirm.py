@@ -43,7 +43,8 @@ def confirmed(finding, case, before, after, stderr):
 def refit_checks(finding, case, before, after, stderr):
     """Checks of a refit, each with the reason of its failure."""
     limits = case.criteria
-    rows = case.seen & np.isfinite(before.temperature) & known_drivers(case, after)
+    rows = case.seen & np.isfinite(before.temperature)
+    rows &= case.whole.known(after.model.drivers)
     lost = int(np.isnan(after.temperature[rows]).sum())
     yield (
         Check("rows without a temperature", "", lost, 0, most=True),
@@ -65,18 +66,9 @@ def refit_checks(finding, case, before, after, stderr):
             Reason.UNSURE, coefficient=name, value=values[name], error=stderr[name]
         ),
     )
-    errors, rise = contradiction(case, before, after)
-    yield (
-        Check(
-            "rise on the choosing weeks",
-            "contradiction",
-            errors,
-            limits.contradiction,
-            most=True,
-            unit=ERRORS,
-        ),
-        because(Reason.CONTRADICTED, rise=rise, errors=errors),
-    )
+    check, rise = choosing_check(case, before, after)
+    errors = check.statistic
+    yield check, because(Reason.CONTRADICTED, rise=rise, errors=errors)
 
 
 def distance(value, error):
@@ -84,12 +76,11 @@ def distance(value, error):
     return abs(value) / error if error > 0 else np.inf
 
 
-def known_drivers(case, step):
-    """Rows that have what the effects of a step need."""
-    rows = np.ones(len(case.seen), dtype=bool)
-    for name in step.model.drivers:
-        rows &= np.isfinite(case.whole[name])
-    return rows
+def choosing_check(case, before, after):
+    """The check of a step on the choosing weeks, and the rise of its error. [K]"""
+    errors, rise = contradiction(case, before, after)
+    name, most = "rise on the choosing weeks", case.criteria.contradiction
+    return Check(name, "contradiction", errors, most, most=True, unit=ERRORS), rise
 
 
 def contradiction(case, before, after):

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pvlib_fem.findings import Check, Correction
-from pvlib_fem.loop.confirm import ERRORS, contradiction
+from pvlib_fem.findings import Correction
+from pvlib_fem.loop.confirm import choosing_check
 from pvlib_fem.quality.clock import Clock, left_open
 from pvlib_fem.reasons import Reason, because
 
@@ -36,16 +36,7 @@ def module_clock(case, fits, raw, fits_of):
     both = np.isfinite(raw.temperature + step.temperature)
     both &= np.isfinite(raw.measured + step.measured)
     before, after = (s.error(rows & both) for s in (raw, step))
-    errors, _ = contradiction(case, raw, step)
-    limit = case.criteria.contradiction
-    check = Check(
-        "rise on the choosing weeks",
-        "contradiction",
-        errors,
-        limit,
-        most=True,
-        unit=ERRORS,
-    )
+    check, _ = choosing_check(case, raw, step)
     found = described(case.clock, before, after, check)
     if check.passed:
         return other, step, found

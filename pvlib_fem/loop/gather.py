@@ -65,7 +65,7 @@ def gather(
     }
     partial = {}
     for name, effect in list(effects.items()):
-        known = whole(record, effect, rows)
+        known = record.known(needed_for(effect.drivers))[rows]
         if not all(np.isfinite(columns[key][known]).all() for key in own[name]):
             failed[name] = because(Reason.NOT_A_NUMBER)
             for key in own.pop(name):
@@ -110,14 +110,6 @@ def held(terms):
             for column in columns
         )
     )
-
-
-def whole(record, effect, rows):
-    """Which rows have all measured columns of an effect."""
-    known = np.ones(len(rows), dtype=bool)
-    for name in needed_for(effect.drivers):
-        known &= np.isfinite(record[name][rows])
-    return known
 
 
 def narrowed(found, name, scan, model, coefficients, inputs):

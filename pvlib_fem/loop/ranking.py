@@ -86,8 +86,7 @@ def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
     model = fit.thermal_model
     record = with_columns(usual, drivers)
     seen = counted(record.inputs.columns, fit.night)
-    for name in model.drivers:
-        seen &= np.isfinite(record[name])
+    seen &= record.known(model.drivers)
     rows = {name: {"note": str(why)} for name, why in notes.items()}
     days = len(np.unique(record.dates[seen]))
     if days < criteria.folds:

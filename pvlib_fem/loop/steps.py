@@ -93,7 +93,7 @@ class Fits:
         table = {name: row.start for name, row in model.parameters.items()}
         at = {**table, **(before.coarse if before else {})}
         record, tabled = self.prepared(case.record, model)
-        rows = case.searched & known(record, model)
+        rows = case.searched & record.known(model.drivers)
         # a tangent may lead where there is no temperature
         tried = tabled.temperature(record.inputs, natural(model, {**at, **start})[0])
         if np.isfinite(tried[rows]).all():
@@ -106,7 +106,7 @@ class Fits:
                 at = {n: v + change.get(n, 0.0) for n, v in at.items()}
             record, tabled = self.prepared(case.whole, model)
             if whole:
-                rows = case.fitting & known(record, model)
+                rows = case.fitting & record.known(model.drivers)
                 minimum, at = minimise(tabled, record, rows, at, biased, CLOSE)
         names = model.free[: len(minimum.x)]
         coefficients = natural(model, at)[0]
@@ -118,7 +118,7 @@ class Fits:
             coarse,
             tuple(n for n, bound in zip(names, minimum.at_bound) if bound),
             minimum.converged,
-            np.where(known(record, model), temperature, np.nan),
+            np.where(record.known(model.drivers), temperature, np.nan),
             case.whole["temp_module"],
         )
 
@@ -126,7 +126,7 @@ class Fits:
         """Standard errors of a step's coefficients, by the day on coarse steps."""
         record, tabled = self.prepared(self.case.record, step.model)
         found = natural(step.model, step.coarse)[0]
-        rows = self.case.searched & known(record, step.model)
+        rows = self.case.searched & record.known(step.model.drivers)
         return errors(tabled, record, rows, found, step.at_bound, [])
 
     def prepared(self, record, model):
@@ -149,7 +149,7 @@ class Fits:
             step.model,
             step.coefficients,
             record,
-            case.searched & known(record, step.model),
+            case.searched & record.known(step.model.drivers),
             candidates,
             case.criteria,
             case.family,
@@ -166,14 +166,6 @@ def check_held(steady_model, case):
         )
     dynamics = "balance" if {*MEMORY["balance"]} & {*case.fixed} else "ewm"
     possible(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)
-
-
-def known(record, model):
-    """Rows that have all measured columns which a model's effects need."""
-    rows = np.ones(len(record.index), dtype=bool)
-    for name in model.drivers:
-        rows &= np.isfinite(record[name])
-    return rows
 
 
 def error_table(case, steps):

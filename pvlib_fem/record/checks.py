@@ -109,6 +109,13 @@ class Record:
         local = self.index.tz_localize(None).to_numpy()
         return local.astype("datetime64[D]").astype(int)
 
+    def known(self, names):
+        """Rows that have all of some columns."""
+        rows = np.ones(len(self.index), dtype=bool)
+        for name in names:
+            rows &= np.isfinite(self[name])
+        return rows
+
     def rows(self, holdout):
         """Boolean array of a user's choice of rows."""
         if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
