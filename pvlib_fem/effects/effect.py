@@ -43,12 +43,19 @@ class Terms:
 
     def plus(self, other, times=1.0):
         """The sum with another, ``times`` over."""
-        return Terms(
-            *(
-                getattr(self, column.name) + times * getattr(other, column.name)
-                for column in fields(Terms)
-            )
+        pairs = (
+            (getattr(self, column.name), getattr(other, column.name))
+            for column in fields(Terms)
         )
+        # most effects add to one column, and long ones are not copied for nothing
+        return Terms(
+            *(own + times * more if is_there(more) else own for own, more in pairs)
+        )
+
+
+def is_there(column):
+    """Whether a column of terms is more than the number 0."""
+    return np.ndim(column) > 0 or column != 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,7 +103,8 @@ class Sky:
 
     def share(self, mask):
         """Share of the beam that a part of the sky takes."""
-        return float(weighed(self.sums[:, mask].sum(axis=1))[0])
+        product, square, *known = self.sums[:, mask].sum(axis=1)
+        return float(share_of(product, square, np.sum(np.square(known))))
 
     def step(self, mask, cut, sign):
         """The mask with the best rectangle added or cut, and what it then takes."""
@@ -116,13 +117,9 @@ class Sky:
             np.flatnonzero(seen.any(axis=axis))[[0, -1]] + [0, 1] for axis in (1, 0)
         ]
 
-        def weigh(low, high, start, end):
-            part = box(total, low, high, start, end)
-            whole = there.reshape(-1, *[1] * (part.ndim - 1)) + (-part if cut else part)
-            share, gain = weighed(whole)
-            return np.where((sign * share > 0) & (sign * share < MOST), gain, 0.0)
-
-        found = [climb(weigh, start, ends) for start in self.starts(weigh, ends)]
+        total = -total if cut else total
+        starts = self.starts(total, there, sign, ends)
+        found = [climb(total, there, sign, start, ends) for start in starts]
         if not found:
             return mask, 0.0
         (low, high, start, end), gain = max(found, key=lambda one: one[1])
@@ -130,14 +127,15 @@ class Sky:
         new[low:high, start:end] = not cut
         return new, gain
 
-    def starts(self, weigh, ends):
+    def starts(self, total, there, sign, ends):
         """Blocks of the sky with the largest gains."""
         steps = [max(1, round(wide / cell)) for wide, cell in zip(BLOCK, self.size)]
         first = [np.arange(*end, step) for end, step in zip(ends, steps)]
         low, start = (edges.ravel() for edges in np.meshgrid(*first, indexing="ij"))
         high = np.minimum(low + steps[0], ends[0][1])
         end = np.minimum(start + steps[1], ends[1][1])
-        gains = weigh(low, high, start, end)
+        product, square, *known = there[:, None] + box(total, low, high, start, end)
+        gains = gain_of(product, square, (np.array(known) ** 2).sum(axis=0), sign)
         for i in np.argsort(-gains, kind="stable")[:STARTS]:
             if gains[i] > 0:
                 yield int(low[i]), int(high[i]), int(start[i]), int(end[i])
@@ -176,33 +174,50 @@ def box(total, low, high, start, end):
     return above - total[:, low, end] + total[:, low, start]
 
 
-def weighed(sums):
-    """Share of parts of the sky beside all that is fitted, and the square it takes."""
-    product, square = sums[:2]
-    left = square - (sums[2:] ** 2).sum(axis=0)
-    there = left > UNSEEN * square
-    share = np.divide(product, left, out=np.zeros_like(product), where=there)
-    return share, share * product
+def share_of(product, square, known):
+    """Share of parts of the sky that they take beside all that is fitted."""
+    left = square - known
+    return np.divide(
+        product, left, out=np.zeros_like(product), where=left > UNSEEN * np.abs(square)
+    )
 
 
-def climb(weigh, window, ends):
+def gain_of(product, square, known, sign):
+    """Square that parts of the sky take, where their share is possible."""
+    share = share_of(product, square, known)
+    return np.where((sign * share > 0) & (sign * share < MOST), share * product, 0.0)
+
+
+def climb(total, there, sign, window, ends):
     """Move the edges of a rectangle, two by two, while its gain grows."""
     gain, stays = 0.0, 0
     for turn in range(TURNS):
         first, last = ends[turn % 2]
-        one, other = (first + i for i in np.triu_indices(last - first + 1, 1))
         low, high, start, end = window
-        tries = (low, high, one, other) if turn % 2 else (one, other, start, end)
-        gains = weigh(*tries)
-        best = int(np.argmax(gains))
+        if turn % 2:
+            strip = total[:, high, first : last + 1] - total[:, low, first : last + 1]
+        else:
+            strip = total[:, first : last + 1, end] - total[:, first : last + 1, start]
+        gains = of_pairs(strip, there, sign)
+        best = np.unravel_index(np.argmax(gains), gains.shape)
         stays = 0 if gains[best] > gain * (1.0 + 1e-9) else stays + 1
         if stays == 2:
             break
         if not stays:
             gain = float(gains[best])
-            pair = (int(one[best]), int(other[best]))
+            pair = tuple(first + int(edge) for edge in best)
             window = (low, high, *pair) if turn % 2 else (*pair, start, end)
     return window, gain
+
+
+def of_pairs(strip, there, sign):
+    """Gains of what is there with each part of a strip, by its first and last edge."""
+    end = strip + there[:, None]
+    product, square = (end[i] - strip[i][:, None] for i in (0, 1))
+    # the square of a difference, from the products of its ends
+    known, also = end[2:], strip[2:]
+    squares = (also**2).sum(axis=0)[:, None] + (known**2).sum(axis=0)
+    return np.triu(gain_of(product, square, squares - 2.0 * also.T @ known, sign), 1)
 
 
 def orthonormal(columns):

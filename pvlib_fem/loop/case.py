@@ -79,12 +79,12 @@ class Case:
         kept = self.parts != Part.FITTING
         return seen & ~covered(kept, self.whole, self.record)
 
-    @property
+    @cached_property
     def days(self):
         """Days that count."""
         return len(np.unique(self.whole.dates[self.seen]))
 
-    @property
+    @cached_property
     def fitting_days(self):
         return len(np.unique(self.record.dates[self.searched]))
 
@@ -249,10 +249,13 @@ def divided(whole, case):
     short = whole
     if whole.inputs.seconds[-1] > 0:
         hidden = without_answer(whole, case.parts == Part.TEST)
+        # the sun is where it is, and nothing is averaged over a horizon
+        known = geometry(whole.index[:1], **case.site)
+        measured = {n: c for n, c in hidden.inputs.columns.items() if n not in known}
+        hidden = replace(hidden, inputs=replace(hidden.inputs, columns=measured))
         short = coarse(hidden, limits.search_step, limits.step_present)
         short = whole if short is hidden else short
     if short is not whole:
-        # the sun is where it is, and nothing is averaged over a horizon
         places = geometry(short.index, **case.site)
         places = {name: column.to_numpy() for name, column in places.items()}
         inputs = replace(short.inputs, columns={**short.inputs.columns, **places})

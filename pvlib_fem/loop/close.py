@@ -17,7 +17,7 @@ from pvlib_fem.loop.ranking import COLUMNS, ranked, table_of
 from pvlib_fem.loop.remains import hints, not_seen, unexplained
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.steps import SCORES, Fits, error_table
-from pvlib_fem.loop.weeks import NAMES, Part
+from pvlib_fem.loop.weeks import Part, named
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import leaks
 from pvlib_fem.thermal.steady import steady_model
@@ -286,7 +286,7 @@ class Search:
             notes=case.notes,
             place=case.site,
             residual_before=before.rename("residual"),
-            weeks=pd.Series(NAMES[case.parts], record.index, name="weeks"),
+            weeks=pd.Series(named(case.parts), record.index, name="weeks"),
             plain=(self.steps[base].model, start.coefficients),
             criteria=case.criteria,
             family=case.family,

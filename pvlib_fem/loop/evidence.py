@@ -57,6 +57,8 @@ class Evidence:
     family : int
         Number of hypotheses among which a chance is counted.
     criteria : Criteria
+    inputs : Inputs
+        Of the record, with the drivers of all effects.
     """
 
     columns: dict = field(repr=False)
@@ -65,12 +67,13 @@ class Evidence:
     rows: np.ndarray = field(repr=False)
     base: tuple
     misfits: tuple
-    own: dict
-    effects: dict
-    failed: dict
-    partial: dict
-    family: int
-    criteria: object
+    own: dict = field(default_factory=dict)
+    effects: dict = field(default_factory=dict)
+    failed: dict = field(default_factory=dict)
+    partial: dict = field(default_factory=dict)
+    family: int = 1
+    criteria: object = None
+    inputs: object = field(repr=False, default=None)
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
     def sums(self, names) -> ClusterSums:
@@ -125,17 +128,22 @@ class Evidence:
             ready = {frozenset(): self.sums([]).with_column(old, *rest, values)}
         return replace(self, columns=columns, ready=ready)
 
-    def without(self, name):
-        """The same without an effect and its columns."""
-        keys = self.own[name]
-        kept = [i for i, n in enumerate(self.columns) if n not in keys]
+    def with_effect(self, effect, columns, known):
+        """The same with the tangents of one more effect, on the rows it is known."""
+        partial = {} if known.all() else {effect.name: known}
+        if partial:
+            columns = {n: np.where(known, c, np.nan) for n, c in columns.items()}
+        found = self
+        if self.ready and not partial:
+            for name, column in columns.items():
+                found = found.with_column(name, column)
         return replace(
-            self,
-            columns={n: c for n, c in self.columns.items() if n not in keys},
-            own={n: k for n, k in self.own.items() if n != name},
-            effects={n: e for n, e in self.effects.items() if n != name},
-            partial={n: k for n, k in self.partial.items() if n != name},
-            ready={frozenset(): self.sums([]).of(kept)},
+            found,
+            columns={**found.columns, **columns},
+            own={**self.own, effect.name: tuple(columns)},
+            effects={**self.effects, effect.name: effect},
+            partial=self.partial | partial,
+            ready={} if partial else found.ready,
         )
 
     def on_rows_of(self, name):

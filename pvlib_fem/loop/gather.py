@@ -35,64 +35,68 @@ def gather(
     fixed : sequence of str
         Coefficients that are held, or at a bound, where they stay.
     """
-    also, own, failed, effects = {}, {}, {}, {}
     model = replace(model, base=model.base or coefficients)
     inputs = model.with_base(model.with_drivers(record.inputs))
-    scans = {}
+    effects, also, failed, scans = {}, {}, {}, {}
     for effect in candidates:
         try:
             if effect.prepare:
                 effect = effect.prepare(inputs.columns, seen)
             wide = effect.scanned_from or effect
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
-            start = {key: row.start for key, row in wide.rows().items()}
-            slopes = wide.slopes(inputs.columns, start)
+            slopes = wide.slopes(inputs.columns, starts(wide))
         except Exception as error:  # whatever an effect does, the others go on
             words = f"{type(error).__name__}: {error}"
             failed[effect.name] = because(Reason.BROKEN, error=words)
             continue
-        if effect.scan:
-            scans[effect.name] = effect.scan
+        effects[wide.name] = wide
         also |= {key: held(slope) for key, slope in slopes.items()}
-        own[effect.name], effects[effect.name] = tuple(slopes), wide
+        if effect.scan:
+            scans[wide.name] = effect.scan
     temperature, slopes = model.slopes(inputs, coefficients, also=also)
     base = [name for name in model.free if name not in fixed]
     more = misfits(temperature - coefficients["bias"], record)
-    slopes = {**slopes, **more}
     rows = np.flatnonzero(seen & np.isfinite(temperature))
-    columns = {
-        name: np.ascontiguousarray(slopes[name][rows]) for name in (*base, *more, *also)
-    }
-    partial = {}
-    for name, effect in list(effects.items()):
-        known = record.known(needed_for(effect.drivers))[rows]
-        if not all(np.isfinite(columns[key][known]).all() for key in own[name]):
-            failed[name] = because(Reason.NOT_A_NUMBER)
-            for key in own.pop(name):
-                del columns[key]
-            del effects[name]
-        elif not known.all():
-            partial[name] = known
-            for key in own[name]:
-                columns[key] = np.where(known, columns[key], np.nan)
+    slopes = {**slopes, **more}
     found = Evidence(
-        columns,
+        {name: np.ascontiguousarray(slopes[name][rows]) for name in (*base, *more)},
         (record["temp_module"] - temperature)[rows],
         record.dates[rows],
         rows,
         tuple(base),
         tuple(more),
-        own,
-        effects,
-        failed,
-        partial,
-        family,
-        criteria,
+        failed=failed,
+        family=family,
+        criteria=criteria,
+        inputs=inputs,
     )
-    for name, scan in scans.items():
-        if name in effects:
-            found = narrowed(found, name, scan, model, coefficients, inputs)
+    scanned = []
+    for name, effect in effects.items():
+        known = record.known(needed_for(effect.drivers))[rows]
+        own = {key: np.ascontiguousarray(slopes[key][rows]) for key in effect.rows()}
+        if not all(np.isfinite(column[known]).all() for column in own.values()):
+            failed[name] = because(Reason.NOT_A_NUMBER)
+        elif name in scans:
+            scanned.append((effect, own, known))
+        else:
+            found = found.with_effect(effect, own, known)
+    for effect, own, known in scanned:
+        new = narrowed(found, scans[effect.name], effect, own, known, inputs)
+        if new is None:
+            failed[effect.name] = because(Reason.NO_WINDOW)
+            continue
+        there = replace(model, effects=(new,)).with_drivers(inputs).columns
+        also = new.slopes(there, starts(new))
+        also = {key: held(slope) for key, slope in also.items()}
+        slopes = model.slopes(inputs, coefficients, wanted=False, also=also)[1]
+        own = {key: np.ascontiguousarray(slopes[key][rows]) for key in also}
+        found = found.with_effect(new, own, known)
     return found
+
+
+def starts(effect):
+    """Where each coefficient of an effect adds nothing."""
+    return {key: row.start for key, row in effect.rows().items()}
 
 
 def held(terms):
@@ -112,39 +116,16 @@ def held(terms):
     )
 
 
-def narrowed(found, name, scan, model, coefficients, inputs):
-    """The evidence with an effect only where a scan of what is left shows it."""
-    keys, known = found.own[name], found.partial.get(name)
-    rows = found.rows if known is None else found.rows[known]
-    some = slice(None) if known is None else known
-    places = {n: inputs[n][rows] for n in found.effects[name].drivers}
-    without = found.without(name)
-    names = list(found.columns)
-    given = [names[i] for i in found.places(without.confounders)]
-    tangents = {key: found.columns[key][some] for key in (*keys, *given)}
-    rest = without.rest(without.confounders)[some]
-    weeks = calendar_weeks(found.dates[some])
-    effect = scan(rest, tangents, places, weeks, found.criteria)
-    if effect is None:
-        failed = {**found.failed, name: because(Reason.NO_WINDOW)}
-        return replace(without, failed=failed)
-    start = {row: table.start for row, table in effect.rows().items()}
-    there = replace(model, effects=(effect,)).with_drivers(inputs).columns
-    also = {key: held(slope) for key, slope in effect.slopes(there, start).items()}
-    slopes = model.slopes(inputs, coefficients, also=also)[1]
-    better = without
-    for key in start:
-        column = np.ascontiguousarray(slopes[key][found.rows])
-        if known is not None:
-            column = np.where(known, column, np.nan)
-        better = better.with_column(key, column)
-    return replace(
-        better,
-        own={**better.own, name: tuple(start)},
-        effects={**better.effects, name: effect},
-        partial=better.partial | ({} if known is None else {name: known}),
-        ready=better.ready if known is None else {},
-    )
+def narrowed(found, scan, wide, own, known, inputs):
+    """The effect where a scan of what is left shows it, or None."""
+    places = {name: inputs[name][found.rows[known]] for name in wide.drivers}
+    names, given = list(found.columns), found.places(found.confounders)
+    tangents = own | {names[i]: found.columns[names[i]] for i in given}
+    if not known.all():
+        tangents = {key: column[known] for key, column in tangents.items()}
+    rest = found.rest(found.confounders)[known]
+    weeks = calendar_weeks(found.dates[known])
+    return scan(rest, tangents, places, weeks, found.criteria)
 
 
 def misfits(temperature, record):

@@ -49,7 +49,7 @@ class Loop:
         ``location``, ``surface_tilt`` and ``surface_azimuth`` as given.
     residual_before : Series
         Measured minus modelled temperature before anything was added. [K]
-    weeks : Series of str
+    weeks : Series of category
         What each row was for: ``fitting``, ``choosing`` or ``test``.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.

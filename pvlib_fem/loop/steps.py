@@ -111,6 +111,7 @@ class Fits:
         names = model.free[: len(minimum.x)]
         coefficients = natural(model, at)[0]
         temperature = tabled.temperature(record.inputs, coefficients)
+        known = record.known(model.drivers)
         return Step(
             model,
             coefficients,
@@ -118,7 +119,7 @@ class Fits:
             coarse,
             tuple(n for n, bound in zip(names, minimum.at_bound) if bound),
             minimum.converged,
-            np.where(record.known(model.drivers), temperature, np.nan),
+            temperature if known.all() else np.where(known, temperature, np.nan),
             case.whole["temp_module"],
         )
 
@@ -145,7 +146,7 @@ class Fits:
         """Evidence of some effects beside a step, on the coarse fitting rows."""
         case = self.case
         record = self.prepared(case.record, step.model)[0]
-        return gather(
+        found = gather(
             step.model,
             step.coefficients,
             record,
@@ -155,6 +156,10 @@ class Fits:
             case.family,
             step.at_bound,
         )
+        if step.model.base:  # which some drivers are computed from
+            record = replace(record, inputs=found.inputs)
+            self.ready["coarse"] = (record, self.ready["coarse"][1])
+        return found
 
 
 def check_held(steady_model, case):
@@ -177,9 +182,11 @@ def error_table(case, steps):
     rows = {}
     for name, step in steps.items():
         module, modelled = step.measured, step.temperature
+        parts = (("train", fitting), ("test", test))
+        seen = {part: (module[at], modelled[at]) for part, at in parts}
         row = {
-            f"{score.__name__}_{part}": score(module[at], modelled[at])
-            for part, at in (("train", fitting), ("test", test))
+            f"{score.__name__}_{part}": score(*both)
+            for part, both in seen.items()
             for score in (scores.rmse, scores.mae, scores.mbe)
         }
         row["rmse_test_day"] = step.error(test & sunny)

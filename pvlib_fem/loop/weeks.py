@@ -3,6 +3,7 @@
 from enum import IntEnum
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.statistics.clusters import calendar_weeks
 
@@ -15,8 +16,10 @@ class Part(IntEnum):
     TEST = 2  # the errors that are told; nothing looks at them before
 
 
-#: names of the parts, in their order
-NAMES = np.array([part.name.lower() for part in Part])
+def named(parts):
+    """The parts by name, as a user is told them."""
+    names = pd.Categorical.from_codes(parts, [part.name.lower() for part in Part])
+    return names.remove_unused_categories()
 
 
 def parts(record, seen, holdout, criteria):

@@ -2,6 +2,7 @@
 
 import numbers
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -103,7 +104,7 @@ class Record:
         """Number of each row's day among the days that are there, from 0."""
         return pd.factorize(self.dates)[0]
 
-    @property
+    @cached_property
     def dates(self):
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
         local = self.index.tz_localize(None).to_numpy()

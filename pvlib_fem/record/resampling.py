@@ -58,8 +58,8 @@ def means(values, place, labels, least, angle):
     first = labels[0]
     size = labels[-1] - first + 2  # the last half step has a label of its own
     at = place - first + (place < first)
-    counts = np.bincount(at[there], minlength=size)
-    sums = np.bincount(at[there], values[there], size)
+    counts = np.bincount(at, there, size)
+    sums = np.bincount(at, np.where(there, values, 0.0), size)
     kept = labels - first
     enough = counts[kept] >= least
     return np.where(enough, sums[kept] / np.maximum(counts[kept], 1), np.nan)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pvlib_fem.drivers import behind, completed, needed_for
-from pvlib_fem.effects.effect import Parameter, Terms
+from pvlib_fem.effects.effect import Parameter, Terms, is_there
 from pvlib_fem.record.checks import read
 from pvlib_fem.record.columns import ALIASES
 from pvlib_fem.relaxation import (
@@ -349,8 +349,3 @@ def balanced(steady_model, own, inputs, added, slopes):
         if np.ndim(source):
             found[name] = found[name] + spread(solve(band, source))
     return spread(temperature), found
-
-
-def is_there(column):
-    """Whether a column of terms is more than the number 0."""
-    return np.ndim(column) > 0 or column != 0.0
