@@ -7,6 +7,7 @@ to it or cut from it, as long as that is worth it.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,6 @@ UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
 STARTS = 5  # of those
 TURNS = 20  # of edges in azimuth and in elevation, until neither moves
-MOST = 1.5  # share of the beam: all, and what the beam is underestimated by
 
 
 def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
@@ -51,8 +51,9 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
     sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)
     mask, gain = np.zeros(sky.squares.shape, dtype=bool), 0.0
+    weigh = partial(gain_of, sign=sign, most=criteria.window_most)
     for _ in range(criteria.most_windows):
-        steps = [sky.step(mask, cut, sign) for cut in (False, True)]
+        steps = [sky.step(mask, cut, weigh) for cut in (False, True)]
         new, its = max(steps, key=lambda step: step[1])
         if its - gain < floor:
             break
@@ -106,7 +107,7 @@ class Sky:
         product, square, *known = self.sums[:, mask].sum(axis=1)
         return float(share_of(product, square, np.sum(np.square(known))))
 
-    def step(self, mask, cut, sign):
+    def step(self, mask, cut, weigh):
         """The mask with the best rectangle added or cut, and what it then takes."""
         there = self.sums[:, mask].sum(axis=1)
         total = totals(self.sums * (mask if cut else ~mask))
@@ -116,10 +117,9 @@ class Sky:
         ends = [
             np.flatnonzero(seen.any(axis=axis))[[0, -1]] + [0, 1] for axis in (1, 0)
         ]
-
         total = -total if cut else total
-        starts = self.starts(total, there, sign, ends)
-        found = [climb(total, there, sign, start, ends) for start in starts]
+        starts = self.starts(total, there, weigh, ends)
+        found = [climb(total, there, weigh, start, ends) for start in starts]
         if not found:
             return mask, 0.0
         (low, high, start, end), gain = max(found, key=lambda one: one[1])
@@ -127,7 +127,7 @@ class Sky:
         new[low:high, start:end] = not cut
         return new, gain
 
-    def starts(self, total, there, sign, ends):
+    def starts(self, total, there, weigh, ends):
         """Blocks of the sky with the largest gains."""
         steps = [max(1, round(wide / cell)) for wide, cell in zip(BLOCK, self.size)]
         first = [np.arange(*end, step) for end, step in zip(ends, steps)]
@@ -135,7 +135,7 @@ class Sky:
         high = np.minimum(low + steps[0], ends[0][1])
         end = np.minimum(start + steps[1], ends[1][1])
         product, square, *known = there[:, None] + box(total, low, high, start, end)
-        gains = gain_of(product, square, (np.array(known) ** 2).sum(axis=0), sign)
+        gains = weigh(product, square, np.square(known).sum(axis=0))
         for i in np.argsort(-gains, kind="stable")[:STARTS]:
             if gains[i] > 0:
                 yield int(low[i]), int(high[i]), int(start[i]), int(end[i])
@@ -182,13 +182,13 @@ def share_of(product, square, known):
     )
 
 
-def gain_of(product, square, known, sign):
+def gain_of(product, square, known, sign, most):
     """Square that parts of the sky take, where their share is possible."""
     share = share_of(product, square, known)
-    return np.where((sign * share > 0) & (sign * share < MOST), share * product, 0.0)
+    return np.where((sign * share > 0) & (sign * share < most), share * product, 0.0)
 
 
-def climb(total, there, sign, window, ends):
+def climb(total, there, weigh, window, ends):
     """Move the edges of a rectangle, two by two, while its gain grows."""
     gain, stays = 0.0, 0
     for turn in range(TURNS):
@@ -198,7 +198,7 @@ def climb(total, there, sign, window, ends):
             strip = total[:, high, first : last + 1] - total[:, low, first : last + 1]
         else:
             strip = total[:, first : last + 1, end] - total[:, first : last + 1, start]
-        gains = of_pairs(strip, there, sign)
+        gains = of_pairs(strip, there, weigh)
         best = np.unravel_index(np.argmax(gains), gains.shape)
         stays = 0 if gains[best] > gain * (1.0 + 1e-9) else stays + 1
         if stays == 2:
@@ -210,14 +210,14 @@ def climb(total, there, sign, window, ends):
     return window, gain
 
 
-def of_pairs(strip, there, sign):
+def of_pairs(strip, there, weigh):
     """Gains of what is there with each part of a strip, by its first and last edge."""
     end = strip + there[:, None]
     product, square = (end[i] - strip[i][:, None] for i in (0, 1))
     # the square of a difference, from the products of its ends
     known, also = end[2:], strip[2:]
     squares = (also**2).sum(axis=0)[:, None] + (known**2).sum(axis=0)
-    return np.triu(gain_of(product, square, squares - 2.0 * also.T @ known, sign), 1)
+    return np.triu(weigh(product, square, squares - 2.0 * also.T @ known), 1)
 
 
 def orthonormal(columns):

@@ -168,6 +168,9 @@ class Criteria:
     window_share : float
         *scan.* Share of the beam that a window has to take, since less is no
         obstacle. [-]
+    window_most : float
+        *scan.* Share of the beam that it can take at most: all, and what the beam
+        by irradiance in the plane is too small by. [-]
     window_errors : float
         *scan.* Standard errors, by the spread between weeks, that its share has to be
         from nothing: more than elsewhere, for it is the best of thousands. [-]
@@ -245,6 +248,7 @@ class Criteria:
     window_azimuth: float = 2.0
     window_elevation: float = 1.0
     window_share: float = 0.1
+    window_most: float = 1.5
     window_errors: float = 4.0
     most_windows: int = 8
 
