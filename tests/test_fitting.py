@@ -11,7 +11,6 @@ from conftest import COLUMNS, DRIVERS
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.fitting.search import natural
-from pvlib_fem.paper.recipe import recipe
 from pvlib_fem.record.checks import measured
 from pvlib_fem.statistics.leastsquares import gauss_newton
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
@@ -286,23 +285,6 @@ def test_a_search_that_does_not_end_is_said(month, monkeypatch):
     fit = fem.fit_fem(*(month[name] for name in COLUMNS))
     assert not fit.converged
     assert "the search did not converge: do not trust the numbers" in fit.notes
-
-
-@models
-def test_the_papers_recipe(month, model):
-    """Its parts, called alone, are what the fit says; its bias is the MBE."""
-    record = tuple(month[name] for name in COLUMNS)
-    fit = fem.fit_fem(*record, model=model, method="paper", calm_wind=1.0)
-    rows = fem.paper.daytime(*record) & ~fit.holdout
-    train = tuple(column[rows] for column in record)
-    k = fem.paper.r_eq_max(*train, calm_wind=1.0).value
-    assert fit.coefficients["tau"] == fem.paper.time_constant(*train, k).value
-    for name, estimate in recipe(model, train, calm_wind=1.0).items():
-        assert fit.coefficients[name] == estimate.value
-    assert fit.scores.loc["fem", "mbe_train"] == pytest.approx(0, abs=1e-9)
-    assert fit.coefficients["bias"] == pytest.approx(fit.scores.loc["ewm", "mbe_train"])
-    assert np.isnan(list(fit.stderr.values())).all()
-    assert any("runs backwards" in note for note in fit.notes)
 
 
 def test_the_paper_has_no_heat_balance(month):

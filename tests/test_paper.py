@@ -8,55 +8,54 @@ from conftest import COLUMNS, DRIVERS
 import pvlib_fem as fem
 from pvlib_fem import datasets, paper
 
-# r_eq,max, r_M [mK/(W/m²)], c_eq,max, c_M, c_film [kJ/(m²K)], tau_0, tau [s]: the
-# paper's second table, the rows that have a tau
-TABLE = {
-    "KUL B roof 1s": (35.4, 15.3, 37.7, 26.9, 10.8, 576, 410),
-    "KUL B roof 1min": (34.8, 15.3, 37.4, 23.8, 13.6, 572, 364),
-    "KUL B roof 5min": (35.4, 15.6, 37.5, 22.6, 14.9, 584, 352),
-    "KUL B roof 15min": (31.2, 16.3, 53.7, 27.8, 25.9, 874, 453),
-    "KUL APV HAX": (12.2, 5.3, 102.8, 16.6, 86.2, 545, 87),
-    "NIST RTD 4 10s": (31.3, 14.0, 36.4, 23.6, 12.8, 510, 330),
-    "NIST RTD 4 1min": (31.2, 14.0, 36.5, 23.9, 12.6, 510, 334),
-    "NIST RTD 4 5min": (32.7, 14.0, 35.5, 23.7, 11.8, 497, 332),
-    "NIST RTD 4 15min": (28.0, 15.1, 56.4, 31.0, 25.4, 851, 468),
-    "NIST RTD 8 10s": (36.2, 16.8, 30.5, 21.5, 9.0, 513, 361),
-    "NIST Canopy E": (41.6, 17.2, 27.1, 14.0, 13.1, 465, 241),
-    "NIST Canopy W": (38.2, 18.5, 27.6, 16.0, 11.6, 511, 295),
-    "DOE c10hov6": (35.0, 18.5, 40.7, 22.3, 18.4, 753, 412),
-    "DOE t3pg1sv": (34.9, 18.8, 39.9, 22.7, 17.2, 750, 426),
-    "DOE wca0c5m": (30.7, 18.6, 31.5, 25.5, 6.0, 586, 474),
-    "DOE z0aygry": (30.1, 18.0, 32.4, 25.4, 7.0, 583, 456),
-    "DOE lwcb907": (37.2, 19.1, 29.7, 20.0, 9.7, 567, 382),
-    "DOE luemkoy": (35.8, 17.7, 32.1, 21.6, 10.5, 567, 381),
-    "NREL Sanyo": (32.2, 16.3, 40.2, 25.7, 14.5, 655, 418),
-    "U.H. System 1": (31.5, 19.9, 37.8, 16.4, 21.4, 751, 326),
-    "U.H. System 2A": (32.2, 16.4, 32.4, 28.8, 3.6, 532, 472),
-    "U.H. System 2B": (23.1, 16.4, 31.8, 25.9, 5.9, 522, 425),
-}
+TABLE = paper.table_3().dropna()  # the rows that have a tau
 
 
-@pytest.mark.parametrize("site", TABLE)
+@pytest.mark.parametrize("site", TABLE.index)
 def test_the_heat_capacities_of_the_papers_table(site):
     """c_eq,max = tau_0/r_M and c_M = tau/r_M give every row, within its rounding."""
-    r_max, r_m, c_max, c_m, c_film, tau_0, tau = TABLE[site]
+    row = TABLE.loc[site]
     capacities = paper.heat_capacities(
-        paper.TimeConstant(tau, tau_0, f=np.inf, points=70, table=pd.DataFrame()),
-        paper.Estimate(r_max / 1e3, "K m²/W", points=50),
-        paper.Estimate(r_m / 1e3, "K m²/W", points=60),
+        paper.TimeConstant(row.tau, row.tau_0, row.f, points=70, table=pd.DataFrame()),
+        paper.Estimate(row.r_eq_max, "K m²/W", points=50),
+        paper.Estimate(row.r_m, "K m²/W", points=60),
     )
     assert capacities["c_eq_min"].points == 50 and capacities["c_m"].points == 60
     found = {name: estimate.value / 1e3 for name, estimate in capacities.items()}
-    slack = 0.05 / r_m + 0.5 / tau
+    slack = 0.05e-3 / row.r_m + 0.5 / row.tau
+    c_max = row.c_eq_max / 1e3
     assert found["c_eq_max"] == pytest.approx(c_max, abs=0.06 + slack * c_max)
-    assert found["c_m"] == pytest.approx(c_m, abs=0.06 + slack * c_m)
-    assert found["c_film"] == pytest.approx(c_film, abs=0.12 + slack * c_max)
-    assert found["c_eq_min"] == pytest.approx(tau_0 / r_max)
+    assert found["c_m"] == pytest.approx(
+        row.c_m / 1e3, abs=0.06 + slack * row.c_m / 1e3
+    )
+    assert found["c_film"] == pytest.approx(row.c_film / 1e3, abs=0.12 + slack * c_max)
+    assert found["c_eq_min"] == pytest.approx(row.tau_0 / row.r_eq_max / 1e3)
 
 
-def test_the_papers_formula_with_f_does_not_give_its_table():
-    """c_eq,max = tau_0·exp(-WS/f)/r_eq,min at 8 m/s is far off the first row."""
-    assert 576 * np.exp(-8 / 11.8) / 15.3 < 0.6 * 37.7
+def test_eq_17_at_the_wind_of_each_sites_last_bin_is_its_c_m():
+    """f·ln(tau_0/tau) is a whole number N, and tau_0·exp(-N/f)/r_M the table's c_M."""
+    way = TABLE["f"] * np.log(TABLE["tau_0"] / TABLE["tau"])
+    bins = way.round()
+    assert (way - bins).abs().max() < 0.04
+    assert bins.between(4, 10).all() and (bins == 10).sum() == 2
+    by_eq_17 = TABLE["tau_0"] * np.exp(-bins / TABLE["f"]) / TABLE["r_m"]
+    np.testing.assert_allclose(by_eq_17, TABLE["c_m"], rtol=0.005)
+
+
+def test_the_papers_mean_time_constants():
+    """378 ± 60 s of fixed mountings and 364 ± 90 s with the tracker."""
+    table = paper.table_3()
+    fine = table[table["step"] <= 300]
+    fixed = fine.loc[fine["mounting"] != "tracker", "tau"]
+    assert fixed.mean() == pytest.approx(378.5, abs=0.1)
+    assert fixed.std(ddof=0) == pytest.approx(60.0, abs=0.1)
+    assert fine["tau"].mean() == pytest.approx(364, abs=0.5)
+    by_mounting = paper.tau_by_mounting()
+    assert by_mounting["records"].sum() == len(fine) == 20
+    assert by_mounting.loc["tracker", "mean"] == 87
+    own = TABLE.loc[["Heidelberg 1", "Heidelberg 2A", "Heidelberg 2B"], "tau"]
+    barry = [589, 509, 547]
+    assert own.rank().tolist() == (-pd.Series(barry)).rank().tolist()
 
 
 @pytest.fixture(scope="module")
@@ -143,6 +142,36 @@ def test_the_chosen_bin_is_the_last_up_to_which_tau_falls(month):
     following = found.table["tau"].get(used.index[-1] + 1, np.inf)
     assert not following <= found.value + 20
     assert found.points == used["points"].sum()
+    way = used.index[-1] - used.index[0]
+    assert found.f == pytest.approx(way / np.log(found.tau_0 / found.value))
+
+
+def windy_steps(interval):
+    """Step changes in even winds of 0.5 to 11.5 m/s, of an exact exponential."""
+    index = pd.date_range("2023-06-01", periods=12 * 400, freq=interval)
+    wind = pd.Series(np.repeat(np.arange(12) + 0.5, 400), index)
+    sun = pd.Series(500.0 + 300.0 * np.sin(np.arange(len(index)) / 7.0), index)
+    over = 0.03 * sun * np.exp(-wind / 10.0)
+    return sun, 0.0 * sun + 20.0, wind, 20.0 + over
+
+
+@pytest.mark.parametrize(("interval", "apart"), [("5min", 4), ("15min", 1)])
+def test_tau_falls_to_the_last_bin_there_is_and_f_is_its_fall(interval, apart):
+    """Past 8 m/s, at any interval; a slope r·exp(-WS/d) gives f = d."""
+    record = windy_steps(interval)
+    found = paper.time_constant(*record, 0.03, interval=interval, apart=apart)
+    assert found.table.index[-1] == 11 and found.table["used"].all()
+    seconds = apart * pd.Timedelta(interval).total_seconds()
+    assert found.tau_0 == pytest.approx(seconds * np.exp(-0.05))
+    assert found.value == pytest.approx(seconds * np.exp(-1.15))
+    assert found.f == pytest.approx(10.0)
+    steps = paper.step_changes(*record, interval=interval, apart=apart)
+    assert len(steps) == found.points
+
+
+def test_averages_shorter_than_the_records_step_are_refused():
+    with pytest.raises(ValueError, match=r"step of 15min, longer .* interval='15min'"):
+        paper.time_constant(*windy_steps("15min"), 0.03)
 
 
 def test_a_tau_that_is_not_positive_is_refused(month):
@@ -189,3 +218,37 @@ def test_wind_that_does_not_cool_is_no_d(calm_module):
     poa, air, wind, module = calm_module
     with pytest.raises(ValueError, match="does not fall with wind"):
         paper.d(poa, air, wind, module + 40, k=0.02)
+
+
+def test_the_bias_by_night_leaves_more_than_the_fitted_one_in_the_week(week):
+    record = tuple(week[name] for name in COLUMNS)
+    fit = fem.fit_fem(*record)
+    bias = paper.night_bias(*(column[~fit.holdout] for column in record)).value
+    held = fem.fit_fem(*record, fixed={"bias": bias})
+    assert fit.coefficients["bias"] == pytest.approx(-4.44, abs=0.005)
+    assert bias == pytest.approx(-4.99, abs=0.005)
+    errors = [f.scores.loc["fem", "rmse_test"] for f in (fit, held)]
+    assert errors == pytest.approx([1.56, 1.65], abs=0.006)
+
+
+def test_mae_times_gamma_is_off_to_either_side_in_the_week(week):
+    record = tuple(week[name] for name in COLUMNS)
+    rows = paper.daytime(*record)
+    options = {
+        0.87: dict(dynamics="steady"),
+        1.21: dict(dynamics="ewm", fixed={"bias": 0.0}),
+        0.99: dict(dynamics="ewm"),
+    }
+    for expected, how in options.items():
+        modelled = fem.fit_fem(*record, **how).predict(*record[:3])[rows]
+        measured = record[3][rows]
+        error = fem.scores.energy_error(record[0][rows], measured, modelled, step=60)
+        ratio = 0.35 * fem.scores.mae(measured, modelled) / error.performance_ratio
+        assert ratio == pytest.approx(expected, abs=0.006)
+
+
+def test_pvsysts_absorbed_share_is_pvlibs_and_not_the_papers():
+    """15/(0.9·(1−0.15)) = 19.6, where the paper has 15/(0.9−0.15) = 20.0."""
+    pvsyst = dict(u_c=15.0, u_v=0.0, module_efficiency=0.15, alpha_absorption=0.9)
+    u0 = fem.translate(pvsyst, "pvsyst", "faiman")["u0"]
+    assert u0 == pytest.approx(19.61, abs=0.005)

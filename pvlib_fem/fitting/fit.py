@@ -35,6 +35,7 @@ def fit_fem(
     effects=(),
     night=False,
     fixed=None,
+    offset="night",
     **drivers,
 ) -> FemFit:
     """
@@ -81,6 +82,11 @@ def fit_fem(
     fixed : dict, optional
         Coefficients that are known and not fitted, as ``{"tau": 378.0}`` or
         ``{"rain.film": 20.0}``; they have no error.
+    offset : str, float or None, default "night"
+        Over-temperature without irradiance, which ``method="paper"`` takes off
+        before its regressions: ``"night"``, its mean by night; ``"calm"``, the
+        intercept of the line of calm air; a number [K]; or None, nothing, though
+        k keeps its line's intercept. The docs' page on the paper compares them.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
@@ -142,7 +148,7 @@ def fit_fem(
     out = held_out(record, filtered, holdout, notes)
     train = filtered & ~out
     if method == "paper":
-        stages = paper_stages(target, record, train, ~out, calm_wind, notes)
+        stages = paper_stages(target, record, train, ~out, calm_wind, offset, notes)
         stderr = dict.fromkeys(stages["fem"][1], np.nan)
         at_bound, converged = (), True
         notes.append("no errors: the paper's recipe gives none")

@@ -12,21 +12,26 @@ References
    second-to-minute timescales", 2022. :doi:`10.22541/au.166922866.68736478`
 """
 
+from pvlib_fem.paper.cell import cell_from_back, k_bs_c
 from pvlib_fem.paper.estimators import (
     Estimate,
-    TimeConstant,
     averages,
-    cell_from_back,
     d,
-    heat_capacities,
-    k_bs_c,
     k_w,
+    k_w_bins,
+    night_bias,
     r_eq_max,
     r_film,
     r_m,
-    time_constant,
 )
 from pvlib_fem.paper.filters import daytime, night, usable
+from pvlib_fem.paper.sites import table_3, tau_by_mounting
+from pvlib_fem.paper.timeconstant import (
+    TimeConstant,
+    heat_capacities,
+    step_changes,
+    time_constant,
+)
 
 __all__ = [
     "Estimate",
@@ -38,10 +43,15 @@ __all__ = [
     "heat_capacities",
     "k_bs_c",
     "k_w",
+    "k_w_bins",
     "night",
+    "night_bias",
     "r_eq_max",
     "r_film",
     "r_m",
+    "step_changes",
+    "table_3",
+    "tau_by_mounting",
     "time_constant",
     "usable",
 ]

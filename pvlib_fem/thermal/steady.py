@@ -112,7 +112,7 @@ def wm2_slopes(wind_speed, k, k_w, wind_speed_max):
     }
 
 
-# starts are the paper's average site (its second table) and pvlib's defaults
+# starts are the paper's average site (its Table 3) and pvlib's defaults
 K = Parameter(0.0326, 0.002, 0.2, "K m²/W")
 
 STEADY_MODELS = {

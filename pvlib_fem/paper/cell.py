@@ -1,0 +1,66 @@
+"""From the back of a module to its cells."""
+
+from pvlib_fem.paper.estimators import MIN_POINTS, Estimate, regression
+from pvlib_fem.relaxation import ewm
+
+
+def cell_from_back(temp_back, poa_global, k_bs_c, tau, **timing):
+    """
+    Cell temperature from the back of a module, ``T_back + k_BS-C·G_EWM``.
+
+    Eq. 35.
+
+    Parameters
+    ----------
+    temp_back : Series or array
+        [°C]
+    poa_global : Series or array
+        [W/m²]
+    k_bs_c : float
+        Back-to-cell resistance. [K m²/W]
+    tau : float
+        Thermal time constant. [s]
+    **timing
+        ``step`` or ``times`` of arrays, see :func:`pvlib_fem.ewm`.
+
+    Returns
+    -------
+    Series or array
+        [°C]
+    """
+    return temp_back + k_bs_c * ewm(poa_global, tau, **timing)
+
+
+def k_bs_c(temp_cell, temp_back, poa_global, tau, min_points=MIN_POINTS) -> Estimate:
+    """
+    Back-to-cell resistance: slope of T_cell - T_back over smoothed irradiance.
+
+    Parameters
+    ----------
+    temp_cell, temp_back, poa_global : Series
+        [°C], [°C], [W/m²]
+    tau : float
+        Thermal time constant. [s]
+    min_points : int, default 10
+        Fewest rows above 20 W/m² to accept.
+
+    Returns
+    -------
+    Estimate
+        [K m²/W]
+
+    Raises
+    ------
+    ValueError
+        If there are too few rows.
+    """
+    poa = ewm(poa_global, tau)
+    difference = temp_cell - temp_back
+    seen = (poa > 20) & difference.notna()
+    if seen.sum() < min_points:
+        raise ValueError(
+            f"k_BS-C needs {min_points} rows and has {int(seen.sum())}: smoothed "
+            "irradiance above 20 W/m² and both temperatures measured"
+        )
+    slope, _ = regression(poa[seen], difference[seen], intercept=False)
+    return Estimate(slope, "K m²/W", int(seen.sum()))

@@ -1,0 +1,220 @@
+"""The paper's time constant from step changes, and the heat capacities from it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.paper.estimators import (
+    INTERVAL,
+    MIN_POINTS,
+    Estimate,
+    averages,
+    regression,
+)
+from pvlib_fem.record.checks import instants
+
+APART = 4  # intervals between the ends of a step change: 20 min
+MARGIN = 20.0  # s, by which tau may rise and still count as falling
+BRIGHT = 200.0  # W/m², from which on a step change counts
+CALM_BINS = 2  # bins of 1 m/s in which tau_0 is looked for
+
+
+@dataclass(frozen=True, eq=False)
+class TimeConstant:
+    """Time constants by wind speed, and the one the paper would choose."""
+
+    value: float  # the chosen one [s]
+    tau_0: float  # largest of the bins below 2 m/s [s]
+    f: float  # wind speed at which tau has fallen to tau_0/e [m/s]
+    points: int
+    table: pd.DataFrame  # by lower edge of the wind bin: tau [s], points, used
+
+
+def time_constant(
+    poa_global,
+    temp_air,
+    wind_speed,
+    temp_module,
+    r_eq_max,
+    min_points=MIN_POINTS,
+    interval=INTERVAL,
+    apart=APART,
+) -> TimeConstant:
+    r"""
+    Time constant from step changes of irradiance, for each wind bin.
+
+    .. math:: \tau(WS) = \frac{\Delta T_o}{\Delta G} \frac{\Delta t}{r_{eq,max}}
+
+    (Eq. 21) over :math:`\Delta t` = 20 min of five-minute averages with more than 200
+    W/m², wind within one bin of 1 m/s and its change below its standard
+    deviation. The chosen one is the last bin up to which tau falls (20 s of
+    margin), from its largest value below 2 m/s.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        [W/m²], [°C], [m/s], [°C]
+    r_eq_max : float
+        From :func:`r_eq_max`. [K m²/W]
+    min_points : int, default 10
+        Fewest step changes of a bin to accept.
+    interval : str, default "5min"
+        Length of an average, no shorter than the record's step.
+    apart : int, default 4
+        Intervals between the two ends of a step change.
+
+    Returns
+    -------
+    TimeConstant
+        Its ``f`` is N/ln(tau_0/tau), N [m/s] being the way from the bin of tau_0 to
+        the chosen one; infinite where these are the same.
+
+    Raises
+    ------
+    ValueError
+        If the record's step is longer than the interval, no bin below 2 m/s has
+        enough step changes, or they give a tau that is not positive.
+
+    Notes
+    -----
+    **This estimator runs backwards.** For a first-order module the slope over
+    r_eq,max is the *share of the response reached* after 20 min, which falls
+    as the true time constant grows, and it falls with wind by construction.
+    On 60 days of :func:`pvlib_fem.datasets.synthetic` at 1 min (seed 1), without
+    noise and with the true r_eq,max:
+
+    ====================  ====  ====  ====  ====  ====  ====
+    true tau [s]           120   200   300   400   600   900
+    found at 0-1 m/s [s]  1016   886   740   620   445   289
+    least squares [s]      120   200   300   400   600   900
+    ====================  ====  ====  ====  ====  ====  ====
+
+    It is here to reproduce the paper's numbers; :func:`pvlib_fem.fit_fem` fits
+    tau by least squares.
+
+    In every row of the paper's Table 3 (:func:`table_3`) f·ln(tau_0/tau) is a whole
+    number from 4 to 10, so its f is of the two ends of the fall, and bins beyond the
+    8 m/s of its text count.
+    """
+    steps = step_changes(poa_global, temp_air, wind_speed, temp_module, interval, apart)
+    minutes = apart * pd.Timedelta(interval).total_seconds() / 60.0
+    rows = {}
+    bins = int(max(steps["wind_speed"].max(), CALM_BINS - 1)) if len(steps) else 1
+    for low in range(bins + 1):
+        step = steps[steps["wind_speed"] == low]
+        tau = np.nan
+        if len(step) >= min_points and np.ptp(step["poa_global"]) > 0:
+            slope, _ = regression(step["poa_global"], step["over"])
+            tau = slope / r_eq_max * 60.0 * minutes
+        rows[low] = {"tau": tau, "points": len(step), "used": False}
+    table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("wind_speed")
+    calm = table["tau"].iloc[:CALM_BINS]
+    if calm.isna().all():
+        raise ValueError(
+            f"tau needs {min_points} step changes over {minutes:g} min in a wind bin "
+            f"below 2 m/s and has {int(table['points'].iloc[0])} at 0-1 and "
+            f"{int(table['points'].iloc[1])} at 1-2 m/s: {interval} averages above "
+            f"{BRIGHT:g} W/m² whose wind stays in the bin; use method='least_squares'"
+        )
+    return chosen(table, int(calm.idxmax()))
+
+
+def step_changes(
+    poa_global,
+    temp_air,
+    wind_speed,
+    temp_module,
+    interval=INTERVAL,
+    apart=APART,
+):
+    """
+    Step changes that the paper regresses (Fig. 6); as in :func:`time_constant`.
+
+    Returns
+    -------
+    DataFrame
+        Changes of ``poa_global`` [W/m²] and ``over`` [K], and the lower edge of their
+        bin of ``wind_speed`` [m/s], at the time of their end.
+    """
+    check_interval(poa_global.index, interval)
+    frame = averages(poa_global, temp_air, wind_speed, temp_module, interval)
+    change = frame.diff(apart)
+    bright = (frame["poa_global"] > BRIGHT) & (
+        frame["poa_global"].shift(apart) > BRIGHT
+    )
+    steady_wind = change["wind_speed"].abs() < wind_speed.std()
+    bin_, earlier = frame["wind_speed"] // 1, frame["wind_speed"].shift(apart) // 1
+    kept = bright & steady_wind & (bin_ == earlier) & change["over"].notna()
+    return change.assign(wind_speed=bin_)[kept]
+
+
+def check_interval(index, interval):
+    """Refuse an average that is shorter than the record's own step."""
+    usual = pd.Timedelta(np.median(np.diff(instants(index)))) if len(index) > 1 else 0
+    if usual and usual > pd.Timedelta(interval):
+        step = f"{usual.total_seconds() / 60:g}min"
+        raise ValueError(
+            f"the record has a step of {step}, longer than the averages of "
+            f"{interval}; give interval='{step}' and how many of these are apart, or "
+            "use method='least_squares'"
+        )
+
+
+def chosen(table, first):
+    """The last bin up to which tau falls from the ``first``, and how it falls."""
+    last, tau = first, table["tau"]
+    while last + 1 in table.index and tau[last + 1] <= tau[last] + MARGIN:
+        last += 1
+    table.loc[first:last, "used"] = True
+    used = table.loc[first:last]
+    if (wrong := used["tau"][used["tau"] <= 0]).size:
+        speed = wrong.index[0]
+        raise ValueError(
+            f"the step changes at {speed}-{speed + 1} m/s give tau = "
+            f"{wrong[speed]:.0f} s: over-temperature falls as irradiance rises; use a "
+            "longer record, or method='least_squares'"
+        )
+    fall = np.log(tau[first] / tau[last])
+    return TimeConstant(
+        value=float(tau[last]),
+        tau_0=float(tau[first]),
+        f=float((last - first) / fall) if fall > 0 else np.inf,
+        points=int(used["points"].sum()),
+        table=table,
+    )
+
+
+def heat_capacities(tau, r_eq_max, r_m) -> dict:
+    """
+    Heat capacities from time constants and resistances (Eqs. 16 and 17).
+
+    As the paper's Table 3 has them: ``c_eq_max = tau_0/r_M`` and ``c_m =
+    tau/r_M``, whose difference is ``c_film``. Eq. 17, tau_0·exp(-WS/f)/r_M, is the
+    table's c_M at the wind of each site's last bin, where tau_0·exp(-WS/f) is tau;
+    only the name c_eq,max stands in the table for what has tau_0. ``c_eq_min`` is
+    ``tau_0/r_eq,max``.
+
+    Parameters
+    ----------
+    tau : TimeConstant
+        From :func:`time_constant`. [s]
+    r_eq_max, r_m : Estimate
+        From :func:`r_eq_max` and :func:`r_m`. [K m²/W]
+
+    Returns
+    -------
+    dict of Estimate
+        ``c_eq_min``, ``c_eq_max``, ``c_m``, ``c_film``; the points of each are
+        the fewest behind its parts. [J/(m² K)]
+    """
+    parts = {
+        "c_eq_min": (tau.tau_0, r_eq_max),
+        "c_eq_max": (tau.tau_0, r_m),
+        "c_m": (tau.value, r_m),
+        "c_film": (tau.tau_0 - tau.value, r_m),
+    }
+    return {
+        name: Estimate(time / r.value, "J/(m² K)", min(tau.points, r.points))
+        for name, (time, r) in parts.items()
+    }
