@@ -27,18 +27,18 @@ sources = {
 
 # %%
 # :py:func:`pvlib_fem.translate` needs a rule for where both models shall agree.
-# ``"calm"`` is that of :doi:`the paper <10.22541/au.166922866.68736478>`, which WM1 and
-# WM2 come from: the resistance and its slope at 0 m/s. ``"two_winds"`` is that of
-# pvlib's ``GenericLinearModel``: at 1.4 and 5.4 m/s. ``"least_squares"`` is the least
-# mean square over the wind speeds that a site has: a Weibull distribution with 90 %
-# below 5 m/s, or your own ``wind_speed``.
+# ``"two_winds"``, the default, is that of pvlib's ``GenericLinearModel``: at 1.4 and
+# 5.4 m/s. ``"least_squares"`` is the least mean square over the wind speeds that a site
+# has: a Weibull distribution with 90 % below 5 m/s, or your own ``wind_speed``.
+# ``"calm"`` is at 0 m/s, as in :doi:`the paper <10.22541/au.166922866.68736478>`, which
+# WM1 and WM2 come from, with the same slope there.
 #
 # :py:func:`pvlib_fem.translation_mismatch` compares both at 1000 W/m² from 0 to 10 m/s.
 
 rows, translated = [], {}
 for source, coefficients in sources.items():
     for target in ("wm1", "wm2"):
-        for method in ("calm", "two_winds", "least_squares"):
+        for method in ("two_winds", "least_squares", "calm"):
             row = dict.fromkeys(["from", "to", "method", "k", "d", "k_w"])
             row |= {"from": source, "to": target, "method": method}
             try:
@@ -95,10 +95,10 @@ plt.show()
 # hardly depends on wind. NOCT as SAM takes it bends more than either: WM1 is 4.6 K and
 # WM2 8.5 K too cold in calm air.
 #
-# So translate Sandia's coefficients to WM1 by any rule. Take ``"least_squares"`` for
-# the others, with the wind speeds of your site, and Faiman's form where calm hours
-# matter: it has the shape of PVsyst and NOCT, and the translation is exact. PVsyst and
-# NOCT give the temperature of the cell, the others that of the module's back; the
-# translation leaves that as it is. The time constant comes from elsewhere: 378 s is the
-# paper's mean for fixed mountings and the default of
+# So translate Sandia's coefficients to WM1 by any rule. For the others take the
+# default, or ``"least_squares"`` with the wind speeds of your site, and Faiman's form
+# where calm hours matter: it has the shape of PVsyst and NOCT, and the translation is
+# exact. PVsyst and NOCT give the temperature of the cell, the others that of the
+# module's back; the translation leaves that as it is. The time constant comes from
+# elsewhere: 378 s is the paper's mean for fixed mountings and the default of
 # :py:func:`pvlib_fem.fem_temperature`.

@@ -103,18 +103,6 @@ def test_an_offset_that_is_known_is_taken_off(fortnight):
     assert known.coefficients["bias"] == pytest.approx(plain.coefficients["bias"] - 3)
 
 
-def test_d_is_ten_whatever_the_sensors_offset():
-    """Without noise and with the offset taken off; with it left, 8.3 and 5.8 m/s."""
-    data = datasets.synthetic(
-        30, 300, seed=1, noise=0, model="wm1", dynamics="ewm", k=0.035, d=10.0, tau=20.0
-    )
-    *drivers, module = (data[name] for name in COLUMNS)
-    for bias, left in ((0.0, 9.4), (-5.0, 6.0)):
-        record = (*drivers, module + bias)
-        assert paper.d(*record, 0.035, offset=bias).value == pytest.approx(10, abs=0.6)
-        assert paper.d(*record, 0.035).value == pytest.approx(left, abs=1.0)
-
-
 def test_faimans_outlier_is_replaced_in_plain_words_and_counts_no_points():
     """Where wind does not cool, u1 is Faiman's; u0 stays the record's own."""
     random = np.random.default_rng(0)

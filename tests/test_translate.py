@@ -8,7 +8,7 @@ import pytest
 from pvlib.temperature import GenericLinearModel
 
 from pvlib_fem import translate, translation_mismatch
-from pvlib_fem.translate import SHAPES
+from pvlib_fem.translate import SHAPES, USUAL_WINDS
 
 ETA, ALPHA = 0.19, 0.88
 COEFFICIENTS = {
@@ -92,9 +92,13 @@ def test_exact_pairs_go_there_and_back(method, one, other):
 def test_in_calm_air_k_is_e_to_the_a_is_one_over_u0():
     """The paper's Eq. 12."""
     k = 0.035
-    assert translate({"k": k, "d": 10}, "wm1", "sapm")["a"] == pytest.approx(np.log(k))
-    assert translate({"k": k, "d": 10}, "wm1", "faiman")["u0"] == pytest.approx(1 / k)
-    assert translate({"k": k, "d": 10}, "wm1", "ross")["k"] == pytest.approx(k)
+    for target, name, value in (
+        ("sapm", "a", np.log(k)),
+        ("faiman", "u0", 1 / k),
+        ("ross", "k", k),
+    ):
+        answer = translate({"k": k, "d": 10}, "wm1", target, "calm")
+        assert answer[name] == pytest.approx(value)
 
 
 @pytest.mark.parametrize("source", SHAPES)
@@ -102,7 +106,7 @@ def test_in_calm_air_k_is_e_to_the_a_is_one_over_u0():
 def test_calm_matches_resistance_and_slope_at_no_wind(source, target):
     try:
         answer = translate(
-            COEFFICIENTS[source], source, target, **FIXED.get(target, {})
+            COEFFICIENTS[source], source, target, "calm", **FIXED.get(target, {})
         )
     except ValueError as error:
         assert target == "wm2" and "k_w·8 must be below k" in str(error)
@@ -148,6 +152,50 @@ def test_the_mismatch_is_the_difference_of_two_temperatures():
     assert left.rms == pytest.approx(np.sqrt(np.mean(difference**2)))
 
 
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [
+        (source, target)
+        for source in ("sapm", "wm2", "faiman", "pvsyst", "noct_sam")
+        for target in ("wm1", "wm2", "faiman")
+        if (source, target) != ("sapm", "wm1")
+        and not (source in ("faiman", "pvsyst", "noct_sam") and target == "faiman")
+        and source != target
+    ],
+)
+def test_between_shapes_the_default_leaves_less_than_the_calm_rule(source, target):
+    """Over the paper's winds, of drawn coefficients; the calm rule may find none."""
+    random = np.random.default_rng(7)
+    for _ in range(10):
+        own = drawn(source, random.uniform)
+        calm, usual = (left(own, source, target, m) for m in ("calm", "two_winds"))
+        assert usual < 0.75 * calm
+
+
+def drawn(model, within):
+    """Coefficients as modules outdoors have them."""
+    if model == "wm2":
+        k = within(0.025, 0.042)
+        return {"k": k, "k_w": k * within(0.2, 0.8) / 8}
+    eta = {"module_efficiency": 0.2}
+    return {
+        "sapm": lambda: {"a": within(-3.7, -2.9), "b": within(-0.13, -0.03)},
+        "faiman": lambda: {"u0": within(18, 40), "u1": within(1, 8)},
+        "pvsyst": lambda: {"u_c": within(15, 29), "u_v": within(0.5, 6), **eta},
+        "noct_sam": lambda: {"noct": within(42, 50), **eta},
+    }[model]()
+
+
+def left(own, source, target, method):
+    """RMS over the paper's winds [K]; infinite where the rule gives no model."""
+    try:
+        return translation_mismatch(
+            own, source, target, method, wind_speed=USUAL_WINDS
+        ).rms
+    except ValueError:
+        return np.inf
+
+
 def test_the_memory_and_the_bias_go_along():
     fitted = dict(u0=25.0, u1=3.0, tau=400.0, bias=-2.0)
     answer = translate(fitted, "faiman", "sapm")
@@ -162,7 +210,10 @@ def test_the_memory_and_the_bias_go_along():
         (({"k": 1, "u1": 1}, "ross", "sapm"), "ross has no coefficient u1"),
         (({"a": -3, "b": -0.1, "deltaT": 3}, "sapm", "ross"), "leave it out here"),
         (({"k": 0.03}, "ross", "noct_sam"), "noct_sam needs module_efficiency"),
-        (({"u0": 25, "u1": 6.84}, "faiman", "wm2"), "try method='two_winds'"),
+        (
+            ({"u0": 25, "u1": 6.84}, "faiman", "wm2", "calm"),
+            "try method='two_winds' or 'least_squares'",
+        ),
         (({"k": 0.03}, "ross", "sapm", "windy"), "unknown method 'windy'"),
         (({"k": 0.03, "k_w": 0.01}, "wm2", "sapm"), "k_w·8 must be below k"),
         (({"a": -3.0, "b": 0.1}, "sapm", "faiman"), "gains heat from wind"),
