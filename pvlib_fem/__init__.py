@@ -12,6 +12,7 @@ from pvlib_fem import (
 )
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.findings import Check, Correction, Finding
+from pvlib_fem.fitting.compare import Comparison, compare
 from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop
@@ -27,6 +28,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Check",
+    "Comparison",
     "Correction",
     "Criteria",
     "DynamicCellTemperature",
@@ -37,6 +39,7 @@ __all__ = [
     "Parameter",
     "Terms",
     "close_loop",
+    "compare",
     "datasets",
     "drivers",
     "effects",

@@ -252,3 +252,29 @@ def test_pvsysts_absorbed_share_is_pvlibs_and_not_the_papers():
     pvsyst = dict(u_c=15.0, u_v=0.0, module_efficiency=0.15, alpha_absorption=0.9)
     u0 = fem.translate(pvsyst, "pvsyst", "faiman")["u0"]
     assert u0 == pytest.approx(19.61, abs=0.005)
+
+
+def test_the_effective_maximum_wind_is_a_quantile_of_averages(month):
+    """Six to eight m/s in the paper; of a Weibull wind of shape 2, mean 3 m/s, 7.3."""
+    wind = month["wind_speed"]
+    found = paper.wind_max(wind)
+    means = wind.resample("5min").mean()
+    assert (means < found.value).mean() == pytest.approx(0.99, abs=1e-3)
+    assert found.points == len(means) and 6.0 < found.value < 8.0
+    assert paper.wind_max(wind, share=1.0).value == means.max()
+    with pytest.raises(ValueError, match="needs 10 averages over 5min and has 2"):
+        paper.wind_max(wind.iloc[:10])
+    with pytest.raises(ValueError, match="share = 0 must be above 0"):
+        paper.wind_max(wind, share=0)
+
+
+def test_what_convection_takes_off_is_wm2s_wind(month):
+    """T_o = G·k − G/h, and nothing in calm air."""
+    poa, air, wind = (month[name] for name in DRIVERS)
+    h = paper.convection(wind, k_w=0.0025)
+    over = fem.wm2(poa, air, wind, k=0.035, k_w=0.0025) - air
+    np.testing.assert_allclose(over, poa * 0.035 - poa / h, atol=1e-9)
+    assert paper.convection(0.0, 0.0025) == np.inf
+    assert paper.convection(20.0, 0.0025) == paper.convection(8.0, 0.0025)
+    with pytest.raises(ValueError, match="k_w = -1 must be positive"):
+        paper.convection(2.0, -1)

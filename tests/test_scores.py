@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import COLUMNS
 
-from pvlib_fem import scores
+from pvlib_fem import paper, scores
 
 
 def test_the_bias_is_what_has_to_be_added():
@@ -87,3 +88,18 @@ def test_on_the_measured_week_a_delay_costs_kelvins(week):
     table = scores.delayed_sensor(week["temp_module"])
     assert table["rmse"].is_monotonic_increasing
     assert 0.3 < table.loc[60, "rmse"] < 1.0
+
+
+def test_a_late_sensor_is_compared_on_the_rows_that_are_asked_for(week):
+    """Five minutes late: 1.10 K on all rows of the measured week, 1.59 K by day."""
+    record = [week[name] for name in COLUMNS]
+    module, day = record[3], paper.daytime(*record)
+    everything = scores.delayed_sensor(module, [300]).loc[300]
+    by_day = scores.delayed_sensor(module, [300], day).loc[300]
+    assert everything["rmse"] == pytest.approx(1.10, abs=0.005)
+    assert by_day["rmse"] == pytest.approx(1.59, abs=0.005)
+    late = module.shift(5)[day]
+    assert by_day["mae"] == pytest.approx(scores.mae(module[day], late))
+    assert by_day["points"] == (module[day].notna() & late.notna()).sum()
+    with pytest.raises(ValueError, match="different indexes"):
+        scores.delayed_sensor(module, [300], day.iloc[:-1])

@@ -12,6 +12,7 @@ References
    second-to-minute timescales", 2022. :doi:`10.22541/au.166922866.68736478`
 """
 
+from pvlib_fem.paper import comparators
 from pvlib_fem.paper.cell import cell_from_back, k_bs_c
 from pvlib_fem.paper.estimators import (
     Estimate,
@@ -32,12 +33,15 @@ from pvlib_fem.paper.timeconstant import (
     step_changes,
     time_constant,
 )
+from pvlib_fem.paper.wind import convection, wind_max
 
 __all__ = [
     "Estimate",
     "TimeConstant",
     "averages",
     "cell_from_back",
+    "comparators",
+    "convection",
     "d",
     "daytime",
     "heat_capacities",
@@ -54,4 +58,5 @@ __all__ = [
     "tau_by_mounting",
     "time_constant",
     "usable",
+    "wind_max",
 ]

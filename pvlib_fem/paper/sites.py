@@ -42,6 +42,8 @@ def table_3() -> pd.DataFrame:
     """
     The paper's Table 3: resistances, capacities and time constants of 24 records.
 
+    As printed in [1]_, in SI units.
+
     Returns
     -------
     DataFrame

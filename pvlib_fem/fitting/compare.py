@@ -1,0 +1,357 @@
+"""Many models on one record, each step of the method, in one table."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem import plotting, scores
+from pvlib_fem.fitting.fit import METHODS, held_out, least_squares_stages
+from pvlib_fem.paper.comparators import COMPARATORS, fitted
+from pvlib_fem.paper.filters import daytime, night
+from pvlib_fem.paper.recipe import paper_stages
+from pvlib_fem.record.checks import instants, measured
+from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.report.document import saved
+from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.thermal.steady import STEADY_MODELS
+
+SCORES = {score.__name__: score for score in (scores.rmse, scores.mae, scores.mbe)}
+PARTS = {"day": daytime, "night": night}
+FITTED = "fem"  # the last step of a model, and the only one of a comparator
+#: the balance of one mass, which Torres Lobera and Valkealahti integrate by Euler
+BALANCE = "torres_lobera"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """
+    Errors of many models, step by step: ``print(comparison)`` is the table.
+
+    Attributes
+    ----------
+    table : DataFrame
+        By ``resolution`` [s], ``model`` and ``step`` (``standard``, ``filter``,
+        ``ewm``, ``fem``; a comparator has the last alone): ``rmse``, ``mae``, ``mbe``
+        [K] on held-out rows by day, the same with ``_night``, and ``points`` by day.
+    coefficients : dict
+        By the same three, those that were fitted.
+    notes : tuple of str
+        What could not be fitted, and why.
+    method : str
+    """
+
+    table: pd.DataFrame
+    coefficients: dict = field(repr=False)
+    notes: tuple
+    method: str
+
+    @property
+    def resolutions(self):
+        """Steps of the records that were compared, the finest first. [s]"""
+        return list(dict.fromkeys(self.table.index.get_level_values("resolution")))
+
+    def by_step(self, score="rmse", resolution=None):
+        """
+        One score as the paper's Tables 4 and 5: a row a step, a column a model.
+
+        Parameters
+        ----------
+        score : str, default "rmse"
+            A column of ``table``.
+        resolution : float, optional
+            By default the finest. [s]
+
+        Returns
+        -------
+        DataFrame
+        """
+        chosen = self.resolutions[0] if resolution is None else resolution
+        if chosen not in self.resolutions:
+            raise ValueError(
+                f"no resolution {chosen:g} s; {self.resolutions} are there"
+            )
+        table = self.table.reset_index()
+        return wide(table[table["resolution"] == chosen], score, "step")
+
+    def by_resolution(self, score="rmse", step=FITTED):
+        """
+        One score of one step, a row a resolution, as the paper's Fig. 8.
+
+        Parameters
+        ----------
+        score : str, default "rmse"
+        step : str, default "fem"
+
+        Returns
+        -------
+        DataFrame
+        """
+        table = self.table.reset_index()
+        return wide(table[table["step"] == step], score, "resolution")
+
+    def best(self, score="rmse"):
+        """Name of the model that leaves least at the finest resolution."""
+        last = self.by_resolution(score).loc[self.resolutions[0]]
+        return last.abs().idxmin()
+
+    def to_csv(self, path=None):
+        """
+        The table as CSV.
+
+        Parameters
+        ----------
+        path : str or path-like, optional
+            File to write.
+
+        Returns
+        -------
+        str
+        """
+        text = self.table.to_csv()
+        saved(text, path)
+        return text
+
+    def plot(self, ax=None, score="rmse"):
+        """
+        Bars by model and step, or lines over the resolution where there are several.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        score : str, default "rmse"
+
+        Returns
+        -------
+        matplotlib Axes
+        """
+        if len(self.resolutions) > 1:
+            return plotting.plot_resolutions(self, ax, score)
+        return plotting.plot_comparison(self, ax, score)
+
+    def __str__(self):
+        lines = []
+        for resolution in self.resolutions:
+            lines += [f"steps of {resolution:g} s, held-out days, {self.method} [K]"]
+            for score, words in (("rmse", "RMSE by day"), ("rmse_night", "by night")):
+                lines += [
+                    f"{words}",
+                    self.by_step(score, resolution).to_string(
+                        float_format="{:.2f}".format, na_rep="–"
+                    ),
+                    "",
+                ]
+        return "\n".join([*lines[:-1], *(f"note: {note}" for note in self.notes)])
+
+    def _repr_html_(self):
+        return self.table.to_html(float_format="{:.2f}".format, na_rep="–")
+
+
+def wide(table, score, rows):
+    """One score with a column a model; rows and columns in the order they came."""
+    found = table.pivot_table(score, rows, "model", sort=False, dropna=False)
+    return found.reindex(index=table[rows].unique(), columns=table["model"].unique())
+
+
+def compare(
+    poa_global,
+    temp_air,
+    wind_speed,
+    temp_module,
+    models=tuple(STEADY_MODELS),
+    comparators=(*COMPARATORS, BALANCE),
+    method="least_squares",
+    resolutions=None,
+    holdout=None,
+    calm_wind=0.5,
+    offset="night",
+    check_units=True,
+    **drivers,
+) -> Comparison:
+    """
+    Fit many models to one record and compare what each step leaves.
+
+    The paper's Tables 4 and 5 and its Fig. 8 for a record of one's own [1]_: steady
+    models fitted to all rows (``standard``), to the filtered ones (``filter``), with
+    smoothed inputs (``ewm``) and with a bias (``fem``); beside them dynamic models of
+    others, fitted by least squares to the same days. All are scored on the days held
+    out.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed, temp_module : Series
+        As in :func:`fit_fem`. [W/m²], [°C], [m/s], [°C]
+    models : str or sequence of str
+        Steady models; all five by default.
+    comparators : str or sequence of str
+        Of ``"prilliman"``, ``"armstrong_hurley"``, ``"veldhuis"``, ``"barry"`` (where
+        ``longwave_down`` is given) and ``"torres_lobera"``, the exact heat balance of
+        Faiman's model (:func:`heat_balance`); all by default, () for none.
+    method : str, default "least_squares"
+        Or ``"paper"``, see :func:`fit_fem`, for ``models``.
+    resolutions : sequence of float, optional
+        Steps to compare at, in means; by default the record's own. [s]
+    holdout, calm_wind, offset, check_units
+        As in :func:`fit_fem`.
+    **drivers : Series
+        ``longwave_down`` or ``ir_down``. [W/m²]
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable, or a name is unknown.
+
+    Notes
+    -----
+    What one model cannot do is a note and an empty cell, not an error: with
+    ``method="paper"`` a record may have too few calm averages or step changes.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Tables 4 and 5, Figs. 8
+       and 9. :doi:`10.22541/au.166922866.68736478`
+
+    Examples
+    --------
+    >>> from pvlib_fem import datasets
+    >>> data = datasets.synthetic(days=8, step=300)
+    >>> names = ["poa_global", "temp_air", "wind_speed", "temp_module"]
+    >>> found = compare(*(data[name] for name in names), models="faiman",
+    ...                 comparators="prilliman")
+    >>> found.best()
+    'faiman'
+    """
+    chosen, others = names_of(models), names_of(comparators)
+    check_names(chosen, others, method)
+    drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+    columns = dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
+    finest = measured(*columns.values(), check_units, **drivers)
+    notes, rows, coefficients = [], {}, {}
+    for step in resolutions or [None]:
+        data, out = columns | drivers, holdout
+        if step is not None:
+            data, out = coarser(finest.index, data, holdout, float(step))
+        how = dict(method=method, calm_wind=calm_wind, offset=offset)
+        case = Case(data, out, check_units, notes)
+        for name in chosen:
+            case.model(name, **how)
+        for name in others:
+            case.other(name)
+        rows |= {(case.resolution, *key): row for key, row in case.rows.items()}
+        coefficients |= {(case.resolution, *k): v for k, v in case.coefficients.items()}
+    table = pd.DataFrame.from_dict(rows, orient="index")
+    levels = ["resolution", "model", "step"]
+    table.index = pd.MultiIndex.from_tuples(table.index, names=levels)
+    return Comparison(table, coefficients, tuple(dict.fromkeys(notes)), method)
+
+
+def names_of(names):
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def check_names(models, comparators, method):
+    for given, known, what in (
+        (models, tuple(STEADY_MODELS), "models"),
+        (comparators, (*COMPARATORS, BALANCE), "comparators"),
+        ((method,), METHODS, "methods"),
+    ):
+        if unknown := [name for name in given if name not in known]:
+            raise ValueError(
+                f"unknown {what} {', '.join(map(repr, unknown))}; they are "
+                f"{', '.join(known)}"
+            )
+
+
+def coarser(index, data, holdout, step):
+    """Columns, and the rows held out, in means over longer steps."""
+    usual = np.median(np.diff(instants(index)) / np.timedelta64(1, "s"))
+    if step < usual:
+        raise ValueError(
+            f"resolution {step:g} s is finer than the record's {usual:g} s; give "
+            "coarser ones"
+        )
+    grid = pd.Timedelta(seconds=step)
+    data = {name: column.resample(grid).mean() for name, column in data.items()}
+    out = holdout if holdout is None else holdout.resample(grid).max().astype(bool)
+    return data, out
+
+
+class Case:
+    """One record at one resolution, on which models are fitted and scored."""
+
+    def __init__(self, data, holdout, check_units, notes):
+        usual = [data[name] for name in COLUMNS]
+        drivers = {name: data[name] for name in data if name not in COLUMNS}
+        self.record = measured(*usual, check_units, **drivers)
+        self.notes = notes
+        values = [self.record[name] for name in COLUMNS]
+        rows = {part: np.asarray(inside(*values)) for part, inside in PARTS.items()}
+        out = held_out(self.record, rows["day"], holdout, notes)
+        self.kept, self.train = ~out, rows["day"] & ~out
+        self.parts = {part: there & out for part, there in rows.items()}
+        seconds = np.diff(instants(self.record.index)) / np.timedelta64(1, "s")
+        self.resolution = float(np.median(seconds))
+        self.rows, self.coefficients = {}, {}
+
+    def model(self, name, method, calm_wind, offset):
+        """Every step of one steady model."""
+        steps = ("standard", "filter", "ewm", FITTED)
+        target, record = thermal_model(name, "ewm"), self.record
+        how = (target, record, self.train, self.kept)
+        try:
+            if method == "paper":
+                stages = paper_stages(*how, calm_wind, offset, [])
+            else:
+                target, record, stages, _ = least_squares_stages(*how)
+        except ValueError as error:
+            self.failed(name, error)
+            stages = dict.fromkeys(steps)
+        for step, stage in stages.items():
+            if stage is None:
+                self.rows[name, step] = self.scored(np.full(len(self.kept), np.nan))
+                continue
+            model, values = stage
+            self.rows[name, step] = self.scored(
+                model.temperature(record.inputs, values)
+            )
+            self.coefficients[name, step] = values
+
+    def other(self, name):
+        """A comparator, which has its last step only."""
+        if name == BALANCE:
+            target = thermal_model("faiman", "balance")
+            found = least_squares_stages(target, self.record, self.train, self.kept)
+            model, values = found[2][FITTED]
+            answer = model.temperature(self.record.inputs, values)
+        else:
+            comparator = COMPARATORS[name]
+            columns = self.record.inputs.columns
+            needed = (*COLUMNS[:3], *comparator.columns)
+            if lacks := [column for column in needed if column not in columns]:
+                self.notes.append(f"{name} is left out: it needs {', '.join(lacks)}")
+                return
+            index = self.record.index
+            inputs = [pd.Series(columns[column], index) for column in needed]
+            module = pd.Series(columns["temp_module"], index)
+            values = fitted(comparator, inputs, module, self.train)
+            answer = comparator.function(*inputs, **values).to_numpy()
+        self.rows[name, FITTED] = self.scored(answer)
+        self.coefficients[name, FITTED] = values
+
+    def failed(self, name, error):
+        self.notes.append(f"{name} at {self.resolution:g} s: {error}")
+
+    def scored(self, temperature):
+        """Scores of a temperature on the rows held out, by day and by night."""
+        reading, row = self.record["temp_module"], {}
+        for part, there in self.parts.items():
+            suffix = "" if part == "day" else f"_{part}"
+            for name, score in SCORES.items():
+                row[f"{name}{suffix}"] = score(reading[there], temperature[there])
+        both = np.isfinite(reading + temperature) & self.parts["day"]
+        return {**row, "points": int(both.sum())}

@@ -1,0 +1,323 @@
+"""
+Dynamic models of others, each one function in pvlib's shape.
+
+Those whose dynamics stand on a steady temperature have the Sandia model below them,
+as Prilliman's was made for. Equations are from their own sources where a note does
+not say otherwise; `COMPARATORS` has what :func:`pvlib_fem.compare` fits of each.
+"""
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pvlib
+from scipy.optimize import least_squares
+
+from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
+from pvlib_fem.effects.effect import Parameter
+from pvlib_fem.record.checks import instants
+from pvlib_fem.relaxation import ewm
+from pvlib_fem.thermal.steady import STEADY_MODELS
+
+WINDOW = 1200.0  # s, that Prilliman's mean looks back
+FEWEST = 3  # samples of which pvlib tells that their steps are even
+CELLS = 5_000_000  # of a matrix at once, which bounds its memory to 40 MB
+GLASS_TEDLAR = 6032.0  # J/(m² K), Armstrong and Hurley's Table 1
+FREE = 2.5  # W/(m² K) for a face, between the 2.1 and 2.9 of their Table 3
+
+
+def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
+    """
+    Sandia's model under Prilliman's moving mean of 20 min, pvlib's ``prilliman``.
+
+    Every piece of the record with even steps is smoothed by itself, some rows at a
+    time: pvlib's function [1]_ refuses gaps, and holds one row for each second of the
+    window and sample of the record.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed : Series
+        [W/m²], [°C], [m/s]
+    a, b : float
+        Of the Sandia model. [ln(K m²/W)], [s/m]
+    unit_mass : float, default 11.1
+        Mass of the module over its area. [kg/m²]
+    bias : float, default 0
+        Added. [K]
+
+    Returns
+    -------
+    Series
+        Module temperature; the steady one where steps are 20 min and longer. [°C]
+
+    References
+    ----------
+    .. [1] M. Prilliman et al., "Transient Weighted Moving-Average Model of
+       Photovoltaic Module Back-Surface Temperature", IEEE J. Photovoltaics 10, 1053
+       (2020). :doi:`10.1109/JPHOTOV.2020.2992351`, as in
+       :func:`pvlib.temperature.prilliman`.
+    """
+    steady = sapm(poa_global, temp_air, wind_speed, a, b)
+    answer = steady.copy()
+    # pvlib reads times in a way that newer pandas deprecates where they have a zone
+    utc = pd.DatetimeIndex(instants(steady.index))
+    wind = wind_speed.set_axis(utc)
+    steady = steady.set_axis(utc)
+    seconds = np.diff(utc) / np.timedelta64(1, "s")
+    step = np.median(seconds) if len(seconds) else WINDOW
+    if not step < WINDOW:
+        return answer + bias
+    behind = int(WINDOW // step)
+    rows = max(CELLS // behind, behind)
+    for start, end in even_pieces(seconds, step):
+        for first in range(start, end, rows):
+            part = slice(max(first - behind, start), min(first + rows, end))
+            if part.stop - part.start < FEWEST:
+                continue
+            smooth = moving_mean(steady.iloc[part], wind.iloc[part], unit_mass)
+            answer.iloc[first : part.stop] = smooth[first - part.start :]
+    return answer + bias
+
+
+def moving_mean(steady, wind_speed, unit_mass):
+    with warnings.catch_warnings():
+        # of a call that pvlib itself makes
+        warnings.filterwarnings("ignore", "A future version of pandas")
+        smooth = pvlib.temperature.prilliman(steady, wind_speed, unit_mass)
+    return smooth.to_numpy()
+
+
+def even_pieces(seconds, step):
+    """First row and end of each piece of a record without a gap or a jitter."""
+    breaks = np.flatnonzero(np.abs(seconds - step) > 1e-6 * step) + 1
+    edges = [0, *breaks.tolist(), len(seconds) + 1]
+    return pairwise(edges)
+
+
+def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):
+    """
+    Exponential moving average of a steady module temperature, as Veldhuis et al.
+
+    It smooths what comes out of the model [1]_, air temperature included, where the
+    paper smooths irradiance and wind. Peters and Nobre [2]_ take the same model to
+    floating modules.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed : Series
+        [W/m²], [°C], [m/s]
+    a, b : float
+        Of the Sandia model. [ln(K m²/W)], [s/m]
+    tau : float
+        Time constant; they have 17 min, 7 min afloat and 35 min on a roof. [s]
+    bias : float, default 0
+        Added; theirs is :func:`pvlib_fem.paper.night_bias`. [K]
+
+    Returns
+    -------
+    Series
+        Module temperature. [°C]
+
+    Notes
+    -----
+    What is here is what Herteleer et al. [3]_ say of it: a recursive average of the
+    module's temperature, and a bias by night. The form of its steady part, which has
+    a term in relative humidity and six parameters in all, could not be verified, and
+    Sandia's stands in its place.
+
+    References
+    ----------
+    .. [1] A. J. Veldhuis et al., "An Empirical Model for Rack-Mounted PV Module
+       Temperatures for Southeast Asian Locations Evaluated for Minute Time Scales",
+       IEEE J. Photovoltaics 5, 774 (2015). :doi:`10.1109/JPHOTOV.2015.2405762`
+    .. [2] I. M. Peters and A. M. Nobre, "Deciphering the thermal behavior of floating
+       photovoltaic installations", Solar Energy Advances 2, 100007 (2022).
+       :doi:`10.1016/j.seja.2021.100007`
+    .. [3] B. Herteleer et al., 2022. :doi:`10.22541/au.166922866.68736478`
+    """
+    return ewm(sapm(poa_global, temp_air, wind_speed, a, b), tau) + bias
+
+
+def armstrong_hurley(poa_global, temp_air, wind_speed, a, b, bias=0.0, **module):
+    """
+    Sandia's model, relaxed with Armstrong and Hurley's time constant.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed : Series
+        [W/m²], [°C], [m/s]
+    a, b : float
+        Of the Sandia model. [ln(K m²/W)], [s/m]
+    bias : float, default 0
+        Added. [K]
+    **module
+        ``capacity`` and ``free`` of :func:`armstrong_hurley_tau`.
+
+    Returns
+    -------
+    Series
+        Module temperature. [°C]
+    """
+    steady = sapm(poa_global, temp_air, wind_speed, a, b)
+    tau = armstrong_hurley_tau(wind_speed, **module)
+    # a row without a wind has no temperature either
+    return ewm(steady, np.where(np.isfinite(tau), tau, 1.0)) + bias
+
+
+def armstrong_hurley_tau(wind_speed, capacity=GLASS_TEDLAR, free=FREE):
+    r"""
+    Time constant of a module on a rack from its layers and the wind.
+
+    .. math:: \tau = \frac{C}{h_{front} + h_{free}}, \qquad
+       h_{front} = \sqrt[3]{(2.56\,WS + 8.55)^3 + h_{free}^3}
+
+    Wind cools the front, air that rises by itself both faces; radiation and the
+    layers' own resistance are neglected, as there [1]_.
+
+    Parameters
+    ----------
+    wind_speed : numeric
+        [m/s]
+    capacity : float, default 6032
+        Of the layers; the default is their glass and Tedlar of 3 mm glass, see
+        :func:`pvlib_fem.layers.stack` for others. [J/(m² K)]
+    free : float, default 2.5
+        Free convection from one face. It follows the over-temperature: their three
+        cases have 2.9, 2.4 and 2.1. [W/(m² K)]
+
+    Returns
+    -------
+    numeric
+        [s]
+
+    References
+    ----------
+    .. [1] S. Armstrong and W. G. Hurley, "A thermal model for photovoltaic panels
+       under varying atmospheric conditions", Appl. Therm. Eng. 30, 1488 (2010), Eqs.
+       3, 11 and 19 and Tables 1 and 3. :doi:`10.1016/j.applthermaleng.2010.03.012`
+
+    Examples
+    --------
+    >>> print(round(armstrong_hurley_tau(2.14, free=2.44) / 60, 1), "min")
+    6.1 min
+    """
+    forced = 2.56 * wind_speed + 8.55
+    return capacity / (np.cbrt(forced**3 + free**3) + free)
+
+
+def barry(poa_global, temp_air, wind_speed, longwave_down, u1, u2, u3, tau, bias=0.0):
+    r"""
+    Faiman's model with a sky, all inputs smoothed, by Barry et al.
+
+    .. math:: T_m = \langle T_a\rangle + \frac{\langle G\rangle}{u_1 + u_2 \langle
+       WS\rangle} + u_3 \langle T_{sky} - T_a\rangle
+
+    with exponential means of one time constant [1]_. The effect ``sky_radiation``
+    has the same loss in the heat balance, where the wind divides it: :math:`u_3
+    \approx share\; 4\sigma T_a^3 / (u_0 + u_1 WS)`.
+
+    Parameters
+    ----------
+    poa_global, temp_air, wind_speed : Series
+        [W/m²], [°C], [m/s]
+    longwave_down : Series
+        Longwave irradiance from the sky, which gives its temperature. [W/m²]
+    u1, u2, u3 : float
+        [W/(m² K)], [W s/(m³ K)], [-]
+    tau : float
+        Time constant; they found 589, 509 and 547 s. [s]
+    bias : float, default 0
+        Added; theirs has none. [K]
+
+    Returns
+    -------
+    Series
+        Module temperature. [°C]
+
+    References
+    ----------
+    .. [1] J. Barry et al., "Dynamic model of photovoltaic module temperature as a
+       function of atmospheric conditions", Adv. Sci. Res. 17, 165 (2020).
+       :doi:`10.5194/asr-17-165-2020`; the order of smoothing as in their PVRAD.
+    """
+    sky = (longwave_down / STEFAN_BOLTZMANN) ** 0.25 - ZERO_CELSIUS
+    sun, air, wind, deficit = (
+        ewm(column, tau)
+        for column in (poa_global, temp_air, wind_speed, sky - temp_air)
+    )
+    return air + sun / (u1 + u2 * wind) + u3 * deficit + bias
+
+
+def sapm(poa_global, temp_air, wind_speed, a, b):
+    return temp_air + poa_global * STEADY_MODELS["sapm"].resistance(wind_speed, a, b)
+
+
+@dataclass(frozen=True)
+class Comparator:
+    """A model of others: its function, what it fits, and what it needs beside."""
+
+    function: Callable
+    parameters: Mapping[str, Parameter]
+    columns: tuple = ()
+
+
+BIAS = {"bias": Parameter(0.0, -30.0, 30.0, "K")}
+SAPM = {**STEADY_MODELS["sapm"].parameters, **BIAS}
+TAU = {"tau": Parameter(378.0, 1.0, 7200.0, "s")}
+
+COMPARATORS = {
+    "prilliman": Comparator(prilliman, SAPM),
+    "armstrong_hurley": Comparator(armstrong_hurley, SAPM),
+    "veldhuis": Comparator(veldhuis, {**SAPM, **TAU}),
+    "barry": Comparator(
+        barry,
+        {
+            "u1": STEADY_MODELS["faiman"].parameters["u0"],
+            "u2": STEADY_MODELS["faiman"].parameters["u1"],
+            "u3": Parameter(0.1, 0.0, 2.0, "-"),
+            **TAU,
+        },
+        ("longwave_down",),
+    ),
+}
+
+
+def fitted(comparator, drivers, temp_module, rows) -> dict:
+    """
+    Coefficients of a comparator by least squares over some rows.
+
+    Parameters
+    ----------
+    comparator : Comparator
+    drivers : sequence of Series
+        ``poa_global``, ``temp_air``, ``wind_speed`` and its further columns.
+    temp_module : Series
+        [°C]
+    rows : boolean array
+
+    Returns
+    -------
+    dict
+    """
+    names = list(comparator.parameters)
+    table = list(comparator.parameters.values())
+    measured = temp_module.to_numpy()[rows]
+
+    def residual(x):
+        answer = comparator.function(*drivers, **dict(zip(names, x)))
+        error = measured - answer.to_numpy()[rows]
+        return error[np.isfinite(error)]
+
+    found = least_squares(
+        residual,
+        [row.start for row in table],
+        bounds=([row.lower for row in table], [row.upper for row in table]),
+        x_scale=[max(abs(row.start), 0.1) for row in table],
+        diff_step=1e-4,
+        xtol=1e-6,
+        ftol=1e-8,
+    )
+    return dict(zip(names, found.x.tolist()))
