@@ -284,3 +284,51 @@ def test_the_lines_of_the_estimators_are_theirs(month, ax):
     np.testing.assert_array_equal(lines["used"][1], tau.table["tau"][tau.table["used"]])
     fall = lines[f"f = {tau.f:.1f} m/s"][1]
     assert (fall[0], fall[-1]) == pytest.approx((tau.tau_0, tau.value))
+
+
+def test_impossible_values_are_in_no_mean(fortnight):
+    """A logger's fill values leave the half hour, or its mean, without a trace."""
+    columns = [fortnight[name].copy() for name in COLUMNS]
+    columns[3].iloc[[700, 1300]] = -99.0
+    usual = dict(models="wm1", comparators=(), resolutions=(1800,))
+    found = fem.compare(*columns, **usual)
+    clean = fem.compare(*(fortnight[name] for name in COLUMNS), **usual)
+    rmse, expected = (c.table["rmse"].to_numpy() for c in (found, clean))
+    np.testing.assert_allclose(rmse, expected, atol=0.01)
+
+
+def test_a_record_of_which_nothing_can_be_fitted_says_so(fortnight):
+    columns = [fortnight[name].iloc[:40] for name in COLUMNS]  # a night
+    found = fem.compare(
+        *columns, models="wm1", comparators=("veldhuis", "torres_lobera")
+    )
+    assert found.table["rmse"].isna().all()
+    assert any("veldhuis at 300 s: 4 coefficients need more" in n for n in found.notes)
+    with pytest.raises(
+        ValueError, match=r"no model has a score: .*least squares needs"
+    ):
+        found.best()
+
+
+def test_the_week_with_and_without_a_bias(week):
+    """The table of the paper's page, of which `compare` has the first and last row."""
+    record = [week[name] for name in COLUMNS]
+    table = {
+        "ross": (4.70, 4.42, 3.84, 2.90, 2.95),
+        "sapm": (4.07, 3.83, 2.73, 1.56, 1.53),
+        "faiman": (4.10, 3.84, 2.80, 1.60, 1.56),
+        "wm2": (4.04, 3.82, 2.65, 1.52, 1.49),
+    }
+    for model, expected in table.items():
+        scores = {
+            dynamics: fem.fit_fem(*record, model=model, dynamics=dynamics).scores
+            for dynamics in ("steady", "ewm", "balance")
+        }
+        found = [
+            scores["steady"].loc["standard", "rmse_test"],
+            scores["steady"].loc["fem", "rmse_test"],
+            scores["ewm"].loc["ewm", "rmse_test"],
+            scores["ewm"].loc["fem", "rmse_test"],
+            scores["balance"].loc["fem", "rmse_test"],
+        ]
+        assert found == pytest.approx(expected, abs=0.006)

@@ -187,6 +187,11 @@ def test_the_measured_weeks_calm_slope_needs_its_intercept(week):
     origin = paper.r_eq_max(*record, calm_wind=1.0, intercept=False)
     assert 1e3 * line.value == pytest.approx(33.8, abs=0.05)
     assert 1e3 * origin.value == pytest.approx(24.5, abs=0.05)
+    few = dict(calm_wind=0.5, min_points=10)
+    for intercept, expected in ((True, 28.5), (False, 24.9)):
+        found = paper.r_eq_max(*record, intercept=intercept, **few)
+        assert found.points == 10
+        assert 1e3 * found.value == pytest.approx(expected, abs=0.05)
 
 
 def test_the_cell_is_warmer_than_the_back_by_smoothed_irradiance(month):

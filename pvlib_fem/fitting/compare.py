@@ -17,7 +17,9 @@ from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
 SCORES = {score.__name__: score for score in (scores.rmse, scores.mae, scores.mbe)}
+PRESENT = 0.5  # share of a longer step's rows that have to be there
 PARTS = {"day": daytime, "night": night}
+STEPS = ("standard", "filter", "ewm", "fem")
 FITTED = "fem"  # the last step of a model, and the only one of a comparator
 #: the balance of one mass, which Torres Lobera and Valkealahti integrate by Euler
 BALANCE = "torres_lobera"
@@ -92,8 +94,10 @@ class Comparison:
 
     def best(self, score="rmse"):
         """Name of the model that leaves least at the finest resolution."""
-        last = self.by_resolution(score).loc[self.resolutions[0]]
-        return last.abs().idxmin()
+        last = self.by_resolution(score).loc[self.resolutions[0]].dropna().abs()
+        if last.empty:
+            raise ValueError(f"no model has a score: {'; '.join(self.notes)}")
+        return last.idxmin()
 
     def to_csv(self, path=None):
         """
@@ -190,7 +194,8 @@ def compare(
     method : str, default "least_squares"
         Or ``"paper"``, see :func:`fit_fem`, for ``models``.
     resolutions : sequence of float, optional
-        Steps to compare at, in means; by default the record's own. [s]
+        Steps to compare at, in means of which half is there; by default the record's
+        own. [s]
     holdout, calm_wind, offset, check_units
         As in :func:`fit_fem`.
     **drivers : Series
@@ -235,7 +240,7 @@ def compare(
     for step in resolutions or [None]:
         data, out = columns | drivers, holdout
         if step is not None:
-            data, out = coarser(finest.index, data, holdout, float(step))
+            data, out = coarser(finest, holdout, float(step))
         how = dict(method=method, calm_wind=calm_wind, offset=offset)
         case = Case(data, out, check_units, notes)
         for name in chosen:
@@ -267,8 +272,9 @@ def check_names(models, comparators, method):
             )
 
 
-def coarser(index, data, holdout, step):
-    """Columns, and the rows held out, in means over longer steps."""
+def coarser(record, holdout, step):
+    """Columns of a record, and the rows held out, in means over longer steps."""
+    index = record.index
     usual = np.median(np.diff(instants(index)) / np.timedelta64(1, "s"))
     if step < usual:
         raise ValueError(
@@ -276,9 +282,12 @@ def coarser(index, data, holdout, step):
             "coarser ones"
         )
     grid = pd.Timedelta(seconds=step)
-    data = {name: column.resample(grid).mean() for name, column in data.items()}
-    out = holdout if holdout is None else holdout.resample(grid).max().astype(bool)
-    return data, out
+    frame = pd.DataFrame(record.inputs.columns, index).resample(grid)
+    data = frame.mean().where(frame.count() >= PRESENT * step / usual)
+    if holdout is not None:
+        out = pd.Series(record.rows(holdout) * 1.0, index)
+        holdout = out.resample(grid).max() > 0
+    return dict(data.items()), holdout
 
 
 class Case:
@@ -300,51 +309,57 @@ class Case:
 
     def model(self, name, method, calm_wind, offset):
         """Every step of one steady model."""
-        steps = ("standard", "filter", "ewm", FITTED)
         target, record = thermal_model(name, "ewm"), self.record
         how = (target, record, self.train, self.kept)
         try:
             if method == "paper":
                 stages = paper_stages(*how, calm_wind, offset, [])
             else:
-                target, record, stages, _ = least_squares_stages(*how)
+                _, record, stages, _ = least_squares_stages(*how)
         except ValueError as error:
-            self.failed(name, error)
-            stages = dict.fromkeys(steps)
-        for step, stage in stages.items():
-            if stage is None:
-                self.rows[name, step] = self.scored(np.full(len(self.kept), np.nan))
-                continue
-            model, values = stage
-            self.rows[name, step] = self.scored(
-                model.temperature(record.inputs, values)
-            )
-            self.coefficients[name, step] = values
+            self.failed(name, error, STEPS)
+            return
+        for step, (model, values) in stages.items():
+            self.add(name, step, model.temperature(record.inputs, values), values)
 
     def other(self, name):
         """A comparator, which has its last step only."""
-        if name == BALANCE:
-            target = thermal_model("faiman", "balance")
-            found = least_squares_stages(target, self.record, self.train, self.kept)
-            model, values = found[2][FITTED]
-            answer = model.temperature(self.record.inputs, values)
-        else:
+        try:
+            if name == BALANCE:
+                self.balance()
+                return
             comparator = COMPARATORS[name]
             columns = self.record.inputs.columns
             needed = (*COLUMNS[:3], *comparator.columns)
             if lacks := [column for column in needed if column not in columns]:
                 self.notes.append(f"{name} is left out: it needs {', '.join(lacks)}")
                 return
-            index = self.record.index
-            inputs = [pd.Series(columns[column], index) for column in needed]
-            module = pd.Series(columns["temp_module"], index)
+            *inputs, module = (
+                pd.Series(columns[column], self.record.index)
+                for column in (*needed, "temp_module")
+            )
             values = fitted(comparator, inputs, module, self.train)
             answer = comparator.function(*inputs, **values).to_numpy()
-        self.rows[name, FITTED] = self.scored(answer)
-        self.coefficients[name, FITTED] = values
+        except ValueError as error:
+            self.failed(name, error, (FITTED,))
+        else:
+            self.add(name, FITTED, answer, values)
 
-    def failed(self, name, error):
+    def balance(self):
+        target = thermal_model("faiman", "balance")
+        stages = least_squares_stages(target, self.record, self.train, self.kept)[2]
+        model, values = stages[FITTED]
+        answer = model.temperature(self.record.inputs, values)
+        self.add(BALANCE, FITTED, answer, values)
+
+    def failed(self, name, error, steps):
         self.notes.append(f"{name} at {self.resolution:g} s: {error}")
+        for step in steps:
+            self.rows[name, step] = self.scored(np.full(len(self.kept), np.nan))
+
+    def add(self, name, step, temperature, values):
+        self.rows[name, step] = self.scored(temperature)
+        self.coefficients[name, step] = values
 
     def scored(self, temperature):
         """Scores of a temperature on the rows held out, by day and by night."""

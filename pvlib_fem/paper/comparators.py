@@ -301,10 +301,20 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
     Returns
     -------
     dict
+
+    Raises
+    ------
+    ValueError
+        If there are no more rows than coefficients.
     """
     names = list(comparator.parameters)
     table = list(comparator.parameters.values())
     measured = temp_module.to_numpy()[rows]
+    if np.isfinite(measured).sum() <= len(names):
+        raise ValueError(
+            f"{len(names)} coefficients need more rows than the "
+            f"{np.isfinite(measured).sum()} that count; use a longer record"
+        )
 
     def residual(x):
         answer = comparator.function(*drivers, **dict(zip(names, x)))
