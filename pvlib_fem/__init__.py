@@ -12,7 +12,8 @@ from pvlib_fem import (
 )
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.findings import Check, Correction, Finding
-from pvlib_fem.fitting.compare import Comparison, compare
+from pvlib_fem.fitting.compare import compare
+from pvlib_fem.fitting.comparison import Comparison
 from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop

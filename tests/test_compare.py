@@ -29,7 +29,7 @@ def fortnight():
 def compared(fortnight):
     columns = (fortnight[name] for name in COLUMNS)
     longwave = fortnight["longwave_down"]
-    return fem.compare(*columns, resolutions=(300, 1800), ir_down=longwave)
+    return fem.compare(*columns, resolutions=(1800, 300), ir_down=longwave)
 
 
 def test_prilliman_is_pvlibs_over_pieces_and_gaps(month, monkeypatch):

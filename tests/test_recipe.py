@@ -158,3 +158,27 @@ def test_the_lines_through_calm_air_hang_together(fortnight):
     )
     assert through.value == pytest.approx(line.value, rel=1e-9)
     assert through.intercept == pytest.approx(line.intercept)
+
+
+@models
+def test_what_the_recipe_returns_fem_temperature_takes(fortnight, model):
+    """Of modules that wind heats, or cools below the air, too; or it is refused."""
+    poa, air, wind, _ = fortnight
+    random, returned = np.random.default_rng(3), 0
+    for _ in range(8):
+        calm, slope = random.uniform(0.015, 0.05), random.uniform(-0.006, 0.004)
+        error = random.normal(0.0, 1.0, len(poa)) + random.uniform(-6, 3)
+        module = air + fem.ewm(poa, 300.0) * (calm + slope * wind.clip(upper=9)) + error
+        for offset in ("night", "calm", None):
+            how = dict(model=model, method="paper", calm_wind=1.5, offset=offset)
+            try:
+                fit = fem.fit_fem(poa, air, wind, module, check_units=False, **how)
+            except ValueError:
+                continue
+            answer = fem.fem_temperature(
+                poa, air, wind, model=model, **fit.coefficients
+            )
+            assert np.isfinite(answer).all()
+            fit.predict(poa, air, wind)
+            returned += 1
+    assert returned >= 6

@@ -1,0 +1,143 @@
+"""The result of a comparison of models: finished, and it prints itself."""
+
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from pvlib_fem import plotting
+from pvlib_fem.report.document import saved
+
+STEPS = ("standard", "filter", "ewm", "fem")
+FITTED = "fem"  # the last step of a model, and the only one of a comparator
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """
+    Errors of many models, step by step: ``print(comparison)`` is the table.
+
+    Attributes
+    ----------
+    table : DataFrame
+        By ``resolution`` [s], ``model`` and ``step`` (``standard``, ``filter``,
+        ``ewm``, ``fem``; a comparator has the last alone): ``rmse``, ``mae``, ``mbe``
+        [K] on held-out rows by day, the same with ``_night``, and ``points`` by day.
+    coefficients : dict
+        By the same three, those that were fitted.
+    notes : tuple of str
+        What could not be fitted, and why.
+    method : str
+    """
+
+    table: pd.DataFrame
+    coefficients: dict = field(repr=False)
+    notes: tuple
+    method: str
+
+    @property
+    def resolutions(self):
+        """Steps of the records that were compared, the finest first. [s]"""
+        return list(dict.fromkeys(self.table.index.get_level_values("resolution")))
+
+    def by_step(self, score="rmse", resolution=None):
+        """
+        One score as the paper's Tables 4 and 5: a row a step, a column a model.
+
+        Parameters
+        ----------
+        score : str, default "rmse"
+            A column of ``table``.
+        resolution : float, optional
+            By default the finest. [s]
+
+        Returns
+        -------
+        DataFrame
+        """
+        chosen = self.resolutions[0] if resolution is None else resolution
+        if chosen not in self.resolutions:
+            raise ValueError(
+                f"no resolution {chosen:g} s; {self.resolutions} are there"
+            )
+        table = self.table.reset_index()
+        return wide(table[table["resolution"] == chosen], score, "step")
+
+    def by_resolution(self, score="rmse", step=FITTED):
+        """
+        One score of one step, a row a resolution, as the paper's Fig. 8.
+
+        Parameters
+        ----------
+        score : str, default "rmse"
+        step : str, default "fem"
+
+        Returns
+        -------
+        DataFrame
+        """
+        table = self.table.reset_index()
+        return wide(table[table["step"] == step], score, "resolution")
+
+    def best(self, score="rmse"):
+        """Name of the model that leaves least at the finest resolution."""
+        last = self.by_resolution(score).loc[self.resolutions[0]].dropna().abs()
+        if last.empty:
+            raise ValueError(f"no model has a score: {'; '.join(self.notes)}")
+        return last.idxmin()
+
+    def to_csv(self, path=None):
+        """
+        The table as CSV.
+
+        Parameters
+        ----------
+        path : str or path-like, optional
+            File to write.
+
+        Returns
+        -------
+        str
+        """
+        text = self.table.to_csv()
+        saved(text, path)
+        return text
+
+    def plot(self, ax=None, score="rmse"):
+        """
+        Bars by model and step, or lines over the resolution where there are several.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+        score : str, default "rmse"
+
+        Returns
+        -------
+        matplotlib Axes
+        """
+        if len(self.resolutions) > 1:
+            return plotting.plot_resolutions(self, ax, score)
+        return plotting.plot_comparison(self, ax, score)
+
+    def __str__(self):
+        lines = []
+        for resolution in self.resolutions:
+            lines += [f"steps of {resolution:g} s, held-out days, {self.method} [K]"]
+            for score, words in (("rmse", "RMSE by day"), ("rmse_night", "by night")):
+                lines += [
+                    f"{words}",
+                    self.by_step(score, resolution).to_string(
+                        float_format="{:.2f}".format, na_rep="–"
+                    ),
+                    "",
+                ]
+        return "\n".join([*lines[:-1], *(f"note: {note}" for note in self.notes)])
+
+    def _repr_html_(self):
+        return self.table.to_html(float_format="{:.2f}".format, na_rep="–")
+
+
+def wide(table, score, rows):
+    """One score with a column a model; rows and columns in the order they came."""
+    found = table.pivot_table(score, rows, "model", sort=False, dropna=False)
+    return found.reindex(index=table[rows].unique(), columns=table["model"].unique())
