@@ -108,6 +108,22 @@ def test_a_comparator_finds_its_own_coefficients(fortnight, name):
     assert found == pytest.approx(truth, rel=0.02)
 
 
+def test_a_fine_record_is_fitted_in_means_where_a_comparator_says_so(month):
+    """Prilliman's fit at 20 s is that of its minutes."""
+    comparator = COMPARATORS["prilliman"]
+    minutes = month.iloc[600:1000]
+    fine = minutes.resample("20s").ffill()
+    rows = np.zeros(len(fine), bool)
+    rows[300:] = True
+    drivers, module = [fine[n] for n in DRIVERS], fine["temp_module"]
+    found = fitted(comparator, drivers, module, rows)
+    coarse = [fine[n].resample("60s").mean() for n in COLUMNS]
+    expected = fitted(
+        comparator, coarse[:3], coarse[3], np.arange(len(coarse[0])) >= 100
+    )
+    assert found == pytest.approx(expected, rel=1e-6)
+
+
 def test_the_table_has_what_fit_fem_says_of_each_model(compared, fortnight):
     columns = [fortnight[name] for name in COLUMNS]
     fit = fem.fit_fem(*columns, model="wm1")

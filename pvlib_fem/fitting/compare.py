@@ -79,6 +79,9 @@ def compare(
     What one model cannot do is a note and an empty cell, not an error: with
     ``method="paper"`` a record may have too few calm averages or step changes.
 
+    ``"prilliman"`` is slow at steps of seconds, 10 s for each day at 1 s; leave it out
+    of ``comparators``, or give a ``resolutions`` of a minute.
+
     References
     ----------
     .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
