@@ -197,6 +197,7 @@ def test_rows_held_out_by_choice_are_those_that_count(fortnight):
         (dict(models="wm3"), "unknown models 'wm3'; they are ross, sapm"),
         (dict(comparators=["king"]), "unknown comparators 'king'; they are prilliman"),
         (dict(method="ols"), "unknown methods 'ols'"),
+        (dict(models=(), comparators=()), "nothing to compare"),
         (dict(resolutions=[60]), "resolution 60 s is finer than the record's 300 s"),
     ],
 )
@@ -253,6 +254,7 @@ def test_the_pictures_of_a_comparison_have_its_numbers(compared, ax):
     assert [t.get_text() for t in ax.get_xticklabels()] == ["5 min", "30 min"]
     ax.clear()
     plotting.plot_comparison(compared, ax, "mae")
+    assert ax.get_ylabel() == "MAE by day, held-out days [K]"
     lines, table = drawn(ax), compared.by_step("mae")
     np.testing.assert_array_equal(lines["wm1"][1], table["wm1"])
     assert lines["veldhuis"][1] == pytest.approx([table.loc["fem", "veldhuis"]])
@@ -348,3 +350,23 @@ def test_the_week_with_and_without_a_bias(week):
             scores["balance"].loc["fem", "rmse_test"],
         ]
         assert found == pytest.approx(expected, abs=0.006)
+
+
+def test_comparators_alone_are_a_table_and_a_picture(fortnight, ax):
+    columns = [fortnight[name] for name in COLUMNS]
+    found = fem.compare(*columns, models=(), comparators=("veldhuis", "torres_lobera"))
+    assert found.by_step().index.tolist() == ["fem"]
+    found.plot(ax, score="rmse_night")
+    assert ax.get_ylabel() == "RMSE by night, held-out days [K]"
+    assert set(drawn(ax)) == {"veldhuis", "torres_lobera"}
+
+
+def test_gaps_and_zones_and_nullable_columns_are_compared_as_they_are_fitted(fortnight):
+    some = fortnight.drop(fortnight.index[1000:1100]).copy()
+    some.iloc[50:60, some.columns.get_loc("wind_speed")] = np.nan
+    plain = [some[name] for name in COLUMNS]
+    usual = dict(models="wm1", comparators=("veldhuis", "prilliman"))
+    expected = fem.compare(*plain, **usual).table
+    nullable = [column.astype("Float64") for column in plain]
+    pd.testing.assert_frame_equal(fem.compare(*nullable, **usual).table, expected)
+    assert expected["rmse"].notna().all()

@@ -127,6 +127,8 @@ def names_of(names):
 
 
 def check_names(models, comparators, method):
+    if not models and not comparators:
+        raise ValueError("no models and no comparators leave nothing to compare")
     for given, known, what in (
         (models, tuple(STEADY_MODELS), "models"),
         (comparators, (*COMPARATORS, BALANCE), "comparators"),

@@ -83,8 +83,9 @@ def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
 
 
 def moving_mean(steady, wind_speed, unit_mass):
-    with warnings.catch_warnings():
-        # of a call that pvlib itself makes
+    # pvlib divides by nothing where a window is empty, and makes a call itself that
+    # newer pandas warns of
+    with warnings.catch_warnings(), np.errstate(invalid="ignore"):
         warnings.filterwarnings("ignore", "A future version of pandas")
         smooth = pvlib.temperature.prilliman(steady, wind_speed, unit_mass)
     return smooth.to_numpy()

@@ -55,7 +55,7 @@ def plot_comparison(comparison, ax=None, score="rmse"):
         place, names = [*place, others.mean()], [*names, "models\nof others"]
     ax.set_xticks(place, names)
     ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
-    ax.set_ylabel(f"{score.split('_')[0].upper()} on held-out days [K]")
+    ax.set_ylabel(words_of(score))
     beside(ax)
     return ax
 
@@ -102,7 +102,7 @@ def plot_resolutions(comparison, ax=None, score="rmse"):
     ax.minorticks_off()
     ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
     ax.set_xlabel("step of the data")
-    ax.set_ylabel(f"{score.split('_')[0].upper()} on held-out days [K]")
+    ax.set_ylabel(words_of(score))
     beside(ax)
     return ax
 
@@ -153,6 +153,12 @@ def looks(i):
         linestyle=STYLES[(i + again) % len(STYLES)],
         markersize=5,
     )
+
+
+def words_of(score):
+    """A score for an axis."""
+    name, _, part = score.partition("_")
+    return f"{name.upper()} by {part or 'day'}, held-out days [K]"
 
 
 def duration(seconds):
