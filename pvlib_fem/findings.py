@@ -63,6 +63,18 @@ class Check:
             return bool(self.statistic <= self.threshold)
         return bool(self.statistic >= self.threshold)
 
+    @classmethod
+    def stored(cls, content):
+        """The check of a part of a file."""
+        return cls(
+            content.text("name"),
+            content.text("criterion"),
+            content.number("statistic", unknown=True),
+            content.number("threshold", unknown=True),
+            content.flag("most"),
+            content.text("unit"),
+        )
+
     def __str__(self):
         unit = f" {self.unit}" if self.unit else ""
         rule = f" ({self.criterion})" if self.criterion else ""
@@ -143,6 +155,24 @@ class Finding:
             "why": self.why,
         }
 
+    @classmethod
+    def stored(cls, content):
+        """The finding of a part of a file."""
+        where = content.part("where").content
+        return cls(
+            effect=content.text("effect"),
+            candidates=content.texts("candidates"),
+            verdict=Verdict(content.text("verdict")),
+            gain=content.number("gain", unknown=True),
+            coefficients=content.numbers("coefficients", unknown=True),
+            stderr=content.numbers("stderr", unknown=True),
+            because=Because.stored(content["because"]),
+            checks=tuple(map(Check.stored, content.parts("checks"))),
+            kind=Kind[content.text("kind")],
+            where={name: tuple(ends) for name, ends in where.items()},
+            place=content.text("place"),
+        )
+
     def __str__(self):
         head = f"{' | '.join(self.candidates)}: {self.verdict}, {self.gain:.2f} K"
         return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])
@@ -193,6 +223,22 @@ class Correction:
         """The same for a file."""
         checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
         return {**asdict(self), "because": self.because.content(), "checks": checks}
+
+    @classmethod
+    def stored(cls, content):
+        """The correction of a part of a file."""
+        return cls(
+            fault=content.text("fault"),
+            columns=content.texts("columns"),
+            values=content.numbers("values", unknown=True),
+            stderr=content.numbers("stderr", unknown=True),
+            before=content.number("before", unknown=True),
+            after=content.number("after", unknown=True),
+            unit=content.text("unit"),
+            because=Because.stored(content["because"]),
+            checks=tuple(map(Check.stored, content.parts("checks"))),
+            applied=content.flag("applied"),
+        )
 
     def __str__(self):
         words = "corrected" if self.applied else "not corrected"

@@ -1,6 +1,5 @@
 """A dynamic cell temperature for ``pvlib.modelchain.ModelChain``."""
 
-import json
 import warnings
 from dataclasses import dataclass, field
 
@@ -9,12 +8,15 @@ import pandas as pd
 
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects import find, several
-from pvlib_fem.effects.effect import Effect
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import ewm
+from pvlib_fem.stored import opened
 from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.thermal.stored import model_of
 from pvlib_fem.thermal.temperature import TAU, fem_temperature
 
+FIT, LOOP = "pvlib_fem.FemFit", "pvlib_fem.Loop"  # formats of files
+FITS = (FIT, LOOP)  # those that hold a fit
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 #: what pvlib fills in, in silence, where weather lacks the column
 FILLED = {"wind_speed": (0.0, "m/s"), "temp_air": (20.0, "°C")}
@@ -119,21 +121,34 @@ class DynamicCellTemperature:
     @classmethod
     def from_json(cls, path, **options):
         """
-        The model of a fit that ``FemFit.to_json`` or ``pvlib-fem fit`` wrote.
+        The model of a fit or a loop that ``to_json`` or ``pvlib-fem`` wrote.
 
         Parameters
         ----------
         path : str or path-like
         **options
-            ``deltaT``, ``k_bs_c``, drivers, and ``effects``: those of the user's own
-            in the fit, which the file knows by name and settings only.
+            ``deltaT``, ``k_bs_c``, by default those that the file keeps; drivers;
+            and ``effects``: those of the user's own in the fit, which the file knows
+            by name and settings only.
+
+        Raises
+        ------
+        ValueError
+            If the file is of another kind or version, or a coefficient lacks or is
+            no number; the message names it.
         """
-        with open(path, encoding="utf-8") as file:
-            fit = json.load(file)
-        own = [e for e in several(options.pop("effects", ())) if isinstance(e, Effect)]
-        options["effects"] = [find(spec, own) for spec in fit["effects"]]
-        options.setdefault("base", fit.get("base"))
-        return cls(fit["model"], fit["dynamics"], fit["coefficients"], **options)
+        fit = fit_in(opened(path, FITS))
+        model, coefficients = model_of(fit, options.pop("effects", ()))
+        if not {"deltaT", "k_bs_c"} & {*options}:
+            options |= fit.numbers("cell")
+        options.setdefault("base", model.base)
+        return cls(
+            model.steady_model.name,
+            model.dynamics,
+            coefficients,
+            effects=model.effects,
+            **options,
+        )
 
     def __call__(self, mc):
         """Assign ``mc.results.cell_temperature``, as ModelChain expects."""
@@ -220,6 +235,11 @@ class DynamicCellTemperature:
                 )
 
 
+def fit_in(stored):
+    """The part of a file that is a fit."""
+    return stored.part("fit") if stored["format"] == LOOP else stored
+
+
 def irradiance(results):
     """Plane-of-array irradiance of each array, or what pvlib takes instead."""
     total, effective = results.total_irrad, results.effective_irradiance
@@ -246,7 +266,8 @@ def aligned(name, series, index):
     lacking = index.difference(series.index)
     if len(lacking):
         raise ValueError(
-            f"driver {name} lacks {len(lacking)} times of the run, first {lacking[0]}; "
-            "reindex or interpolate it"
+            f"driver {name} lacks {len(lacking):,} of {len(index):,} times of the run, "
+            f"first {lacking[0]}; give the column of the run, as "
+            f"temperature_model({name}=weather['{name}']), which may hold NaN"
         )
     return series.reindex(index)

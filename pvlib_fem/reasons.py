@@ -108,6 +108,21 @@ class Because:
             for one in self.all
         ]
 
+    @classmethod
+    def stored(cls, contents):
+        """The same from :meth:`content`."""
+        unknown = {None: float("nan"), "inf": float("inf"), "-inf": -float("inf")}
+        reasons = []
+        for one in contents:
+            values = {
+                # a list of names has no other meaning
+                key: value if isinstance(value, list) else unknown.get(value, value)
+                for key, value in one.items()
+                if key not in ("reason", "words")
+            }
+            reasons.append(because(Reason[one["reason"]], **values))
+        return together(reasons)
+
     def __hash__(self):
         return hash(str(self))
 

@@ -14,6 +14,7 @@ ORDER = (
     "simulator",
     "layers",
     "reasons",
+    "stored",
     "record",
     "relaxation",
     "statistics",

@@ -463,7 +463,7 @@ def test_a_row_without_its_driver_is_not_used(plant):
     [
         (
             dict(effects=["wind_direction"]),
-            "data lack wind_direction, which wind_direction needs; add them or drop",
+            "data lack wind_direction, which wind_direction needs; give it as",
         ),
         (
             dict(effects=["sky_radiation", "rain"]),
@@ -505,7 +505,7 @@ def test_a_fit_with_effects_runs_in_a_chain_and_as_json(plant, tmp_path):
     )
     cells = []
     for model in (
-        fit.temperature_model(wind_direction=direction),
+        fit.temperature_model(deltaT=0.0, wind_direction=direction),
         fem.DynamicCellTemperature.from_json(path, wind_direction=direction),
     ):
         chain = pvlib.modelchain.ModelChain(
@@ -526,7 +526,7 @@ def test_a_fit_with_effects_runs_in_a_chain_and_as_json(plant, tmp_path):
     for cell in cells:
         np.testing.assert_allclose(cell, want, rtol=1e-12)
     with pytest.raises(ValueError, match="data lack wind_direction"):
-        fit.temperature_model()
+        fit.temperature_model(deltaT=0.0)
 
 
 def test_on_the_measured_day_the_wind_comes_from_somewhere(day):
@@ -649,6 +649,11 @@ def test_a_chain_knows_where_sun_and_module_are(plant, tmp_path, tracker, way):
         "dynamics": "balance",
         "coefficients": values,
         "effects": [SHADED, "incidence_angle"],
+        "format": "pvlib_fem.FemFit",
+        "version": 1,
+        "base": None,
+        "fixed": {},
+        "cell": {"deltaT": 0.0},
     }
     (tmp_path / "fit.json").write_text(json.dumps(fit))
     model = fem.DynamicCellTemperature.from_json(tmp_path / "fit.json")
@@ -879,7 +884,7 @@ def test_the_base_is_the_fit_without_effects(plant, noise, tmp_path):
     np.testing.assert_allclose(here, there, rtol=1e-12)
     fit.to_json(tmp_path / "fit.json")
     chain = fem.DynamicCellTemperature.from_json(tmp_path / "fit.json")
-    assert chain.base == fit.base == fit.temperature_model().base
+    assert chain.base == fit.base == fit.temperature_model(deltaT=0.0).base
 
 
 @pytest.mark.parametrize("name", ["soiling", "rain", "snow", "sky_radiation"])

@@ -174,7 +174,7 @@ def test_it_runs_in_a_chain(two):
         RHEIN,
         aoi_model="no_loss",
         spectral_model="no_loss",
-        temperature_model=loop.temperature_model(),
+        temperature_model=loop.temperature_model(deltaT=0.0),
     )
     some = data.iloc[: 288 * 3]
     poa = some[["poa_global", "temp_air", "wind_speed"]].assign(

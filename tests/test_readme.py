@@ -4,6 +4,7 @@ import re
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -37,7 +38,12 @@ def test_its_lines_run_and_its_report_is_what_they_print(week, capsys):
     assert names["modelled"].notna().all()
     assert (names["cell"] > names["week"]["temp_air"] - 1).all()
     assert names["energy"] > 5000
+    windy = names["windy"]
+    assert not windy.at_bound and not np.isnan([*windy.stderr.values()]).any()
+    gained = windy.scores["rmse_test"]
+    assert gained["+ wind_direction"] < 0.95 * gained["fem"]
     assert names["ranking"].index[0] == "rain"
+    assert "…" not in str(names["ranking"]) and "..." not in str(names["ranking"])
     assert names["ranking"]["gain"].iloc[0] > 2 * names["ranking"]["gain"].iloc[1]
 
 

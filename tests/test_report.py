@@ -14,9 +14,8 @@ from pvlib_fem import datasets, simulator
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.summary import digest
 from pvlib_fem.report import advice
-from pvlib_fem.report.page import digest
-from pvlib_fem.report.page import measured as measured_columns
 
 VOID = {"meta", "br"}
 
@@ -173,10 +172,10 @@ def test_the_same_data_give_the_same_bits(closed, record, place, tmp_path):
 
 def test_the_hash_is_that_of_the_users_own_columns(closed, record):
     found = hashlib.sha256(record.index.as_unit("ns").asi8.tobytes())
-    for name in measured_columns(closed):
+    for name in closed.fit.summary.measured:
         found.update(name.encode())
         found.update((record[name].to_numpy(dtype="<f8") + 0.0).tobytes())
-    assert digest(closed) == found.hexdigest()
+    assert digest(closed.fit.record) == found.hexdigest()
     assert found.hexdigest() in closed.to_html()
 
 

@@ -21,6 +21,7 @@ from pvlib_fem.effects.catalogue.thermal_storage import EFFECT as thermal_storag
 from pvlib_fem.effects.catalogue.wind_direction import EFFECT as wind_direction
 from pvlib_fem.effects.catalogue.wind_shape import EFFECT as wind_shape
 from pvlib_fem.effects.effect import Effect
+from pvlib_fem.effects.own import of_column
 
 __all__ = ["EFFECTS", "find"]
 
@@ -72,6 +73,8 @@ def find(effect, own=()):
     known = EFFECTS | {effect.name: effect for effect in own}
     settings = dict(effect) if isinstance(effect, Mapping) else {"name": effect}
     name = settings.pop("name", None)
+    if name not in known and "column" in settings:
+        return of_column(**settings)
     if name not in known:
         raise ValueError(f"unknown effect {name!r}; there are {', '.join(known)}")
     if not settings or settings == known[name].settings:

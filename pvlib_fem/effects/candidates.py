@@ -2,12 +2,10 @@
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS, find, several
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects.own import of_column
 from pvlib_fem.reasons import Reason, because, together
 
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
-#: the same sunlight in other planes: no cause of its own
-IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
 #: what a user gives where these columns lack
 SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
 
@@ -51,19 +49,4 @@ def measured_for(effect):
 
 def driver(name, column):
     """A column of the user's own as an effect: heat that follows it."""
-    mean, most = float(column.mean()), MOST_HEAT / float(column.std())
-
-    def terms(values, *, heat):
-        """Heat for each unit of the column beyond its mean."""
-        return Terms(heat=heat * (values - mean))
-
-    row = Parameter(0.0, -most, most, f"W/m² per unit of {name}")
-    return Effect(
-        f"driver:{name}",
-        terms,
-        {"heat": row},
-        columns=(name,),
-        column=name,
-        confounder=name in IRRADIANCES,
-        decided_by=f"what {name} stands for",
-    )
+    return of_column(name, float(column.mean()), MOST_HEAT / float(column.std()))

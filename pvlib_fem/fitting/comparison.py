@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from pvlib_fem import plotting
-from pvlib_fem.report.document import saved
+from pvlib_fem.stored import saved
 
 STEPS = ("standard", "filter", "ewm", "fem")
 FITTED = "fem"  # the last step of a model, and the only one of a comparator

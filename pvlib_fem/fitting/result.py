@@ -1,17 +1,24 @@
 """The result of a fit: finished, and it prints itself."""
 
-import json
+import warnings
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem import plotting
-from pvlib_fem.modelchain import DynamicCellTemperature
-from pvlib_fem.record.checks import Record, instants
-from pvlib_fem.report.document import rounded, saved
+from pvlib_fem.modelchain import FIT, FITS, DynamicCellTemperature, fit_in
+from pvlib_fem.record.checks import Record
+from pvlib_fem.record.columns import COLUMNS, with_aliases
+from pvlib_fem.record.summary import Summary, summary_from, summary_of
+from pvlib_fem.report.document import number, rounded
+from pvlib_fem.stored import opened, written
 from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.thermal.stored import content_of, model_of
+
+CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +47,9 @@ class FemFit:
         fitted to all rows), ``filter`` (steady, fitted to the filtered rows),
         ``ewm`` (with the dynamics) and ``fem`` (with the bias), then a row for
         each effect; the last row is this fit.
-    residual : Series
-        Measured minus modelled temperature on all rows. [K]
+    residual : Series or None
+        Measured minus modelled temperature on all rows. None, as ``holdout`` and
+        ``record``, in a fit that was read from a file, which holds no rows. [K]
     at_bound : tuple of str
         Coefficients that ended at a bound of their range.
     converged : bool
@@ -61,6 +69,9 @@ class FemFit:
         temperature of the module; None without effects.
     fixed : dict
         Coefficients that were held and not fitted; their error is 0.
+    cell : dict
+        ``deltaT`` or ``k_bs_c`` from the back of the module to its cells, as
+        :meth:`to_json` was given them; empty where nothing is known of it.
     """
 
     model: str
@@ -70,17 +81,23 @@ class FemFit:
     coefficients: dict
     stderr: dict
     scores: pd.DataFrame
-    residual: pd.Series = field(repr=False)
+    residual: pd.Series | None = field(repr=False)
     at_bound: tuple
     converged: bool
     notes: tuple
     train_days: int
     test_days: int
-    holdout: pd.Series = field(repr=False)
-    record: Record = field(repr=False)
+    holdout: pd.Series | None = field(repr=False)
+    record: Record | None = field(repr=False)
     night: bool = False
     base: dict | None = None
     fixed: dict = field(default_factory=dict)
+    cell: dict = field(default_factory=dict)
+
+    @cached_property
+    def summary(self) -> Summary:
+        """Size, times and gaps of the record."""
+        return summary_of(self.record)
 
     @property
     def thermal_model(self):
@@ -89,14 +106,17 @@ class FemFit:
             self.model, self.dynamics, self.effects, self.base, self.fixed
         )
 
-    def predict(self, poa_global, temp_air, wind_speed, **drivers):
+    def predict(self, poa_global, temp_air=None, wind_speed=None, **drivers):
         """
         Module temperature with these coefficients.
 
         Parameters
         ----------
-        poa_global, temp_air, wind_speed : Series
-            [W/m²], [°C], [m/s]
+        poa_global : Series or DataFrame
+            [W/m²]; or a frame of weather, of whose columns those are taken that
+            the model needs.
+        temp_air, wind_speed : Series, optional
+            [°C], [m/s]; not beside a frame.
         **drivers : Series
             Those of the effects.
 
@@ -104,10 +124,19 @@ class FemFit:
         -------
         Series
             [°C]
+
+        Raises
+        ------
+        ValueError
+            If a column lacks that the model needs.
         """
-        return self.thermal_model.predict(
-            poa_global, temp_air, wind_speed, self.coefficients, **drivers
-        )
+        usual = [poa_global, temp_air, wind_speed]
+        if isinstance(poa_global, pd.DataFrame):
+            columns = with_aliases(poa_global, COLUMNS[:3]) | drivers
+            usual = [columns[name] for name in COLUMNS[:3]]
+            wanted = self.thermal_model.drivers
+            drivers = {name: columns[name] for name in wanted if name in columns}
+        return self.thermal_model.predict(*usual, self.coefficients, **drivers)
 
     def confidence_interval(self, level=0.95):
         """
@@ -128,26 +157,44 @@ class FemFit:
             {"lower": value - factor * error, "upper": value + factor * error}
         )
 
-    def temperature_model(self, **options):
+    def temperature_model(self, weather=None, **options):
         """
         These coefficients as a temperature model for pvlib's ModelChain.
 
         Parameters
         ----------
+        weather : DataFrame, optional
+            Of the run, with the columns that the effects need.
         **options
-            ``deltaT`` or ``k_bs_c`` from the back of the module to its cells,
-            and drivers by name, see :class:`DynamicCellTemperature`.
+            ``deltaT`` or ``k_bs_c`` from the back of the module to its cells, and
+            drivers by name, see :class:`DynamicCellTemperature`. Without one of
+            the first two, here or in the file of the fit, a cell is taken to be
+            as warm as the place that was measured, which is said by a warning.
 
         Returns
         -------
         DynamicCellTemperature
         """
+        cell = {name: options.pop(name) for name in CELL if name in options}
+        cell = cell or self.cell
+        if not cell:
+            warnings.warn(
+                "deltaT = 0 K is taken: the cells as warm as the place where the "
+                "sensor was. Behind an open rack they are some 3 K warmer at 1000 "
+                "W/m², deltaT=3.0; give deltaT=0.0 where the sensor told of the cells",
+                stacklevel=2,
+            )
+        if weather is not None:
+            columns = with_aliases(weather, ())
+            wanted = self.thermal_model.drivers
+            options = {n: columns[n] for n in wanted if n in columns} | options
         return DynamicCellTemperature(
             self.model,
             self.dynamics,
             self.coefficients,
             effects=self.effects,
             base=self.base,
+            **cell,
             **options,
         )
 
@@ -165,74 +212,121 @@ class FemFit:
         -------
         matplotlib Axes
         """
+        if self.record is None:
+            raise ValueError(
+                "a fit that was read from a file has no rows to plot; fit them again"
+            )
         return plotting.plot_fit(self, ax, when)
 
-    def to_json(self, path=None):
+    def to_json(self, path=None, **cell):
         """
-        The fit as JSON, of which ``DynamicCellTemperature.from_json`` makes a model.
+        The fit as JSON, of which :meth:`from_json` makes the same again.
+
+        All numbers keep their bits. The rows of the record are not in it.
 
         Parameters
         ----------
         path : str or path-like, optional
             File to write.
+        **cell
+            ``deltaT`` [K] or ``k_bs_c`` [K m²/W] from the back of the module to
+            its cells, to be kept beside the coefficients, see
+            :class:`DynamicCellTemperature`.
 
         Returns
         -------
         str
         """
-        content = {
-            "model": self.model,
-            "dynamics": self.dynamics,
+        return written(FIT, self.content(**cell), path)
+
+    def content(self, **cell):
+        """What is in a file of the fit."""
+        if unknown := [name for name in cell if name not in CELL]:
+            raise TypeError(f"to_json keeps {' and '.join(CELL)}, no {unknown[0]}")
+        return {
+            **content_of(self.thermal_model, self.coefficients),
+            "cell": cell or self.cell,
             "method": self.method,
-            "effects": [effect.spec for effect in self.effects],
-            "coefficients": self.coefficients,
             "stderr": self.stderr,
-            "fixed": self.fixed,
-            "base": self.base,
             "scores": self.scores.to_dict(orient="index"),
-            "at_bound": list(self.at_bound),
+            "at_bound": self.at_bound,
             "converged": self.converged,
-            "notes": list(self.notes),
+            "notes": self.notes,
             "train_days": self.train_days,
             "test_days": self.test_days,
-            "record": {
-                "rows": len(self.record.index),
-                "from": str(self.record.index[0]),
-                "to": str(self.record.index[-1]),
-                "missing": self.record.missing,
-                "impossible": self.record.impossible,
-                "clipped": self.record.clipped,
-            },
+            "night": self.night,
+            "record": self.summary.content(),
         }
-        text = json.dumps(without_nan(content), indent=2, ensure_ascii=False)
-        saved(text + "\n", path)
-        return text
+
+    @classmethod
+    def from_json(cls, path, effects=()):
+        """
+        The fit that :meth:`to_json` or the command ``pvlib-fem`` wrote.
+
+        Parameters
+        ----------
+        path : str or path-like
+            Of a fit, or of a loop, whose fit is taken.
+        effects : Effect or sequence of these, optional
+            Those of one's own, which the file knows by name and settings only.
+
+        Returns
+        -------
+        FemFit
+            Without the rows: ``record``, ``residual`` and ``holdout`` are None.
+
+        Raises
+        ------
+        ValueError
+            If the file is of another kind or version, or a number lacks or is none;
+            the message names the key.
+        """
+        return cls.stored(fit_in(opened(path, FITS)), effects)
+
+    @classmethod
+    def stored(cls, content, own=()):
+        """The fit of a part of a file."""
+        model, coefficients = model_of(content, own)
+        rows = content.part("scores")
+        scores = {name: rows.numbers(name, unknown=True) for name in rows.content}
+        fit = cls(
+            model=model.steady_model.name,
+            dynamics=model.dynamics,
+            method=content.text("method"),
+            effects=model.effects,
+            coefficients=coefficients,
+            stderr=content.numbers("stderr", unknown=True),
+            scores=pd.DataFrame.from_dict(scores, orient="index"),
+            residual=None,
+            at_bound=content.texts("at_bound"),
+            converged=content.flag("converged"),
+            notes=content.texts("notes"),
+            train_days=content.count("train_days"),
+            test_days=content.count("test_days"),
+            holdout=None,
+            record=None,
+            night=content.flag("night"),
+            base=model.base,
+            fixed=dict(model.held),
+            cell=content.numbers("cell"),
+        )
+        # what else it would take from the rows
+        vars(fit)["summary"] = summary_from(content.part("record"))
+        return fit
 
     def __str__(self):
         return "\n".join(report(self))
 
 
-def without_nan(content):
-    """JSON has no NaN: null stands for it."""
-    if isinstance(content, dict):
-        return {key: without_nan(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [without_nan(value) for value in content]
-    if isinstance(content, float) and not np.isfinite(content):
-        return None
-    return content
-
-
 def report(fit):
     """Lines of the printed report."""
-    record = fit.record
-    index = record.index
-    step = float(np.median(np.diff(instants(index)) / np.timedelta64(1, "s")))
+    record = fit.summary
+    days = f"{fit.train_days} day{'s' * (fit.train_days != 1)}"
     added = "".join(f" + {effect.name}" for effect in fit.effects)
     yield f"pvlib_fem: {fit.model}{added}, {fit.dynamics}, {fit.method}"
     yield (
-        f"{len(index):,} rows, {index[0]:%Y-%m-%d} to {index[-1]:%Y-%m-%d}, "
-        f"step {step:g} s; {fit.train_days} days fitted, {fit.test_days} held out"
+        f"{record.rows:,} rows, {record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, "
+        f"step {record.step:g} s; {days} fitted, {fit.test_days} held out"
     )
     yield ""
     rows = fit.thermal_model.parameters
@@ -251,7 +345,7 @@ def report(fit):
         "".join(f"{score:>8}" for score in ("RMSE", "MAE", "MBE")) for _ in range(2)
     )
     for name, line in fit.scores.iterrows():
-        cells = [f"{value:>z8.2f}" for value in line]
+        cells = [f"{number(value):>8}" for value in line]
         yield f"{name:<{wide}}{''.join(cells[:3])}  {''.join(cells[3:])}"
     yield ""
     for what, counts in (
@@ -263,5 +357,5 @@ def report(fit):
     if record.clipped:
         yield f"negative irradiance, clipped to 0: {record.clipped:,}"
     if not np.isnan(list(fit.stderr.values())).all():
-        yield f"errors: clustered by day, from the spread of {fit.train_days} days"
+        yield f"errors: clustered by day, from the spread of {days}"
     yield from (f"note: {note}" for note in fit.notes)

@@ -13,13 +13,15 @@ from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
-from pvlib_fem.loop.ranking import COLUMNS, ranked, table_of
+from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, unexplained
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.steps import SCORES, Fits, error_table
+from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.loop.weeks import Part, named
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import leaks
+from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.steady import steady_model
 
 
@@ -132,7 +134,8 @@ def close_loop(
         case = prepared(data, site, holdout, effects, criteria, check_units, fixed)
         found = Search(Fits(case), tell).run(steady_model(model))
     given = dict(holdout=holdout, effects=effects, check_units=check_units)
-    return replace(found, given=given | {"fixed": fixed, "criteria": criteria})
+    given |= {"fixed": fixed, "criteria": criteria}
+    return replace(found, given={name: said_of(value) for name, value in given.items()})
 
 
 @dataclass(eq=False)
@@ -300,13 +303,15 @@ class Search:
             days, least = case.fitting_days, case.criteria.fewest_fitting_days
             few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
             self.untestable |= {effect.name: few for effect in case.wanted}
-            return pd.DataFrame(columns=COLUMNS), findings
+            return table_of({}), findings
         rows = ranked(found, case.days)
         by = sorting(case, found, [])
         findings = [*findings, *hints(case, found, rows, findings, self.aside)]
         findings += unexplained(case, found, by)
         self.untestable |= dict(not_seen(case, found, rows, findings))
-        return table_of(rows), findings
+        table = table_of({name: as_row(*row) for name, row in rows.items()})
+        table = table.sort_values("gain", ascending=False, kind="stable")
+        return Ranking(table), findings
 
 
 def with_errors(finding, last, stderr):

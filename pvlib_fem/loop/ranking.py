@@ -7,23 +7,12 @@ from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Weight
 from pvlib_fem.loop.gather import gather
+from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import measured, with_columns
 from pvlib_fem.record.columns import COLUMNS as USUAL
 from pvlib_fem.record.columns import usable_drivers, with_aliases
-
-COLUMNS = [
-    "gain",
-    "p_value",
-    "coefficients",
-    "stderr",
-    "physical",
-    "minimum_detectable",
-    "rows",
-    "ties",
-    "note",
-]
 
 
 def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
@@ -106,10 +95,10 @@ def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
             fit.at_bound,
         )
         rows |= {n: as_row(*row) for n, row in ranked(found, days).items()}
-    table = pd.DataFrame.from_dict(rows, orient="index")
-    table = table.reindex(columns=COLUMNS).rename_axis("effect")
+    table = table_of(rows)
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
-    return table.loc[order.sort_values(["no", "loss"], kind="stable").index]
+    order = order.sort_values(["no", "loss"], kind="stable").index
+    return Ranking(table.loc[order].rename_axis("effect"))
 
 
 def ranked(found, days):
@@ -172,10 +161,3 @@ def as_row(weight, ties, why):
         "ties": ties,
         **note,
     }
-
-
-def table_of(rows):
-    """The ranking as the loop has it: by gain alone."""
-    found = {name: as_row(*row) for name, row in rows.items()}
-    table = pd.DataFrame.from_dict(found, orient="index").reindex(columns=COLUMNS)
-    return table.sort_values("gain", ascending=False, kind="stable")

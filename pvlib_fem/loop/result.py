@@ -1,19 +1,25 @@
 """The result of a closed loop: finished, and it prints itself."""
 
-import json
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 
 import pandas as pd
+from pvlib.location import Location
 
 from pvlib_fem import plotting
 from pvlib_fem.drivers import geometry
-from pvlib_fem.findings import Kind
-from pvlib_fem.fitting.result import FemFit, without_nan
+from pvlib_fem.findings import Correction, Finding, Kind
+from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.table import ranking_from, ranking_rows
+from pvlib_fem.modelchain import LOOP
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, with_aliases
-from pvlib_fem.report.document import saved
 from pvlib_fem.report.page import page
 from pvlib_fem.report.text import NEVER, lines
+from pvlib_fem.stored import opened, saved, written
+from pvlib_fem.thermal.stored import content_of, model_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +53,10 @@ class Loop:
         The state of the record, and what was done about it.
     place : dict
         ``location``, ``surface_tilt`` and ``surface_azimuth`` as given.
-    residual_before : Series
-        Measured minus modelled temperature before anything was added. [K]
-    weeks : Series of category
+    residual_before : Series or None
+        Measured minus modelled temperature before anything was added. None, as
+        ``weeks``, in a loop that was read from a file, which holds no rows. [K]
+    weeks : Series of category or None
         What each row was for: ``fitting``, ``choosing`` or ``test``.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.
@@ -60,7 +67,7 @@ class Loop:
     weighed : bool
         Whether there were enough fitting days to leave some out in turn.
     given : dict
-        Other arguments of the call, as given.
+        Other arguments of the call, as they are written.
     """
 
     findings: tuple
@@ -73,13 +80,18 @@ class Loop:
     fit: FemFit = field(repr=False)
     notes: tuple
     place: dict
-    residual_before: pd.Series = field(repr=False)
-    weeks: pd.Series = field(repr=False)
+    residual_before: pd.Series | None = field(repr=False)
+    weeks: pd.Series | None = field(repr=False)
     plain: tuple = field(repr=False)
     criteria: Criteria = field(repr=False)
     family: int = 1
     weighed: bool = True
     given: dict = field(repr=False, default_factory=dict)
+
+    @cached_property
+    def week_rows(self):
+        """Rows of each kind of weeks."""
+        return self.weeks.value_counts().to_dict()
 
     @property
     def effects(self):
@@ -100,16 +112,16 @@ class Loop:
         """Findings of structure that no effect explains."""
         return tuple(f for f in self.findings if f.kind is Kind.STRUCTURE)
 
-    def inputs(self, data):
+    def inputs(self, data, **place):
         """The usual three columns of ``data``, and those that the effects need."""
         columns = with_aliases(data, COLUMNS[:3])
         wanted = self.fit.thermal_model.drivers
         if {*wanted} & {*GEOMETRY} - {*columns}:
-            columns = {**geometry(data.index, **self.place), **columns}
+            columns = {**geometry(data.index, **{**self.place, **place}), **columns}
         drivers = {name: columns[name] for name in wanted if name in columns}
         return [columns[name] for name in COLUMNS[:3]], drivers
 
-    def predict(self, data, fallback=False):
+    def predict(self, data, fallback=False, **place):
         """
         Module temperature of the last step.
 
@@ -121,6 +133,9 @@ class Loop:
         fallback : bool, default False
             Where the column of an effect lacks, take the model without any effect
             instead of NaN.
+        **place
+            ``location``, ``surface_tilt`` and ``surface_azimuth`` where they are
+            others than those of this record.
 
         Returns
         -------
@@ -132,7 +147,7 @@ class Loop:
         ValueError
             If a whole column lacks, and there is no fallback.
         """
-        usual, drivers = self.inputs(data)
+        usual, drivers = self.inputs(data, **place)
         model, coefficients = self.plain
         if not fallback:
             return self.fit.predict(*usual, **drivers)
@@ -165,28 +180,33 @@ class Loop:
             parts[effect.name] = whole - model.predict(*usual, without, **drivers)
         return pd.DataFrame(parts, index=data.index)
 
-    def temperature_model(self, **options):
+    def temperature_model(self, weather=None, **options):
         """
         The last step as a temperature model for pvlib's ModelChain.
 
         Parameters
         ----------
+        weather : DataFrame, optional
+            Of the run, with the columns that the effects need; by default those of
+            this record. The sun's place comes from the chain.
         **options
             ``deltaT`` or ``k_bs_c``, see :class:`DynamicCellTemperature`, and the
-            drivers of the effects at the times of the run; by default those of
-            this record. The sun's place comes from the chain.
+            drivers of the effects by name, at the times of the run.
 
         Returns
         -------
         DynamicCellTemperature
         """
         record = self.fit.record
-        own = {
-            name: pd.Series(record[name], record.index)
-            for name in self.fit.thermal_model.drivers
-            if name not in GEOMETRY
-        }
-        return self.fit.temperature_model(**{**own, **options})
+        if weather is None and record is not None:
+            weather = pd.DataFrame(
+                {name: record[name] for name in self.fit.thermal_model.drivers},
+                record.index,
+            )
+        if weather is not None:
+            place = [name for name in GEOMETRY if name in weather]
+            weather = weather.drop(columns=place)
+        return self.fit.temperature_model(weather, **options)
 
     def plot(self, ax=None):
         """
@@ -200,6 +220,10 @@ class Loop:
         -------
         matplotlib Axes
         """
+        if self.fit.record is None:
+            raise ValueError(
+                "a loop that was read from a file has no rows to plot; close it again"
+            )
         return plotting.plot_before_after(self, ax)
 
     def to_html(self, path=None):
@@ -217,14 +241,19 @@ class Loop:
         """
         return saved(page(self, NEVER), path)
 
-    def to_json(self, path=None):
+    def to_json(self, path=None, **cell):
         """
-        The loop as JSON: findings, table, what was not testable, and the fit.
+        The loop as JSON, of which :meth:`from_json` makes the same again.
+
+        Findings, corrections, table, ranking, what was not testable, criteria and
+        the fit; all numbers keep their bits. The rows of the record are not in it.
 
         Parameters
         ----------
         path : str or path-like, optional
             File to write.
+        **cell
+            ``deltaT`` or ``k_bs_c``, as in :meth:`FemFit.to_json`.
 
         Returns
         -------
@@ -237,16 +266,88 @@ class Loop:
             "base": self.base,
             "last": self.last,
             "untestable": {n: why.content() for n, why in self.untestable.items()},
-            "notes": list(self.notes),
-            "weeks": self.weeks.value_counts().to_dict(),
+            "ranking": ranking_rows(self.ranking),
+            "notes": self.notes,
+            "place": placed(self.place),
+            "weeks": self.week_rows,
+            "plain": content_of(*self.plain),
             "criteria": asdict(self.criteria),
             "family": self.family,
-            "fit": json.loads(self.fit.to_json()),
+            "weighed": self.weighed,
+            "given": self.given,
+            "fit": self.fit.content(**cell),
         }
-        text = json.dumps(without_nan(content), indent=2, ensure_ascii=False)
-        if path is not None:
-            saved(text + "\n", path)
-        return text
+        return written(LOOP, content, path)
+
+    @classmethod
+    def from_json(cls, path, effects=()):
+        """
+        The loop that :meth:`to_json` or the command ``pvlib-fem`` wrote.
+
+        It prints its report, predicts, and goes into a ModelChain. What needs the
+        rows of the record (pictures, ``weeks``, ``residual_before``) is not in it.
+
+        Parameters
+        ----------
+        path : str or path-like
+        effects : Effect or sequence of these, optional
+            Those of one's own, which the file knows by name and settings only.
+
+        Returns
+        -------
+        Loop
+
+        Raises
+        ------
+        ValueError
+            If the file is of another kind or version, or a number lacks or is none;
+            the message names the key.
+        """
+        content = opened(path, [LOOP])
+        table, why = content.part("table"), content.part("untestable")
+        rows = {name: table.numbers(name, unknown=True) for name in table.content}
+        limits = content.part("criteria").content
+        limits = {**limits, "limits": Limits(**limits["limits"])}
+        loop = cls(
+            findings=tuple(map(Finding.stored, content.parts("findings"))),
+            corrections=tuple(map(Correction.stored, content.parts("corrections"))),
+            table=pd.DataFrame.from_dict(rows, orient="index").rename_axis("step"),
+            base=content.text("base"),
+            last=content.text("last"),
+            untestable={n: Because.stored(why[n]) for n in why.content},
+            ranking=ranking_from(content.part("ranking")),
+            fit=FemFit.stored(content.part("fit"), effects),
+            notes=content.texts("notes"),
+            place=place_from(content.part("place")),
+            residual_before=None,
+            weeks=None,
+            plain=model_of(content.part("plain"), effects),
+            criteria=Criteria(**limits),
+            family=content.count("family"),
+            weighed=content.flag("weighed"),
+            given=content.part("given").content,
+        )
+        # what else it would take from the rows
+        counts = content.part("weeks")
+        vars(loop)["week_rows"] = {name: counts.count(name) for name in counts.content}
+        return loop
 
     def __str__(self):
         return "\n".join(lines(self))
+
+
+def placed(place):
+    """A place for a file."""
+    where = place["location"]
+    if where is not None:
+        names = ("latitude", "longitude", "tz", "altitude", "name")
+        where = {name: getattr(where, name) for name in names}
+    return {**place, "location": where}
+
+
+def place_from(stored):
+    """The place of a part of a file."""
+    place = dict(stored.content)
+    if place["location"] is not None:
+        place["location"] = Location(**place["location"])
+    return place

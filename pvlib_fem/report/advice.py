@@ -50,7 +50,7 @@ def settling(loop):
 
 def lacking(loop):
     """Columns that the record has not, those first that make most effects testable."""
-    there = loop.fit.record.inputs.columns
+    there = loop.fit.summary.columns
     effects, reasons = {}, {}
     for name, why in loop.untestable.items():
         for needs in sources(name, there):

@@ -65,14 +65,6 @@ def document(title, parts):
     )
 
 
-def saved(text, path):
-    """The text, written to a file where there is a path: the same bits everywhere."""
-    if path is not None:
-        with open(path, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    return text
-
-
 def escaped(text):
     return html.escape(str(text))
 
@@ -132,3 +124,15 @@ def number(value):
 def rounded(error):
     """Two digits, and never 2e+03; a dash where there is none."""
     return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
+
+
+def with_error(value, error):
+    """A value to the two digits of its error, and that; alone without one."""
+    if not np.isfinite(error):
+        return f"{value:.4g}"
+    if error == 0:
+        return f"{value:g} (held)"
+    last = int(np.floor(np.log10(float(f"{error:.1e}")))) - 1  # place of both
+    digits = max(0, -last)
+    value, error = round(value, -last), round(error, -last)
+    return f"{value:z.{digits}f} ± {error:.{digits}f}"

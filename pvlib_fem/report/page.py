@@ -9,8 +9,6 @@ import pandas as pd
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Verdict
 from pvlib_fem.reasons import Reason
-from pvlib_fem.record.checks import instants
-from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.report import advice
 from pvlib_fem.report.document import (
     document,
@@ -56,7 +54,7 @@ def page(loop, never=()):
     parts = [
         verdict(loop),
         section("Errors by step", errors(loop)),
-        section("Pictures", figures(pictures(loop))),
+        section("Pictures", shown(loop)),
         section("Coefficients", coefficients(loop)),
         section("What the record cannot tell", undecided(loop)),
         section("What is left unexplained", unexplained(loop)),
@@ -67,6 +65,13 @@ def page(loop, never=()):
         section("How to reproduce it", reproduce(loop)),
     ]
     return document(f"pvlib_fem: {headline(loop)}", parts)
+
+
+def shown(loop):
+    """The pictures, of which only the rows of the record tell."""
+    if loop.fit.record is None:
+        return paragraph("A loop that was read from a file has no rows to draw.")
+    return figures(pictures(loop))
 
 
 def added(loop):
@@ -93,15 +98,15 @@ def headline(loop):
 
 def verdict(loop):
     """What was found, first of all and in plain words."""
-    fit, index = loop.fit, loop.fit.record.index
-    days = len(np.unique(fit.record.dates))
+    fit, record = loop.fit, loop.fit.summary
+    days = record.days
     count = f"{fit.test_days} test days, which no fit and no decision has seen"
     body = [
         f"<h1>Module temperature: {escaped(headline(loop))}</h1>",
         paragraph(
             f"Error (RMSE) on {count if fit.test_days else 'the fitted days'}. "
-            f"{days} day{'s' * (days > 1)} from {index[0]:%Y-%m-%d} to "
-            f"{index[-1]:%Y-%m-%d}, {len(index):,} rows; model {fit.model}, dynamics "
+            f"{days} day{'s' * (days > 1)} from {record.start:%Y-%m-%d} to "
+            f"{record.end:%Y-%m-%d}, {record.rows:,} rows; model {fit.model}, dynamics "
             f"{fit.dynamics}.",
             "soft",
         ),
@@ -236,8 +241,8 @@ def rules(loop):
     ]
     if not rows:
         return paragraph("Nothing was found of which a rule could be asked.")
-    weeks = loop.weeks.value_counts()
-    days = ", ".join(f"{weeks[n]:,} rows of {n} weeks" for n in weeks.index)
+    weeks = loop.week_rows
+    days = ", ".join(f"{rows:,} rows of {name} weeks" for name, rows in weeks.items())
     return table(
         ("finding", "rule", "", "#statistic", "asked", "unit", "criterion"),
         rows,
@@ -301,7 +306,7 @@ def untestable(loop, never):
 
 def health(loop):
     """What is missing or impossible, and what was done about it."""
-    record = loop.fit.record
+    record = loop.fit.summary
     rows = [
         (name, f"{count:,}", f"{record.impossible.get(name, 0):,}")
         for name, count in record.missing.items()
@@ -310,7 +315,7 @@ def health(loop):
     body = []
     if rows:
         head = ("column", "#missing rows", "#impossible, not used")
-        body.append(table(head, rows, f"Of {len(record.index):,} rows."))
+        body.append(table(head, rows, f"Of {record.rows:,} rows."))
     else:
         body.append(paragraph("No value is missing or impossible."))
     if record.clipped:
@@ -326,24 +331,19 @@ def reproduce(loop):
     """Version, call, and hashes that say whether the data are the same."""
     from pvlib_fem import __version__  # the package is complete by now
 
-    columns = measured(loop)
+    record = loop.fit.summary
     weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
-    test = np.packbits(loop.fit.holdout.to_numpy())
-    text = "\n".join(
-        (
-            f"pvlib_fem {__version__}",
-            "",
-            call(loop),
-            "",
-            f"sha256 of the data    {digest(loop)}",
-            f"sha256 of test rows   {hashlib.sha256(test.tobytes()).hexdigest()}",
-        )
-    )
+    columns = ", ".join(record.measured)
+    hashes = [f"sha256 of the data    {record.sha256}"]
+    if loop.fit.holdout is not None:
+        test = hashlib.sha256(np.packbits(loop.fit.holdout.to_numpy()).tobytes())
+        hashes.append(f"sha256 of test rows   {test.hexdigest()}")
+    text = "\n".join((f"pvlib_fem {__version__}", "", call(loop), "", *hashes))
     return "\n".join(
         (
             f"<pre>{escaped(text)}</pre>",
             paragraph(
-                f"The first hash is of the times (UTC, ns) and of {', '.join(columns)} "
+                f"The first hash is of the times (UTC, ns) and of {columns} "
                 "as they were used, after the checks; the second of "
                 "np.packbits(loop.fit.holdout).",
                 "soft",
@@ -364,8 +364,7 @@ def call(loop):
             value = f"Location({where})"
         if value is not None:
             arguments.append(f"{name}={value}")
-    more = {name: said_of(value) for name, value in loop.given.items()}
-    arguments += [f"{name}={words}" for name, words in more.items() if words]
+    arguments += [f"{name}={words}" for name, words in loop.given.items() if words]
     inside = "".join(f"    {argument},\n" for argument in ["data", *arguments])
     return f"loop = pvlib_fem.close_loop(\n{inside})"
 
@@ -387,35 +386,3 @@ def said_of(value):
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(said_of, value))}]"
     return repr(getattr(value, "spec", value))
-
-
-def measured(loop):
-    """Names of the record's own columns, in order."""
-    record = loop.fit.record
-    return [
-        n for n in record.missing if n in record.inputs.columns and n not in GEOMETRY
-    ]
-
-
-def digest(loop):
-    """
-    Sha256 of the record's times and values, whatever the computer.
-
-    Parameters
-    ----------
-    loop : Loop
-
-    Returns
-    -------
-    str
-    """
-    record = loop.fit.record
-    times = instants(record.index).astype("M8[ns]").astype("<i8")
-    found = hashlib.sha256(times.tobytes())
-    for name in measured(loop):
-        values = np.asarray(record[name], dtype="<f8")
-        # one NaN, and one zero
-        values = np.where(np.isnan(values), np.nan, values + 0.0)
-        found.update(name.encode("utf-8", "surrogatepass"))
-        found.update(values.astype("<f8").tobytes())
-    return found.hexdigest()

@@ -31,14 +31,12 @@ TITLES = {Verdict.CLASS: "cannot tell", Verdict.SUGGESTIVE: "suggestive"}
 def lines(loop):
     """Lines of the printed report."""
     fit = loop.fit
-    record = fit.record
-    seconds = np.diff(record.inputs.seconds)
-    step = float(np.median(seconds)) if len(seconds) else np.nan
+    record = fit.summary
+    step, days = record.step, record.days
     width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
-    days = len(np.unique(record.dates))
     yield (
         f"pvlib_fem: the loop on {days} day{'s' if days > 1 else ''} at {width} · "
-        f"{len(record.index):,} rows "
+        f"{record.rows:,} rows "
         f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
     )
     head = ("RMSE", "day", "night", "MBE")

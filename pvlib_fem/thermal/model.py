@@ -159,7 +159,7 @@ class ThermalModel:
             place = "; pvlib_fem.drivers.sun finds the sun"
             raise ValueError(
                 f"data lack {', '.join(missing)}, which {' and '.join(using)} needs; "
-                "add them or drop the effect"
+                f"give it as {missing[0]}=..., or drop the effect"
                 f"{place if 'solar_zenith' in missing else ''}"
             )
         if unused := [name for name in given if name not in self.drivers]:

@@ -1,0 +1,42 @@
+"""A column of the user's own as an effect: heat that follows it."""
+
+from functools import partial
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+
+#: the same sunlight in other planes: no cause of its own
+IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
+
+
+def follows(values, *, heat, mean):
+    """Heat for each unit of the column beyond its mean."""
+    return Terms(heat=heat * (values - mean))
+
+
+def of_column(column, mean, most):
+    """
+    The effect of a column.
+
+    Parameters
+    ----------
+    column : str
+    mean : float
+        Of the record in which it was tried, in the column's unit.
+    most : float
+        Bound of its heat. [W/m² per unit]
+
+    Returns
+    -------
+    Effect
+        Of the name ``driver:<column>``.
+    """
+    return Effect(
+        f"driver:{column}",
+        partial(follows, mean=mean),
+        {"heat": Parameter(0.0, -most, most, f"W/m² per unit of {column}")},
+        columns=(column,),
+        column=column,
+        confounder=column in IRRADIANCES,
+        decided_by=f"what {column} stands for",
+        settings={"column": column, "mean": mean, "most": most},
+    )

@@ -1,0 +1,117 @@
+"""What a report says of a record, which can do without its rows."""
+
+import hashlib
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.checks import instants
+from pvlib_fem.record.columns import GEOMETRY
+
+
+@dataclass(frozen=True)
+class Summary:
+    """
+    Size, times and gaps of a record.
+
+    Attributes
+    ----------
+    rows, days : int
+    start, end : Timestamp
+    step : float
+        Median one. [s]
+    columns : tuple of str
+        All that it has, those of the sun's place included.
+    missing, impossible : dict of int
+        Values by column that lack, or were not used.
+    clipped : int
+        Rows of negative irradiance, set to 0.
+    sha256 : str
+        Of its times and measured columns, see :func:`digest`.
+    """
+
+    rows: int
+    days: int
+    start: pd.Timestamp
+    end: pd.Timestamp
+    step: float
+    columns: tuple
+    missing: dict
+    impossible: dict
+    clipped: int
+    sha256: str
+
+    @property
+    def measured(self):
+        """Names of the record's own columns, in order."""
+        return measured(self.missing, self.columns)
+
+    def content(self):
+        """The same for a file."""
+        ends = {"start": self.start.isoformat(), "end": self.end.isoformat()}
+        return {**asdict(self), **ends}
+
+
+def summary_of(record):
+    """The summary of a Record."""
+    seconds = np.diff(record.inputs.seconds)
+    return Summary(
+        rows=len(record.index),
+        days=len(np.unique(record.dates)),
+        start=record.index[0],
+        end=record.index[-1],
+        step=float(np.median(seconds)) if len(seconds) else np.nan,
+        columns=tuple(record.inputs.columns),
+        missing=dict(record.missing),
+        impossible=dict(record.impossible),
+        clipped=record.clipped,
+        sha256=digest(record),
+    )
+
+
+def summary_from(stored):
+    """The summary of a part of a file."""
+    return Summary(
+        rows=stored.count("rows"),
+        days=stored.count("days"),
+        start=pd.Timestamp(stored.text("start")),
+        end=pd.Timestamp(stored.text("end")),
+        step=stored.number("step", unknown=True),
+        columns=stored.texts("columns"),
+        missing=counts(stored.part("missing")),
+        impossible=counts(stored.part("impossible")),
+        clipped=stored.count("clipped"),
+        sha256=stored.text("sha256"),
+    )
+
+
+def counts(stored):
+    return {name: stored.count(name) for name in stored.content}
+
+
+def measured(missing, columns):
+    return [n for n in missing if n in columns and n not in GEOMETRY]
+
+
+def digest(record):
+    """
+    Sha256 of a record's times and values, whatever the computer.
+
+    Parameters
+    ----------
+    record : Record
+
+    Returns
+    -------
+    str
+    """
+    times = instants(record.index).astype("M8[ns]").astype("<i8")
+    found = hashlib.sha256(times.tobytes())
+    for name in measured(record.missing, record.inputs.columns):
+        values = np.asarray(record[name], dtype="<f8")
+        # one NaN, and one zero
+        values = np.where(np.isnan(values), np.nan, values + 0.0)
+        found.update(name.encode("utf-8", "surrogatepass"))
+        found.update(values.astype("<f8").tobytes())
+    return found.hexdigest()

@@ -1,0 +1,147 @@
+"""Results in files: JSON that keeps every bit, of one format, and is read strictly."""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+VERSION = 1  # of the format, which changes when a key does
+
+
+def saved(text, path):
+    """
+    The text, written to a file where there is a path: the same bits everywhere.
+
+    What stood there before stays whole until all of the new is written.
+    """
+    if path is None:
+        return text
+    path = Path(os.path.realpath(path))
+    ordinary = path.is_file() or not path.exists()  # and no pipe or terminal
+    part = path.with_name(f"{path.name}.part") if ordinary else path
+    try:
+        with open(part, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        if ordinary:
+            os.replace(part, path)
+    except BaseException:
+        if ordinary:
+            part.unlink(missing_ok=True)
+        raise
+    return text
+
+
+def written(kind, content, path=None):
+    """A result as JSON, and in a file where there is a path."""
+    content = plain({"format": kind, "version": VERSION, **content})
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
+    saved(text + "\n", path)
+    return text
+
+
+def plain(content):
+    """What JSON has: null stands for NaN, "inf" for what is infinite."""
+    if isinstance(content, Mapping):
+        return {str(key): plain(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [plain(value) for value in content]
+    if isinstance(content, np.generic):
+        content = content.item()
+    if isinstance(content, float) and not math.isfinite(content):
+        return None if math.isnan(content) else str(content)
+    return content
+
+
+def opened(path, kinds):
+    """
+    The content of a file that one of the ``kinds`` wrote.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON, of another kind or of another version.
+    """
+
+    def refused(constant):
+        raise ValueError(f"{path} holds {constant}, which is no number of JSON")
+
+    try:
+        content = json.loads(
+            Path(path).read_text(encoding="utf-8"), parse_constant=refused
+        )
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path} is no JSON: {error}") from error
+    content = content if isinstance(content, dict) else {}
+    if content.get("format") not in kinds:
+        raise ValueError(
+            f"{path} is no file of {' or '.join(kinds)} (its format is "
+            f"{content.get('format', 'not said')}); write one with to_json"
+        )
+    if content.get("version") != VERSION:
+        raise ValueError(
+            f"{path} is of version {content.get('version')} of its format, and this "
+            f"pvlib_fem reads version {VERSION}; fit again and write it with to_json, "
+            "or take the pvlib_fem that wrote it"
+        )
+    return Stored(content, str(path))
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A part of a file; what it lacks or has wrong is told by its name."""
+
+    content: dict
+    file: str
+    place: str = ""
+
+    def __getitem__(self, key):
+        if key not in self.content:
+            raise ValueError(f"{self.file} lacks {self.place}{key}")
+        return self.content[key]
+
+    def of(self, key, kind, words):
+        """What stands there, if it is of that kind."""
+        value = self[key]
+        # True is an int of Python, and no number
+        if not isinstance(value, kind) or (isinstance(value, bool) != (kind is bool)):
+            raise ValueError(
+                f"{self.file}: {self.place}{key} is {json.dumps(value)[:60]}, where "
+                f"{words} belongs"
+            )
+        return value
+
+    def part(self, key):
+        return Stored(self.of(key, dict, "an object"), self.file, f"{self.place}{key}.")
+
+    def parts(self, key):
+        """Objects of a list."""
+        listed = {str(i): value for i, value in enumerate(self.of(key, list, "a list"))}
+        inside = Stored(listed, self.file, f"{self.place}{key}.")
+        return [inside.part(i) for i in listed]
+
+    def text(self, key):
+        return self.of(key, str, "a text")
+
+    def texts(self, key):
+        return tuple(map(str, self.of(key, list, "a list")))
+
+    def flag(self, key):
+        return self.of(key, bool, "true or false")
+
+    def count(self, key):
+        return self.of(key, int, "a whole number")
+
+    def number(self, key, unknown=False):
+        """A finite number; where one may be unknown, NaN or infinite, too."""
+        if unknown and (self[key] is None or self[key] in ("inf", "-inf")):
+            return math.nan if self[key] is None else float(self[key])
+        return self.of(key, int | float, "a number")
+
+    def numbers(self, key, unknown=False):
+        """Numbers by name."""
+        inside = self.part(key)
+        return {name: inside.number(name, unknown) for name in inside.content}
