@@ -186,8 +186,9 @@ class Correction:
     Attributes
     ----------
     fault : str
-        ``"clock_shift"``, ``"clock_drift"``, ``"dst"`` or ``"file_dst"``; several
-        of one clock are joined by ``+``.
+        ``"clock_shift"``, ``"clock_drift"`` or ``"dst"`` of the module's logger;
+        ``"file_shift"`` or ``"file_dst"`` of the whole file; several of one clock are
+        joined by ``+``.
     columns : tuple of str
         Those that were re-timed; all of them where the whole file was.
     values, stderr : dict

@@ -23,22 +23,28 @@ class Reason(Enum):
     FEW_FITTING_DAYS = "{days} fitting days are too few to leave any out, of {least}"
     FEW_DAYS = "{days} days are too few to leave any out, of {least}"
     COARSE_CLOCK = (
-        "the module's clock: rows so far apart show that it is off from "
-        "{minutes:.2g} min only"
+        "rows are so far apart that a clock of the module's logger which is off by "
+        "less than {minutes:.2g} min does not show"
     )
+    OFF_THE_SUN = "the clock of the file does not fit the sun at the location"
     ADDS_NOTHING = "it adds nothing in this record's weather"
     COLLINEAR = "the record cannot tell it from the fitted coefficients"
     NOT_A_NUMBER = "it is not a number in all rows whose columns are there"
     BROKEN = "{error}"
-    NO_WINDOW = "nothing is left that a window of the sky would explain"
+    NO_WINDOW = "what is left follows no obstacle before the sun"
     STAND_IN = "no {columns: or }: only what follows the usual inputs was tried"
     DETECTABLE = "this record shows it from {gain:.2g} K only"
     ANOTHER_CONFOUNDER = (
-        "informative, but not as this effect: another confounder would be it"
+        "it would explain something, but not with a size that it can have: another "
+        "cause that follows the same columns"
     )
-    SUSPECT_SENSOR = "informative, but not as this effect: suspect its sensor"
+    SUSPECT_SENSOR = (
+        "it would explain something, but not with a size that it can have: suspect its "
+        "sensor"
+    )
     SUSPECT_IRRADIANCE = (
-        "informative, but not as this effect: suspect the irradiance sensor"
+        "it would explain something, but not with a size that it can have: suspect the "
+        "irradiance sensor"
     )
     SOURCE = "from {source}"
 
@@ -59,11 +65,10 @@ class Reason(Enum):
         "{errors:.1f} standard errors of the difference"
     )
     NOT_MATERIAL = "not enough for a name: material is {least:.2f} K"
-    STRUCTURE_EXPLAINS = "structure of unknown cause explains more"
-    LESS_GIVEN = "given structure of unknown cause it is not material"
+    STRUCTURE_EXPLAINS = "a pattern of unknown cause explains more"
+    LESS_GIVEN = "beside a pattern of unknown cause too little is left for it"
     UNEXPLAINED = (
-        "{gain:.2f} K lives in {where}: nothing in the catalogue; a column that "
-        "follows it would settle it"
+        "{gain:.2f} K of the error is {where}; no effect and no column follows it"
     )
 
     # a correction

@@ -91,6 +91,17 @@ def test_nothing_is_wider_than_the_screen(shown):
     assert shown.evaluate("document.documentElement.scrollWidth") <= width
 
 
+def test_a_table_that_goes_on_shows_it(shown):
+    """By a shade at its edge, which a table that fits does not need."""
+    wide = shown.locator(".wide").first
+    held, whole = wide.evaluate("e => [e.clientWidth, e.scrollWidth]")
+    assert (whole > held) == (shown.viewport_size["width"] < 500)
+    behind = wide.evaluate("e => getComputedStyle(e).backgroundImage")
+    assert behind.count("linear-gradient") == 4
+    wide.evaluate("e => e.focus({preventScroll: true})")  # by keys, too
+    assert wide.evaluate("e => document.activeElement === e")
+
+
 def test_the_verdict_is_in_the_first_screen(shown):
     heading = shown.locator("h1")
     assert re.fullmatch(r"Module temperature: .+ K after", heading.inner_text())

@@ -116,7 +116,7 @@ def test_an_impossible_coefficient_is_said_to_be(plant, noise):
     row = table.loc["electrical_output"]
     assert row["gain"] > 0.1
     assert not row["physical"]
-    assert "informative, but not as this effect: suspect the irr" in row["note"]
+    assert "not with a size that it can have: suspect the irr" in row["note"]
     assert table["physical"].dropna().astype(bool).is_monotonic_decreasing
 
 

@@ -207,7 +207,7 @@ def test_what_is_in_no_catalogue_is_said_to_be_unknown():
     assert first.gain > 0.8
     low, high = first.where["hour"]
     assert 8 <= low <= 10 and 15 <= high <= 17
-    assert "weekend" in first.why and "nothing in the catalogue" in first.why
+    assert "at weekends; no effect and no column follows it" in first.why
     assert not [f for f in loop.findings if f.verdict == "named"]
     assert loop.table["rmse_test"].iloc[-1] <= loop.table["rmse_test"][loop.base]
 

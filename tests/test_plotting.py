@@ -288,6 +288,17 @@ def test_a_rose_has_its_sectors_where_the_wind_comes_from():
     assert right[0] > 10 > abs(right[1])
 
 
+def test_no_ring_of_a_rose_is_named_at_its_rim():
+    """Where its line would run through the words."""
+    rows = pd.date_range("2023-06-01", periods=4000, freq="15min")
+    residual = pd.Series(0.1, rows)
+    for top in (3.0, 5.0, 8.0, 9.0):
+        speed = pd.Series(np.linspace(0.0, top, len(rows)), rows)
+        angle = pd.Series(np.arange(len(rows)) * 7.0 % 360.0, rows)
+        ax = plotting.plot_residual_rose(residual, speed, angle)
+        assert len(ax.get_yticks()) > 0 and max(ax.get_yticks()) < ax.get_ylim()[1]
+
+
 def test_a_rose_refuses_what_is_not_round(ax, held):
     wind = column(held, "wind_speed")
     with pytest.raises(ValueError, match=r"polar axes, and ax is rectilinear; .*polar"):

@@ -3,6 +3,7 @@
 import hashlib
 import html
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import matplotlib.pyplot as plt
@@ -11,11 +12,13 @@ import pytest
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
+from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.summary import digest
 from pvlib_fem.report import advice
+from pvlib_fem.report.document import with_error
 
 VOID = {"meta", "br"}
 
@@ -119,7 +122,12 @@ def test_it_has_every_finding_and_what_is_not_testable(closed, page):
 def test_it_has_every_coefficient(closed, page):
     rows = {row[0]: row for row in page.rows}
     for name, value in closed.fit.coefficients.items():
-        assert float(rows[name][1]) == pytest.approx(value, rel=1e-4)
+        error = closed.fit.stderr[name]
+        shown, around = rows[name][1:3]
+        # both to the same place, the second digit of the error
+        assert abs(float(shown) - value) <= 0.05 * error
+        assert float(around) == pytest.approx(error, rel=0.05)
+        assert len(shown.partition(".")[2]) == len(around.partition(".")[2])
 
 
 def test_it_has_the_printed_report_to_the_letter(closed, page):
@@ -235,7 +243,7 @@ def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     sizes = [re.search(r"([\d.]+) K$", why) for _, why in items]
     sizes = [float(size[1]) for size in sizes if size]
     assert sizes == [round(gain, 2) for gain in sorted(open_, reverse=True)]
-    hours = "a column that follows hour 9–16 × weekend"
+    hours = "a column that tells what happens between 9 and 16 h at weekends"
     assert hours in [what for what, _ in items]
     # the columns that were taken away, each with what it is for
     assert ("p_dc", "would test electrical_output") in items[len(sizes) :]
@@ -295,3 +303,129 @@ def test_a_long_record_with_nothing_to_weigh_is_not_called_short(record, place):
     page = close_loop(record, effects=[], **place).to_html()
     assert "too short" not in page and "too few" not in page
     assert "none that was weighed" in page
+
+
+@pytest.fixture(scope="module")
+def shifted(place):
+    """A file whose times are in another zone than they say, by two hours."""
+    effects = simulator.PHYSICS | {"file_shift": 120.0}
+    data = simulator.record(effects=effects, days=70, step=1800, start="2023-04-01")
+    return close_loop(data, **place)
+
+
+def test_a_wrong_clock_stands_first(shifted):
+    page = Page(shifted.to_html())
+    said = [text for text in page.texts if "The clock of the file is off" in text]
+    assert len(said) == 1 and "120 min too late for the location" in said[0]
+    heading = next(text for text in page.texts if text.startswith("Module temp"))
+    assert page.texts.index(said[0]) < page.texts.index(heading)
+    assert str(shifted).splitlines()[1].startswith("CLOCK IS OFF")
+    assert "file_shift" not in page.text + str(shifted)
+
+
+def test_nothing_later_contradicts_a_wrong_clock(shifted):
+    """The place was given: it is neither lacking nor asked for, and told."""
+    (clock,) = shifted.corrections
+    assert clock.fault == "file_shift" and not clock.applied
+    assert clock.values["late"] == pytest.approx(120.0, abs=15.0)
+    page = Page(shifted.to_html())
+    assert "no location" not in page.text + str(shifted)
+    for name in ("shading", "incidence_angle"):
+        assert shifted.untestable[name].reason is Reason.OFF_THE_SUN
+    items = dict(advice.to_measure(shifted))
+    assert (
+        "shading" in items["the clock of the file, set right (to mend, not to measure)"]
+    )
+    assert not any(what.startswith("location") for what in items)
+    assert any("location=Location(" in text for text in page.texts)
+    assert any("surface_tilt=35.0" in text for text in page.texts)
+
+
+def test_a_column_is_asked_for_once_by_each_effect(record, place):
+    """Rain has two forms, which lack the same column."""
+    there = record[[*COLUMNS, "relative_humidity"]]
+    told = dict(advice.to_measure(close_loop(there, **place)))
+    assert told["precipitation"] == "would test rain, soiling"
+
+
+def test_a_title_stands_on_every_page_as_text(closed, shifted):
+    named = Location(49.4, 8.7, tz="Etc/GMT-1", name=SCRIPT)
+    loop = replace(closed, place={**closed.place, "location": named})
+    for html_ in (closed.to_html(title=SCRIPT), loop.to_html(), fit_html(loop, SCRIPT)):
+        page = Page(html_)
+        assert SCRIPT in page.texts
+        assert "script" not in page.tags
+        assert page.text.index(SCRIPT) < page.text.index("Module temperature")
+
+
+def fit_html(loop, title):
+    return loop.fit.to_html(title=title)
+
+
+def test_kelvins_are_told_as_yield(closed):
+    """At the coefficient that is given; without signs as in the table of errors."""
+    rows = {row[0]: row for row in Page(closed.to_html()).rows}
+    points = closed.table["energy_error_test"]
+    for name, step in (("before", closed.base), ("after", closed.last)):
+        share, both, much, little, net = map(float, rows[name][1:])
+        assert share == pytest.approx(points[step], abs=0.02)
+        assert both == pytest.approx(much - little, abs=0.011)
+        assert net == pytest.approx(much + little, abs=0.011)
+    twice = {row[0]: row for row in Page(closed.to_html(gamma=-0.007)).rows}
+    assert float(twice["after"][2]) == pytest.approx(2 * both, abs=0.011)
+    assert float(twice["steady"][5]) == pytest.approx(2 * points["steady"], abs=0.006)
+    assert "-0.7 %/K" in closed.to_html(gamma=-0.007)
+
+
+def test_it_says_what_before_is(closed):
+    steady = closed.table.loc["steady", "rmse_test"]
+    words = f"fitted steady it leaves {steady:.2f} K"
+    assert any(words in text for text in Page(closed.to_html()).texts)
+
+
+@pytest.fixture(scope="module")
+def fit():
+    data = datasets.synthetic(12, 900, seed=3)
+    usual = [data[name] for name in COLUMNS]
+    return fit_fem(*usual, model="faiman", fixed={"u1": 6.84})
+
+
+def test_a_fit_has_a_page_as_a_loop_has(fit, tmp_path):
+    path = tmp_path / "fit.html"
+    page = Page(fit.to_html(path, title="Plant 7"))
+    assert path.read_text("utf-8") == fit.to_html(title="Plant 7")
+    assert "Plant 7" in page.texts
+    assert page.tags.count("figure") == page.tags.count("svg") == 3
+    rows = {row[0]: row for row in page.rows}
+    for name, line in fit.scores.iterrows():
+        assert float(rows[name][1]) == pytest.approx(line["rmse_test"], abs=0.006)
+    assert rows["u1"][1:3] == ["6.84", "held"]
+    assert float(rows["this fit"][1]) > 0
+    assert str(fit) in page.texts and fit.summary.sha256 in page.text
+    titles = [title for title in SECTIONS if title in page.texts]
+    assert titles == [SECTIONS[i] for i in (0, 1, 2, 7, 8)]
+    assert not {"script", "link", "iframe"} & {*page.tags}
+
+
+def test_notebooks_get_a_table_of_escaped_text(closed, fit):
+    for result, words in ((closed, f"driver:{SCRIPT}"), (fit, "u0")):
+        brief = Page(result._repr_html_())
+        assert "table" in brief.tags and "script" not in brief.tags
+        assert any(words in row[0] for row in brief.rows)
+        assert len(result._repr_html_()) < 20_000
+    ranking = Page(closed.ranking._repr_html_())
+    assert {row[0] for row in ranking.rows[1:]} == {*closed.ranking.index}
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "words"),
+    [
+        (0.020446, 0.036, "0.020 ± 0.036"),
+        (1234.5, 340.0, "1230 ± 340"),
+        (0.1055, 0.007, "0.1055 ± 0.0070"),
+        (-0.0004, 0.0996, "0.00 ± 0.10"),
+        (21.934, np.nan, "21.93"),
+    ],
+)
+def test_numbers_have_the_digits_of_their_error(value, error, words):
+    assert with_error(value, error) == words

@@ -38,27 +38,27 @@ PLACES = {
     "hour × weekend": (
         (WEEKDAY >= 5) & (HOUR >= 9) & (HOUR < 16),
         {"hour": (9, 16), "weekend": ("weekend", "weekend")},
-        "hour 9–16 × weekend",
+        "between 9 and 16 h at weekends",
     ),
     "hour × month": (
         (TIMES.month >= 6) & (TIMES.month <= 8) & (HOUR >= 13) & (HOUR < 19),
         {"hour": (13, 19), "month": (6, 8)},
-        "hour 13–19 × month 6–8",
+        "between 13 and 19 h from June to August",
     ),
     "hour": (
         (HOUR >= 22) | (HOUR < 4),
         {"hour": (22, 4)},
-        "hour 22–4",  # over midnight
+        "between 22 and 4 h",  # over midnight
     ),
     "hour × timetable_days": (
         (DATES % 2 == 0) & (HOUR == 6),
         {"hour": (6, 7), "timetable_days": ("2023-01-03", "2023-01-03")},
-        "hour 6–7 × 1 of every 2 days, as on 2023-01-03",
+        "between 6 and 7 h on 1 of every 2 days, as on 2023-01-03",
     ),
     "wind_direction": (
         (DIRECTION > 247.5) & (DIRECTION < 292.5),
         {"wind_direction": ("W", "W")},
-        "wind_direction W",
+        "with wind from W",
     ),
 }
 

@@ -88,9 +88,9 @@ def test_a_timetable_is_found(name):
 
 def test_it_is_told_in_words():
     residual = remembering(7200.0, 2) + 3.0 * (DAYS % 3 == 1)
-    assert strongest(residual, {}).where == "1 of every 3 days, as on 2023-01-03"
+    assert strongest(residual, {}).where == "on 1 of every 3 days, as on 2023-01-03"
     residual = remembering(7200.0, 2) + 3.0 * (MINUTE % 150 < 35)
-    assert strongest(residual, {}).where == "35 of every 150 min"
+    assert strongest(residual, {}).where == "in 35 of every 150 min"
 
 
 @pytest.mark.parametrize("period", [47.0, 150.0, 211.7])

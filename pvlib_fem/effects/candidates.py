@@ -36,7 +36,7 @@ def candidates(drivers, refused, effects, there=()):
 def lacks(effect, drivers, refused):
     """Why an effect cannot be tried."""
     lacking = [n for n in needed_for(effect.drivers) if n not in drivers]
-    why = [refused[name] for name in lacking if name in refused]
+    why = list(dict.fromkeys(refused[name] for name in lacking if name in refused))
     if none := sorted({SUN.get(n, n) for n in lacking if n not in refused}):
         why.append(because(Reason.LACKS, columns=none))
     return together(why)

@@ -13,8 +13,10 @@ from pvlib_fem.modelchain import FIT, FITS, DynamicCellTemperature, fit_in
 from pvlib_fem.record.checks import Record
 from pvlib_fem.record.columns import COLUMNS, with_aliases
 from pvlib_fem.record.summary import Summary, summary_from, summary_of
-from pvlib_fem.report.document import number, rounded
-from pvlib_fem.stored import opened, written
+from pvlib_fem.report.document import number, value_and_error
+from pvlib_fem.report.fit_page import brief, fit_page
+from pvlib_fem.scores import GAMMA
+from pvlib_fem.stored import opened, saved, written
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.stored import content_of, model_of
 
@@ -218,6 +220,28 @@ class FemFit:
             )
         return plotting.plot_fit(self, ax, when)
 
+    def to_html(self, path=None, title="", gamma=GAMMA):
+        """
+        The fit with pictures as one HTML file, which needs nothing beside it.
+
+        Parameters
+        ----------
+        path : str or path-like, optional
+            File to write.
+        title : str, optional
+            Of the plant or the file.
+        gamma : float, default -0.0035
+            Temperature coefficient of power, by which K become yield. [1/K]
+
+        Returns
+        -------
+        str
+        """
+        return saved(fit_page(self, title, gamma), path)
+
+    def _repr_html_(self):
+        return brief(self)
+
     def to_json(self, path=None, **cell):
         """
         The fit as JSON, of which :meth:`from_json` makes the same again.
@@ -333,10 +357,9 @@ def report(fit):
     wide = max(12, *(len(name) + 1 for name in (*rows, *fit.scores.index)))
     yield f"{'coefficient':<{wide}}{'value':>12}{'± error':>12}   unit"
     for name, row in rows.items():
-        value, error = fit.coefficients[name], fit.stderr[name]
+        value, error = value_and_error(fit, name)
         bound = "   at its bound" if name in fit.at_bound else ""
-        error = "held" if name in fit.fixed else rounded(error)
-        yield f"{name:<{wide}}{value:>12.5g}{error:>12}   {row.unit}{bound}"
+        yield f"{name:<{wide}}{value:>12}{error:>12}   {row.unit}{bound}"
     yield ""
     yield f"what each step bought, {'day and night' if fit.night else 'daytime'} [K]"
     wide = wide if fit.effects else 10

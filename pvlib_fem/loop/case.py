@@ -47,7 +47,8 @@ class Case:
     drivers: tuple
     wanted: tuple  # effects whose drivers are there
     untestable: dict  # name: why
-    site: dict
+    site: dict  # where the sun can be told from it
+    place: dict  # as it was given
     clock: Clock
     criteria: Criteria
     family: int = 1  # hypotheses, counted before the first look
@@ -164,6 +165,8 @@ def prepared(
                 how = (site, summer.corrected(holdout), *how[2:])
             return prepared(summer.corrected(data), *how, (told_of(summer),))
         corrections = (told_of(summer, health.faults["file_dst"]),)
+    if "file_shift" in health.faults:
+        corrections += (shifted(health.faults["file_shift"], health.noon.late),)
     # what test rows show of a sensor is of themselves alone
     own = np.any(list(stuck(usual, criteria.limits).values()), axis=0)
     stands = health.mask | (own & (what == Part.TEST))
@@ -176,11 +179,12 @@ def prepared(
         drivers.pop(name, None)
         words = doubt.removeprefix(f"{name} ")
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=words)
-    sun = geometry(whole.index, **site)
-    if off := [name for name in OFF_THE_SUN if name in health.faults]:
+    sun, of_sun = geometry(whole.index, **site), {}
+    if {*OFF_THE_SUN} & {*health.faults}:
+        of_sun = dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
-        notes.append(f"no effect that needs the sun is tried: {off[0]}")
-    wanted, untestable = candidates({**drivers, **sun}, refused, effects)
+    known = {**drivers, **sun}
+    wanted, untestable = candidates(known, {**refused, **of_sun}, effects)
     if health.clock.limit > criteria.unseen_clock and not health.clock.fault:
         minutes = health.clock.limit / 60.0
         notes.append(str(because(Reason.COARSE_CLOCK, minutes=minutes)))
@@ -199,6 +203,7 @@ def prepared(
         wanted=tuple(wanted),
         untestable=untestable,
         site=site if sun else dict.fromkeys(site),
+        place=site,
         clock=health.clock,
         criteria=criteria,
         family=criteria.rounds * max(1, len(wanted)),
@@ -227,6 +232,25 @@ def told_of(summer, fault=""):
         because=why,
         checks=(check,) if summer.explained else (),
         applied=summer.explained,
+    )
+
+
+def shifted(fault, late):
+    """What was made of a file whose times do not fit the sun: nothing."""
+    remedy = (
+        "give the times the zone that they are in, or set the location right; until "
+        "then no effect that follows the sun is tried"
+    )
+    return Correction(
+        fault="file_shift",
+        columns=("all",),
+        values={"late": late / 60.0},
+        stderr={},
+        before=abs(late) / 60.0,
+        after=abs(late) / 60.0,
+        unit="min",
+        because=because(Reason.NOT_CORRECTED, fault=fault, remedy=remedy),
+        applied=False,
     )
 
 

@@ -287,7 +287,7 @@ class Search:
             ranking=ranking,
             fit=fit,
             notes=case.notes,
-            place=case.site,
+            place=case.place,
             residual_before=before.rename("residual"),
             weeks=pd.Series(named(case.parts), record.index, name="weeks"),
             plain=(self.steps[base].model, start.coefficients),

@@ -16,8 +16,9 @@ from pvlib_fem.modelchain import LOOP
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, with_aliases
-from pvlib_fem.report.page import page
+from pvlib_fem.report.page import brief, page
 from pvlib_fem.report.text import NEVER, lines
+from pvlib_fem.scores import GAMMA
 from pvlib_fem.stored import opened, saved, written
 from pvlib_fem.thermal.stored import content_of, model_of
 
@@ -226,7 +227,7 @@ class Loop:
             )
         return plotting.plot_before_after(self, ax)
 
-    def to_html(self, path=None):
+    def to_html(self, path=None, title=None, gamma=GAMMA):
         """
         The report with pictures as one HTML file, which needs nothing beside it.
 
@@ -234,12 +235,19 @@ class Loop:
         ----------
         path : str or path-like, optional
             File to write.
+        title : str, optional
+            Of the plant or the file; by default the name of the location.
+        gamma : float, default -0.0035
+            Temperature coefficient of power, by which K become yield. [1/K]
 
         Returns
         -------
         str
         """
-        return saved(page(self, NEVER), path)
+        return saved(page(self, NEVER, title, gamma), path)
+
+    def _repr_html_(self):
+        return brief(self)
 
     def to_json(self, path=None, **cell):
         """

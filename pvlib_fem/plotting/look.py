@@ -1,5 +1,7 @@
 """What all pictures share: colours, axes, and names with their units."""
 
+from pvlib_fem.record.columns import UNITS
+
 # colours of Okabe and Ito, which the colour-blind can tell apart
 BEFORE, AFTER, OTHER = "#d55e00", "#0072b2", "#8c8c8c"
 COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", OTHER)
@@ -7,28 +9,6 @@ STYLES = ("-", "--", ":", "-.")
 MARKERS = "os^Dv"
 FAINT = 0.14  # opacity of what stands behind: light on white, dark on black
 LONGEST = 24  # characters of a name in a picture
-
-#: units of the columns under pvlib's names
-UNITS = {
-    "poa_global": "W/m²",
-    "ghi": "W/m²",
-    "dni": "W/m²",
-    "dhi": "W/m²",
-    "temp_air": "°C",
-    "temp_module": "°C",
-    "temp_cell": "°C",
-    "wind_speed": "m/s",
-    "wind_direction": "° from north",
-    "relative_humidity": "%",
-    "longwave_down": "W/m²",
-    "ir_down": "W/m²",
-    "precipitation": "mm/h",
-    "snow_depth": "cm",
-    "p_dc": "W/m²",
-    "solar_zenith": "°",
-    "solar_azimuth": "°",
-    "residual": "K",
-}
 
 
 def new_axes(ax, projection=None):

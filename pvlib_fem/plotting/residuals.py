@@ -141,12 +141,13 @@ def plot_residual_rose(residual, wind_speed, wind_direction, ax=None, limit=None
     ax.grid(False)  # it would lie between the cells
     mesh(ax, pieces, speed, means, limit, FINER)
     ax.set_ylim(0.0, speed[-1])
-    rings = speed[2::2] if len(speed) > 2 else speed[1:]
+    # none at the rim, whose line would run through its words
+    rings = speed[2:-1:2] if len(speed) > 3 else speed[1:2]
     ax.set_yticks(rings, [f"{s:g} m/s" for s in rings])
     ax.set_rlabel_position(180.0 / SECTORS)
     for text in ax.get_yticklabels():  # they lie on cells, whatever the style is
         text.set(color="black", size="x-small")
-        text.set_bbox(dict(facecolor="white", alpha=0.7, linewidth=0, pad=1))
+        text.set_bbox(dict(facecolor="white", alpha=0.85, linewidth=0, pad=1))
     return ax
 
 
@@ -161,7 +162,7 @@ def mesh(ax, across, up, means, limit=None, pieces=1):
     values = means.to_numpy(dtype=float)
     colours = dict(cmap="RdBu_r", vmin=-limit, vmax=limit)
     # edges of its own colour leave no seams in a vector picture
-    colours |= dict(edgecolors="face", linewidth=0.5)
+    colours |= dict(edgecolors="face", linewidth=1.0)
     cells = ax.pcolormesh(across, up, np.repeat(values, pieces, axis=1), **colours)
     # where lightness alone would not tell the sign
     rows, columns = np.nonzero(values < -CLEAR * limit)

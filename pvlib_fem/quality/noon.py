@@ -105,11 +105,11 @@ def noon_faults(late, jumps, step, limits):
     faults = {}
     if abs(late) > limits.off_noon + step / 2:
         faults["file_shift"] = (
-            f"the day's light is {abs(late) / 60:.0f} min too "
-            f"{'late' if late > 0 else 'early'} for the location: the times are in "
-            "another zone than they say, or longitude has the wrong sign; a time "
-            "without a zone is read as standard time at the location's tz, or by its "
-            "longitude where that is UTC"
+            f"the clock of the file is off: the day's light comes and goes "
+            f"{abs(late) / 60:.0f} min too {'late' if late > 0 else 'early'} for the "
+            "location, so the times are in another zone than they say, or longitude "
+            "has the wrong sign (times without a zone are read as standard time in the "
+            "location's tz, or by its longitude where that is UTC)"
         )
     if jumps:
         dates = ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)

@@ -8,6 +8,27 @@ from pvlib_fem.reasons import Reason, because
 #: what every record needs
 COLUMNS = ("poa_global", "temp_air", "wind_speed", "temp_module")
 DAYLIGHT = 20.0  # W/m², above which it is day
+#: units of the columns under pvlib's names
+UNITS = {
+    "poa_global": "W/m²",
+    "ghi": "W/m²",
+    "dni": "W/m²",
+    "dhi": "W/m²",
+    "temp_air": "°C",
+    "temp_module": "°C",
+    "temp_cell": "°C",
+    "wind_speed": "m/s",
+    "wind_direction": "° from north",
+    "relative_humidity": "%",
+    "longwave_down": "W/m²",
+    "ir_down": "W/m²",
+    "precipitation": "mm/h",
+    "snow_depth": "cm",
+    "p_dc": "W/m²",
+    "solar_zenith": "°",
+    "solar_azimuth": "°",
+    "residual": "K",
+}
 #: where the sun stands and how the module does, under pvlib's names [°]
 GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 #: other names that pvlib has for a column

@@ -5,6 +5,10 @@ from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.record.columns import GEOMETRY
 
+#: what is lacking where the sun's place is
+PLACE = "location, surface_tilt and surface_azimuth (to give, not to measure)"
+CLOCK = "the clock of the file, set right (to mend, not to measure)"
+
 
 def to_measure(loop):
     """
@@ -36,7 +40,7 @@ def settling(loop):
     for finding in loop.findings:
         gain = f"{finding.gain:.2f} K"
         if finding.kind is Kind.STRUCTURE:
-            what = f"a column that follows {finding.place}"
+            what = f"a column that tells what happens {finding.place}"
             items.append((finding.gain, what, f"would name the cause of {gain}"))
         elif finding.verdict in (Verdict.CLASS, Verdict.SUGGESTIVE):
             names = [n for n in finding.candidates if n in catalogue]
@@ -61,9 +65,8 @@ def lacking(loop):
     for needs in sorted(effects, key=lambda needs: -len(effects[needs])):
         what = " and ".join(needs)
         if set(needs) <= set(GEOMETRY):
-            what = (
-                "location, surface_tilt and surface_azimuth (to give, not to measure)"
-            )
+            given = all(value is not None for value in loop.place.values())
+            what = CLOCK if given else PLACE
         yield what, f"would test {', '.join(effects[needs])}{reasons.get(needs, '')}"
 
 
@@ -74,9 +77,8 @@ def sources(name, there):
         needs = tuple(n for n in needed_for(variant.drivers) if n not in there)
         if not needs:  # what it has been tried with
             break
-        if (
-            variant.confounder == EFFECTS[name].confounder
-        ):  # no stopgap from the usual inputs
+        # no stopgap from the usual inputs
+        if variant.confounder == EFFECTS[name].confounder and needs not in found:
             found.append(needs)
     return [one for one in found if not any(set(two) < set(one) for two in found)]
 

@@ -7,23 +7,32 @@ import numpy as np
 STYLE = """
 :root { color-scheme: light dark;
   --page: #ffffff; --ink: #1c1d1f; --soft: #5c6066; --line: #d9dce0; --card: #f5f6f8;
-  --after: #0072b2; --before: #d55e00; }
+  --after: #0072b2; --before: #d55e00; --shade: rgb(0 0 0 / 35%); }
 @media (prefers-color-scheme: dark) { :root {
   --page: #16181b; --ink: #e8e9eb; --soft: #a0a5ac; --line: #383c42; --card: #1f2226;
-  --after: #56b4e9; --before: #f0883e; } }
+  --after: #56b4e9; --before: #f0883e; --shade: rgb(255 255 255 / 45%); } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 66rem; color: var(--ink);
   background: var(--page); font: 16px/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .5rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--line); }
 p, li { overflow-wrap: anywhere; max-width: 46rem; }
+.plant { color: var(--soft); margin: 0; }
+.alert { border-left: .3rem solid var(--before); padding: .5rem .8rem;
+  background: var(--card); }
 .soft, figcaption { color: var(--soft); font-size: .9rem; }
-.wide { overflow-x: auto; }
+/* a shade at an edge beyond which a table goes on; it moves with the table */
+.wide { overflow-x: auto; background:
+  linear-gradient(to right, var(--page) 40%, transparent) 0 0 / 3rem 100% local,
+  linear-gradient(to left, var(--page) 40%, transparent) 100% 0 / 3rem 100% local,
+  linear-gradient(to right, var(--shade), transparent) 0 0 / 1.1rem 100% scroll,
+  linear-gradient(to left, var(--shade), transparent) 100% 0 / 1.1rem 100% scroll;
+  background-repeat: no-repeat; }
 table { border-collapse: collapse; font-size: .9rem; }
 th, td { padding: .3rem 1.1rem .3rem 0; text-align: left; vertical-align: top;
   border-bottom: 1px solid var(--line); }
 th { font-weight: 600; }
-td { white-space: nowrap; }
+th, td { white-space: nowrap; }
 .n { text-align: right; font-variant-numeric: tabular-nums; }
 @media (max-width: 30rem) {
   th, td { padding-right: .6rem; } ul, ol { padding-left: 1.3rem; } }
@@ -99,7 +108,7 @@ def table(head, rows, caption=""):
     top = line([name.removeprefix("#") for name in head], "th")
     body = "\n".join(line(row, "td") for row in rows)
     return (
-        f'<div class="wide"><table>\n<thead>{top}</thead>\n'
+        f'<div class="wide" tabindex="0"><table>\n<thead>{top}</thead>\n'
         f"<tbody>\n{body}\n</tbody>\n</table></div>\n"
         + (paragraph(caption, "soft") if caption else "")
     )
@@ -126,12 +135,20 @@ def rounded(error):
     return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
 
 
+def value_and_error(fit, name):
+    """Cells of a table: a coefficient and its error."""
+    value, error = fit.coefficients[name], fit.stderr[name]
+    if name in fit.fixed:
+        return f"{value:.5g}", "held"
+    if not error > 0:
+        return f"{value:.5g}", "–"
+    return tuple(with_error(value, error).split(" ± "))
+
+
 def with_error(value, error):
     """A value to the two digits of its error, and that; alone without one."""
-    if not np.isfinite(error):
+    if not (np.isfinite(error) and error > 0):
         return f"{value:.4g}"
-    if error == 0:
-        return f"{value:g} (held)"
     last = int(np.floor(np.log10(float(f"{error:.1e}")))) - 1  # place of both
     digits = max(0, -last)
     value, error = round(value, -last), round(error, -last)

@@ -1,6 +1,5 @@
 """A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
 
-import hashlib
 from dataclasses import fields, is_dataclass
 
 import numpy as np
@@ -12,29 +11,39 @@ from pvlib_fem.reasons import Reason
 from pvlib_fem.report import advice
 from pvlib_fem.report.document import (
     document,
-    escaped,
     figures,
     listed,
     number,
     paragraph,
-    rounded,
     section,
     table,
+    with_error,
+)
+from pvlib_fem.report.parts import (
+    NO_ROWS,
+    coefficients,
+    heading,
+    health,
+    in_energy,
+    made_by,
+    printed,
 )
 from pvlib_fem.report.pictures import pictures
+from pvlib_fem.scores import GAMMA
 
-NOT_SHOWN = "this record shows no less"
-WITHOUT_CAUSE = "nothing in the catalogue; a column that follows it would settle it"
+NOT_SHOWN = "smaller than this record can show"
+WITHOUT_CAUSE = "no effect and no column follows it"
 STEPS = {"steady": "no memory", "fem": "the paper's form", "balance": "heat balance"}
 VERDICTS = {
     "named": "no other candidate explains it",
     "class": "one of several that this record cannot tell apart",
+    "alone": "it follows the usual columns alone, as other causes may, too",
     "suggestive": "a hint, not added to the model",
     "unknown": "no effect of the catalogue follows it",
 }
 
 
-def page(loop, never=()):
+def page(loop, never=(), title=None, gamma=GAMMA):
     """
     The report of a closed loop as one HTML file.
 
@@ -46,32 +55,57 @@ def page(loop, never=()):
     loop : Loop
     never : sequence of str
         What no record of these columns can tell.
+    title : str, optional
+        Of the plant or the file; by default the name of the location.
+    gamma : float, default -0.0035
+        Temperature coefficient of power, for the errors of energy. [1/K]
 
     Returns
     -------
     str
     """
+    fit, record = loop.fit, loop.fit.summary
+    title = name_of(loop) if title is None else title
+    drawn = fit.record is not None
     parts = [
+        heading(f"Module temperature: {headline(loop)}", title, loop.corrections),
         verdict(loop),
-        section("Errors by step", errors(loop)),
-        section("Pictures", shown(loop)),
-        section("Coefficients", coefficients(loop)),
+        section("Errors by step", errors(loop, gamma)),
+        section("In energy", in_energy(fit, residuals(loop), gamma)),
+        section("Pictures", figures(pictures(loop)) if drawn else NO_ROWS),
+        section("Coefficients", coefficients(fit, loop.corrections)),
         section("What the record cannot tell", undecided(loop)),
         section("What is left unexplained", unexplained(loop)),
         section("Which rules decided", rules(loop)),
         section("What to measure next", next_measurements(loop)),
         section("Not testable", untestable(loop, never)),
-        section("The state of the data", health(loop)),
+        section("The state of the data", health(record, [*loop.notes, *fit.notes])),
         section("How to reproduce it", reproduce(loop)),
     ]
-    return document(f"pvlib_fem: {headline(loop)}", parts)
+    return document(" · ".join(filter(None, [title, headline(loop)])), parts)
 
 
-def shown(loop):
-    """The pictures, of which only the rows of the record tell."""
-    if loop.fit.record is None:
-        return paragraph("A loop that was read from a file has no rows to draw.")
-    return figures(pictures(loop))
+def name_of(loop):
+    """Name of the place, where it has one."""
+    return getattr(loop.place["location"], "name", None) or ""
+
+
+def brief(loop):
+    """The headline and the errors, for a notebook."""
+    return "\n".join(
+        [
+            heading(f"Module temperature: {headline(loop)}", name_of(loop), "", "h4"),
+            *(paragraph(one.why) for one in loop.corrections),
+            errors(loop),
+            *(paragraph(finding.why) for finding in loop.unexplained),
+        ]
+    )
+
+
+def residuals(loop):
+    """What the model leaves before and after, by a name of the step."""
+    last = {"after": loop.fit.residual}
+    return last if loop.last == loop.base else {"before": loop.residual_before, **last}
 
 
 def added(loop):
@@ -102,7 +136,6 @@ def verdict(loop):
     days = record.days
     count = f"{fit.test_days} test days, which no fit and no decision has seen"
     body = [
-        f"<h1>Module temperature: {escaped(headline(loop))}</h1>",
         paragraph(
             f"Error (RMSE) on {count if fit.test_days else 'the fitted days'}. "
             f"{days} day{'s' * (days > 1)} from {record.start:%Y-%m-%d} to "
@@ -110,6 +143,7 @@ def verdict(loop):
             f"{fit.dynamics}.",
             "soft",
         ),
+        paragraph(beginning(loop), "soft"),
     ]
     if found := added(loop):
         some = "One effect" if len(found) == 1 else f"{len(found)} effects"
@@ -134,6 +168,16 @@ def verdict(loop):
     return "\n".join(body)
 
 
+def beginning(loop):
+    """What the first number of the headline is of."""
+    steady = loop.table.loc["steady", f"rmse_{part(loop)[1]}"]
+    which = "Before" if loop.last != loop.base else "The number"
+    return (
+        f"{which} is the model without effects, fitted to this record and dynamic "
+        f"already ({STEPS[loop.base]}); fitted steady it leaves {steady:.2f} K."
+    )
+
+
 def said(finding):
     """Its name, and all others that it may be."""
     others = [name for name in finding.candidates if name != finding.effect]
@@ -142,13 +186,19 @@ def said(finding):
 
 def lives(finding):
     """Where unknown structure is, and how much."""
-    return f"{finding.gain:.2f} K lives in {finding.place}"
+    return f"{finding.gain:.2f} K of the error is {finding.place}"
+
+
+def worth(finding):
+    """Its verdict in words."""
+    alone = finding.verdict is Verdict.CLASS and len(finding.candidates) == 1
+    return f"{finding.verdict}, {VERDICTS['alone' if alone else finding.verdict]}"
 
 
 def gained(finding):
     what = meaning(finding.effect) or f"{finding.why}. "
     gain = f"{finding.gain:.2f} K of the error on days left out"
-    return f"{what}{gain}; {finding.verdict}, {VERDICTS[finding.verdict]}"
+    return f"{what}{gain}; {worth(finding)}"
 
 
 def meaning(name):
@@ -160,8 +210,11 @@ def meaning(name):
     return f"{line[:1].lower()}{line[1:]}. " if line else ""
 
 
-def errors(loop):
+def errors(loop, gamma=GAMMA):
     """The table of the printed report."""
+    shown = loop.table.assign(
+        energy_error_test=loop.table["energy_error_test"] * abs(gamma / GAMMA)
+    )
     which, end = part(loop)
     keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
     keys += ["energy_error_test", "rmse_train"]
@@ -172,38 +225,15 @@ def errors(loop):
             *(number(row[key]) for key in keys),
             verdicts.get(name, STEPS.get(name, "")),
         )
-        for name, row in loop.table.iterrows()
+        for name, row in shown.iterrows()
     ]
     head = ("step", "#RMSE", "#day", "#night", "#MBE", "#PR", "#fitted", "verdict")
     return table(
         head,
         rows,
         f"K on the {which} days; MBE is measured − modelled; PR is the error of the "
-        "performance ratio, without signs, in points; fitted is the RMSE on the "
-        "fitted days.",
-    )
-
-
-def coefficients(loop):
-    """Values, errors and ranges of the last step."""
-    fit = loop.fit
-    rows = []
-    for name, row in fit.thermal_model.parameters.items():
-        share = f" of {row.share_of}" if row.share_of else ""
-        bound = "at its bound" if name in fit.at_bound else ""
-        value, error = f"{fit.coefficients[name]:.5g}", rounded(fit.stderr[name])
-        span = f"{row.lower:g} … {row.upper:g}{share}"
-        rows.append((name, value, error, row.unit, span, bound))
-    for one in loop.corrections:  # a clock has numbers and no place in the model
-        for name, value in one.values.items():
-            error = rounded(one.stderr.get(name, np.nan))
-            unit = "s/day" if name == "drift" else "min"
-            what = "corrected" if one.applied else "not corrected"
-            rows.append((f"clock: {name}", f"{value:.5g}", error, unit, "", what))
-    return table(
-        ("coefficient", "#value", "#± error", "unit", "range", ""),
-        rows,
-        "Errors from leaving out each fitted day in turn; range is what is possible.",
+        f"performance ratio, without signs, in points at {100 * gamma:g} %/K; fitted "
+        "is the RMSE on the fitted days.",
     )
 
 
@@ -217,8 +247,7 @@ def undecided(loop):
     return listed(
         (
             said(f),
-            f"{f.verdict}, {VERDICTS[f.verdict]}; {f.gain:.2f} K; {f.why}; it would be "
-            f"{numbers(f)}",
+            f"{worth(f)}; {f.gain:.2f} K; {f.why}; it would be {numbers(f)}",
         )
         for f in open_
     )
@@ -254,8 +283,8 @@ def rules(loop):
 def numbers(finding):
     """Coefficients of a finding in one line."""
     return ", ".join(
-        f"{name.removeprefix(f'{finding.effect}.')} {value:.3g}"
-        + (f" ± {rounded(finding.stderr[name])}" if name in finding.stderr else "")
+        f"{name.removeprefix(f'{finding.effect}.')} "
+        + with_error(value, finding.stderr.get(name, np.nan))
         for name, value in finding.coefficients.items()
     )
 
@@ -270,7 +299,14 @@ def unexplained(loop):
             f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, "
             "months or the columns of the record."
         )
-    return listed((lives(f), f"{numbers(f)} K; {WITHOUT_CAUSE}") for f in left)
+    return listed((lives(f), f"{beside(f)}; {WITHOUT_CAUSE}") for f in left)
+
+
+def beside(finding):
+    """Which way unknown structure goes."""
+    mean = finding.coefficients["mean"]
+    way = "warmer" if mean > 0 else "colder"
+    return f"the module is {abs(mean):.2f} K {way} then than modelled, in the mean"
 
 
 def next_measurements(loop):
@@ -304,53 +340,15 @@ def untestable(loop, never):
     return "\n".join(body)
 
 
-def health(loop):
-    """What is missing or impossible, and what was done about it."""
-    record = loop.fit.summary
-    rows = [
-        (name, f"{count:,}", f"{record.impossible.get(name, 0):,}")
-        for name, count in record.missing.items()
-        if count or record.impossible.get(name, 0)
-    ]
-    body = []
-    if rows:
-        head = ("column", "#missing rows", "#impossible, not used")
-        body.append(table(head, rows, f"Of {record.rows:,} rows."))
-    else:
-        body.append(paragraph("No value is missing or impossible."))
-    if record.clipped:
-        below = f"{record.clipped:,} rows of negative irradiance were set to 0."
-        body.append(paragraph(below))
-    if notes := [*loop.notes, *loop.fit.notes]:
-        items = "\n".join(f"<li>{escaped(note)}</li>" for note in notes)
-        body.append(f"<ul>\n{items}\n</ul>")
-    return "\n".join(body)
-
-
 def reproduce(loop):
-    """Version, call, and hashes that say whether the data are the same."""
-    from pvlib_fem import __version__  # the package is complete by now
-
-    record = loop.fit.summary
+    """Version, call, hashes, and what else was tried."""
     weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
-    columns = ", ".join(record.measured)
-    hashes = [f"sha256 of the data    {record.sha256}"]
-    if loop.fit.holdout is not None:
-        test = hashlib.sha256(np.packbits(loop.fit.holdout.to_numpy()).tobytes())
-        hashes.append(f"sha256 of test rows   {test.hexdigest()}")
-    text = "\n".join((f"pvlib_fem {__version__}", "", call(loop), "", *hashes))
+    names = ", ".join(weighed) or "none"
     return "\n".join(
         (
-            f"<pre>{escaped(text)}</pre>",
-            paragraph(
-                f"The first hash is of the times (UTC, ns) and of {columns} "
-                "as they were used, after the checks; the second of "
-                "np.packbits(loop.fit.holdout).",
-                "soft",
-            ),
-            paragraph(f"Effects that were weighed: {', '.join(weighed) or 'none'}."),
-            "<details>\n<summary>The printed report</summary>\n"
-            f"<pre>{escaped(loop)}</pre>\n</details>",
+            made_by(loop.fit, call(loop)),
+            paragraph(f"Effects that were weighed: {names}."),
+            printed(loop),
         )
     )
 

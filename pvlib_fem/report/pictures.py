@@ -8,6 +8,13 @@ from pvlib_fem.plotting.residuals import by_hour_and_month, by_sector, largest
 from pvlib_fem.plotting.vector import svg
 from pvlib_fem.record.columns import DAYLIGHT
 
+#: of the map by month and hour: its means, its picture, what it shows
+MAP = (
+    by_hour_and_month,
+    plotting.plot_residual_map,
+    "mean residual by month and hour, all days (–: below zero)",
+)
+
 
 def pictures(loop):
     """
@@ -42,13 +49,7 @@ def pictures(loop):
     ]
     last = {"After": after} if changed else {"": after}
     both = {"Before": before, **last} if changed else last
-    found += on_one_scale(
-        "map",
-        both,
-        by_hour_and_month,
-        plotting.plot_residual_map,
-        "mean residual by month and hour, all days (–: below zero)",
-    )
+    found += on_one_scale("map", both, *MAP)
     if loop.fit.effects:
         words = (
             "What each effect adds to the temperature on that day, with all others "
@@ -57,13 +58,37 @@ def pictures(loop):
         found.append(
             draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
         )
-    return [*found, *by_wind(loop, both, last, known)]
+    return [*found, *by_wind(loop.fit, both, last, known)]
 
 
-def by_wind(loop, both, last, known):
+def pictures_of_fit(fit):
+    """
+    Figures of a fit's page, each with what it shows.
+
+    Parameters
+    ----------
+    fit : FemFit
+
+    Returns
+    -------
+    list of (str, str)
+        An ``svg`` element, and its caption.
+    """
+    known = fit.residual.notna()
+    left = {"": fit.residual[known]}
+    which = "held-out" if fit.test_days else "fitted"
+    words = f"The most variable of the {which} days, {Span(fit).date}"
+    return [
+        draw("day", lambda ax: plotting.plot_fit(fit, ax), words),
+        *on_one_scale("map", left, *MAP),
+        *by_wind(fit, left, left, known),
+    ]
+
+
+def by_wind(fit, both, last, known):
     """What is left by irradiance and wind, and a rose where its direction is known."""
     (after,) = last.values()
-    changed, record = "After" in last, loop.fit.record
+    changed, record = "After" in last, fit.record
     columns = {
         name: pd.Series(record[name], record.index, name=name)[known]
         for name in ("poa_global", "wind_speed", "wind_direction")
@@ -75,11 +100,12 @@ def by_wind(loop, both, last, known):
         words = "mean residual by irradiance and wind, by day (–: below zero)"
         words = f"After: {words}" if changed else words.capitalize()
         yield draw("wind", lambda ax: plotting.plot_residual_by(*by, ax=ax), words)
+    names = [effect.name for effect in fit.effects]
     if "wind_direction" in columns:
         wind = columns["wind_speed"], columns["wind_direction"]
         yield from on_one_scale(
             "rose",
-            both if "wind_direction" in loop.effects else last,
+            both if "wind_direction" in names else last,
             lambda residual: by_sector(residual, *wind)[0],
             lambda residual, *how: plotting.plot_residual_rose(residual, *wind, *how),
             "mean residual by where the wind comes from and its speed (–: below zero)",

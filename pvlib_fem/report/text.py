@@ -1,10 +1,12 @@
 """The printed report of a closed loop."""
 
+from textwrap import TextWrapper
+
 import numpy as np
 
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.plotting.steps import BASES
-from pvlib_fem.report.document import rounded
+from pvlib_fem.report.document import rounded, with_error
 from pvlib_fem.report.page import by_reason
 
 NEVER = (
@@ -15,7 +17,7 @@ NEVER = (
 )
 
 
-WIDE = 24  # characters of the first column of the report
+WIDE, MOST = 26, 100  # characters of the first column of the report, and of a line
 #: what the numbers of a clock are: unit, and words for either sign
 LATE = {
     "late": ("min", "late", "early"),
@@ -29,9 +31,8 @@ TITLES = {Verdict.CLASS: "cannot tell", Verdict.SUGGESTIVE: "suggestive"}
 
 
 def lines(loop):
-    """Lines of the printed report."""
-    fit = loop.fit
-    record = fit.summary
+    """Lines of the printed report, none wider than a window."""
+    fit, record = loop.fit, loop.fit.summary
     step, days = record.step, record.days
     width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
     yield (
@@ -39,11 +40,36 @@ def lines(loop):
         f"{record.rows:,} rows "
         f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
     )
+    for head, words in (*clocks(loop), *rows(loop), *told(loop)):
+        yield from folded(head, words)
+
+
+def folded(head, words):
+    """A line, whose words go on below where they begin."""
+    wide = max(WIDE, len(head))
+    fold = TextWrapper(
+        MOST,
+        initial_indent=f"{head:<{wide}}",
+        subsequent_indent=" " * wide,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return fold.wrap(words) or [head.rstrip()]
+
+
+def clocks(loop):
+    """What stands first: a clock that is off, by which all else may be wrong."""
+    for one in loop.corrections:
+        yield "corrected" if one.applied else "CLOCK IS OFF", one.why
+
+
+def rows(loop):
+    """The table of errors, a row for each step."""
     head = ("RMSE", "day", "night", "MBE")
-    part = "test" if fit.test_days else "train"
+    part = "test" if loop.fit.test_days else "train"
     shown = (f"rmse_{part}", "rmse_test_day", "rmse_test_night", f"mbe_{part}")
     cells = "".join(f"{name:>7}" for name in head)
-    yield f"{'step':<{WIDE}}{cells}  energy error  verdict"
+    yield f"{'step':<{WIDE}}{cells}  energy error  ", "verdict"
     verdicts = {f"+{f.effect}": f for f in loop.findings if f.added}
     for name, row in loop.table.iterrows():
         cells = "".join(cell(row[key], 7) for key in shown)
@@ -53,9 +79,13 @@ def lines(loop):
         if name == CORRECTED:
             own = [one for one in loop.corrections if one.unit == "K"]
             words = "; ".join(map(corrected, own))
-        yield f"{title:<{WIDE}}{cells}    {words}".rstrip()
+        yield f"{title:<{WIDE}}{cells}    ", words
+
+
+def told(loop):
+    """What is left, open, not testable and never to be had, and the notes."""
     for finding in loop.unexplained:
-        yield f"{'left':<{WIDE}}{finding.why}"
+        yield "left", finding.why
     for finding in loop.findings:
         if finding.verdict in TITLES:
             alone = finding.candidates == (finding.effect,)
@@ -64,17 +94,14 @@ def lines(loop):
                 names += " or its like"  # of which the catalogue has none
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
-            yield f"{TITLES[finding.verdict]:<{WIDE}}{words}{rule}"
-    for one in loop.corrections:
-        title = "corrected" if one.applied else "not corrected"
-        yield f"{title:<{WIDE}}{one.why}"
+            yield TITLES[finding.verdict], f"{words}{rule}"
     for why, names in by_reason(loop.untestable).items():
-        yield f"{'not testable':<{WIDE}}{', '.join(names)} ({why})"
+        yield "not testable", f"{', '.join(names)} ({why})"
     for i, words in enumerate(NEVER):
-        yield f"{'' if i else 'never from these columns':<{WIDE}}  {words}"
-    if not fit.test_days:
-        yield f"{'note':<{WIDE}}no test days: these are errors of the fitted days"
-    yield from (f"{'note':<{WIDE}}{note}" for note in loop.notes)
+        yield "" if i else "never from these columns", words
+    if not loop.fit.test_days:
+        yield "note", "no test days: these are errors of the fitted days"
+    yield from (("note", note) for note in loop.notes)
 
 
 def cell(value, width):
@@ -86,11 +113,10 @@ def verdict(finding, loop):
     (effect,) = [e for e in loop.fit.effects if e.name == finding.effect]
     parts = []
     for key, row in effect.rows().items():
-        value, error = finding.coefficients[key], finding.stderr[key]
-        digits = max(0, 1 - int(np.floor(np.log10(error)))) if error > 0 else 3
+        number = with_error(finding.coefficients[key], finding.stderr[key])
         name = f"{key.split('.')[-1]} " if len(effect.parameters) > 1 else ""
         unit = "" if row.unit == "-" else f" {row.unit}"
-        parts.append(f"{name}{value:.{min(digits, 6)}f} ± {error:.2g}{unit}")
+        parts.append(f"{name}{number}{unit}")
     words = f"{finding.verdict}  {', '.join(parts)}"
     # of a column of the user's own it says nothing but the column's unit
     if len(effect.parameters) == 1 and finding.kind is not Kind.COLUMN:

@@ -5,10 +5,45 @@ from itertools import pairwise
 
 import numpy as np
 
+from pvlib_fem.record.columns import UNITS
+
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
 #: names that are not a column's
 CLOCK = ("hour", "weekend", "month", "timetable_days", "timetable_minutes")
+MONTHS = (
+    *("January", "February", "March", "April", "May", "June"),
+    *("July", "August", "September", "October", "November", "December"),
+)
 OF_COLUMN = "column "  # before a column's name that could be taken for one of those
+
+
+def month_words(name, start, end):
+    one, other = (MONTHS[month - 1] for month in (start, end))
+    return f"in {one}" if start == end else f"from {one} to {other}"
+
+
+def column_words(name, start, end):
+    """Words for a part of a column's range; rows without it come after all others."""
+    if start == "missing":
+        return f"where {name} is missing"
+    if name == "wind_direction":
+        sectors = f"from {start}" + ("" if start == end else f" to {end}")
+        return f"with wind {sectors}".replace("to missing", "on, or unknown")
+    unit = f" {UNITS[name]}" if name in UNITS else ""
+    if end == "missing":
+        return f"with {name} from {start:g}{unit} on, or missing"
+    if start == end:
+        return f"with {name} at {start:g}{unit}"
+    return f"with {name} between {start:g} and {end:g}{unit}"
+
+
+#: words for a part of clock or calendar
+CLOCK_WORDS = {
+    "hour": lambda name, start, end: f"between {start:g} and {end:g} h",
+    "weekend": lambda name, start, end: WEEK_WORDS[start],
+    "month": month_words,
+}
+WEEK_WORDS = {"weekdays": "on weekdays", "weekend": "at weekends"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +94,8 @@ class Axis:
         if len(bins) == len(self.labels):
             return ""
         start, end = self.labels[bins[0]][0], self.labels[bins[-1]][1]
-        if not self.column and isinstance(start, str):
-            return start
-        start, end = (v if isinstance(v, str) else f"{v:g}" for v in (start, end))
-        return f"{self.name} {start}" + ("" if start == end else f"–{end}")
+        words = CLOCK_WORDS.get(self.name) if not self.column else column_words
+        return words(self.name, start, end)
 
     def place(self, bins, rows):
         """The place that some bins are, of as many rows in each."""

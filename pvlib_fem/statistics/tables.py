@@ -34,7 +34,7 @@ class Structure:
     def where(self):
         """The places in words."""
         words = [place.words for place in self.places if place.words]
-        return " × ".join(words) or f"all of {self.name}"
+        return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
 
 
 def find_structure(residual, seconds, folds, axes, step, criteria, without=()):

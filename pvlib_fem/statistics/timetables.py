@@ -31,7 +31,7 @@ class Days(Axis):
         every = len(self.labels)
         if len(bins) == every:
             return ""
-        return f"{len(bins)} of every {every} days, as on {self.labels[bins[0]][0]}"
+        return f"on {len(bins)} of every {every} days, as on {self.labels[bins[0]][0]}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Minutes(Axis):
             return ""
         period = self.period / 60.0
         on = share * period
-        return f"{on:.{0 if on >= 10.0 else 1}f} of every {period:.3g} min"
+        return f"in {on:.{0 if on >= 10.0 else 1}f} of every {period:.3g} min"
 
 
 def timetables(residual, seconds, dates, folds, step, criteria):

@@ -1,0 +1,130 @@
+"""Parts of pages that a fit and a loop have alike."""
+
+import hashlib
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.report.document import (
+    escaped,
+    number,
+    paragraph,
+    rounded,
+    table,
+    value_and_error,
+)
+from pvlib_fem.scores import energy_error
+
+NO_ROWS = paragraph("A result that was read from a file has no rows to draw or add up.")
+
+
+def heading(words, title="", corrections=(), tag="h1"):
+    """The name of the plant, a clock that is off, and what is the most important."""
+    body = [paragraph(title, "plant")] if title else []
+    for one in corrections:
+        body.append(paragraph(clock_words(one), "" if one.applied else "alert"))
+    return "\n".join([*body, f"<{tag}>{escaped(words)}</{tag}>"])
+
+
+def clock_words(correction):
+    """A clock that is off, as a sentence."""
+    words = f"{correction.why}{'; corrected before any fit' * correction.applied}."
+    return words[:1].upper() + words[1:]
+
+
+def coefficients(fit, corrections=()):
+    """Values, errors and ranges of a fit, and what clocks are out by."""
+    rows = []
+    for name, row in fit.thermal_model.parameters.items():
+        share = f" of {row.share_of}" if row.share_of else ""
+        bound = "at its bound" if name in fit.at_bound else ""
+        value, error = value_and_error(fit, name)
+        span = f"{row.lower:g} … {row.upper:g}{share}"
+        rows.append((name, value, error, row.unit, span, bound))
+    for one in corrections:  # a clock has numbers and no place in the model
+        for name, value in one.values.items():
+            error = rounded(one.stderr.get(name, np.nan))
+            unit = "s/day" if name == "drift" else "min"
+            what = "corrected" if one.applied else "not corrected"
+            rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", what))
+    return table(
+        ("coefficient", "#value", "#± error", "unit", "range", ""),
+        rows,
+        "Errors from leaving out each fitted day in turn; range is what is possible.",
+    )
+
+
+def in_energy(fit, residuals, gamma):
+    """What the errors in K are worth in yield, on the days that were held out."""
+    if fit.record is None:
+        return NO_ROWS
+    index = fit.record.index
+    poa = pd.Series(fit.record["poa_global"], index)
+    rows, which = fit.holdout, "test"
+    if not fit.test_days:
+        rows, which = ~fit.holdout, "fitted"
+    lines, sun = [], 0.0
+    for name, residual in residuals.items():
+        seen = residual.where(rows)
+        error = energy_error(poa, seen, 0.0 * seen, gamma)
+        sun = error.insolation
+        parts = (error.total, error.over_estimate, error.under_estimate, error.net)
+        share = 100.0 * error.total / sun if sun else np.nan
+        lines.append((name, number(share), *map(number, parts)))
+    head = ("", "#% of yield", "#kWh/kWp", "#too much", "#too little", "#net")
+    return table(
+        head,
+        lines,
+        f"Error of the modelled DC energy that comes of the temperature, at a "
+        f"temperature coefficient of {100 * gamma:g} %/K, on the {which} days with "
+        f"{sun:,.0f} kWh/m² in the plane of the modules. Too much: modelled too cold; "
+        "both without signs are the kWh/kWp, and its share is of the yield at 25 °C.",
+    )
+
+
+def health(record, notes):
+    """What is missing or impossible, and what was done about it."""
+    rows = [
+        (name, f"{count:,}", f"{record.impossible.get(name, 0):,}")
+        for name, count in record.missing.items()
+        if count or record.impossible.get(name, 0)
+    ]
+    body = []
+    if rows:
+        head = ("column", "#missing rows", "#impossible, not used")
+        body.append(table(head, rows, f"Of {record.rows:,} rows."))
+    else:
+        body.append(paragraph("No value is missing or impossible."))
+    if record.clipped:
+        below = f"{record.clipped:,} rows of negative irradiance were set to 0."
+        body.append(paragraph(below))
+    if notes:
+        items = "\n".join(f"<li>{escaped(note)}</li>" for note in notes)
+        body.append(f"<ul>\n{items}\n</ul>")
+    return "\n".join(body)
+
+
+def made_by(fit, call):
+    """Version, call, and hashes that say whether the data are the same."""
+    from pvlib_fem import __version__  # the package is complete by now
+
+    columns = ", ".join(fit.summary.measured)
+    words = (
+        f"The first hash is of the times (UTC, ns) and of {columns} as they were used, "
+        "after the checks"
+    )
+    hashes = [f"sha256 of the data    {fit.summary.sha256}"]
+    if fit.holdout is not None:
+        test = hashlib.sha256(np.packbits(fit.holdout.to_numpy()).tobytes())
+        hashes.append(f"sha256 of test rows   {test.hexdigest()}")
+        words += "; the second of np.packbits(fit.holdout)"
+    text = "\n".join((f"pvlib_fem {__version__}", "", call, "", *hashes))
+    return f"<pre>{escaped(text)}</pre>\n{paragraph(f'{words}.', 'soft')}"
+
+
+def printed(result):
+    """The printed report, behind a line."""
+    return (
+        "<details>\n<summary>The printed report</summary>\n"
+        f"<pre>{escaped(result)}</pre>\n</details>"
+    )
