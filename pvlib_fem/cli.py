@@ -7,13 +7,13 @@ from zoneinfo import available_timezones
 
 import click
 from pvlib.location import Location
-from tqdm import tqdm
 
 from pvlib_fem import __version__, datasets, simulator
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.fitting.fit import METHODS, fit_fem
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.progress import line
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import read_file
 from pvlib_fem.thermal.model import MEMORY
@@ -210,7 +210,7 @@ def demo_site(days, step, seed, report):
         "effects that the loop is not told of\n"
     )
     site = simulator.RHINE
-    with progress() as bar:
+    with line() as bar:
         bar.set_description_str("simulating")
         effects = simulator.PHYSICS | dict.fromkeys(HIDDEN, 1.0)
         data = simulator.record(site, effects, days, step, seed)
@@ -274,7 +274,7 @@ def closed(
 ):
     """The loop of a frame, with its progress on a terminal."""
     check_columns(data)
-    with progress() as bar:
+    with line() as bar:
         return close_loop(
             data,
             model,
@@ -285,11 +285,6 @@ def closed(
             check_units=not no_unit_check,
             progress=bar.set_description_str,
         )
-
-
-def progress():
-    """One line on a terminal, which goes away; nothing elsewhere."""
-    return tqdm(disable=None, leave=False, bar_format="{desc} [{elapsed}]")
 
 
 def location(index, lat, lon):

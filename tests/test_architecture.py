@@ -114,7 +114,7 @@ def test_outside_libraries_have_one_place_each():
     places = {
         "matplotlib": "plotting",
         "click": "cli",
-        "tqdm": "cli",
+        "tqdm": "loop",
         "threadpoolctl": "loop",
         "pooch": "datasets",
     }

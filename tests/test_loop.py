@@ -639,3 +639,16 @@ def test_an_early_clock_is_called_early():
     (row,) = (line for line in text.splitlines() if line.startswith("clock corrected"))
     assert re.search(r" 1[12]\.\d ± \d\.\d min early$", row)
     assert re.search(r"clock of temp_module is 1[12]\.\d ± \d\.\d min early", text)
+
+
+def test_each_stage_is_in_the_log_and_on_one_line(caplog, capsys):
+    """The same words as a function is told; nothing is shown unasked."""
+    data = simulator.record(days=6, step=1800)
+    told = []
+    with caplog.at_level("INFO", logger="pvlib_fem"):
+        fem.close_loop(data, progress=told.append)
+    assert [record.getMessage() for record in caplog.records] == told
+    assert told[0] == "checking the record" and len(told) > 2
+    assert capsys.readouterr() == ("", "")
+    fem.close_loop(data, progress=True)
+    assert "checking the record" in capsys.readouterr().err

@@ -12,6 +12,7 @@ from pvlib_fem.loop.case import prepared
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, unexplained
@@ -81,8 +82,9 @@ def close_loop(
         Thresholds other than the usual.
     fixed : dict, optional
         Coefficients that are held, as ``{"tau": 378}``.
-    progress : callable, optional
-        Called with a few words at the beginning of each stage.
+    progress : callable or True, optional
+        Called with a few words at the beginning of each stage; True shows them on one
+        line. The log ``pvlib_fem`` has them at its level INFO.
 
     Returns
     -------
@@ -126,10 +128,9 @@ def close_loop(
     site = dict(
         location=location, surface_tilt=surface_tilt, surface_azimuth=surface_azimuth
     )
-    tell = progress or (lambda words: None)
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
-    with threadpool_limits(limits=1, user_api="blas"):
+    with threadpool_limits(limits=1, user_api="blas"), telling(progress) as tell:
         tell("checking the record")
         case = prepared(data, site, holdout, effects, criteria, check_units, fixed)
         found = Search(Fits(case), tell).run(steady_model(model))

@@ -1,0 +1,35 @@
+"""How far a loop is: told to the log, and to whoever asks."""
+
+import logging
+from contextlib import ExitStack, contextmanager
+
+from tqdm import tqdm
+
+LOG = logging.getLogger("pvlib_fem")
+
+
+def line(disable=None):
+    """One line on a terminal, which goes away; nothing elsewhere, unless asked for."""
+    return tqdm(disable=disable, leave=False, bar_format="{desc} [{elapsed}]")
+
+
+@contextmanager
+def telling(progress=None):
+    """
+    A function that is told each stage in a few words.
+
+    Parameters
+    ----------
+    progress : callable or bool, optional
+        Called with the words, too; True shows them on one line, as the command does.
+    """
+    with ExitStack() as stack:
+        if progress is True:
+            progress = stack.enter_context(line(disable=False)).set_description_str
+
+        def tell(words):
+            LOG.info(words)
+            if progress:
+                progress(words)
+
+        yield tell
