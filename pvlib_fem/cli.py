@@ -177,7 +177,7 @@ def loop(file, report, out, **options):
         if out is not None:
             found.to_json(out)
             click.echo(f"\nwrote {out}")
-        write_report(found, report)
+        write_report(found, report, file.name)
 
 
 @main.command()
@@ -231,7 +231,7 @@ def demo_site(days, step, seed, report):
     for name in found.effects:
         if name not in effects:
             click.echo(f"  {name:<22}is not in the simulation")
-    write_report(found, report)
+    write_report(found, report, "A simulated site")
 
 
 def answer(name, found):
@@ -317,9 +317,10 @@ def check_writable(picture, out=None):
             raise ValueError(f"there is no folder {path.parent} for {path.name}")
 
 
-def write_report(found, path):
+def write_report(found, path, title):
+    """The page, which names the file that it is of."""
     if path is not None:
-        found.to_html(path)
+        found.to_html(path, title=title)
         click.echo(f"\nwrote {path}")
 
 

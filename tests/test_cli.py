@@ -221,7 +221,9 @@ def test_the_loop_prints_what_close_loop_finds(plant, plant_file, tmp_path):
     assert "sky_radiation" in found.effects
     assert result.output == f"{found}\n\nwrote {out}\n\nwrote {report}\n"
     assert json.loads(out.read_text(encoding="utf-8"))["findings"]
-    assert report.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    page = report.read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert f'<p class="plant">{plant_file.name}</p>' in page
 
 
 def test_a_gain_can_be_asked_for(plant_file):

@@ -14,6 +14,7 @@ from pvlib.location import Location
 from pvlib_fem import datasets, simulator
 from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.loop.close import close_loop
+from pvlib_fem.loop.table import Ranking
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.summary import digest
@@ -429,3 +430,15 @@ def test_notebooks_get_a_table_of_escaped_text(closed, fit):
 )
 def test_numbers_have_the_digits_of_their_error(value, error, words):
     assert with_error(value, error) == words
+
+
+def test_nothing_that_steers_a_terminal_is_printed(closed, fit):
+    """Names of columns come from files."""
+    evil = "\x1b[2J\x07\x9b31m\r\udc80"
+    loop = replace(closed, notes=(evil,), place={**closed.place, "location": None})
+    ranked = Ranking(closed.ranking.rename(index={"rain": evil[:-1]}))
+    texts = [str(loop), loop.to_html(title=evil), repr(ranked), ranked._repr_html_()]
+    for text in [*texts, str(replace(fit, notes=(evil,)))]:
+        assert "�[2J" in text
+        assert not {*"\x1b\x07\x9b\r\udc80"} & {*text}
+        text.encode("utf-8")

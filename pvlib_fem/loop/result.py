@@ -16,6 +16,7 @@ from pvlib_fem.modelchain import LOOP
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, with_aliases
+from pvlib_fem.report.document import printable
 from pvlib_fem.report.page import brief, page
 from pvlib_fem.report.text import NEVER, lines
 from pvlib_fem.scores import GAMMA
@@ -341,7 +342,7 @@ class Loop:
         return loop
 
     def __str__(self):
-        return "\n".join(lines(self))
+        return printable("\n".join(lines(self)))
 
 
 def placed(place):

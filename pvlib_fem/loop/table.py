@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.report.document import number, table, with_error
+from pvlib_fem.report.document import number, printable, table, with_error
 
 COLUMNS = [
     "gain",
@@ -47,7 +47,7 @@ class Ranking(pd.DataFrame):
         if list(self.columns) != COLUMNS:
             return pd.DataFrame.__repr__(self)
         head = [name.removeprefix("#") for name in HEAD]
-        rows = [head, *self.lines()]
+        rows = [head, *([printable(cell) for cell in row] for row in self.lines())]
         wide = [max(map(len, column)) for column in zip(*rows)]
         right = [name.startswith("#") for name in HEAD]
         return "\n".join(

@@ -1,6 +1,7 @@
 """What a page is made of: escaped text, lists, tables, numbers for readers."""
 
 import html
+import unicodedata
 
 import numpy as np
 
@@ -74,8 +75,16 @@ def document(title, parts):
     )
 
 
+def printable(text):
+    """The text without what steers a terminal, or is no letter in a file."""
+    return "".join(
+        "�" if unicodedata.category(c) in ("Cc", "Cs") and c not in "\n\t" else c
+        for c in str(text)
+    )
+
+
 def escaped(text):
-    return html.escape(str(text))
+    return html.escape(printable(text))
 
 
 def section(title, body):
