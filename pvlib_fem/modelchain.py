@@ -137,10 +137,11 @@ class DynamicCellTemperature:
             If the file is of another kind or version, or a coefficient lacks or is
             no number; the message names it.
         """
-        fit = fit_in(opened(path, FITS))
-        model, coefficients = model_of(fit, options.pop("effects", ()))
-        if not {"deltaT", "k_bs_c"} & {*options}:
-            options |= fit.numbers("cell")
+        with opened(path, FITS) as stored:
+            fit = fit_in(stored)
+            model, coefficients = model_of(fit, options.pop("effects", ()))
+            if not {"deltaT", "k_bs_c"} & {*options}:
+                options |= fit.numbers("cell")
         options.setdefault("base", model.base)
         return cls(
             model.steady_model.name,

@@ -4,6 +4,7 @@ import json
 import math
 import os
 from collections.abc import Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,8 +21,9 @@ def saved(text, path):
     """
     if path is None:
         return text
-    path = Path(os.path.realpath(path))
+    path = Path(path)
     ordinary = path.is_file() or not path.exists()  # and no pipe or terminal
+    path = Path(os.path.realpath(path)) if ordinary else path
     part = path.with_name(f"{path.name}.part") if ordinary else path
     try:
         with open(part, "w", encoding="utf-8", newline="\n") as file:
@@ -56,6 +58,7 @@ def plain(content):
     return content
 
 
+@contextmanager
 def opened(path, kinds):
     """
     The content of a file that one of the ``kinds`` wrote.
@@ -63,8 +66,24 @@ def opened(path, kinds):
     Raises
     ------
     ValueError
-        If it is no JSON, of another kind or of another version.
+        If it is no JSON, of another kind or of another version; or, inside, if
+        something in it is not what ``to_json`` writes.
     """
+    content = content_of(path, kinds)
+    try:
+        yield Stored(content, str(path))
+    except ValueError as error:
+        if str(path) in str(error):
+            raise
+        raise ValueError(f"{path}: {error}") from error
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise ValueError(
+            f"{path} holds what no to_json wrote: {type(error).__name__}, {error}"
+        ) from error
+
+
+def content_of(path, kinds):
+    """The object that a file is."""
 
     def refused(constant):
         raise ValueError(f"{path} holds {constant}, which is no number of JSON")
@@ -87,7 +106,7 @@ def opened(path, kinds):
             f"pvlib_fem reads version {VERSION}; fit again and write it with to_json, "
             "or take the pvlib_fem that wrote it"
         )
-    return Stored(content, str(path))
+    return content
 
 
 @dataclass(frozen=True)

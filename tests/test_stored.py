@@ -221,7 +221,8 @@ def test_the_file_of_a_fit_is_no_loop(files):
 def test_every_number_keeps_its_bits(tmp_path_factory, numbers):
     path = tmp_path_factory.getbasetemp() / "numbers.json"
     written("x", {"numbers": numbers}, path)
-    again = opened(path, ["x"]).numbers("numbers", unknown=True)
+    with opened(path, ["x"]) as stored:
+        again = stored.numbers("numbers", unknown=True)
     assert list(again) == list(numbers)
     for name, value in numbers.items():
         assert np.float64(again[name]).tobytes() == np.float64(value).tobytes()
@@ -254,3 +255,44 @@ def test_a_link_stays_a_link(tmp_path):
     saved("new", tmp_path / "link.json")
     assert (tmp_path / "link.json").is_symlink()
     assert (tmp_path / "real.json").read_text() == "new"
+
+
+def keys(content, place=()):
+    """Ways to all that is in a file."""
+    inside = content.items() if isinstance(content, dict) else enumerate(content)
+    for key, value in inside:
+        yield (*place, key)
+        if isinstance(value, dict | list):
+            yield from keys(value, (*place, key))
+
+
+@given(st.data())
+def test_a_file_that_is_damaged_anywhere_is_refused_or_read(files, data):
+    """Whatever lacks or is something else: no other error, and no NaN that was none."""
+    content = json.loads((files / "loop.json").read_text("utf-8"))
+    *way, last = data.draw(st.sampled_from(list(keys(content))))
+    part = content
+    for key in way:
+        part = part[key]
+    if data.draw(st.booleans()):
+        del part[last]
+    else:
+        part[last] = data.draw(st.sampled_from([None, "x", [], {}, -1, True, 0.5]))
+    path = files / "damaged.json"
+    path.write_text(json.dumps(content), "utf-8")
+    try:
+        again = fem.Loop.from_json(path)
+    except ValueError as error:
+        assert "damaged.json" in str(error)
+    else:
+        assert np.isfinite(list(again.fit.coefficients.values())).all()
+
+
+@pytest.mark.skipif(not os.path.isdir("/dev/fd"), reason="no such folder here")
+def test_what_is_no_file_is_written_to():
+    """A pipe, as /dev/stdout may be."""
+    out, into = os.pipe()
+    saved("through", f"/dev/fd/{into}")
+    os.close(into)
+    with open(out, encoding="utf-8") as file:
+        assert file.read() == "through"

@@ -305,7 +305,8 @@ class FemFit:
             If the file is of another kind or version, or a number lacks or is none;
             the message names the key.
         """
-        return cls.stored(fit_in(opened(path, FITS)), effects)
+        with opened(path, FITS) as stored:
+            return cls.stored(fit_in(stored), effects)
 
     @classmethod
     def stored(cls, content, own=()):

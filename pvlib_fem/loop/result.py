@@ -312,7 +312,12 @@ class Loop:
             If the file is of another kind or version, or a number lacks or is none;
             the message names the key.
         """
-        content = opened(path, [LOOP])
+        with opened(path, [LOOP]) as stored:
+            return cls.stored(stored, effects)
+
+    @classmethod
+    def stored(cls, content, own=()):
+        """The loop of a file."""
         table, why = content.part("table"), content.part("untestable")
         rows = {name: table.numbers(name, unknown=True) for name in table.content}
         limits = content.part("criteria").content
@@ -325,12 +330,12 @@ class Loop:
             last=content.text("last"),
             untestable={n: Because.stored(why[n]) for n in why.content},
             ranking=ranking_from(content.part("ranking")),
-            fit=FemFit.stored(content.part("fit"), effects),
+            fit=FemFit.stored(content.part("fit"), own),
             notes=content.texts("notes"),
             place=place_from(content.part("place")),
             residual_before=None,
             weeks=None,
-            plain=model_of(content.part("plain"), effects),
+            plain=model_of(content.part("plain"), own),
             criteria=Criteria(**limits),
             family=content.count("family"),
             weighed=content.flag("weighed"),
