@@ -99,7 +99,7 @@ fem.plotting.plot_contributions(loop)
 #
 # What is left
 # ------------
-# The report said along which hours and days the rest lives.
+# The report said at which hours and days the rest is.
 
 hour = data.index.hour.rename("hour")
 weekend = data.index.day_of_week >= 5

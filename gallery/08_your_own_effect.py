@@ -83,8 +83,8 @@ switch = fem.close_loop(data, **place)
 print(switch)
 
 # %%
-# It names the switch, and says along what the rest lives: chiller × temp_air. That is
-# the load. Now with the effect added to the whole catalogue:
+# It names the switch, and says where the rest is: with the chiller on, in warm air.
+# That is the load. Now with the effect added to the whole catalogue:
 
 own = fem.close_loop(data, effects=[*fem.effects.EFFECTS, CHILLER], **place)
 print(own)

@@ -33,6 +33,7 @@ from pvlib_fem.scores import GAMMA
 
 NOT_SHOWN = "smaller than this record can show"
 WITHOUT_CAUSE = "no effect and no column follows it"
+CORRECTED = "clock corrected"  # row of the table
 STEPS = {"steady": "no memory", "fem": "the paper's form", "balance": "heat balance"}
 VERDICTS = {
     "named": "no other candidate explains it",
@@ -170,11 +171,14 @@ def verdict(loop):
 
 def beginning(loop):
     """What the first number of the headline is of."""
-    steady = loop.table.loc["steady", f"rmse_{part(loop)[1]}"]
+    error = loop.table[f"rmse_{part(loop)[1]}"]
+    steady, clock = error["steady"], ""
+    if CORRECTED in error:
+        clock = f" The corrected clock alone leaves {error[CORRECTED]:.2f} K of it."
     which = "Before" if loop.last != loop.base else "The number"
     return (
         f"{which} is the model without effects, fitted to this record and dynamic "
-        f"already ({STEPS[loop.base]}); fitted steady it leaves {steady:.2f} K."
+        f"already ({STEPS[loop.base]}); fitted steady it leaves {steady:.2f} K.{clock}"
     )
 
 

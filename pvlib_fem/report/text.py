@@ -7,7 +7,7 @@ import numpy as np
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.plotting.steps import BASES
 from pvlib_fem.report.document import rounded, with_error
-from pvlib_fem.report.page import by_reason
+from pvlib_fem.report.page import CORRECTED, by_reason
 
 NEVER = (
     "absorptance, irradiance gain, mean rear irradiance: all are k",
@@ -26,7 +26,6 @@ LATE = {
 }
 
 
-CORRECTED = "clock corrected"  # row of the table
 TITLES = {Verdict.CLASS: "cannot tell", Verdict.SUGGESTIVE: "suggestive"}
 
 
