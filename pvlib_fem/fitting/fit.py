@@ -7,6 +7,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.effects import find, several
+from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import errors, minimise, natural, possible
 from pvlib_fem.paper.filters import counted
@@ -158,7 +159,10 @@ def fit_fem(
         )
         at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
         converged = minimum.converged
-        stderr = errors(target, record, train, last(stages)[1], at_bound, notes)
+        found = last(stages)[1]
+        stderr = errors(target, record, train, found, at_bound, notes)
+        days = len(np.unique(record.days[train]))
+        notes += memory_notes(record, target, found, stderr, at_bound, days)
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
     modelled = {

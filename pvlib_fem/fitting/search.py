@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from pvlib_fem.effects.effect import tabled
+from pvlib_fem.fitting.memory import AsItIs, lag
 from pvlib_fem.statistics.clusters import day_errors
 from pvlib_fem.statistics.leastsquares import gauss_newton, normal_equations
+from pvlib_fem.thermal.model import MEMORY
 
 FEWEST_DAYS = 5  # below this the spread between days is no error
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
@@ -40,13 +42,17 @@ def minimise(model, record, rows, start, biased, flat):
     names = [name for name in model.free if biased or name != "bias"]
     places = [list(model.parameters).index(name) for name in names]
     model = replace(model, effects=tables(model.effects, record))
-    table = [model.parameters[name] for name in names]
-    lower = [max(row.lower, least(model, name)) for name, row in zip(names, table)]
+    views = [view(model, record, start, name) for name in names]
     rows = np.flatnonzero(rows)
     measured_rows = record["temp_module"][rows]
 
+    def searched(x):
+        told = (one.told(value) for one, value in zip(views, x.tolist()))
+        return {**start, **dict(zip(names, told))}
+
     def evaluate(x):
-        coefficients, chain = natural(model, {**start, **dict(zip(names, x))})
+        coefficients, chain = natural(model, searched(x))
+        chain[:, places] *= [one.slope(value) for one, value in zip(views, x)]
         temperature = model.temperature(record.inputs, coefficients)
 
         def jacobian():
@@ -55,7 +61,7 @@ def minimise(model, record, rows, start, biased, flat):
             return [
                 columns[i]
                 if own[i] == 1.0 and len(own.nonzero()[0]) == 1
-                # a share moves with the whole that it is of
+                # a share moves with the whole that it is of, a memory with its lag
                 else sum(columns[j] * own[j] for j in np.flatnonzero(own))
                 for i, own in enumerate(chain[np.ix_(places, places)].T)
             ]
@@ -64,13 +70,20 @@ def minimise(model, record, rows, start, biased, flat):
 
     minimum = gauss_newton(
         evaluate,
-        [max(start[name], low) for name, low in zip(names, lower)],
-        lower,
-        [row.upper for row in table],
+        [one.seen(max(start[name], one.lower)) for name, one in zip(names, views)],
+        [one.seen(one.lower) for one in views],
+        [one.seen(model.parameters[n].upper) for n, one in zip(names, views)],
         flat=flat,
     )
-    found = {**start, **dict(zip(names, minimum.x.tolist()))}
-    return minimum, found
+    return minimum, searched(minimum.x)
+
+
+def view(model, record, start, name):
+    """How the search varies a coefficient, and the least that it can be."""
+    lower = max(model.parameters[name].lower, least(model, name))
+    if name not in MEMORY[model.dynamics]:
+        return AsItIs(lower)
+    return lag(record, model, natural(model, start)[0])
 
 
 def least(model, name):

@@ -34,6 +34,12 @@ class Inputs:
         return self.columns[name]
 
     @property
+    def step(self):
+        """Usual time between rows. [s]"""
+        steps = np.atleast_1d(self.steps)
+        return float(np.median(steps[1:] if len(steps) > 1 else steps)) * self.unit
+
+    @property
     def seconds(self):
         """Time of each row since the first. [s]"""
         steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)

@@ -191,10 +191,7 @@ class ThermalModel:
             added = added.plus(effect.at(inputs.columns, coefficients))
             if wanted:
                 slopes |= effect.slopes(inputs.columns, coefficients)
-        own = {
-            n: coefficients[n]
-            for n in (*self.steady_model.parameters, *self.steady_model.fixed)
-        }
+        own = {n: coefficients[n] for n in self.steady_model.coefficients}
         if self.dynamics == "steady":
             temperature, slopes = steady(self.steady_model, own, inputs, added, slopes)
         elif self.dynamics == "ewm":

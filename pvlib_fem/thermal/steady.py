@@ -31,9 +31,14 @@ class SteadyModel:
     parameters: Mapping[str, Parameter]
     fixed: Mapping[str, float]
 
+    @property
+    def coefficients(self):
+        """Names of all coefficients: those that are fitted, then the constants."""
+        return [*self.parameters, *self.fixed]
+
     def complete(self, coefficients):
         """Check the names and values of coefficients, and add the fixed ones."""
-        names = [*self.parameters, *self.fixed]
+        names = self.coefficients
         if unknown := [name for name in coefficients if name not in names]:
             raise ValueError(
                 f"{self.name} has no coefficient {', '.join(unknown)}; it has "
