@@ -73,7 +73,7 @@ def test_means_over_long_steps_have_the_memory_that_the_note_says(dynamics, step
     data = made(dynamics, 60, days=60)
     means = data.resample(f"{step}s", label="right", closed="right").mean()
     (note,) = fitted(means, dynamics).notes
-    said = float(note.split("is about ")[1].split()[0])
+    said = float(note.split("is about ")[1].split()[0].replace(",", ""))
     (truth,) = MEMORIES[dynamics].values()
     assert said == pytest.approx(truth, rel=0.15)
     assert fitted(means, dynamics).coefficients[note.split()[0]] > 1.3 * truth

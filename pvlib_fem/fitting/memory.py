@@ -87,6 +87,6 @@ def memory_notes(record, model, coefficients, stderr, at_bound, days):
         # means answer to means by their age, whatever the step
         yield (
             f"{name} is that of samples at the end of {step}: if the columns are means "
-            f"over them, as most loggers store, the module's own is about {age:.3g} "
-            f"{unit}"
+            "over them, as most loggers store, the module's own is about "
+            f"{float(f'{age:.2g}'):,g} {unit}"
         )
