@@ -61,7 +61,8 @@ def ewm(
     ------
     ValueError
         If the times are missing, unsorted or duplicate, ``tau`` is not
-        positive, or ``values`` is not a numeric series.
+        positive, ``values`` is not a numeric series, or ``initial`` is no finite
+        number before them.
 
     Notes
     -----
@@ -100,7 +101,7 @@ def ewm(
 
 def time_constant(tau, rows, name="tau"):
     """Check a time constant: positive, a number or one for each row. [s]"""
-    values = np.asarray(tau, dtype=float)
+    values = np.ma.filled(np.ma.asarray(tau, dtype=float), np.nan)
     if values.ndim and values.shape != (rows,):
         raise ValueError(
             f"{name} has {values.size} values for {rows} samples; give one number, "

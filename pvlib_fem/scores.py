@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import instants
+from pvlib_fem.record.checks import as_numbers, read
 
 __all__ = [
     "EnergyError",
@@ -18,6 +18,8 @@ __all__ = [
 
 GAMMA = -0.0035  # 1/K, the paper's temperature coefficient of power
 HOUR = 3600.0
+LATE = range(60, 601, 60)  # s, the paper's delays
+CLOSE = 0.1  # of a step, which a logger's clock may wander
 
 
 def rmse(measured, modelled) -> float:
@@ -27,12 +29,18 @@ def rmse(measured, modelled) -> float:
     Parameters
     ----------
     measured, modelled : numeric
-        Temperatures; pairs with a NaN do not count. [°C]
+        Temperatures, of one shape, or one of them a number; pairs with a NaN do not
+        count. [°C]
 
     Returns
     -------
     float
         RMSE; NaN without a pair. [K]
+
+    Raises
+    ------
+    ValueError
+        If the lengths or indexes differ, one is a table, or a value is infinite.
     """
     return float(np.sqrt(mean_of(difference(measured, modelled) ** 2)))
 
@@ -63,13 +71,30 @@ def mbe(measured, modelled) -> float:
 
 
 def difference(measured, modelled):
-    same_index(measured, modelled)
-    error = np.asarray(measured, dtype=float) - np.asarray(modelled, dtype=float)
+    columns = {"measured": measured, "modelled": modelled}
+    same_rows(columns)
+    measured, modelled = (
+        as_numbers(name, column, column.index if isinstance(column, pd.Series) else ())
+        for name, column in columns.items()
+    )
+    error = measured - modelled
     return error[np.isfinite(error)]
 
 
-def same_index(*columns):
-    indexes = [column.index for column in columns if isinstance(column, pd.Series)]
+def same_rows(columns):
+    """Refuse columns that numpy would pair in another way than row by row."""
+    for name, column in columns.items():
+        if np.ndim(column) > 1:
+            raise ValueError(
+                f"{name} has {np.ndim(column)} dimensions; give one column, for "
+                "example data['temp_module']"
+            )
+    lengths = {name: len(c) for name, c in columns.items() if np.ndim(c)}
+    if len(set(lengths.values())) > 1:
+        raise ValueError(
+            f"the lengths differ: {lengths}; give all columns the same rows"
+        )
+    indexes = [c.index for c in columns.values() if isinstance(c, pd.Series)]
     if any(not index.equals(indexes[0]) for index in indexes[1:]):
         raise ValueError("the series have different indexes; align them first")
 
@@ -126,7 +151,8 @@ def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
     Raises
     ------
     ValueError
-        If there are no times, or the indexes differ.
+        If there are no times or they are not sorted, the indexes differ, or a value is
+        infinite.
 
     References
     ----------
@@ -134,17 +160,14 @@ def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
        thermal models at second-to-minute timescales", 2022, Eqs. 30 to 34.
        :doi:`10.22541/au.166922866.68736478`
     """
-    if step is None:
-        if not isinstance(getattr(poa_global, "index", None), pd.DatetimeIndex):
-            raise ValueError("arrays bring no times; give step in seconds")
-        times = poa_global.index
-        seconds = np.diff(instants(times)) / np.timedelta64(1, "s")
-        usual = np.median(seconds) if len(seconds) else np.nan
-        step = np.minimum(np.concatenate(([usual], seconds)), 2.0 * usual)
-    same_index(poa_global, measured, modelled)
-    poa = np.asarray(poa_global, dtype=float)
-    too_hot = np.asarray(modelled, dtype=float) - np.asarray(measured, dtype=float)
-    kilowatt_hours = poa / 1000.0 * step / HOUR
+    columns = dict(poa_global=poa_global, measured=measured, modelled=modelled)
+    inputs = read(columns, step, purpose="energy_error")
+    seconds = inputs.step
+    if np.ndim(inputs.steps):  # the first row stands for a usual step
+        seconds = np.minimum(inputs.steps * inputs.unit, 2.0 * inputs.step)
+        seconds[0] = inputs.step
+    too_hot = inputs["modelled"] - inputs["measured"]
+    kilowatt_hours = inputs["poa_global"] / 1000.0 * seconds / HOUR
     error = kilowatt_hours * too_hot * gamma
     seen = np.isfinite(error)
     over = error[seen & (too_hot < 0)].sum()
@@ -157,7 +180,7 @@ def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
     )
 
 
-def delayed_sensor(measured, delays=range(60, 601, 60), rows=None) -> pd.DataFrame:
+def delayed_sensor(measured, delays=None, rows=None) -> pd.DataFrame:
     """
     Error of a perfect sensor that is read late, as a yardstick for models.
 
@@ -167,8 +190,9 @@ def delayed_sensor(measured, delays=range(60, 601, 60), rows=None) -> pd.DataFra
     ----------
     measured : Series
         Measured temperature with a DatetimeIndex. [°C]
-    delays : iterable of float
-        Delays. [s]
+    delays : iterable of float, optional
+        Delays, in whole steps of the record; by default those of 1, 2, … 10 min, as in
+        the paper, that are whole steps. [s]
     rows : Series of bool, optional
         Rows to compare, by default all. For a yardstick these are the rows that the
         model is scored on: by night little changes, so that all rows together make a
@@ -182,7 +206,9 @@ def delayed_sensor(measured, delays=range(60, 601, 60), rows=None) -> pd.DataFra
     Raises
     ------
     ValueError
-        If ``measured`` has no DatetimeIndex, or ``rows`` another one.
+        If ``measured`` has no DatetimeIndex or its times are not sorted, ``rows`` has
+        another one, or a delay is no whole number of steps, where the sensor would be
+        held against itself.
 
     References
     ----------
@@ -193,19 +219,35 @@ def delayed_sensor(measured, delays=range(60, 601, 60), rows=None) -> pd.DataFra
     """
     if not isinstance(getattr(measured, "index", None), pd.DatetimeIndex):
         raise ValueError("measured has no DatetimeIndex; set one with pd.to_datetime")
-    usual = np.median(np.diff(instants(measured.index)))
+    step = read({"measured": measured}, purpose="delayed_sensor").step
+    delays, near = whole_delays(delays, step), pd.Timedelta(seconds=step) / 2
     there = measured
     if rows is not None:
-        same_index(measured, rows)
+        same_rows({"measured": measured, "rows": rows})
         there = measured.where(rows.astype(bool))
     table = {}
     for delay in delays:
         late = measured.copy()
         late.index = measured.index + pd.Timedelta(seconds=float(delay))
-        late = late.reindex(measured.index, method="nearest", tolerance=usual / 2)
+        late = late.reindex(measured.index, method="nearest", tolerance=near)
         table[delay] = {
             "rmse": rmse(there, late),
             "mae": mae(there, late),
             "points": len(difference(there, late)),
         }
     return pd.DataFrame.from_dict(table, orient="index").rename_axis("delay")
+
+
+def whole_delays(delays, step):
+    """Delays that are whole steps; others are refused, of the paper's left out."""
+    chosen = LATE if delays is None else list(delays)
+    between = [d for d in chosen if not abs(d / step - np.rint(d / step)) < CLOSE]
+    if delays is None:
+        chosen = [delay for delay in chosen if delay not in between]
+    if not chosen or (delays is not None and between):
+        raise ValueError(
+            f"delays of {', '.join(f'{d:g}' for d in between)} s are no whole steps of "
+            f"{step:g} s, and between two values the record knows none; give multiples "
+            f"of the step, as delays=[{step:g}, {2 * step:g}]"
+        )
+    return chosen

@@ -227,12 +227,25 @@ def test_a_list_of_time_constants_must_fit_the_samples():
         (pd.Series([1.0], at([60])), "not before the first sample"),
         (pd.Series([np.nan], at([-60])), "initial holds no value"),
         (pd.Series([1.0], at([-60]).tz_localize("UTC")), "zone UTC, values in None"),
+        (pd.Series([1.0, 2.0], at([-60, -120])), "initial is not sorted"),
+        (pd.Series([1.0, 2.0]), "initial has no DatetimeIndex but a RangeIndex"),
+        (pd.Series([np.inf], at([-60])), "initial is infinite at 2024"),
+        (np.nan, "initial = nan must be a finite number"),
+        (-np.inf, "initial = -inf must be a finite number"),
     ],
 )
 def test_a_state_must_come_from_before(initial, message):
     values = pd.Series([0.0, 1.0], at([0, 60]))
     with pytest.raises(ValueError, match=message):
         ewm(values, 378.0, initial=initial)
+
+
+def test_a_masked_sample_is_one_that_is_missing():
+    masked = np.ma.masked_array([0, -7999, 2, 3], [0, 1, 0, 0])
+    plain = [0.0, np.nan, 2.0, 3.0]
+    np.testing.assert_array_equal(ewm(masked, 60, step=60), ewm(plain, 60, step=60))
+    with pytest.raises(ValueError, match="tau = nan must be positive"):
+        ewm(plain, np.ma.masked_array([60.0] * 4, [0, 0, 1, 0]), step=60)
 
 
 def test_a_bare_state_needs_even_steps():

@@ -69,6 +69,52 @@ def test_arrays_need_a_step_and_series_one_index():
         scores.energy_error(one, other, other)
 
 
+MINUTES = pd.date_range("2024-05-01", periods=4, freq="1min")
+SENSOR = pd.Series([20.0, 21.0, 23.0, 22.0], MINUTES)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: scores.rmse(SENSOR.to_frame(), SENSOR), "measured has 2 dimensions"),
+        (lambda: scores.mae(SENSOR, SENSOR.to_frame()), "modelled has 2 dimensions"),
+        (lambda: scores.mbe(np.ones(3), np.ones(1)), "the lengths differ"),
+        (lambda: scores.rmse([1.0, np.inf], [1.0, 2.0]), "measured is infinite at row"),
+        (lambda: scores.rmse(1.0, SENSOR * np.inf), "modelled is infinite at 2024-05"),
+        (lambda: scores.energy_error(SENSOR[::-1], 1.0, SENSOR[::-1]), "not sorted"),
+        (
+            lambda: scores.energy_error(SENSOR.iloc[[0, 1, 1, 2]], 20.0, 21.0),
+            "has the time 2024-05-01 00:01:00 twice",
+        ),
+        (lambda: scores.energy_error([1.0], [2.0], [3.0], step=-60), "positive number"),
+        (lambda: scores.energy_error(SENSOR, 2.0, 3.0, step=60), "drop step"),
+        (lambda: scores.delayed_sensor(SENSOR, [30]), "30 s are no whole steps of 60"),
+        (lambda: scores.delayed_sensor(SENSOR, [60, 90]), "delays of 90 s are no"),
+        (lambda: scores.delayed_sensor(SENSOR[::-1]), "not sorted"),
+        (lambda: scores.delayed_sensor(SENSOR[:1].asfreq(None)), "no whole steps of"),
+    ],
+)
+def test_what_is_no_pair_of_temperatures_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_a_masked_value_is_one_that_is_missing():
+    masked = np.ma.masked_array([20.0, -999.0, 23.0, 22.0], [0, 1, 0, 0])
+    assert scores.rmse(masked, SENSOR.to_numpy()) == 0.0
+    whole = scores.energy_error([500] * 4, SENSOR, 25.0, step=None)
+    error = scores.energy_error([500] * 4, masked, 25.0, step=60)
+    assert error.insolation == pytest.approx(0.75 * whole.insolation)
+
+
+def test_by_default_a_sensor_is_late_by_whole_steps():
+    table = scores.delayed_sensor(
+        SENSOR.set_axis(MINUTES[0] + 2 * (MINUTES - MINUTES[0]))
+    )
+    assert table.index.tolist() == [120, 240, 360, 480, 600]
+    assert table["points"].tolist() == [3, 2, 1, 0, 0]
+
+
 def test_a_late_sensor_on_a_ramp_is_off_by_the_slope_times_the_delay():
     times = pd.date_range("2024-05-01", periods=600, freq="10s")
     ramp = pd.Series(0.05 * 10 * np.arange(600), times)  # 0.05 K/s
@@ -101,5 +147,5 @@ def test_a_late_sensor_is_compared_on_the_rows_that_are_asked_for(week):
     late = module.shift(5)[day]
     assert by_day["mae"] == pytest.approx(scores.mae(module[day], late))
     assert by_day["points"] == (module[day].notna() & late.notna()).sum()
-    with pytest.raises(ValueError, match="different indexes"):
+    with pytest.raises(ValueError, match="lengths differ"):
         scores.delayed_sensor(module, [300], day.iloc[:-1])

@@ -35,9 +35,14 @@ class Inputs:
 
     @property
     def step(self):
-        """Usual time between rows. [s]"""
-        steps = np.atleast_1d(self.steps)
-        return float(np.median(steps[1:] if len(steps) > 1 else steps)) * self.unit
+        """Usual time between rows; NaN of a single one. [s]"""
+        if np.ndim(self.steps) == 0:
+            return self.steps * self.unit
+        return (
+            float(np.median(self.steps[1:])) * self.unit
+            if len(self.steps) > 1
+            else np.nan
+        )
 
     @property
     def seconds(self):
@@ -57,23 +62,10 @@ class Inputs:
         rows = len(self.index)
         steps = np.array(np.broadcast_to(self.steps, rows), dtype=float)
         if isinstance(initial, pd.Series):
-            initial = initial.dropna()
-            if initial.empty:
-                raise ValueError("initial holds no value; drop it to start anew")
-            if not isinstance(self.index, pd.DatetimeIndex):
-                raise ValueError(
-                    "initial is a Series, but values bring no times; give the "
-                    "state as a number"
-                )
-            last = getattr(initial.index, "tz", None)
-            if (last is None) != (self.index.tz is None):
-                raise ValueError(
-                    f"initial has times in zone {last}, values in {self.index.tz}; "
-                    "give both a zone or neither"
-                )
+            initial = self.past(initial)
             since = self.index[0] - initial.index[-1]
             steps[0] = since.total_seconds() / self.unit
-            state = initial.iloc[-1]
+            state = as_numbers("initial", initial, initial.index)[-1]
         elif np.ndim(self.steps) == 0:
             steps[0], state = self.steps, initial
         else:
@@ -86,7 +78,35 @@ class Inputs:
                 f"initial is at {initial.index[-1]}, not before the first sample at "
                 f"{self.index[0]}; carry the state from earlier rows"
             )
+        if not np.isfinite(state):
+            raise ValueError(
+                f"initial = {state} must be a finite number; drop it to start anew"
+            )
         return float(state), steps
+
+    def past(self, initial):
+        """What is known of a Series that goes before, in times that can be told."""
+        initial = initial.dropna()
+        if initial.empty:
+            raise ValueError("initial holds no value; drop it to start anew")
+        times = initial.index
+        if not isinstance(self.index, pd.DatetimeIndex):
+            raise ValueError(
+                "initial is a Series, but values bring no times; give the "
+                "state as a number"
+            )
+        if not isinstance(times, pd.DatetimeIndex):
+            raise ValueError(
+                f"initial has no DatetimeIndex but a {type(times).__name__}; set one "
+                "with pd.to_datetime"
+            )
+        if (times.tz is None) != (self.index.tz is None):
+            raise ValueError(
+                f"initial has times in zone {times.tz}, values in {self.index.tz}; "
+                "give both a zone or neither"
+            )
+        datetime_steps(times, "initial")  # refuses what is not sorted
+        return initial
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,6 +331,8 @@ def ends_summer_time(steps, index, at):
 
 def as_numbers(name, value, index):
     """Floats of one column; text and infinities are refused by name and time."""
+    if np.ma.isMaskedArray(value):
+        value = value.astype(float).filled(np.nan)
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
     if values.dtype.kind not in "fiub":
         for at, entry in enumerate(np.atleast_1d(values)):
