@@ -13,7 +13,7 @@ from pvlib_fem.relaxation import ewm
 from pvlib_fem.stored import opened
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.stored import model_of
-from pvlib_fem.thermal.temperature import TAU, fem_temperature
+from pvlib_fem.thermal.temperature import TAU, fem_temperature, refuse_dynamic
 
 FIT, LOOP = "pvlib_fem.FemFit", "pvlib_fem.Loop"  # formats of files
 FITS = (FIT, LOOP)  # those that hold a fit
@@ -89,6 +89,8 @@ class DynamicCellTemperature:
         base=None,
         **drivers,
     ):
+        if callable(model):
+            refuse_dynamic(model)
         if callable(model) and dynamics == "balance":
             raise ValueError("a callable model has no heat balance; use dynamics='ewm'")
         for name, series in drivers.items():
@@ -97,6 +99,8 @@ class DynamicCellTemperature:
         if not callable(model):
             wanted = thermal_model(model, dynamics, map(find, several(effects)))
             effects = wanted.effects
+            if coefficients is not None:
+                wanted.checked(coefficients)
             given = [n for n in drivers if n not in WEATHER]
             # the chain knows the sun and its mounts
             known = [n for n in GEOMETRY if n in wanted.drivers and n not in given]

@@ -84,19 +84,22 @@ def ewm(
     array([  0. , 146.8, 272. ])
     """
     inputs = read({"values": values}, step=step, times=times, purpose="ewm")
-    tau = time_constant(tau, len(inputs.index))
+    smooth = smoothed(inputs, "values", tau, adjust, initial)
+    return inputs.restore(smooth, getattr(values, "name", None))
+
+
+def smoothed(inputs, name, tau, adjust=False, initial=None):
+    """A column of checked inputs seen through a time constant. [s]"""
+    tau = time_constant(tau, len(inputs.index)) / inputs.unit
     if adjust and initial is not None:
         raise ValueError(
             "initial does not go with adjust=True: the paper's weights start at the "
             "first sample; use adjust=False to carry a state"
         )
     state, steps = inputs.resume(initial)
-    tau = tau / inputs.unit
     if adjust:
-        smooth = weighted_mean(inputs["values"], steps, tau)
-    else:
-        smooth = relax(inputs["values"], steps, tau, state)
-    return inputs.restore(smooth, getattr(values, "name", None))
+        return weighted_mean(inputs[name], steps, tau)
+    return relax(inputs[name], steps, tau, state)
 
 
 def time_constant(tau, rows, name="tau"):

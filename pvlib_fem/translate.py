@@ -12,10 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS
+from pvlib_fem.thermal.steady import (
+    CLIP,
+    SHELTER,
+    STEADY_MODELS,
+    noct_sam_line,
+    pvsyst_line,
+)
 
 TWO_WINDS = (1.4, 5.4)  # m/s, as pvlib's GenericLinearModel
-SHELTER = 0.51  # of SAM: wind at the module over wind at 10 m
 METHODS = ("two_winds", "least_squares", "calm")
 CARRIED = ("tau", "capacity", "bias")  # go along unchanged
 SUN = 1000.0  # W/m²
@@ -49,20 +54,9 @@ class Shape:
         return self.unbend(first + second * np.minimum(wind_speed, self.clip))
 
 
-def pvsyst_line(u_c, u_v, module_efficiency, alpha_absorption):
-    absorbed = alpha_absorption * (1.0 - module_efficiency)
-    return u_c / absorbed, u_v / absorbed
-
-
 def pvsyst_coefficients(first, second, module_efficiency, alpha_absorption):
     absorbed = alpha_absorption * (1.0 - module_efficiency)
     return {"u_c": first * absorbed, "u_v": second * absorbed}
-
-
-def noct_sam_line(noct, module_efficiency, transmittance_absorptance):
-    heat = 1.0 - module_efficiency / transmittance_absorptance
-    loss = 800.0 / (noct - 20.0) / heat
-    return 0.6 * loss, 0.4 * SHELTER * loss
 
 
 def noct_sam_coefficients(first, second, module_efficiency, transmittance_absorptance):
@@ -236,7 +230,7 @@ def translate(
     result = {k: float(v) for k, v in goal.coefficients(first, second, **fixed).items()}
     if target in STEADY_MODELS:
         try:
-            STEADY_MODELS[target].complete(result)
+            STEADY_MODELS[target].complete({**result, **fixed})
         except ValueError as error:
             others = " or ".join(repr(m) for m in METHODS if m not in (method, "calm"))
             raise ValueError(

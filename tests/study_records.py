@@ -45,9 +45,11 @@ def formed(data, seed, dynamics, u0, u1, memory, noise, hours, by_day):
     """The fitted form on measured columns, with autoregressive noise. [°C]"""
     usual = [data[name] for name in ("poa_global", "temp_air", "wind_speed")]
     if dynamics == "ewm":
-        truth = fem_temperature(*usual, memory, model="faiman", u0=u0, u1=u1)
+        truth = fem_temperature(*usual, tau=memory, model="faiman", u0=u0, u1=u1)
     else:
-        truth = heat_balance(*usual, 30.0 * memory, model="faiman", u0=u0, u1=u1)
+        truth = heat_balance(
+            *usual, capacity=30.0 * memory, model="faiman", u0=u0, u1=u1
+        )
     step = (data.index[1] - data.index[0]).total_seconds()
     random = np.random.default_rng([seed, 77])
     error = simulator.pieces.wander(random, len(data), hours * 3600.0 / step)

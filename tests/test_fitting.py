@@ -39,7 +39,9 @@ def weather(request):
 
 @pytest.mark.parametrize("tau", TAUS)
 def test_tau_is_recovered(tau, weather, noise):
-    module = fem.fem_temperature(*weather, tau, -2.0, model="wm1", k=0.035, d=10)
+    module = fem.fem_temperature(
+        *weather, tau=tau, bias=-2.0, model="wm1", k=0.035, d=10
+    )
     module += noise(len(module), 0.2)
     fit = fem.fit_fem(*weather, module, model="wm1", dynamics="ewm")
     assert fit.coefficients["tau"] == pytest.approx(tau, rel=0.02)
@@ -50,7 +52,9 @@ def test_tau_is_recovered(tau, weather, noise):
 @pytest.mark.parametrize("tau", TAUS)
 def test_capacity_is_recovered(tau, weather, noise):
     capacity = tau / 0.035
-    module = fem.heat_balance(*weather, capacity, -2.0, model="wm1", k=0.035, d=10)
+    module = fem.heat_balance(
+        *weather, capacity=capacity, bias=-2.0, model="wm1", k=0.035, d=10
+    )
     module += noise(len(module), 0.2)
     fit = fem.fit_fem(*weather, module, model="wm1", dynamics="balance")
     assert fit.coefficients["capacity"] == pytest.approx(capacity, rel=0.02)
@@ -184,7 +188,7 @@ def test_scores_are_those_of_the_held_out_daytime(week):
 
 
 def test_each_step_of_least_squares_has_more_freedom_than_the_last(drivers, noise):
-    module = fem.heat_balance(*drivers, 17e3, -3.0, u0=25, u1=6.84)
+    module = fem.heat_balance(*drivers, capacity=17e3, bias=-3.0, u0=25, u1=6.84)
     fit = fem.fit_fem(*drivers, module + noise(len(module), 0.3), model="faiman")
     steps = fit.scores["rmse_train"]
     assert steps["filter"] >= steps["ewm"] >= steps["fem"]
@@ -327,7 +331,9 @@ def test_everything_cannot_be_held_out(month):
 
 @pytest.mark.parametrize("model", STEADY_MODELS)
 def test_the_search_sees_the_share_and_the_user_the_number(model):
-    target = ThermalModel(STEADY_MODELS[model], "ewm")
+    constants = {**STEADY_MODELS[model].fixed}
+    held = {name: 0.2 for name, value in constants.items() if np.isnan(value)}
+    target = ThermalModel(STEADY_MODELS[model], "ewm", held=held)
     searched = {name: row.start for name, row in target.parameters.items()}
     values, chain = natural(target, searched)
     steady_model = {

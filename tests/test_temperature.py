@@ -74,7 +74,9 @@ def test_a_vanishing_memory_gives_the_steady_model(drivers, model):
     poa, air, wind = drivers
     steady = air + poa * steady_model.resistance(wind, **coefficients)
     assert_allclose(in_an_instant(*drivers, model=model), steady, rtol=1e-12)
-    quick = fem.heat_balance(*drivers, 1e-6, model=model, **COEFFICIENTS[model])
+    quick = fem.heat_balance(
+        *drivers, capacity=1e-6, model=model, **COEFFICIENTS[model]
+    )
     assert_allclose(quick, steady, rtol=1e-12)
 
 
@@ -103,7 +105,7 @@ def test_heat_balance_solves_its_differential_equation(month, model):
         hours["poa_global"],
         hours["temp_air"],
         hours["wind_speed"],
-        capacity,
+        capacity=capacity,
         model=model,
         **COEFFICIENTS[model],
     )
@@ -129,7 +131,7 @@ def test_with_constant_wind_and_air_both_dynamics_agree(month):
     ewm = fem.fem_temperature(
         poa, 20.0, 2.0, tau=378.0, model="faiman", u0=25.0, u1=6.84
     )
-    balance = fem.heat_balance(poa, 20.0, 2.0, 378.0 / r_eq, u0=25.0, u1=6.84)
+    balance = fem.heat_balance(poa, 20.0, 2.0, capacity=378.0 / r_eq, u0=25.0, u1=6.84)
     assert_allclose(ewm, balance, rtol=1e-12)
 
 
@@ -138,7 +140,9 @@ def test_the_time_constant_of_the_balance_follows_the_wind():
     for wind in (0.0, 2.0, 8.0):
         tau = 12e3 / (25.0 + 6.84 * wind)
         sun = np.r_[0.0, np.full(2000, 1000.0)]
-        rise = fem.heat_balance(sun, 0.0, wind, 12e3, u0=25.0, u1=6.84, step=tau / 100)
+        rise = fem.heat_balance(
+            sun, 0.0, wind, capacity=12e3, u0=25.0, u1=6.84, step=tau / 100
+        )
         assert rise[100] / rise[-1] == pytest.approx(1 - np.exp(-1), rel=1e-6)
 
 
@@ -242,7 +246,7 @@ def test_random_weather_keeps_the_laws_of_a_dynamic_model(rows, model, balance, 
         )
     else:
         answer = fem.fem_temperature(
-            poa, air, wind, tau, times=times, model=model, **COEFFICIENTS[model]
+            poa, air, wind, tau=tau, times=times, model=model, **COEFFICIENTS[model]
         )
     missing = np.isnan(poa) | np.isnan(air) | np.isnan(wind)
     assert (np.isnan(answer) == missing).all()
@@ -313,7 +317,9 @@ def test_arrays_need_their_step():
             "faiman has no coefficient u2; it has u0, u1",
         ),
         (
-            lambda g: fem.heat_balance(g, 20, 2, 1e4, model="faiman", u0=25, u1=-20),
+            lambda g: fem.heat_balance(
+                g, 20, 2, capacity=1e4, model="faiman", u0=25, u1=-20
+            ),
             "no loss of heat at 2",
         ),
         (lambda g: fem.fem_temperature(g, 20, 2, step=9, k=1, d=9), "drop step"),

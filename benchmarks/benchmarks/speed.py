@@ -65,7 +65,7 @@ class FemTemperature:
         fem.fem_temperature(*self.drivers, **WM1)
 
     def time_heat_balance(self, record):
-        fem.heat_balance(*self.drivers, 12e3, u0=25.0, u1=6.84)
+        fem.heat_balance(*self.drivers, capacity=12e3, u0=25.0, u1=6.84)
 
     def time_prilliman(self, record):
         poa, air, wind = self.drivers

@@ -19,6 +19,7 @@ from pvlib_fem.statistics.leastsquares import FLAT
 from pvlib_fem.thermal.model import INSTANT, thermal_model
 
 METHODS = ("least_squares", "paper")
+PAPER = ("ross", "sapm", "faiman", "wm1", "wm2")
 ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
 
 
@@ -57,7 +58,8 @@ def fit_fem(
     temp_module : Series
         Measured module temperature. [°C]
     model : str, default "wm1"
-        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"`` or ``"wm2"``.
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"``, ``"wm2"``, ``"pvsyst"``,
+        ``"noct"`` or ``"noct_sam"``.
     dynamics : str, default "ewm"
         ``"steady"``; ``"ewm"``, the paper's smoothing of irradiance and wind
         with one tau; ``"balance"``, the exact heat balance.
@@ -82,7 +84,8 @@ def fit_fem(
         coefficients serve the energy; nights tell more of sky and storage.
     fixed : dict, optional
         Coefficients that are known and not fitted, as ``{"tau": 378.0}`` or
-        ``{"rain.film": 20.0}``; they have no error.
+        ``{"rain.film": 20.0}``; they have no error. So are constants of the model,
+        such as the ``module_efficiency`` of pvsyst, for other than their defaults.
     offset : str, float or None, default "night"
         Over-temperature without irradiance, which ``method="paper"`` takes off
         before its regressions: ``"night"``, its mean by night; ``"calm"``, the
@@ -129,6 +132,11 @@ def fit_fem(
     target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
+    if method == "paper" and model not in PAPER:
+        raise ValueError(
+            f"method='paper' has no {model}; it has {', '.join(PAPER)}, or use "
+            "method='least_squares'"
+        )
     if method == "paper" and dynamics == "balance":
         raise ValueError(
             "method='paper' has no heat balance; use dynamics='ewm', or "
@@ -270,7 +278,8 @@ def last(stages):
 
 def public(model, coefficients):
     """Coefficients that unpack into the temperature function of the dynamics."""
-    names = list(model.parameters)
+    constants = [name for name in model.constants if name in model.held]
+    names = [*model.parameters, *constants]
     values = {name: float(coefficients[name]) for name in names}
     if model.dynamics == "steady":
         bias = values.pop("bias")

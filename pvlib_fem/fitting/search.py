@@ -16,7 +16,8 @@ UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknow
 
 def possible(model, fixed):
     """The coefficients to hold, if they are the model's and can be."""
-    rows = model.parameters
+    constants = model.steady_model.constants
+    rows = {**model.parameters, **constants}
     if unknown := [name for name in fixed if name not in rows]:
         raise ValueError(
             f"fixed has {', '.join(unknown)}, which is no coefficient here; there are "
@@ -32,7 +33,13 @@ def possible(model, fixed):
                 f"fixed {name} = {value:g} {row.unit} cannot be; it is from "
                 f"{row.lower * whole:g} to {row.upper * whole:g}"
             )
-    if not set(rows) - set(held):
+    lacking = [n for n, row in constants.items() if np.isnan(row.start)]
+    if lacking := [name for name in lacking if name not in held]:
+        raise ValueError(
+            f"{model.steady_model.name} needs {', '.join(lacking)}; give it as "
+            f"fixed={{'{lacking[0]}': ...}}"
+        )
+    if not set(model.parameters) - set(held):
         raise ValueError("fixed holds all coefficients; leave one to fit")
     return held
 
@@ -114,7 +121,7 @@ def natural(model, searched):
             values[name] = searched[name] * whole
             chain[i, i] = whole
             chain[i, names.index(row.share_of)] = searched[name]
-    return {**values, **model.steady_model.fixed}, chain
+    return {**values, **model.constants}, chain
 
 
 def held(model):

@@ -1,5 +1,6 @@
 """A thermal model: a steady model, effects, and the dynamics that answers them."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import behind, completed, needed_for
 from pvlib_fem.effects.effect import Parameter, Terms, is_there
-from pvlib_fem.record.checks import read
+from pvlib_fem.record.checks import POSSIBLE, at_time, read
 from pvlib_fem.record.columns import ALIASES
 from pvlib_fem.relaxation import (
     across,
@@ -19,7 +20,7 @@ from pvlib_fem.relaxation import (
     solve,
 )
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
-from pvlib_fem.thermal.temperature import TAU, fem_temperature, heat_balance
+from pvlib_fem.thermal.temperature import TAU, losing
 
 #: time constant that stands for a steady model: shorter than any logger's step
 INSTANT = 1e-9  # s
@@ -73,6 +74,12 @@ class ThermalModel:
         return {**rows, "bias": BIAS}
 
     @property
+    def constants(self):
+        """Constants of the steady model, as they are held or by default."""
+        fixed = self.steady_model.fixed
+        return {name: self.held.get(name, value) for name, value in fixed.items()}
+
+    @property
     def free(self):
         """Names of the parameters that a fit varies, bias last."""
         return [name for name in self.parameters if name not in self.held]
@@ -113,39 +120,59 @@ class ThermalModel:
 
     def completed(self, coefficients):
         """Coefficients with those that have a default."""
-        defaults = {**self.steady_model.fixed, "tau": TAU, "bias": 0.0}
-        return {**defaults, **coefficients}
+        tau = INSTANT if self.dynamics == "steady" else TAU
+        return {**self.constants, "tau": tau, "bias": 0.0, **coefficients}
+
+    def checked(self, coefficients):
+        """The same, if they are those of this model and can be."""
+        complete = self.completed(coefficients)
+        known = [*self.parameters, *self.constants, *MEMORY["ewm"]]
+        steady = self.steady_model
+        if unknown := [name for name in coefficients if name not in known]:
+            raise ValueError(
+                f"{steady.name}, {self.dynamics} has no coefficient "
+                f"{', '.join(unknown)}; it has {', '.join(known)}"
+            )
+        if missing := [name for name in self.parameters if name not in complete]:
+            raise ValueError(f"{steady.name} needs {', '.join(missing)}")
+        steady.complete({n: complete[n] for n in steady.coefficients})
+        if self.dynamics == "steady" and complete["tau"] != INSTANT:
+            raise ValueError(
+                f"tau = {complete['tau']:g} s is given, and dynamics='steady' has no "
+                "memory; drop it, or take dynamics='ewm'"
+            )
+        for name, row in MEMORY[self.dynamics].items():
+            if not (np.isscalar(complete[name]) and complete[name] > 0):
+                raise ValueError(
+                    f"{name} = {complete[name]} must be a positive number [{row.unit}]"
+                )
+        return complete
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
-        """Module temperature; without a tau the default, without a bias none. [°C]"""
+        """
+        Module temperature; without a tau the default, without a bias none. [°C]
+
+        What no sensor can have measured is missing, and negative irradiance is none,
+        as in a fit.
+        """
         drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
         self.check_drivers(drivers)
-        if self.dynamics == "steady":
-            coefficients = {"tau": INSTANT, **coefficients}
-        if not self.effects:
-            function = heat_balance if self.dynamics == "balance" else fem_temperature
-            return function(
-                poa_global,
-                temp_air,
-                wind_speed,
-                model=self.steady_model.name,
-                **coefficients,
-            )
+        coefficients = self.checked(coefficients)
         columns = {
             "poa_global": poa_global,
             "temp_air": temp_air,
             "wind_speed": wind_speed,
             **drivers,
         }
-        coefficients = self.completed(coefficients)
-        if missing := [n for n in self.parameters if n not in coefficients]:
-            raise ValueError(f"{self.steady_model.name} needs {', '.join(missing)}")
+        inputs = as_in_a_fit(read(columns, purpose="a dynamic temperature"))
         # without a base its own coefficients are those of the model without effects
         based = self if self.base else replace(self, base=coefficients)
-        inputs = based.with_drivers(read(columns, purpose="a dynamic temperature"))
+        inputs = based.with_drivers(inputs)
+        own = {n: coefficients[n] for n in self.steady_model.coefficients}
+        losing(self.steady_model, inputs["wind_speed"], own)
         found = self.temperature(inputs, coefficients)
         # what follows from a gap in a driver may be a number, and is not known
-        known = np.all([np.isfinite(inputs[name]) for name in self.drivers], axis=0)
+        known = np.all([np.isfinite(inputs[name]) for name in columns], axis=0)
         return inputs.restore(np.where(known, found, np.nan))
 
     def check_drivers(self, given):
@@ -210,6 +237,29 @@ class ThermalModel:
         return temperature + added.offset, {
             name: np.broadcast_to(slope, rows) for name, slope in slopes.items()
         }
+
+
+def as_in_a_fit(inputs):
+    """Inputs as a fit takes them, with a warning of what cannot be."""
+    columns, said = dict(inputs.columns), []
+    for name in columns.keys() & POSSIBLE.keys():
+        values, (low, high, unit) = columns[name], POSSIBLE[name]
+        outside = (values < low) | (values > high)
+        if outside.any():
+            at = int(np.argmax(outside))
+            said.append(
+                f"{name} holds {outside.sum()} values that cannot be, first "
+                f"{values[at]:g} {unit} at {at_time(inputs.index, at)}"
+            )
+            columns[name] = np.where(outside, np.nan, values)
+    if said:
+        warnings.warn(
+            f"{'; '.join(said)}: such rows have no temperature. Replace the values "
+            "with NaN",
+            stacklevel=4,
+        )
+    columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
+    return replace(inputs, columns=columns)
 
 
 def thermal_model(model, dynamics, effects=(), base=None, held=None):

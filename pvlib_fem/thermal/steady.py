@@ -1,5 +1,5 @@
 """
-The five steady models of the paper, each as r_eq(wind_speed) = T_o / G.
+The steady models, each as r_eq(wind_speed) = T_o / G: the paper's five, and pvlib's.
 
 They differ in nothing else: over-temperature is ``poa_global * r_eq``, and the
 loss of the heat balance is ``1 / r_eq``. Beside each resistance stand its
@@ -7,13 +7,14 @@ slopes, by parameter and by wind speed, which the exact Jacobian of a fit needs.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from pvlib_fem.effects.effect import Parameter
 
 CLIP = 8.0  # m/s, where the paper clips the wind in WM2
+SHELTER = 0.51  # of SAM: wind at the module over wind at 10 m
 
 
 @dataclass(frozen=True)
@@ -21,20 +22,27 @@ class SteadyModel:
     """
     A steady model: its resistance, its slopes and its parameter rows.
 
-    ``fixed`` are constants of the steady model with their defaults, which a user may
-    set and a fit leaves alone.
+    ``constants`` are rows of what a user may set and a fit leaves alone; their start
+    is the default, and NaN where there is none. ``defaults`` are those that pvlib's
+    function of that name has for the parameters.
     """
 
     name: str
     resistance: Callable  # wind_speed, **coefficients -> r_eq [K/(W/m²)]
     slopes: Callable  # the same -> {coefficient or "wind_speed": slope of r_eq}
     parameters: Mapping[str, Parameter]
-    fixed: Mapping[str, float]
+    constants: Mapping[str, Parameter] = field(default_factory=dict)
+    defaults: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def coefficients(self):
         """Names of all coefficients: those that are fitted, then the constants."""
-        return [*self.parameters, *self.fixed]
+        return [*self.parameters, *self.constants]
+
+    @property
+    def fixed(self):
+        """The constants by their defaults."""
+        return {name: row.start for name, row in self.constants.items()}
 
     def complete(self, coefficients):
         """Check the names and values of coefficients, and add the fixed ones."""
@@ -44,14 +52,19 @@ class SteadyModel:
                 f"{self.name} has no coefficient {', '.join(unknown)}; it has "
                 f"{', '.join(names)}"
             )
-        if missing := [name for name in self.parameters if name not in coefficients]:
+        known = {n: value for n, value in self.fixed.items() if not np.isnan(value)}
+        complete = {**known, **self.defaults, **coefficients}
+        if missing := [name for name in names if name not in complete]:
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}; it has the coefficients "
                 f"{', '.join(names)}"
             )
-        complete = {**self.fixed, **coefficients}
         check_values(self.name, complete)
         return complete
+
+
+POSITIVE = ("k", "d", "u0", "wind_speed_max", "u_c", "alpha_absorption")
+SHARES = ("module_efficiency", "alpha_absorption", "transmittance_absorptance")
 
 
 def check_values(name, coefficients):
@@ -59,8 +72,19 @@ def check_values(name, coefficients):
     for key, value in coefficients.items():
         if not np.isscalar(value) or np.isnan(value):
             raise ValueError(f"{name}: {key} = {value!r} must be one number")
-        if key in ("k", "d", "u0", "wind_speed_max") and not value > 0:
+        if key in POSITIVE and not value > 0:
             raise ValueError(f"{name}: {key} = {value} must be positive")
+        if key == "noct" and not value > 20.0:
+            raise ValueError(f"{name}: noct = {value} must be above 20 °C, the air's")
+        if key in SHARES and not 0.0 <= value <= 1.0:
+            raise ValueError(f"{name}: {key} = {value} must be a share, 0 to 1")
+    if "module_efficiency" in coefficients:
+        absorbed = coefficients.get("transmittance_absorptance", 1.0)
+        if not coefficients["module_efficiency"] < absorbed:
+            raise ValueError(
+                f"{name}: module_efficiency = {coefficients['module_efficiency']} must "
+                f"be below {absorbed}, what is absorbed"
+            )
     if "k_w" in coefficients:
         k, k_w, clip = (coefficients[c] for c in ("k", "k_w", "wind_speed_max"))
         if k_w * clip >= k:
@@ -117,11 +141,59 @@ def wm2_slopes(wind_speed, k, k_w, wind_speed_max):
     }
 
 
+def pvsyst_line(u_c, u_v, module_efficiency, alpha_absorption):
+    """Loss per absorbed irradiance as a line in wind, Faiman's u0 and u1."""
+    absorbed = alpha_absorption * (1.0 - module_efficiency)
+    return u_c / absorbed, u_v / absorbed
+
+
+def pvsyst(wind_speed, **coefficients):
+    return faiman(wind_speed, *pvsyst_line(**coefficients))
+
+
+def pvsyst_slopes(wind_speed, **coefficients):
+    slopes = faiman_slopes(wind_speed, *pvsyst_line(**coefficients))
+    per_loss, _ = pvsyst_line(**{**coefficients, "u_c": 1.0})
+    return {
+        "u_c": slopes["u0"] * per_loss,
+        "u_v": slopes["u1"] * per_loss,
+        "wind_speed": slopes["wind_speed"],
+    }
+
+
+def noct(wind_speed, noct):
+    return ross(wind_speed, (noct - 20.0) / 800.0)
+
+
+def noct_slopes(wind_speed, noct):
+    return {"noct": np.full_like(wind_speed, 1.0 / 800.0), "wind_speed": 0.0}
+
+
+def noct_sam_line(noct, module_efficiency, transmittance_absorptance):
+    """The same of SAM's model, whose wind cools by 0.4 where calm air does by 0.6."""
+    heat = 1.0 - module_efficiency / transmittance_absorptance
+    loss = 800.0 / (noct - 20.0) / heat
+    return 0.6 * loss, 0.4 * SHELTER * loss
+
+
+def noct_sam(wind_speed, **coefficients):
+    return faiman(wind_speed, *noct_sam_line(**coefficients))
+
+
+def noct_sam_slopes(wind_speed, **coefficients):
+    u0, u1 = noct_sam_line(**coefficients)
+    r_eq = faiman(wind_speed, u0, u1)
+    by_wind = faiman_slopes(wind_speed, u0, u1)["wind_speed"]
+    return {"noct": r_eq / (coefficients["noct"] - 20.0), "wind_speed": by_wind}
+
+
 # starts are the paper's average site (its Table 3) and pvlib's defaults
 K = Parameter(0.0326, 0.002, 0.2, "K m²/W")
 
+SHARE = {"lower": 0.0, "upper": 1.0, "unit": "-"}
+
 STEADY_MODELS = {
-    "ross": SteadyModel("ross", ross, ross_slopes, {"k": K}, {}),
+    "ross": SteadyModel("ross", ross, ross_slopes, {"k": K}),
     "sapm": SteadyModel(
         "sapm",
         sapm,
@@ -130,7 +202,6 @@ STEADY_MODELS = {
             "a": Parameter(-3.47, -6.2, -1.6, "ln(K m²/W)"),
             "b": Parameter(-0.0594, -1.0, 0.0, "s/m"),
         },
-        {},
     ),
     "faiman": SteadyModel(
         "faiman",
@@ -140,14 +211,10 @@ STEADY_MODELS = {
             "u0": Parameter(25.0, 1.0, 500.0, "W/(m² K)"),
             "u1": Parameter(6.84, 0.0, 100.0, "W s/(m³ K)"),
         },
-        {},
+        defaults={"u0": 25.0, "u1": 6.84},
     ),
     "wm1": SteadyModel(
-        "wm1",
-        wm1,
-        wm1_slopes,
-        {"k": K, "d": Parameter(15.0, 1.0, 1000.0, "m/s")},
-        {},
+        "wm1", wm1, wm1_slopes, {"k": K, "d": Parameter(15.0, 1.0, 1000.0, "m/s")}
     ),
     "wm2": SteadyModel(
         "wm2",
@@ -157,13 +224,42 @@ STEADY_MODELS = {
             "k": K,
             "k_w": Parameter(0.5 / CLIP, 0.0, 0.999 / CLIP, "K m s/W", share_of="k"),
         },
-        {"wind_speed_max": CLIP},
+        {"wind_speed_max": Parameter(CLIP, 0.0, CLIP, "m/s")},
+    ),
+    "pvsyst": SteadyModel(
+        "pvsyst",
+        pvsyst,
+        pvsyst_slopes,
+        {
+            "u_c": Parameter(29.0, 1.0, 500.0, "W/(m² K)"),
+            "u_v": Parameter(1.0, 0.0, 100.0, "W s/(m³ K)"),
+        },
+        {
+            "module_efficiency": Parameter(0.1, **SHARE),
+            "alpha_absorption": Parameter(0.9, **SHARE),
+        },
+        defaults={"u_c": 29.0, "u_v": 0.0},
+    ),
+    "noct": SteadyModel(
+        "noct", noct, noct_slopes, {"noct": Parameter(46.0, 21.6, 180.0, "°C")}
+    ),
+    "noct_sam": SteadyModel(
+        "noct_sam",
+        noct_sam,
+        noct_sam_slopes,
+        {"noct": Parameter(46.0, 21.6, 180.0, "°C")},
+        {
+            "module_efficiency": Parameter(np.nan, **SHARE),
+            "transmittance_absorptance": Parameter(0.9, **SHARE),
+        },
     ),
 }
 
 
-def steady_model(model):
-    """The steady model of that name."""
+def steady_model(model, given=()):
+    """The steady model of that name; Ross's has another where its NOCT is given."""
+    if model == "ross" and "noct" in given:
+        model = "noct"
     if not isinstance(model, str) or model not in STEADY_MODELS:
         raise ValueError(
             f"unknown model {model!r}; the models are {', '.join(STEADY_MODELS)}"

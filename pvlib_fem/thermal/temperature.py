@@ -1,14 +1,17 @@
 """Module temperature in the shape of ``pvlib.temperature``, steady and dynamic."""
 
 import inspect
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import read
-from pvlib_fem.relaxation import relax, time_constant, weighted_mean
+from pvlib_fem.record.checks import at_time, read
+from pvlib_fem.relaxation import relax, smoothed
 from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS, steady_model
 
+SEEN = ("poa_global", "wind_speed")  # smoothed
+DYNAMIC = ("fuentes", "prilliman", "fem_temperature", "heat_balance")
 TAU = 378.0  # s, the paper's mean of fixed mountings (379 ± 60 s)
 
 
@@ -119,12 +122,14 @@ def fem_temperature(
     poa_global,
     temp_air,
     wind_speed,
+    *,
     tau=TAU,
     bias=0.0,
     model="wm1",
     step=None,
     times=None,
     adjust=False,
+    initial=None,
     **coefficients,
 ) -> pd.Series | np.ndarray:
     """
@@ -149,19 +154,29 @@ def fem_temperature(
         Mean of measured minus modelled temperature, the paper's MBE. It is
         added. [K]
     model : str or callable, default "wm1"
-        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"``, ``"wm2"``, or a steady
-        model of pvlib's shape ``(poa_global, temp_air, wind_speed,
-        **coefficients)`` such as :func:`pvlib.temperature.sapm_cell`. Its
-        further series (``ir_down``, say) are not smoothed.
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"``, ``"wm2"``, ``"pvsyst"``,
+        ``"noct"``, ``"noct_sam"``, or a steady model of pvlib's shape
+        ``(poa_global, temp_air, wind_speed, **coefficients)`` such as
+        :func:`pvlib.temperature.sapm_cell`. Its further series (``ir_down``, say)
+        are not smoothed.
     step : float, optional
         Even time step, when the inputs are arrays. [s]
     times : DatetimeIndex or array, optional
         Times, when the inputs are arrays.
     adjust : bool, default False
         Start up as the paper's pandas listing does, see :func:`ewm`.
+    initial : DataFrame or dict, optional
+        Where the piece before ended, to carry on from: its smoothed ``poa_global``
+        and ``wind_speed``, ``{"poa_global": ewm(poa, tau), "wind_speed": ewm(wind,
+        tau)}`` of that piece; each is taken as :func:`ewm` takes it. Without it the
+        module starts at its steady temperature.
     **coefficients
-        Coefficients of the model, by name: ``k`` (ross), ``a``, ``b`` (sapm),
-        ``u0``, ``u1`` (faiman), ``k``, ``d`` (wm1), ``k``, ``k_w`` (wm2).
+        Coefficients of the model, by name: ``k`` or ``noct`` (ross), ``a``, ``b``
+        (sapm), ``u0``, ``u1`` (faiman, by default pvlib's 25 and 6.84), ``k``, ``d``
+        (wm1), ``k``, ``k_w`` (wm2), ``u_c``, ``u_v``, ``module_efficiency``,
+        ``alpha_absorption`` (pvsyst, by default pvlib's 29, 0, 0.1 and 0.9),
+        ``noct`` (noct), ``noct``, ``module_efficiency``,
+        ``transmittance_absorptance`` (noct_sam, the last by default 0.9).
 
     Returns
     -------
@@ -173,8 +188,8 @@ def fem_temperature(
     ------
     ValueError
         If the inputs are single numbers, their times are missing, unsorted or
-        duplicate, the model or a coefficient is unknown, or ``tau`` is not
-        positive.
+        duplicate, wind is negative, the model or a coefficient is unknown, the model
+        has a memory of its own, or ``tau`` is not positive.
 
     See Also
     --------
@@ -194,11 +209,10 @@ def fem_temperature(
     """
     inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
     answer = as_function(model, coefficients)
-    tau = time_constant(tau, len(inputs.index)) / inputs.unit
-    smooth = weighted_mean if adjust else relax
+    states = {name: None if initial is None else state(initial, name) for name in SEEN}
     poa, wind = (
-        inputs.restore(smooth(inputs[name], inputs.steps, tau))
-        for name in ("poa_global", "wind_speed")
+        inputs.restore(smoothed(inputs, name, tau, adjust, states[name]))
+        for name in SEEN
     )
     temperature = answer(poa, inputs.restore(inputs["temp_air"]), wind)
     return named(temperature + bias, poa_global)
@@ -208,6 +222,7 @@ def heat_balance(
     poa_global,
     temp_air,
     wind_speed,
+    *,
     capacity,
     bias=0.0,
     model="faiman",
@@ -240,7 +255,7 @@ def heat_balance(
     bias : float, default 0
         Mean of measured minus modelled temperature. It is added. [K]
     model : str, default "faiman"
-        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"`` or ``"wm2"``.
+        A steady model by name, as in :func:`fem_temperature`.
     step : float, optional
         Even time step, when the inputs are arrays. [s]
     times : DatetimeIndex or array, optional
@@ -261,8 +276,8 @@ def heat_balance(
     ------
     ValueError
         If the inputs are single numbers, their times are missing, unsorted or
-        duplicate, the model or a coefficient is unknown, or ``capacity`` is
-        not positive.
+        duplicate, wind is negative, the model or a coefficient is unknown, or
+        ``capacity`` is not positive.
 
     See Also
     --------
@@ -277,31 +292,45 @@ def heat_balance(
     Examples
     --------
     >>> sun = np.array([0.0, 1000.0, 1000.0, 1000.0])
-    >>> heat_balance(sun, 20.0, 2.0, 12e3, step=60.0, u0=25, u1=6.84).round(1)
+    >>> heat_balance(sun, 20.0, 2.0, capacity=12e3, step=60.0).round(1)
     array([20. , 24.5, 28.3, 31.4])
     """
-    chosen = steady_model(model)
+    chosen = steady_model(model, coefficients)
     coefficients = chosen.complete(coefficients)
     inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
     if not (np.isscalar(capacity) and capacity > 0):
         raise ValueError(f"capacity = {capacity} must be a positive number [J/(m² K)]")
-    r_eq = chosen.resistance(inputs["wind_speed"], **coefficients)
-    if not np.nanmin(r_eq, initial=np.inf) > 0:
-        raise ValueError(
-            f"{model} gives no loss of heat at {np.nanmax(inputs['wind_speed']):g} or "
-            f"{np.nanmin(inputs['wind_speed']):g} m/s; check {coefficients}"
-        )
+    r_eq = losing(chosen, inputs["wind_speed"], coefficients)
     target = inputs["temp_air"] + inputs["poa_global"] * r_eq
     tau = capacity / inputs.unit * r_eq
-    state, steps = inputs.resume(initial)
-    state = None if state is None else state - bias
-    temperature = relax(target, steps, tau, state) + bias
+    begin, steps = inputs.resume(initial)
+    begin = None if begin is None else begin - bias
+    temperature = relax(target, steps, tau, begin) + bias
     return named(inputs.restore(temperature), poa_global)
 
 
 def driver_inputs(poa_global, temp_air, wind_speed, step, times):
     columns = dict(poa_global=poa_global, temp_air=temp_air, wind_speed=wind_speed)
-    return read(columns, step, times, purpose="a dynamic temperature")
+    inputs = read(columns, step, times, purpose="a dynamic temperature")
+    wind = inputs["wind_speed"]
+    if np.nanmin(wind, initial=0.0) < 0.0:
+        at = int(np.nanargmin(wind))
+        raise ValueError(
+            f"wind_speed = {wind[at]:g} m/s at {at_time(inputs.index, at)} cannot be; "
+            "replace such values with NaN, or clip(lower=0) an anemometer's offset"
+        )
+    return inputs
+
+
+def losing(chosen, wind, coefficients):
+    """Resistance of a steady model, which has to lose heat. [K m²/W]"""
+    r_eq = chosen.resistance(wind, **coefficients)
+    if not np.nanmin(r_eq, initial=np.inf) > 0:
+        raise ValueError(
+            f"{chosen.name} gives no loss of heat at {np.nanmax(wind):g} or "
+            f"{np.nanmin(wind):g} m/s; check {coefficients}"
+        )
+    return r_eq
 
 
 def named(temperature, like):
@@ -309,12 +338,37 @@ def named(temperature, like):
     return temperature.rename(None) if isinstance(like, pd.Series) else temperature
 
 
+def state(initial, name):
+    """The state of one smoothed input."""
+    if not isinstance(initial, Mapping | pd.DataFrame):
+        raise ValueError(
+            "initial holds the smoothed irradiance and wind of the piece before, as "
+            "{'poa_global': ewm(poa_global, tau), 'wind_speed': ewm(wind_speed, tau)}; "
+            "a temperature does not tell the two"
+        )
+    if name not in initial:
+        raise ValueError(f"initial lacks {name}; it holds {', '.join(initial)}")
+    return initial[name]
+
+
+def refuse_dynamic(model):
+    """Refuse functions that have a memory of their own."""
+    model = getattr(model, "func", model)  # of a functools.partial
+    name = getattr(model, "__name__", "")
+    if name in DYNAMIC and model.__module__.startswith(("pvlib.", "pvlib_fem.")):
+        raise ValueError(
+            f"{name} has a memory of its own, and smoothing its inputs would add "
+            f"another; call {model.__module__}.{name} by itself, or give a steady model"
+        )
+
+
 def as_function(model, coefficients):
     """``f(poa_global, temp_air, wind_speed)`` of a named steady model or a callable."""
     if not callable(model):
-        chosen = steady_model(model)
+        chosen = steady_model(model, coefficients)
         complete = chosen.complete(coefficients)
-        return lambda poa, air, wind: air + poa * chosen.resistance(wind, **complete)
+        return lambda poa, air, wind: air + poa * losing(chosen, wind, complete)
+    refuse_dynamic(model)
     try:
         signature = inspect.signature(model).parameters
     except (TypeError, ValueError):  # a compiled function tells nothing
