@@ -1,5 +1,7 @@
 """Steady and dynamic temperatures: limits, pvlib, and independent routes."""
 
+import functools
+
 import numpy as np
 import pandas as pd
 import pvlib
@@ -18,6 +20,9 @@ COEFFICIENTS = {
     "faiman": dict(u0=25.0, u1=6.84),
     "wm1": dict(k=0.035, d=12.0),
     "wm2": dict(k=0.035, k_w=0.002),
+    "pvsyst": dict(u_c=29.0, u_v=1.2, module_efficiency=0.2),
+    "noct": dict(noct=46.0),
+    "noct_sam": dict(noct=46.0, module_efficiency=0.2),
 }
 models = pytest.mark.parametrize("model", COEFFICIENTS)
 dynamic = pytest.mark.parametrize(
@@ -36,6 +41,9 @@ def in_an_instant(*drivers, model):
     [
         ("sapm", pvlib.temperature.sapm_module),
         ("faiman", pvlib.temperature.faiman),
+        ("pvsyst", pvlib.temperature.pvsyst_cell),
+        ("noct_sam", pvlib.temperature.noct_sam),
+        ("noct", lambda poa, air, _, noct: pvlib.temperature.ross(poa, air, noct)),
         # by its NOCT: older pvlib knows no k
         (
             "ross",
@@ -60,7 +68,14 @@ def test_wm1_and_wm2_are_the_papers_equations():
 @models
 def test_without_wind_every_law_is_rosss(drivers, model):
     """k = e^a = 1/U0 (the paper's Eq. 12)."""
-    calm_k = {"sapm": np.exp(-3.47), "faiman": 1 / 25.0, "ross": 0.03}.get(model, 0.035)
+    calm_k = {
+        "sapm": np.exp(-3.47),
+        "faiman": 1 / 25.0,
+        "ross": 0.03,
+        "pvsyst": 0.9 * (1 - 0.2) / 29.0,
+        "noct": (46 - 20) / 800,
+        "noct_sam": (46 - 20) / 800 * (1 - 0.2 / 0.9) * 9.5 / 5.7,
+    }.get(model, 0.035)
     poa, air, _ = drivers
     calm = fem.fem_temperature(poa, air, 0.0, model=model, **COEFFICIENTS[model])
     ross = fem.fem_temperature(poa, air, 0.0, model="ross", k=calm_k)
@@ -223,6 +238,95 @@ def test_a_heat_balance_can_be_carried_on(drivers):
     assert_allclose(pd.concat([first, second]), whole, rtol=1e-12)
 
 
+@models
+def test_the_slopes_of_a_steady_model_are_exact(model):
+    steady_model = STEADY_MODELS[model]
+    own = {**steady_model.complete(COEFFICIENTS[model])}
+    wind = np.array([0.0, 0.3, 2.0, 7.0, 12.0])
+    slopes = steady_model.slopes(wind, **own)
+    assert slopes.keys() == {*steady_model.parameters, "wind_speed"}
+    for name in steady_model.parameters:
+        step = 1e-6 * abs(own[name])
+        up, down = (
+            steady_model.resistance(wind, **{**own, name: own[name] + s})
+            for s in (step, -step)
+        )
+        assert_allclose(slopes[name], (up - down) / (2 * step), rtol=1e-7)
+    up, down = (steady_model.resistance(wind + s, **own) for s in (1e-6, -1e-6))
+    by_wind = slopes["wind_speed"] + 0.0 * wind
+    assert_allclose(by_wind, (up - down) / 2e-6, rtol=1e-5, atol=1e-11)
+
+
+def test_pvlibs_own_defaults_are_known(drivers):
+    """Those of its functions: faiman's 25.0 and 6.84, pvsyst_cell's 29.0 and 0.0."""
+    for model, function in (
+        ("faiman", pvlib.temperature.faiman),
+        ("pvsyst", pvlib.temperature.pvsyst_cell),
+    ):
+        answer = fem.fem_temperature(*drivers, tau=1e-9, model=model)
+        assert_allclose(answer, function(*drivers), rtol=1e-12)
+    by_noct = fem.fem_temperature(*drivers, tau=1e-9, model="ross", noct=46.0)
+    assert_allclose(by_noct, pvlib.temperature.ross(*drivers[:2], 46.0), rtol=1e-12)
+    answer = fem.heat_balance(*drivers, capacity=12e3, model="ross", noct=46.0)
+    own = fem.heat_balance(*drivers, capacity=12e3, model="ross", k=26 / 800)
+    assert_allclose(answer, own, rtol=1e-12)
+
+
+@pytest.mark.parametrize("cut", [2, 120, 299])
+def test_a_smoothed_temperature_can_be_carried_on(drivers, cut):
+    data = pd.concat(drivers, axis=1).iloc[600:900]
+    data.iloc[[cut - 1, 200], 0] = np.nan  # also where a piece ends
+    how = dict(tau=378.0, model="faiman", bias=-2.0)
+    whole, first = (
+        fem.fem_temperature(*(d[name] for name in data), **how)
+        for d in (data, data[:cut])
+    )
+    past = {n: fem.ewm(data[n][:cut], 378.0) for n in ("poa_global", "wind_speed")}
+    for initial in (past, pd.DataFrame(past)):
+        second = (data[name][cut:] for name in data)
+        second = fem.fem_temperature(*second, initial=initial, **how)
+        assert_allclose(pd.concat([first, second]), whole, rtol=1e-12)
+
+
+@pytest.mark.parametrize("initial", [20.0, {"poa_global": 500.0}])
+def test_a_temperature_is_no_state_of_two_inputs(drivers, initial):
+    with pytest.raises(ValueError, match=r"does not tell|lacks wind_speed"):
+        fem.fem_temperature(*drivers, model="faiman", initial=initial)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        pvlib.temperature.fuentes,
+        pvlib.temperature.prilliman,
+        fem.heat_balance,
+        functools.partial(pvlib.temperature.fuentes, noct_installed=45),
+    ],
+)
+def test_a_model_with_its_own_memory_is_refused(drivers, model):
+    with pytest.raises(ValueError, match="has a memory of its own"):
+        fem.fem_temperature(*drivers, model=model, noct_installed=45)
+    with pytest.raises(ValueError, match="has a memory of its own"):
+        fem.DynamicCellTemperature(model)
+
+
+@pytest.mark.parametrize("function", [fem.fem_temperature, fem.heat_balance])
+def test_coefficients_by_place_are_refused(drivers, function):
+    """pvlib's habit faiman(poa, air, wind, 25.0, 6.84) would be tau and bias."""
+    with pytest.raises(TypeError, match="positional"):
+        function(*drivers, 25.0, 6.84, model="faiman")
+
+
+@dynamic
+def test_wind_below_zero_is_refused(drivers, function, memory):
+    poa, air, wind = (series.iloc[:9].copy() for series in drivers)
+    wind.iloc[4] = -99.0
+    with pytest.raises(ValueError, match=r"wind_speed = -99 m/s at 2023-06-01 00:04"):
+        function(poa, air, wind, **memory, model="sapm", a=-3.47, b=-0.0594)
+    wind.iloc[4] = np.nan
+    assert function(poa, air, wind, **memory, model="faiman").isna().sum() == 1
+
+
 rows = st.lists(
     st.tuples(
         st.floats(1.0, 3000.0),
@@ -288,6 +392,24 @@ def test_arrays_need_their_step():
     ("call", "message"),
     [
         (lambda g: fem.wm2(g, 20, 2, k=0.03, k_w=0.004), "k_w·8 must be below k"),
+        (
+            lambda g: fem.fem_temperature(g, 20, 2, model="noct", noct=20),
+            "noct = 20 must be above 20 °C",
+        ),
+        (
+            lambda g: fem.fem_temperature(g, 20, 2, model="noct_sam", noct=45),
+            "noct_sam needs module_efficiency",
+        ),
+        (
+            lambda g: fem.fem_temperature(g, 20, 2, model="pvsyst", alpha_absorption=9),
+            "alpha_absorption = 9 must be a share, 0 to 1",
+        ),
+        (
+            lambda g: fem.fem_temperature(
+                g, 20, 2, model="noct_sam", noct=45, module_efficiency=0.95
+            ),
+            "module_efficiency = 0.95 must be below 0.9",
+        ),
         (lambda g: fem.wm1(g, 20, 2, k=0.03, d=0), "d = 0 must be positive"),
         (lambda g: fem.wm1(g, 20, 2, k=-0.03, d=9), "k = -0.03 must be positive"),
         (

@@ -33,8 +33,8 @@ def possible(model, fixed):
                 f"fixed {name} = {value:g} {row.unit} cannot be; it is from "
                 f"{row.lower * whole:g} to {row.upper * whole:g}"
             )
-    lacking = [n for n, row in constants.items() if np.isnan(row.start)]
-    if lacking := [name for name in lacking if name not in held]:
+    known = model.steady_model.fixed | held
+    if lacking := [name for name in constants if name not in known]:
         raise ValueError(
             f"{model.steady_model.name} needs {', '.join(lacking)}; give it as "
             f"fixed={{'{lacking[0]}': ...}}"

@@ -63,7 +63,7 @@ def close_loop(
         ``p_dc`` [W per m² of module], ``snow_depth`` [cm]. Every other numeric
         column is a candidate driver of its own, ``driver:<column>``.
     model : str, default "faiman"
-        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"`` or ``"wm2"``.
+        A steady model by name, as in :func:`pvlib_fem.fit_fem`.
     location : pvlib.location.Location, optional
         With both angles below, effects that follow the sun can be tested.
     surface_tilt, surface_azimuth : float, optional

@@ -76,8 +76,9 @@ class ThermalModel:
     @property
     def constants(self):
         """Constants of the steady model, as they are held or by default."""
-        fixed = self.steady_model.fixed
-        return {name: self.held.get(name, value) for name, value in fixed.items()}
+        names = self.steady_model.constants
+        held = {name: value for name, value in self.held.items() if name in names}
+        return {**self.steady_model.fixed, **held}
 
     @property
     def free(self):
@@ -126,14 +127,15 @@ class ThermalModel:
     def checked(self, coefficients):
         """The same, if they are those of this model and can be."""
         complete = self.completed(coefficients)
-        known = [*self.parameters, *self.constants, *MEMORY["ewm"]]
         steady = self.steady_model
+        needed = [*self.parameters, *steady.constants]
+        known = [*needed, *MEMORY["ewm"]]
         if unknown := [name for name in coefficients if name not in known]:
             raise ValueError(
                 f"{steady.name}, {self.dynamics} has no coefficient "
                 f"{', '.join(unknown)}; it has {', '.join(known)}"
             )
-        if missing := [name for name in self.parameters if name not in complete]:
+        if missing := [name for name in needed if name not in complete]:
             raise ValueError(f"{steady.name} needs {', '.join(missing)}")
         steady.complete({n: complete[n] for n in steady.coefficients})
         if self.dynamics == "steady" and complete["tau"] != INSTANT:

@@ -41,8 +41,9 @@ class SteadyModel:
 
     @property
     def fixed(self):
-        """The constants by their defaults."""
-        return {name: row.start for name, row in self.constants.items()}
+        """The constants that have a default, by it."""
+        rows = self.constants.items()
+        return {name: row.start for name, row in rows if not np.isnan(row.start)}
 
     def complete(self, coefficients):
         """Check the names and values of coefficients, and add the fixed ones."""
@@ -52,8 +53,7 @@ class SteadyModel:
                 f"{self.name} has no coefficient {', '.join(unknown)}; it has "
                 f"{', '.join(names)}"
             )
-        known = {n: value for n, value in self.fixed.items() if not np.isnan(value)}
-        complete = {**known, **self.defaults, **coefficients}
+        complete = {**self.fixed, **self.defaults, **coefficients}
         if missing := [name for name in names if name not in complete]:
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}; it has the coefficients "
