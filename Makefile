@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test lint docs benchmark quality offsets energy study sweep clean
+.PHONY: demo test fuzz lint docs benchmark quality offsets energy study sweep coverage clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -16,6 +16,10 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.installed
 	$(BIN)/python -m pytest
+
+# every property with 10,000 examples
+fuzz: $(VENV)/.installed
+	$(BIN)/python -m pytest tests -m hypothesis --hypothesis-profile=fuzz
 
 lint: $(VENV)/.installed
 	$(BIN)/ruff check .
@@ -49,6 +53,10 @@ study: $(VENV)/.installed
 # what each criterion of the loop does, halved and doubled
 sweep: $(VENV)/.installed
 	$(BIN)/python tests/sweep.py --out docs/sensitivity.md
+
+# how often the intervals of a fit hold the truth
+coverage: $(VENV)/.installed
+	$(BIN)/python tests/study_coverage.py --records 300 --out docs/coverage.md
 
 clean:
 	rm -rf $(VENV) $(VENV)-quality .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated

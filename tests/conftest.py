@@ -2,10 +2,16 @@ import os
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from pvlib.location import Location
 
 from pvlib_fem import datasets, ewm
 from pvlib_fem.drivers import sun
+
+# the same few examples in every run; `make fuzz` takes many, and others each time
+settings.register_profile("few", max_examples=25, deadline=None, derandomize=True)
+settings.register_profile("fuzz", max_examples=10_000, deadline=None)
+settings.load_profile("few")
 
 DRIVERS = ("poa_global", "temp_air", "wind_speed")
 COLUMNS = (*DRIVERS, "temp_module")

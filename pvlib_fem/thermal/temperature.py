@@ -325,7 +325,7 @@ def driver_inputs(poa_global, temp_air, wind_speed, step, times):
 def losing(chosen, wind, coefficients):
     """Resistance of a steady model, which has to lose heat. [K m²/W]"""
     r_eq = chosen.resistance(wind, **coefficients)
-    if not np.nanmin(r_eq, initial=np.inf) > 0:
+    if not np.nanmin(np.asarray(r_eq), initial=np.inf) > 0:
         raise ValueError(
             f"{chosen.name} gives no loss of heat at {np.nanmax(wind):g} or "
             f"{np.nanmin(wind):g} m/s; check {coefficients}"
