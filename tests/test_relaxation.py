@@ -128,6 +128,16 @@ def test_a_record_in_two_parts_gives_the_same_numbers(month, cut):
     assert_allclose(np.r_[first, second], whole, rtol=1e-12, atol=1e-9)
 
 
+def test_samples_that_come_one_by_one_give_the_same_numbers():
+    """Also where each step is longer than five time constants: it is slow, no gap."""
+    values = [0.0, 1000.0, 300.0]
+    state, answers = None, []
+    for value in values:
+        (state,) = ewm([value], 5.0, step=26, initial=state)
+        answers.append(state)
+    assert_allclose(answers, ewm(values, 5.0, step=26), rtol=1e-12)
+
+
 @pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
 @pytest.mark.parametrize("zone", [None, "Europe/Brussels"])
 def test_the_resolution_and_zone_of_the_index_do_not_matter(unit, zone):

@@ -59,30 +59,27 @@ class Inputs:
         """State to carry on from, and the steps counted from its time."""
         if initial is None:
             return None, self.steps
-        rows = len(self.index)
-        steps = np.array(np.broadcast_to(self.steps, rows), dtype=float)
         if isinstance(initial, pd.Series):
             initial = self.past(initial)
             since = self.index[0] - initial.index[-1]
+            if not since > pd.Timedelta(0):
+                raise ValueError(
+                    f"initial is at {initial.index[-1]}, not before the first sample "
+                    f"at {self.index[0]}; carry the state from earlier rows"
+                )
+            steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
             steps[0] = since.total_seconds() / self.unit
-            state = as_numbers("initial", initial, initial.index)[-1]
-        elif np.ndim(self.steps) == 0:
-            steps[0], state = self.steps, initial
-        else:
+            return float(as_numbers("initial", initial, initial.index)[-1]), steps
+        if np.ndim(self.steps):
             raise ValueError(
                 "initial is a number, but the steps are uneven; give the output of "
                 "the record before as a Series, which brings its time"
             )
-        if not steps[0] > 0:
+        if not np.isfinite(initial):
             raise ValueError(
-                f"initial is at {initial.index[-1]}, not before the first sample at "
-                f"{self.index[0]}; carry the state from earlier rows"
+                f"initial = {initial} must be a finite number; drop it to start anew"
             )
-        if not np.isfinite(state):
-            raise ValueError(
-                f"initial = {state} must be a finite number; drop it to start anew"
-            )
-        return float(state), steps
+        return float(initial), self.steps
 
     def past(self, initial):
         """What is known of a Series that goes before, in times that can be told."""
