@@ -80,7 +80,7 @@ for words, dynamics in {
     rows = fit.holdout & paper.daytime(*record)
     modelled = fit.predict(*record[:3])
     parts = (column[rows] for column in (record[0], record[3], modelled))
-    errors[words] = fem.scores.energy_error(*parts, step=60.0)
+    errors[words] = fem.scores.energy_error(*parts)
 
 plotting.plot_energy_error(errors)
 plt.show()

@@ -7,10 +7,9 @@ from conftest import COLUMNS
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, paper
-from pvlib_fem.paper.recipe import recipe, standard
-from pvlib_fem.thermal.steady import STEADY_MODELS
+from pvlib_fem.paper.recipe import MODELS, recipe, standard
 
-models = pytest.mark.parametrize("model", STEADY_MODELS)
+models = pytest.mark.parametrize("model", MODELS)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from pvlib_fem.fitting.comparison import FITTED, STEPS, Comparison
 from pvlib_fem.fitting.fit import METHODS, held_out, least_squares_stages
 from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.filters import daytime, night
-from pvlib_fem.paper.recipe import paper_stages
+from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.record.checks import instants, measured
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.thermal.model import thermal_model
@@ -26,7 +26,7 @@ def compare(
     temp_air,
     wind_speed,
     temp_module,
-    models=tuple(STEADY_MODELS),
+    models=MODELS,
     comparators=(*COMPARATORS, BALANCE),
     method="least_squares",
     resolutions=None,
@@ -50,7 +50,7 @@ def compare(
     poa_global, temp_air, wind_speed, temp_module : Series
         As in :func:`fit_fem`. [W/m²], [°C], [m/s], [°C]
     models : str or sequence of str
-        Steady models; all five by default.
+        Steady models; by default the five of the paper.
     comparators : str or sequence of str
         Of ``"prilliman"``, ``"armstrong_hurley"``, ``"veldhuis"``, ``"barry"`` (where
         ``longwave_down`` is given) and ``"torres_lobera"``, the exact heat balance of

@@ -11,7 +11,7 @@ from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import errors, minimise, natural, possible
 from pvlib_fem.paper.filters import counted
-from pvlib_fem.paper.recipe import paper_stages
+from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.record.checks import measured
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.statistics.clusters import calendar_weeks
@@ -19,7 +19,6 @@ from pvlib_fem.statistics.leastsquares import FLAT
 from pvlib_fem.thermal.model import INSTANT, thermal_model
 
 METHODS = ("least_squares", "paper")
-PAPER = ("ross", "sapm", "faiman", "wm1", "wm2")
 ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
 
 
@@ -132,9 +131,9 @@ def fit_fem(
     target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
-    if method == "paper" and model not in PAPER:
+    if method == "paper" and model not in MODELS:
         raise ValueError(
-            f"method='paper' has no {model}; it has {', '.join(PAPER)}, or use "
+            f"method='paper' has no {model}; it has {', '.join(MODELS)}, or use "
             "method='least_squares'"
         )
     if method == "paper" and dynamics == "balance":

@@ -11,6 +11,7 @@ from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
+MODELS = ("ross", "sapm", "faiman", "wm1", "wm2")  # that the paper compares
 OFFSETS = ("night", "calm")  # by name; else a number [K], or None
 
 
