@@ -652,3 +652,14 @@ def test_each_stage_is_in_the_log_and_on_one_line(caplog, capsys):
     assert capsys.readouterr() == ("", "")
     fem.close_loop(data, progress=True)
     assert "checking the record" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", [np.nan, 3000.0])
+def test_a_frost_without_irradiance_is_no_row_that_counts(value):
+    """With ``snow_depth`` modules below 0 °C count, where their light is known."""
+    data = simulator.record(effects=PHYSICS, days=40, step=1800, start="2023-01-01")
+    cold = data.index[(data["temp_module"] < 0) & (data["poa_global"] == 0)][5]
+    data.loc[cold, "poa_global"] = value
+    loop = fem.close_loop(data, effects=[])
+    assert np.isfinite(loop.table.loc[loop.last, "rmse_test"])
+    assert np.isfinite(list(loop.fit.coefficients.values())).all()

@@ -1,5 +1,7 @@
 """Rows that count: the paper's filters by day and by night."""
 
+import numpy as np
+
 from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
 
 
@@ -83,5 +85,6 @@ def counted(columns, with_night=False):
         seen = seen | night(*usual)
         if "snow_depth" in columns:
             cold = (usual[3] >= -20) & (usual[3] < 0)
+            cold = cold & np.isfinite(usual[0])  # of any light, but a known one
             seen = seen | (usable(usual[1], usual[2]) & cold)
     return seen
