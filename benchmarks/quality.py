@@ -21,7 +21,7 @@ from pvlib.location import Location
 from pvlib_fem import datasets, simulator
 from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.quality.stuck import stuck
-from pvlib_fem.record.checks import measured
+from pvlib_fem.record.checks import as_record
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE, Site
 
 PAGE = Path(__file__).parents[1] / "docs" / "quality.md"
@@ -72,7 +72,7 @@ def frozen(data, seed, hours=8, events=4):
 
 
 def ours(data):
-    return stuck(measured(*(data[name] for name in USUAL)))
+    return stuck(as_record(*(data[name] for name in USUAL)))
 
 
 def theirs(flag, minutes=None):

@@ -21,6 +21,7 @@ from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.ranking import rank_effects
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
+from pvlib_fem.quality.screen import Screening, screen
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.thermal.temperature import fem_temperature, heat_balance, wm1, wm2
 from pvlib_fem.translate import translate, translation_mismatch
@@ -38,6 +39,7 @@ __all__ = [
     "Finding",
     "Loop",
     "Parameter",
+    "Screening",
     "Terms",
     "close_loop",
     "compare",
@@ -53,6 +55,7 @@ __all__ = [
     "plotting",
     "rank_effects",
     "scores",
+    "screen",
     "simulator",
     "translate",
     "translation_mismatch",

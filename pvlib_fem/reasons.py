@@ -16,6 +16,10 @@ class Reason(Enum):
     CONSTANT = "{column} is constant"
     COPY = "{column} is a copy of {other}"
     DOUBTFUL = "{column} {doubt}"
+    TAKEN = (
+        "{column} is the name of a driver that is computed here; rename the column to "
+        "have it tried"
+    )
     LEAK = "{column} is the module temperature itself, or made from it"
 
     # an effect that could not be weighed, or not be seen

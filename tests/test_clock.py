@@ -3,12 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import COLUMNS
+from conftest import COLUMNS, measured
 
 from pvlib_fem import datasets, simulator
 from pvlib_fem.quality.clock import clock_shift
 from pvlib_fem.quality.onset import DAY
-from pvlib_fem.record.checks import measured
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import COLUMNS
+from conftest import COLUMNS, measured
 from pvlib.location import Location
 
 from pvlib_fem import simulator
 from pvlib_fem.quality.daylight import daylight_saving
 from pvlib_fem.quality.noon import solar_noon_shift
-from pvlib_fem.record.checks import measured
 from pvlib_fem.simulator import RHINE, Site
 
 SYDNEY = Site(-33.9, 151.2, surface_azimuth=0.0)

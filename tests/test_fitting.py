@@ -6,12 +6,11 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import COLUMNS, DRIVERS
+from conftest import COLUMNS, DRIVERS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.fitting.search import natural
-from pvlib_fem.record.checks import measured
 from pvlib_fem.statistics.leastsquares import gauss_newton
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import COLUMNS
+from conftest import COLUMNS, measured
 from pvlib.location import Location
 
 from pvlib_fem import close_loop, datasets, simulator
@@ -15,7 +15,6 @@ from pvlib_fem.quality.clock import clock_shift
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.quality.units import doubtful
-from pvlib_fem.record.checks import measured
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
 
 DRIVERS = (
@@ -112,6 +111,15 @@ def test_every_column_can_be_stuck(column, value, start, hours):
     assert not np.any(list(found.values()))
 
 
+def test_a_stuck_module_does_not_accuse_the_pyranometer():
+    """Its jump at the end of a night is not warmth that the night had."""
+    data = simulated({}, 10, 60.0, 2, start="2023-06-01")
+    data.loc["2023-06-03 22:00":"2023-06-04 09:59", "temp_module"] = 31.0
+    found = stuck(checked(data))
+    assert found.pop("temp_module").sum() == 720
+    assert not np.any(list(found.values()))
+
+
 def test_stillness_alone_is_no_fault():
     """A calm night at 0.1 K, an hour of no wind, snow that melts at 0 °C."""
     data = simulated({}, 10, 60.0, 2, start="2023-06-01")
@@ -171,7 +179,8 @@ def test_every_limit_says_what_it_is_and_its_unit():
     for field in dataclasses.fields(Limits):
         assert re.search(rf"^    .*\b{field.name}\b.* : (float|int)$", text, re.M)
     for entry in re.split(r"\n    \w.* : (?:float|int)\n", text)[1:]:
-        assert re.search(r"\[(-|s|K|%|days|W/m²)\]$", entry.rstrip()), entry
+        unit = r"\[(-|s|K|K/s|K m²/W|°C|m/s|%|days|W/m²)\]$"
+        assert re.search(unit, entry.rstrip()), entry
 
 
 def test_limits_are_an_argument_and_checked():

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pvlib
 import pytest
-from conftest import COLUMNS
+from conftest import COLUMNS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
@@ -21,7 +21,6 @@ from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import STAGES
 from pvlib_fem.loop.steps import Fits
 from pvlib_fem.reasons import Reason
-from pvlib_fem.record.checks import measured
 from pvlib_fem.record.resampling import coarse
 from pvlib_fem.simulator import PHYSICS, RHINE
 from pvlib_fem.thermal.steady import steady_model

@@ -3,11 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import COLUMNS, DRIVERS
+from conftest import COLUMNS, DRIVERS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
-from pvlib_fem.record.checks import measured
 
 
 @pytest.fixture(scope="module")

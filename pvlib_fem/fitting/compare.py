@@ -9,7 +9,9 @@ from pvlib_fem.fitting.fit import METHODS, held_out, least_squares_stages
 from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.paper.recipe import MODELS, paper_stages
-from pvlib_fem.record.checks import instants, measured
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.quality.units import refuse_doubtful
+from pvlib_fem.record.checks import as_record, instants
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.steady import STEADY_MODELS
@@ -102,14 +104,17 @@ def compare(
     check_names(chosen, others, method)
     drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
     columns = dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
-    finest = measured(*columns.values(), check_units, **drivers)
-    notes, rows, coefficients = [], {}, {}
+    finest = as_record(*columns.values(), **drivers)
+    finest, faults = screened(finest, check_units=check_units)
+    if check_units:
+        refuse_doubtful(finest.inputs.columns)
+    notes, rows, coefficients = [*faults.notes], {}, {}
     for step in sorted(resolutions or [None]):
-        data, out = columns | drivers, holdout
+        record, out = finest, holdout
         if step is not None:
-            data, out = coarser(finest, holdout, float(step))
+            record, out = coarser(finest, holdout, float(step))
         how = dict(method=method, calm_wind=calm_wind, offset=offset)
-        case = Case(data, out, check_units, notes)
+        case = Case(record, out, notes)
         for name in chosen:
             case.model(name, **how)
         for name in others:
@@ -142,7 +147,7 @@ def check_names(models, comparators, method):
 
 
 def coarser(record, holdout, step):
-    """Columns of a record, and the rows held out, in means over longer steps."""
+    """A record, and the rows held out, in means over longer steps."""
     index = record.index
     usual = np.median(np.diff(instants(index)) / np.timedelta64(1, "s"))
     if step < usual:
@@ -156,17 +161,14 @@ def coarser(record, holdout, step):
     if holdout is not None:
         out = pd.Series(record.rows(holdout) * 1.0, index)
         holdout = out.resample(grid).max() > 0
-    return dict(data.items()), holdout
+    return as_record(**dict(data.items())), holdout
 
 
 class Case:
     """One record at one resolution, on which models are fitted and scored."""
 
-    def __init__(self, data, holdout, check_units, notes):
-        usual = [data[name] for name in COLUMNS]
-        drivers = {name: data[name] for name in data if name not in COLUMNS}
-        self.record = measured(*usual, check_units, **drivers)
-        self.notes = notes
+    def __init__(self, record, holdout, notes):
+        self.record, self.notes = record, notes
         values = [self.record[name] for name in COLUMNS]
         rows = {part: np.asarray(inside(*values)) for part, inside in PARTS.items()}
         out = held_out(self.record, rows["day"], holdout, notes)

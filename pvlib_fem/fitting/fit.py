@@ -12,7 +12,9 @@ from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import errors, minimise, natural, possible
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.paper.recipe import MODELS, paper_stages
-from pvlib_fem.record.checks import measured
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.quality.units import oddities, refuse_doubtful
+from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.leastsquares import FLAT
@@ -37,6 +39,7 @@ def fit_fem(
     night=False,
     fixed=None,
     offset="night",
+    limits=None,
     **drivers,
 ) -> FemFit:
     """
@@ -72,7 +75,7 @@ def fit_fem(
     calm_wind : float, default 0.5
         Wind below which ``method="paper"`` takes the air as calm. [m/s]
     check_units : bool, default True
-        Refuse columns that look to be in another unit.
+        Refuse columns that look to be in another unit, or swapped.
     effects : str, dict, Effect or sequence of them, optional
         Physical effects to fit beside the model: by name
         (``pvlib_fem.effects.EFFECTS``), by name and settings, as ``{"name":
@@ -90,6 +93,8 @@ def fit_fem(
         before its regressions: ``"night"``, its mean by night; ``"calm"``, the
         intercept of the line of calm air; a number [K]; or None, nothing, though
         k keeps its line's intercept. The docs' page on the paper compares them.
+    limits : pvlib_fem.quality.limits.Limits, optional
+        Thresholds of the screening other than the usual.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
@@ -110,6 +115,9 @@ def fit_fem(
 
     Notes
     -----
+    What was not measured (:func:`pvlib_fem.screen`) is left out, and ``notes`` say
+    what.
+
     The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
     the recursion runs over all rows, night included. Errors come from leaving
     out each training day in turn, so they survive autocorrelation within a
@@ -147,12 +155,13 @@ def fit_fem(
         raise ValueError("method='paper' holds nothing; use method='least_squares'")
     if method == "paper" and night:
         raise ValueError("method='paper' is for daytime rows; use night=False")
-    record = measured(
-        poa_global, temp_air, wind_speed, temp_module, check_units, **drivers
-    )
+    columns = (poa_global, temp_air, wind_speed, temp_module)
+    record, faults = screened(as_record(*columns, **drivers), limits, check_units)
+    if check_units:
+        refuse_doubtful(record.inputs.columns, limits)
     filtered = counted(record.inputs.columns, night)
     filtered &= record.known(target.drivers)
-    notes = []
+    notes = [*faults.notes, *oddities(record.inputs, limits)]
     out = held_out(record, filtered, holdout, notes)
     train = filtered & ~out
     if method == "paper":

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem.drivers import geometry, needed_for
+from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.loop.criteria import Criteria
@@ -14,16 +14,13 @@ from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.check import check
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.quality.daylight import daylight_saving
+from pvlib_fem.quality.screen import alone
+from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import stuck
+from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.checks import (
-    Record,
-    as_record,
-    refuse_units,
-    with_columns,
-    without_impossible,
-)
-from pvlib_fem.record.columns import COLUMNS, usable_drivers, with_aliases
+from pvlib_fem.record.checks import Record, as_record, with_columns
+from pvlib_fem.record.columns import COLUMNS, numeric, usable_drivers, with_aliases
 from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks
@@ -145,17 +142,21 @@ def prepared(
     corrections=(),
 ):
     """Everything checked that comes in, and divided before it is looked at."""
-    columns = with_aliases(data)
+    columns, limits = with_aliases(data), criteria.limits
     usual = as_record(*(columns.pop(name) for name in COLUMNS))
+    refuse_stray(usual.index, limits)
     what = parts(usual, counting(usual), holdout, criteria)
-    # of the test rows' answer nothing is known to any rule
-    if check_units:
-        refuse_units(without_answer(usual, what == Part.TEST).inputs)
-    usual = without_impossible(usual)
-    hidden = without_answer(usual, what == Part.TEST)
-    drivers, refused = usable_drivers(columns, hidden, criteria.most_missing)
-    whole = with_columns(usual, drivers)
-    health = check(with_columns(hidden, drivers), limits=criteria.limits, **site)
+    # of the test rows' answer nothing is known to any rule; what they show of a
+    # sensor is of themselves alone
+    test = what == Part.TEST
+    own, answer = alone(usual, limits, check_units=False)
+    hidden = with_columns(without_answer(usual, test), numeric(columns))
+    hidden, faults = alone(hidden, limits, check_units)
+    taken = (*DERIVED, *MODELLED)
+    drivers, refused = usable_drivers(columns, hidden, criteria.most_missing, taken)
+    hidden = hidden.only([*COLUMNS, *drivers])
+    health = check(hidden, limits=limits, **site)
+    whole = with_answer(hidden, own, test)
     if "file_dst" in health.faults and site["location"] is not None and not corrections:
         place = (health.noon, *site.values(), criteria.limits)
         summer = daylight_saving(whole["poa_global"], whole.index, *place)
@@ -167,13 +168,13 @@ def prepared(
         corrections = (told_of(summer, health.faults["file_dst"]),)
     if "file_shift" in health.faults:
         corrections += (shifted(health.faults["file_shift"], health.noon.late),)
-    # what test rows show of a sensor is of themselves alone
-    own = np.any(list(stuck(usual, criteria.limits).values()), axis=0)
-    stands = health.mask | (own & (what == Part.TEST))
+    still = np.any([stuck(own, limits)[name] for name in COLUMNS], axis=0)
+    stands = health.mask | (still & test)
     # doubts are said with the refused, clocks with their correction
     said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
     said |= {c.fault for c in corrections}
-    notes = [line for name, line in health.faults.items() if name not in said]
+    notes = [*faults.notes, *oddities(hidden.inputs, limits)]
+    notes += [line for name, line in health.faults.items() if name not in said]
     notes += health.unchecked
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
@@ -192,8 +193,10 @@ def prepared(
     notes += gaps(whole, drivers, wanted)
     kept = {n: c for n, c in whole.inputs.columns.items() if n not in refused}
     kept |= {name: column.to_numpy() for name, column in sun.items()}
-    kept["temp_module"] = np.where(stands, np.nan, whole["temp_module"])
+    kept |= {n: np.where(at, np.nan, kept[n]) for n, at in health.frozen.items()}
+    kept["temp_module"] = np.where(stands, np.nan, kept["temp_module"])
     whole = replace(whole, inputs=replace(whole.inputs, columns=kept))
+    whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
     case = Case(
         whole=whole,
         record=whole,
@@ -259,6 +262,13 @@ def without_answer(record, rows):
     module = np.where(rows, np.nan, record["temp_module"])
     columns = {**record.inputs.columns, "temp_module": module}
     return replace(record, inputs=replace(record.inputs, columns=columns))
+
+
+def with_answer(hidden, own, rows):
+    """The record with the module's temperature of another in some rows."""
+    module = np.where(rows, own["temp_module"], hidden["temp_module"])
+    columns = {**hidden.inputs.columns, "temp_module": module}
+    return replace(hidden, inputs=replace(hidden.inputs, columns=columns))
 
 
 def counting(record):

@@ -3,16 +3,18 @@
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.drivers import DERIVED, MODELLED
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Weight
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.paper.filters import counted
+from pvlib_fem.quality.screen import screened
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.checks import measured, with_columns
+from pvlib_fem.record.checks import as_record, with_columns
 from pvlib_fem.record.columns import COLUMNS as USUAL
-from pvlib_fem.record.columns import usable_drivers, with_aliases
+from pvlib_fem.record.columns import numeric, usable_drivers, with_aliases
 
 
 def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
@@ -61,6 +63,8 @@ def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
         nothing left to explain: the record cannot tell them apart;
         ``note``: what stands in the way.
 
+        ``attrs["notes"]`` say what of the record was not measured and is left out.
+
     Raises
     ------
     ValueError
@@ -68,12 +72,15 @@ def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
     """
     criteria = criteria or Criteria()
     columns = with_aliases(data)
-    usual = measured(*(columns.pop(name) for name in USUAL), check_units=False)
-    drivers, refused = usable_drivers(columns, usual, criteria.most_missing)
+    usual = as_record(*(columns.pop(name) for name in USUAL))
+    usual = with_columns(usual, numeric(columns))
+    record, faults = screened(usual, criteria.limits, check_units=False)
+    taken = (*DERIVED, *MODELLED)
+    drivers, refused = usable_drivers(columns, record, criteria.most_missing, taken)
     there = {effect.name for effect in fit.effects}
     testable, notes = candidates(drivers, refused, effects, there)
     model = fit.thermal_model
-    record = with_columns(usual, drivers)
+    record = record.only([*USUAL, *drivers])
     seen = counted(record.inputs.columns, fit.night)
     seen &= record.known(model.drivers)
     rows = {name: {"note": str(why)} for name, why in notes.items()}
@@ -98,7 +105,9 @@ def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
     table = table_of(rows)
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
     order = order.sort_values(["no", "loss"], kind="stable").index
-    return Ranking(table.loc[order].rename_axis("effect"))
+    ranking = Ranking(table.loc[order].rename_axis("effect"))
+    ranking.attrs["notes"] = faults.notes
+    return ranking
 
 
 def ranked(found, days):

@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pvlib_fem.quality.clock import Clock, clock_shift
-from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.noon import SolarNoon, solar_noon_shift
-from pvlib_fem.quality.stuck import never_moves, stuck, stuck_line, whole_line
+from pvlib_fem.quality.stray import refuse_stray
+from pvlib_fem.quality.stuck import refuse_frozen, stuck, stuck_line
 from pvlib_fem.quality.units import doubtful
 
 
@@ -25,6 +26,7 @@ class Health:
     clock: Clock
     noon: SolarNoon
     doubtful: dict[str, str]  # drivers that must not be used, and why
+    frozen: dict = field(default_factory=dict)  # rows of stuck sensors, by column
     faults: dict[str, str] = field(default_factory=dict)  # name: one line
 
     @property
@@ -48,7 +50,7 @@ def check(
     Parameters
     ----------
     record : Record
-        From ``records.measured``, with the drivers that are to be used.
+        From ``record.checks.as_record``, with the drivers that are to be used.
     location : pvlib.location.Location, optional
         For :func:`solar_noon_shift`.
     surface_tilt, surface_azimuth : float, optional
@@ -60,8 +62,9 @@ def check(
     -------
     Health
         ``faults`` by name: ``stuck``, ``clock_shift``, ``clock_drift``, ``dst``,
-        ``file_shift``, ``file_dst``, ``units:<column>``. ``mask`` has the rows of
-        stuck sensors; a clock is corrected by ``clock.corrected``.
+        ``file_shift``, ``file_dst``, ``units:<column>``. ``mask`` has the rows in
+        which one of the four sensors is stuck; a clock is corrected by
+        ``clock.corrected``.
 
     Raises
     ------
@@ -73,44 +76,14 @@ def check(
     refuse_stray(record.index, limits)
     frozen = stuck(record, limits)
     refuse_frozen(record, frozen)
-    mask = np.any(list(frozen.values()), axis=0)
+    mask = np.any([frozen[name] for name in POSSIBLE], axis=0)
     clock = clock_shift(record, mask, limits)
     place = (location, surface_tilt, surface_azimuth)
     noon = solar_noon_shift(record["poa_global"], record.index, *place, limits)
     doubts = doubtful(record.inputs.columns, limits)
-    faults = {"stuck": stuck_line(record, frozen)} if mask.any() else {}
+    still = any(rows.any() for rows in frozen.values())
+    faults = {"stuck": stuck_line(record, frozen)} if still else {}
     faults |= clock.faults | noon.faults
     faults |= {f"units:{name}": line for name, line in doubts.items()}
     counts = {name: int(rows.sum()) for name, rows in frozen.items()}
-    return Health(mask, counts, clock, noon, doubts, faults)
-
-
-def refuse_frozen(record, frozen):
-    """Refuse a record in which a sensor never moves, so that no row can be used."""
-    whole = [
-        name for name in frozen if frozen[name].any() and never_moves(record[name])
-    ]
-    if whole:
-        raise ValueError(
-            "; ".join(whole_line(record, name) for name in whole)
-            + ", so no row is left; look at sensor and logger, or name the column of a "
-            f"sensor that moves as {whole[0]}"
-        )
-
-
-def refuse_stray(index, limits):
-    """Refuse rows that are years from all others: their time is not theirs."""
-    seconds = (index - index[0]).total_seconds().to_numpy()
-    for at in np.flatnonzero(np.diff(seconds) > limits.stray_gap) + 1:
-        early = at <= len(index) / 2
-        rows = index[:at] if early else index[at:]
-        if len(rows) > max(limits.stray_share * len(index), 1):
-            continue
-        years = (seconds[at] - seconds[at - 1]) / 31556952
-        raise ValueError(
-            f"{'the row' if len(rows) == 1 else f'{len(rows)} rows'} at {rows[0]} "
-            f"{'is' if len(rows) == 1 else 'are'} {years:.0f} years "
-            f"{'before' if early else 'after'} all others, which "
-            f"{'begin' if early else 'end'} at {index[at] if early else index[at - 1]}:"
-            " a logger that lost its clock; drop such rows, or correct their times"
-        )
+    return Health(mask, counts, clock, noon, doubts, frozen, faults)

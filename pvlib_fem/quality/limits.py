@@ -2,17 +2,89 @@
 
 from dataclasses import dataclass, fields
 
+#: values that a sensor can have measured: least, most, unit. Below a pyranometer's
+#: offset by night no irradiance is negative; 2000 W/m² is more than any cloud's edge
+POSSIBLE = {
+    "poa_global": (-30.0, 2000.0, "W/m²"),
+    "temp_air": (-60.0, 100.0, "°C"),
+    "wind_speed": (0.0, 60.0, "m/s"),
+    "temp_module": (-60.0, 100.0, "°C"),
+}
+#: the same of further columns, with room for what a sensor errs: longwave is σT⁴ from
+#: −100 °C to 60 °C, rain the most that fell in a minute, power that of a bright second
+POSSIBLE_DRIVERS = {
+    "wind_direction": (-360.0, 720.0, "°"),
+    "relative_humidity": (-5.0, 110.0, "%"),
+    "longwave_down": (50.0, 700.0, "W/m²"),
+    "precipitation": (0.0, 2500.0, "mm/h"),
+    "snow_depth": (-50.0, 1500.0, "cm"),
+    "p_dc": (-50.0, 1000.0, "W/m²"),
+    **dict.fromkeys(
+        ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse"), (-30.0, 2000.0, "W/m²")
+    ),
+}
+
+
+def possible(name):
+    """Least and most that a column can hold, and its unit, or None for any other."""
+    if name not in POSSIBLE and name.startswith("temp_"):
+        return -100.0, 200.0, "°C"
+    return {**POSSIBLE, **POSSIBLE_DRIVERS}.get(name)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
     """
-    Every threshold by which :func:`check` decides.
+    Every threshold by which :func:`pvlib_fem.screen` and :func:`check` decide.
 
     A change is made by ``Limits(still_wind=43200.0)`` and given as ``limits=``. What
     they find, and what they find wrongly, is in :doc:`/quality`.
 
     Attributes
     ----------
+    fill_apart : float
+        *fill value.* Distance of a logger's code for "no value" from all that a
+        column otherwise holds, as a share of its span: a code among its values is a
+        value. [-]
+    fill_above : float
+        *fill value.* Multiple of the largest other value, in size, from which a
+        positive code is one in a column whose range is not known. [-]
+    far : float
+        *fill value.* The same for a value that is no known code and repeats. [-]
+    far_rows : int
+        *fill value.* Rows from which such a value repeats; below it is one accident.
+        [-]
+    far_share : float
+        *fill value.* Share of a column's values up to which one that repeats far
+        outside is a code: more is a state of what is measured, such as on. [-]
+    lone : float
+        *spike.* Multiple of the largest other value, in size, from which a value that
+        does not repeat is an accident, in a column whose range is not known; no
+        skewed quantity jumps so far beyond its own largest. [-]
+    few_distinct : int
+        *fill value, spike.* Different values that a column needs to know its own span;
+        with fewer it is a switch. [-]
+    most_impossible : float
+        *out of range.* Share of one of the four columns that may be impossible; with
+        more the record is refused. [-]
+    day_slot : float
+        *negative by day.* Length of the parts of a day that are compared with the same
+        on the days around. [s]
+    day_side : int
+        *negative by day.* Days on either side that are compared. [days]
+    day_light : float
+        *negative by day.* Irradiance that the brightest of those days has to reach at
+        that time of day: so early and late a negative value may be of the night.
+        [W/m²]
+    spike_rows : int
+        *spike.* Rows that a value which jumps and returns may last; longer is
+        weather. [-]
+    spike_air, spike_module : float
+        *spike.* Change there and back that may be noise, in a thermometer's hut and on
+        a module. [K]
+    spike_air_rate, spike_module_rate : float
+        *spike.* Fastest change beyond that: a front moves air by 20 K in ten minutes,
+        and 1000 W/m² a light module of 7 kJ/(m² K) by 0.15 K each second. [K/s]
     still_rows : int
         *stuck.* Rows of one value, up to which it is an accident. [-]
     still_time : float
@@ -27,6 +99,12 @@ class Limits:
     still_wind, calm : float
         *stuck.* Time for which wind may repeat any speed but 0, and stay at 0, where
         a cup anemometer does not start. [s]
+    still_driver, still_vane : float
+        *stuck.* Time for which a driver that moves with the weather (humidity below
+        saturation, longwave, power and rain that are not 0) may repeat one value; a
+        vane may in a trade wind or a calm. [s]
+    saturated : float
+        *stuck.* Relative humidity from which it may stay, as in fog. [%]
     felt : float
         *stuck.* Change of irradiance that a module must answer, by 2 to 6 K at the
         20 to 60 mK/(W/m²) of all mountings. [W/m²]
@@ -128,9 +206,41 @@ class Limits:
     most_efficiency : float
         *units.* Power per irradiance that no module gives; the best give a quarter,
         and sensors err. [-]
+    least_efficiency : float
+        *units.* Power per irradiance below which it is in kW: no module in the sun
+        gives so little at its best. [-]
     sunny : float
         *units.* Irradiance above which that is looked at. [W/m²]
+    swapped : float
+        *units.* Fall of module over air temperature with irradiance from which the two
+        are swapped: what the coolest mounting gains, the other way. [K m²/W]
+    hot_air : float
+        *units.* Air temperature that 1 % of the rows may reach without a word; in
+        Kuwait's summer it is 49 °C. [°C]
+    windy : float
+        *units.* Mean wind without a word: near the ground few sites on land have
+        more. [m/s]
+    least_gain, most_gain : float
+        *units.* Gain of over-temperature with irradiance outside which a record gets a
+        word; racks gain 15 to 40 K at 1000 W/m², insulated backs 60. [K m²/W]
     """
+
+    fill_apart: float = 0.1
+    fill_above: float = 3.0
+    far: float = 10.0
+    far_rows: int = 3
+    far_share: float = 0.05
+    lone: float = 50.0
+    few_distinct: int = 20
+    most_impossible: float = 0.2
+    day_slot: float = 1800.0
+    day_side: int = 3
+    day_light: float = 300.0
+    spike_rows: int = 3
+    spike_air: float = 10.0
+    spike_module: float = 15.0
+    spike_air_rate: float = 0.035
+    spike_module_rate: float = 0.15
 
     still_rows: int = 5
     still_time: float = 1800.0
@@ -138,6 +248,9 @@ class Limits:
     still_day: float = 86400.0
     still_wind: float = 21600.0
     calm: float = 259200.0
+    still_driver: float = 86400.0
+    still_vane: float = 259200.0
+    saturated: float = 98.0
     felt: float = 100.0
     felt_memory: float = 378.0
     felt_air: float = 1.0
@@ -183,7 +296,13 @@ class Limits:
     largest_radians: float = 6.3
     least_kelvin: float = 150.0
     most_efficiency: float = 0.4
+    least_efficiency: float = 0.005
     sunny: float = 200.0
+    swapped: float = 0.008
+    hot_air: float = 50.0
+    windy: float = 5.5
+    least_gain: float = 0.008
+    most_gain: float = 0.065
 
     def __post_init__(self):
         for field in fields(self):

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.quality.limits import Limits
-from pvlib_fem.record.checks import POSSIBLE
+from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.relaxation import ewm
 
 
@@ -58,7 +57,10 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     * ``poa_global`` stays while the module's over-temperature changes by 10 K; in the
       dark (20 W/m²) for more than a day, or more than two hours from either end,
       above the air, and by the module's own warmth;
-    * ``wind_speed`` is not 0 for 6 h, or 0 for three days.
+    * ``wind_speed`` is not 0 for 6 h, or 0 for three days;
+    * further columns are ``relative_humidity`` below 98 %, ``longwave_down``, or
+      ``p_dc`` and ``precipitation`` that are not 0, for a day; ``wind_direction`` for
+      three. Other columns may stay, as a timetable does.
 
     Parameters
     ----------
@@ -81,13 +83,22 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     seconds = record.inputs.seconds
     columns = {name: record[name] for name in POSSIBLE}
     columns |= {"felt": felt(record, limits), "seconds": seconds}
-    found = {}
+    found = dict.fromkeys(POSSIBLE)
     for name, still in STILL.items():
         values = columns[name]
         there = np.isfinite(values)
         repeated = runs(values, seconds, limits)
         kept = still(repeated, columns, limits)
         found[name] = repeated.rows(kept, len(values)) & there
+        # a module that stands still is no witness of what moves it
+        columns[name] = np.where(found[name], np.nan, values)
+    for name in [name for name in DRIVERS if name in record.inputs.columns]:
+        values = record[name]
+        if never_moves(values):  # a number that stands for all
+            continue
+        repeated = runs(values, seconds, limits)
+        kept = DRIVERS[name](repeated, limits)
+        found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
     return found
 
 
@@ -129,12 +140,32 @@ def still_module(runs, columns, limits):
     return (of_sun | of_air) & ~melting & (runs.time > coarse)
 
 
+def still_humidity(runs, limits):
+    return (runs.value < limits.saturated) & (runs.time > limits.still_driver)
+
+
+def still_flow(runs, limits):
+    return (runs.value != 0) & (runs.time > limits.still_driver)
+
+
+def still_vane(runs, limits):
+    return runs.time > limits.still_vane
+
+
+#: the same of further columns, of which the others tell nothing
+DRIVERS = {
+    "relative_humidity": still_humidity,
+    "longwave_down": still_flow,
+    "p_dc": still_flow,
+    "precipitation": still_flow,
+    "wind_direction": still_vane,
+}
 #: what makes a repetition of each column a fault
 STILL = {
+    "temp_module": still_module,
     "poa_global": still_irradiance,
     "temp_air": still_air,
     "wind_speed": still_wind,
-    "temp_module": still_module,
 }
 
 
@@ -166,21 +197,38 @@ def never_moves(values):
     return len(seen) > 0 and np.ptp(seen) == 0
 
 
+def refuse_frozen(record, frozen):
+    """Refuse a record in which a sensor never moves, so that no row can be used."""
+    whole = [
+        name for name in frozen if frozen[name].any() and never_moves(record[name])
+    ]
+    if whole:
+        raise ValueError(
+            "; ".join(whole_line(record, name) for name in whole)
+            + ", so no row is left; look at sensor and logger, or name the column of a "
+            f"sensor that moves as {whole[0]}"
+        )
+
+
 def stuck_line(record, frozen):
     """What stands still, from when on and at what, in one line."""
-    lines = []
-    for name, rows in frozen.items():
-        if not rows.any():
-            continue
-        values, at = record[name], int(np.argmax(rows))
-        if never_moves(values):
-            lines.append(whole_line(record, name))
-            continue
-        lines.append(
-            f"{name} stands still at {values[at]:g} from {record.index[at]} on, "
-            f"{rows.sum()} rows in all"
-        )
-    return "; ".join(lines) + ": they are not used; look at sensor and logger"
+    lines = [one_line(record, name, rows) for name, rows in frozen.items()]
+    lines = "; ".join(filter(None, lines))
+    return f"{lines}: they are not used; look at sensor and logger"
+
+
+def one_line(record, name, rows):
+    """The same of one column, or nothing where it moves."""
+    values = record[name]
+    if not rows.any():
+        return ""
+    if never_moves(values):
+        return whole_line(record, name)
+    at = int(np.argmax(rows))
+    return (
+        f"{name} stands still at {values[at]:g} from {record.index[at]} on, "
+        f"{rows.sum():,} rows in all"
+    )
 
 
 def whole_line(record, name):

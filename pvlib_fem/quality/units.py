@@ -1,9 +1,16 @@
-"""Drivers in another unit, or not what their name says."""
+"""Columns in another unit, or not what their name says."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.quality.limits import Limits
-from pvlib_fem.record.checks import POSSIBLE
+from pvlib_fem.quality.limits import POSSIBLE, Limits
+
+#: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
+#: even in °F, so that irradiance is at fault
+FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
+WAY_ROUND = "; if the unit is right, give check_units=False (--no-unit-check)"
+DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
 
 
 def doubtful(columns, limits=None) -> dict[str, str]:
@@ -44,6 +51,12 @@ def doubtful(columns, limits=None) -> dict[str, str]:
     return found
 
 
+def refuse_doubtful(columns, limits=None):
+    """Refuse drivers that look to be in another unit."""
+    if lines := doubtful(columns, limits):
+        raise ValueError("; ".join(lines.values()) + WAY_ROUND)
+
+
 def often(odd, limits):
     return np.mean(odd) > limits.odd_share
 
@@ -58,10 +71,13 @@ def humidity_doubt(seen, limits):
 
 def longwave_doubt(seen, limits):
     low, high = limits.least_longwave, limits.most_longwave
-    if often((seen < low) | (seen > high), limits):
+    odd = (seen < low) | (seen > high)
+    if often(odd, limits):
         return (
-            f"has a median of {np.median(seen):.0f} W/m², and skies send {low:g} to "
-            f"{high:g}; a pyrgeometer's net signal needs the σT⁴ of its body added"
+            f"is outside the {low:g} to {high:g} W/m² that skies send in "
+            f"{np.mean(odd):.0%} of its rows, from {seen.min():.0f} to "
+            f"{seen.max():.0f}; a pyrgeometer's net signal needs the σT⁴ of its body "
+            "added"
         )
     return ""
 
@@ -95,7 +111,15 @@ def kelvin_doubt(seen, limits):
 def power_doubt(power, poa, limits):
     """A module gives a quarter of its light at most; 0.4 leaves room for sensors."""
     sunny = (poa > limits.sunny) & np.isfinite(power)
-    ratio = np.median(power[sunny] / poa[sunny]) if sunny.any() else 0.0
+    if not sunny.any():
+        return ""
+    shares = power[sunny] / poa[sunny]
+    ratio, best = np.median(shares), np.quantile(shares, 0.99)
+    if 0.0 < best < limits.least_efficiency:
+        return (
+            f"is {best:.2g} of poa_global at its best, kW; multiply it by 1000, and "
+            "divide it by the area of the modules for W/m²"
+        )
     if ratio > limits.most_efficiency:
         return (
             f"is {ratio:.2g} of poa_global, and no module gives "
@@ -113,3 +137,151 @@ DOUBTS = {
     "snow_depth": snow_doubt,
     "temp_": kelvin_doubt,
 }
+
+
+@dataclass(frozen=True)
+class Signs:
+    """What the laws of heat say of the units of the four columns, together."""
+
+    bright: float  # irradiance, its largest but one row in a thousand
+    slope: float  # of over-temperature by irradiance, in the sun
+    sunny: float  # median over-temperature there
+    night: float  # in the dark; NaN without nights
+    hot: float  # air temperature, 99 % of the rows are below
+    strong: float  # wind, 95 % of the rows are below
+    wind: float  # mean wind
+    effect: float  # fall of the over-temperature for each unit of wind [-]
+
+
+def signs(inputs):
+    """The signs of a record, or None where it is too short or dark for any."""
+    poa, air, wind, module = (inputs[name] for name in POSSIBLE)
+    over = module - air
+    seen = np.isfinite(poa) & np.isfinite(over)
+    bright = np.nanpercentile(poa, 99.9) if seen.sum() >= 100 else 0.0
+    if bright <= 0:
+        return None
+    sunny = seen & (poa > 0.2 * bright)
+    dark = seen & (poa < 0.02 * bright)
+    ratio = over[sunny] / poa[sunny]
+    windy = np.isfinite(wind[sunny]) & (ratio > 0)
+    return Signs(
+        bright,
+        slope_of(over[sunny], poa[sunny]),
+        float(np.median(over[sunny])),
+        np.median(over[dark]) if dark.sum() >= 20 else np.nan,
+        np.nanpercentile(air, 99),
+        np.nanpercentile(wind, 95) if np.isfinite(wind).any() else 0.0,
+        np.nanmean(wind) if np.isfinite(wind).any() else 0.0,
+        -slope_of(np.log(ratio[windy]), wind[sunny][windy]),
+    )
+
+
+def refuse_units(inputs, limits=None):
+    """
+    Refuse a column that looks to be in another unit, or not what its name says.
+
+    The thermal laws tie the columns together: over-temperature follows
+    irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
+    of the air, and wind changes the resistance by 4 to 20 % per m/s.
+    """
+    limits, found = limits or Limits(), signs(inputs)
+    if found is None:
+        return
+    refuse_copy(inputs["temp_air"], inputs["temp_module"])
+    bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
+    if slope < -limits.swapped and found.sunny < 0:
+        raise ValueError(
+            f"temp_air and temp_module look swapped: in the sun temp_module is "
+            f"{-found.sunny:.0f} K below temp_air, and falls as irradiance grows. "
+            f"Exchange the columns{WAY_ROUND}"
+        )
+    if bright < 3.0 and slope > 1.0:
+        raise unit_error("poa_global", "kW/m²", f"its largest values are {bright:.2f}")
+    if slope > NO_MOUNTING and bright < DIM:
+        raise unit_error(
+            "poa_global",
+            "another unit than W/m² (mW/cm², or J/cm² or Wh/m² of each step)",
+            f"its largest values are {bright:.0f}, and for each of them the module "
+            f"gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K",
+        )
+    unit = "K" if abs(night) > 200.0 else "°F"
+    if night > 12.0:
+        raise unit_error("temp_module", unit, f"at night it is {night:.0f} above air")
+    if night < -12.0:
+        raise unit_error("temp_air", unit, f"at night it is {-night:.0f} above module")
+    if hot > 57.0 or slope > FAHRENHEIT:
+        or_light = " (or poa_global in another unit than W/m²)" if bright < DIM else ""
+        raise unit_error(
+            "temp_air and temp_module",
+            ("K" if hot > 200.0 else "°F") + or_light,
+            f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
+            "1000 W/m²",
+        )
+    # in m/s, a site that windy has an effect of 5 % per m/s and more
+    weak = 0.004 < found.effect < 0.005 * (found.strong - 6.0)
+    if found.strong > 18.0 or (found.strong > 12.0 and weak):
+        raise unit_error(
+            "wind_speed",
+            "km/h",
+            f"5 % of it is above {found.strong:.0f}, and one unit of it changes the "
+            f"over-temperature by {100 * found.effect:.1f} %",
+        )
+
+
+def refuse_copy(air, module):
+    """Refuse one thermometer under two names."""
+    both = np.isfinite(air) & np.isfinite(module)
+    if both.any() and np.array_equal(air[both], module[both]):
+        raise ValueError(
+            "temp_module is a copy of temp_air, row by row: name the column of the "
+            f"module's own sensor{WAY_ROUND}"
+        )
+
+
+def oddities(inputs, limits=None):
+    """What looks odd in the four columns but may be so, a sentence each."""
+    limits, found = limits or Limits(), signs(inputs)
+    if found is None:
+        return
+    try:
+        refuse_units(inputs, limits)
+    except ValueError as error:
+        yield str(error)
+        return
+    if found.hot > limits.hot_air:
+        yield (
+            f"temp_air is above {found.hot:.0f} °C in 1 % of the rows, which few "
+            "places reach: is it in °F, or in the sun?"
+        )
+    if found.wind == found.strong:
+        yield (
+            f"wind_speed is {found.wind:g} m/s in all rows, so that nothing can be "
+            "said of the wind's coefficient"
+        )
+    elif found.wind > limits.windy and inputs.seconds[-1] > limits.shortest_record:
+        yield (
+            f"wind_speed is {found.wind:.1f} m/s in the mean, more than near the "
+            "ground of most sites: is it in mph or km/h, or from a mast?"
+        )
+    if not limits.least_gain < found.slope < limits.most_gain:
+        yield (
+            f"the module gains {1000 * found.slope:.0f} K per 1000 W/m², and mountings "
+            f"gain {1000 * limits.least_gain:.0f} to {1000 * limits.most_gain:.0f} K: "
+            "look at the units of both, at where the sensors are, and at shade"
+        )
+
+
+def slope_of(y, x):
+    """Slope of the regression line, 0 where there is none."""
+    if len(x) < 20 or np.ptp(x) == 0:
+        return 0.0
+    x = x - x.mean()
+    return float(x @ (y - y.mean()) / (x @ x))
+
+
+def unit_error(name, unit, why):
+    look = "look" if " and " in name else "looks"
+    return ValueError(
+        f"{name} {look} to be in {unit}: {why}. Convert it first{WAY_ROUND}"
+    )

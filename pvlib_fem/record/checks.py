@@ -7,17 +7,9 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-#: values a sensor cannot have measured; they are not used, and counted
-POSSIBLE = {
-    "poa_global": (-np.inf, 2000.0, "W/m²"),
-    "temp_air": (-60.0, 100.0, "°C"),
-    "wind_speed": (0.0, 60.0, "m/s"),
-    "temp_module": (-60.0, 100.0, "°C"),
-}
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: months of autumn on either side of the equator, and hours, in which it ends
 SUMMER_TIME_ENDS = (3, 4, 9, 10, 11), (23, 0, 1, 2, 3)
-MOST_IMPOSSIBLE = 0.2  # share of a column beyond which the record is refused
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +124,11 @@ class Record:
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
         local = self.index.tz_localize(None).to_numpy()
         return local.astype("datetime64[D]").astype(int)
+
+    def only(self, names):
+        """The same record with some of its columns."""
+        columns = {name: self.inputs.columns[name] for name in names}
+        return replace(self, inputs=replace(self.inputs, columns=columns))
 
     def known(self, names):
         """Rows that have all of some columns."""
@@ -356,27 +353,6 @@ def at_time(index, row):
     return f"{index[row]} (row {row})" if len(index) > row else f"row {row}"
 
 
-def measured(
-    poa_global, temp_air, wind_speed, temp_module, check_units=True, **drivers
-):
-    """
-    Check a measured record for a fit, with further drivers of effects.
-
-    Impossible values become NaN and are counted, negative irradiance is
-    clipped to 0 and counted; nothing else is changed.
-
-    Raises
-    ------
-    ValueError
-        If times or columns are unusable (see :func:`read`), a column looks to
-        be in another unit, or more than 20 % of a column is impossible.
-    """
-    record = as_record(poa_global, temp_air, wind_speed, temp_module, **drivers)
-    if check_units:
-        refuse_units(record.inputs)
-    return without_impossible(record)
-
-
 def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
     """The columns on their common times, as they are."""
     columns = {
@@ -409,97 +385,9 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
     return Record(inputs, missing, {}, 0)
 
 
-def without_impossible(record):
-    """The record without what no sensor can have measured, which is counted."""
-    usable, impossible = dict(record.inputs.columns), {}
-    for name, (low, high, unit) in POSSIBLE.items():
-        values = record[name]
-        outside = (values < low) | (values > high)
-        impossible[name] = int(outside.sum())
-        share = impossible[name] / np.isfinite(values).sum()
-        if share > MOST_IMPOSSIBLE:
-            at = int(np.argmax(outside))
-            raise ValueError(
-                f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
-                f"{high:g} {unit}), first {values[at]:g} at {record.index[at]}; "
-                "check its unit and sensor"
-            )
-        usable[name] = np.where(outside, np.nan, values)
-    clipped = int((usable["poa_global"] < 0).sum())
-    usable["poa_global"] = np.where(usable["poa_global"] < 0, 0.0, usable["poa_global"])
-    inputs = replace(record.inputs, columns=usable)
-    return replace(record, inputs=inputs, impossible=impossible, clipped=clipped)
-
-
 def with_columns(record, columns):
     """The record with further columns, which stand on its index."""
     arrays = {name: column.to_numpy(float) for name, column in columns.items()}
     missing = {name: int(np.isnan(values).sum()) for name, values in arrays.items()}
     inputs = replace(record.inputs, columns={**record.inputs.columns, **arrays})
     return replace(record, inputs=inputs, missing={**record.missing, **missing})
-
-
-def refuse_units(inputs):
-    """
-    Refuse a column that looks to be in another unit.
-
-    The thermal laws tie the columns together: over-temperature follows
-    irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
-    of the air, and wind changes the resistance by 4 to 20 % per m/s.
-    """
-    poa, air, wind, module = (inputs[name] for name in POSSIBLE)
-    over = module - air
-    seen = np.isfinite(poa) & np.isfinite(over)
-    if seen.sum() < 100:
-        return
-    bright = np.nanpercentile(poa, 99.9)
-    if bright <= 0:
-        return
-    sunny = seen & (poa > 0.2 * bright)
-    dark = seen & (poa < 0.02 * bright)
-    slope = slope_of(over[sunny], poa[sunny])
-    if bright < 3.0 and slope > 1.0:
-        raise unit_error("poa_global", "kW/m²", f"its largest values are {bright:.2f}")
-    night = np.median(over[dark]) if dark.sum() >= 20 else np.nan
-    unit = "K" if abs(night) > 200.0 else "°F"
-    if night > 12.0:
-        raise unit_error("temp_module", unit, f"at night it is {night:.0f} above air")
-    if night < -12.0:
-        raise unit_error("temp_air", unit, f"at night it is {-night:.0f} above module")
-    hot = np.nanpercentile(air, 99)
-    if hot > 57.0 or slope > 0.075:
-        raise unit_error(
-            "temp_air and temp_module",
-            "K" if hot > 200.0 else "°F",
-            f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
-            "1000 W/m²",
-        )
-    strong = np.nanpercentile(wind, 95)
-    ratio = over[sunny] / poa[sunny]
-    windy = np.isfinite(wind[sunny]) & (ratio > 0)
-    effect = -slope_of(np.log(ratio[windy]), wind[sunny][windy])
-    # in m/s, a site that windy has an effect of 5 % per m/s and more
-    weak = 0.004 < effect < 0.005 * (strong - 6.0)
-    if strong > 18.0 or (strong > 12.0 and weak):
-        raise unit_error(
-            "wind_speed",
-            "km/h",
-            f"5 % of it is above {strong:.0f}, and one unit of it changes the "
-            f"over-temperature by {100 * effect:.1f} %",
-        )
-
-
-def slope_of(y, x):
-    """Slope of the regression line, 0 where there is none."""
-    if len(x) < 20 or np.ptp(x) == 0:
-        return 0.0
-    x = x - x.mean()
-    return float(x @ (y - y.mean()) / (x @ x))
-
-
-def unit_error(name, unit, why):
-    look = "look" if " and " in name else "looks"
-    return ValueError(
-        f"{name} {look} to be in {unit}: {why}. Convert it first; if the unit is "
-        "right, give check_units=False (--no-unit-check)"
-    )

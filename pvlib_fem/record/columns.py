@@ -38,6 +38,9 @@ SOME = 20_000  # rows that are enough to compare columns
 
 def with_aliases(data, needed=COLUMNS):
     """Columns of a frame by the package's names, with those that are needed."""
+    names = [str(name) for name in data]
+    if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+        raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
     columns = {str(name): data[name] for name in data}
     for alias, name in ALIASES.items():
         if alias in columns:
@@ -49,7 +52,16 @@ def with_aliases(data, needed=COLUMNS):
     return columns
 
 
-def usable_drivers(columns, record, most_missing):
+def numeric(columns):
+    """Those that hold numbers, and no infinity."""
+    return {
+        name: column.astype(float)
+        for name, column in columns.items()
+        if pd.api.types.is_numeric_dtype(column) and not np.isinf(column).any()
+    }
+
+
+def usable_drivers(columns, record, most_missing, taken=()):
     """
     Numeric columns that say something of their own, and why others do not.
 
@@ -57,9 +69,12 @@ def usable_drivers(columns, record, most_missing):
     ----------
     columns : dict of Series
     record : Record
-        Of the usual columns, of which no other may be a copy.
+        Screened, with the usual columns, of which no other may be a copy, and
+        those that are numeric.
     most_missing : float
         Share of a column's rows that may lack.
+    taken : collection of str
+        Names that no column may have.
 
     Returns
     -------
@@ -68,7 +83,11 @@ def usable_drivers(columns, record, most_missing):
     used, refused = {}, {}
     seen = {name: record[name] for name in COLUMNS}
     for name, column in columns.items():
+        if name in record.inputs.columns:
+            column = pd.Series(record[name], record.index)
         reason = unusable(name, column, seen, most_missing)
+        if name in taken:
+            reason = because(Reason.TAKEN, column=name)
         if reason is None:
             used[name] = column.astype(float)
             seen[name] = used[name].to_numpy()

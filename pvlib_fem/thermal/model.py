@@ -8,7 +8,8 @@ import numpy as np
 
 from pvlib_fem.drivers import behind, completed, needed_for
 from pvlib_fem.effects.effect import Parameter, Terms, is_there
-from pvlib_fem.record.checks import POSSIBLE, at_time, read
+from pvlib_fem.quality.limits import possible
+from pvlib_fem.record.checks import at_time, read
 from pvlib_fem.record.columns import ALIASES
 from pvlib_fem.relaxation import (
     across,
@@ -244,8 +245,8 @@ class ThermalModel:
 def as_in_a_fit(inputs):
     """Inputs as a fit takes them, with a warning of what cannot be."""
     columns, said = dict(inputs.columns), []
-    for name in columns.keys() & POSSIBLE.keys():
-        values, (low, high, unit) = columns[name], POSSIBLE[name]
+    for name, values in inputs.columns.items():
+        low, high, unit = possible(name) or (-np.inf, np.inf, "")
         outside = (values < low) | (values > high)
         if outside.any():
             at = int(np.argmax(outside))

@@ -1,0 +1,153 @@
+"""What a column cannot have measured, seen from the column alone."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.limits import possible
+
+#: what loggers and files write for "no value", and the ends of whole numbers of 16 bits
+CODES = np.array(
+    [
+        *(sign * n for sign in (1, -1) for n in (999, 9999, 99999, 999999, 6999, 7999)),
+        *(sign * n for sign in (1, -1) for n in (999.9, 9999.9, 888, 8888)),
+        *(999.99, -999.99, -99, -99.9, -99.99, -9998, -888.8),
+        *(sign * 32767 * 10.0**-n for sign in (1, -1) for n in range(3)),
+        *(-32768 * 10.0**-n for n in range(3)),
+        *(65535 * 10.0**-n for n in range(3)),
+    ]
+)
+
+
+def fill_values(name, values, limits):
+    """
+    Rows of values that stand for none.
+
+    A known code counts where it lies outside what the column can hold, or, in a
+    column of unknown range, well away from all else. Any other value counts that
+    repeats and is many times as large as all else.
+    """
+    rounded = np.round(values, 2)
+    coded = np.isin(rounded, CODES) & (np.abs(values - rounded) < 1e-4)
+    if coded.any():
+        coded &= np.isin(rounded, fills(name, rounded, coded, limits))
+    return coded | beyond(values, coded, limits.far, limits.far_rows, limits)
+
+
+def fills(name, rounded, coded, limits):
+    """Those of the codes in a column that are no values."""
+    codes, bounds = np.unique(rounded[coded]), possible(name)
+    if bounds is not None:
+        return codes[(codes < bounds[0]) | (codes > bounds[1])]
+    rest = rounded[np.isfinite(rounded) & ~coded]
+    if not len(rest):
+        return codes
+    low, high = rest.min(), rest.max()
+    apart = np.array([np.abs(rest - code).min() for code in codes])
+    apart = apart > limits.fill_apart * (high - low)
+    above = codes >= limits.fill_above * max(abs(low), abs(high))
+    above &= not few(rest, limits)  # a switch may be on at any number
+    below = (codes < 0) & (codes <= limits.fill_above * min(low, 0.0))
+    return codes[apart & (above | below)]
+
+
+def beyond(values, known, factor, fewest, limits):
+    """
+    Rows of one or two values that are ``factor`` times as large as all else.
+
+    Each in ``fewest`` rows or more, and in a small share of all.
+    """
+    none = np.zeros(len(values), dtype=bool)
+    size = np.where(known, np.nan, np.abs(values))
+    there = np.isfinite(size)
+    if not there.any():
+        return none
+    near = size * factor >= np.nanmax(size)  # all that could be far, and more
+    if near.sum() > limits.far_share * there.sum():
+        return none
+    rest = size[there & ~near]
+    if few(rest, limits):
+        return none
+    far = near & (size >= factor * rest.max())
+    found, counts = np.unique(values[far], return_counts=True)
+    if (near & ~far).any() or len(found) > 2 or (counts < fewest).any():
+        return none
+    return far
+
+
+def few(values, limits):
+    """Whether a column has so few different values that it is a switch."""
+    some = values[:: max(1, len(values) // 20_000)]
+    return len(np.unique(some)) < limits.few_distinct
+
+
+def out_of_range(name, values):
+    """Rows of values that no sensor can have measured."""
+    bounds = possible(name)
+    if bounds is None:
+        return np.zeros(len(values), dtype=bool)
+    return (values < bounds[0]) | (values > bounds[1])
+
+
+def negative_by_day(poa, index, limits):
+    """
+    Rows of negative irradiance at a time of day that is light on the days around.
+
+    At night a pyranometer that radiates to the sky reads a little below 0; by day the
+    same sign is a broken cable, or snow on the dome.
+    """
+    negative = poa < 0
+    if not negative.any():
+        return negative
+    local = index if index.tz is None else index.tz_localize(None)
+    day = local.normalize()
+    slot = ((local - day).total_seconds() // limits.day_slot).astype(int)
+    light = pd.Series(np.where(negative, np.nan, poa))
+    usual = light.groupby([day, slot]).mean().unstack()  # noqa: PD010  of an index
+    around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
+    rows = np.flatnonzero(negative)
+    places = around.index.get_indexer(day[rows]), around.columns.get_indexer(slot[rows])
+    found = np.zeros(len(poa), dtype=bool)
+    found[rows] = around.to_numpy()[places] > limits.day_light
+    return found
+
+
+def spikes(name, values, seconds, limits):
+    """
+    Rows of values that jump and return faster than what is measured can.
+
+    A module is held by its heat capacity, air by its mass. Of a column of the user's
+    own only a lone value many times as large as all else is one.
+    """
+    if name in ("temp_air", "temp_module"):
+        noise, rate = (
+            (limits.spike_air, limits.spike_air_rate)
+            if name == "temp_air"
+            else (limits.spike_module, limits.spike_module_rate)
+        )
+        return jumps(values, seconds, noise, rate, limits.spike_rows)
+    if possible(name) is not None:
+        return np.zeros(len(values), dtype=bool)
+    return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)
+
+
+def jumps(values, seconds, noise, rate, longest):
+    """Rows that lie on one side of those before and after by more than can be."""
+    there = np.flatnonzero(np.isfinite(values))
+    x, t = values[there], seconds[there]
+    found = np.zeros(len(x), dtype=bool)
+    for rows in range(1, longest + 1):
+        if len(x) < rows + 2:
+            break
+        first, last = x[: -rows - 1], x[rows + 1 :]
+        # half of the way there, half of it back
+        most = noise + rate * (t[rows + 1 :] - t[: -rows - 1]) / 2.0
+        inner = [x[1 + i : len(x) - rows + i] for i in range(rows)]
+        least, largest = np.minimum.reduce(inner), np.maximum.reduce(inner)
+        up = least - np.maximum(first, last) > most
+        down = np.minimum(first, last) - largest > most
+        at = np.flatnonzero(up | down)
+        for i in range(rows):
+            found[at + 1 + i] = True
+    result = np.zeros(len(values), dtype=bool)
+    result[there[found]] = True
+    return result

@@ -1,0 +1,346 @@
+"""One screening of a measured record, the same for all that takes one."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
+from pvlib_fem.quality.outliers import (
+    fill_values,
+    negative_by_day,
+    out_of_range,
+    spikes,
+)
+from pvlib_fem.quality.stray import refuse_stray
+from pvlib_fem.quality.stuck import never_moves, refuse_frozen, stuck
+from pvlib_fem.quality.units import doubtful, oddities, refuse_units
+from pvlib_fem.record.checks import Record, read
+from pvlib_fem.record.columns import ALIASES, GEOMETRY, with_aliases
+
+#: what a value can be found at fault for, in the order in which it is asked, and how
+#: it is said after the column's name
+KINDS = {
+    "fill value": "holds the fill value {value:.7g}",
+    "negative by day": "is negative by day, as {value:.4g},",
+    "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
+    "spike": "jumps and returns faster than it can, as to {value:.5g},",
+    "stuck": "stands still at {value:g}",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Faults:
+    """What was found in the columns of a record."""
+
+    record: Record  # as it came
+    masks: dict = field(default_factory=dict)  # kind to column to rows
+    clipped: int = 0  # rows of a little negative irradiance by night
+
+    def of(self, name, besides=()):
+        """Rows in which a column is at fault."""
+        rows = np.zeros(len(self.record.index), dtype=bool)
+        for kind, columns in self.masks.items():
+            if kind not in besides and name in columns:
+                rows |= columns[name]
+        return rows
+
+    @property
+    def impossible(self):
+        """Rows of each column that were not measured, those that repeat aside."""
+        names = self.record.inputs.columns
+        return {name: int(self.of(name, ("stuck",)).sum()) for name in names}
+
+    @property
+    def counts(self):
+        """A row for each column and kind."""
+        rows = []
+        for kind, columns in self.masks.items():
+            for name, at in columns.items():
+                first = int(np.argmax(at))
+                time, value = self.record.index[first], float(self.record[name][first])
+                rows.append((name, kind, int(at.sum()), time, value))
+        return pd.DataFrame(rows, columns=["column", "kind", "rows", "first", "value"])
+
+    @property
+    def notes(self):
+        """The same in sentences."""
+        return tuple(map(sentence, self.counts.itertuples()))
+
+    def and_in(self, rows, other):
+        """The same with temp_module's faults in some rows as another has them."""
+        name, masks = "temp_module", {}
+        for kind in KINDS:
+            columns = dict(self.masks.get(kind, {}))
+            there = columns.get(name, False) | (
+                other.masks.get(kind, {}).get(name, False) & rows
+            )
+            if np.any(there):
+                columns[name] = there
+            if columns:
+                masks[kind] = columns
+        return replace(self, record=other.record, masks=masks)
+
+
+def sentence(row):
+    """What was found in one column, in one line."""
+    low, high, unit = possible(row.column) or (0, 0, "")
+    what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
+    many = f"in {row.rows:,} rows, first at" if row.rows > 1 else "at"
+    return f"{row.column} {what} {many} {row.first}: not used"
+
+
+def screened(record, limits=None, check_units=True):
+    """
+    A record without what was not measured, and what that is.
+
+    Parameters
+    ----------
+    record : Record
+        As it came.
+    limits : Limits, optional
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+
+    Returns
+    -------
+    Record, Faults
+        NaN where a value is at fault; irradiance that is a little negative by night is
+        0.
+
+    Raises
+    ------
+    ValueError
+        Beside units: if one of the four columns holds nothing but fill values, is
+        impossible in more than a fifth of its rows, or never moves. Wind that never
+        moves may stand for no anemometer.
+    """
+    limits = limits or Limits()
+    refuse_stray(record.index, limits)
+    clean, found = alone(record, limits, check_units)
+    frozen = stuck(clean, limits)
+    if never_moves(clean["wind_speed"]):  # a number that stands for all wind
+        del frozen["wind_speed"]
+    refuse_frozen(clean, frozen)
+    return without_frozen(clean, found, frozen)
+
+
+def without_frozen(clean, found, frozen):
+    """The same less sensors that stand still."""
+    frozen = {name: rows for name, rows in frozen.items() if rows.any()}
+    if not frozen:
+        return clean, found
+    found = replace(found, masks={**found.masks, "stuck": frozen})
+    return without(clean, frozen), found
+
+
+def alone(record, limits, check_units=True):
+    """The same but for sensors that stand still, for which others have to be asked."""
+    clean, found = ruled(record, Faults(record), limits, ("fill value",))
+    refuse_empty(found, clean)
+    if check_units:
+        refuse_units(clean.inputs, limits)
+    clean, found = ruled(clean, found, limits, RULES)
+    refuse_impossible(found, limits)
+    return with_nights(clean, found)
+
+
+def ruled(clean, found, limits, kinds):
+    """A record and its faults after some of the rules."""
+    columns = clean.inputs.columns
+    doubted = doubtful(columns, limits) if len(kinds) > 1 else ()
+    names = [n for n in columns if n not in doubted and n not in GEOMETRY]
+    for kind in kinds:
+        rows = {name: RULES[kind](name, clean, limits) for name in names}
+        rows = {name: at for name, at in rows.items() if at.any()}
+        if rows:
+            found = replace(found, masks={**found.masks, kind: rows})
+            clean = without(clean, rows)
+    return clean, found
+
+
+def with_nights(clean, found):
+    """The same with 0 where irradiance is a little below it by night."""
+    poa = clean["poa_global"]
+    clipped = int((poa < 0).sum())
+    clean = with_values(clean, {"poa_global": np.where(poa < 0, 0.0, poa)})
+    found = replace(found, clipped=clipped)
+    return replace(clean, impossible=found.impossible, clipped=clipped), found
+
+
+#: kind to the rule that finds its rows in a column
+RULES = {
+    "fill value": lambda name, record, limits: fill_values(name, record[name], limits),
+    "negative by day": lambda name, record, limits: (
+        negative_by_day(record[name], record.index, limits)
+        if name == "poa_global"
+        else np.zeros(len(record.index), dtype=bool)
+    ),
+    "out of range": lambda name, record, limits: out_of_range(name, record[name]),
+    "spike": lambda name, record, limits: spikes(
+        name, record[name], record.inputs.seconds, limits
+    ),
+}
+
+
+def with_values(record, columns):
+    """The record with other values in some columns."""
+    inputs = replace(record.inputs, columns={**record.inputs.columns, **columns})
+    return replace(record, inputs=inputs)
+
+
+def without(record, rows):
+    """The record with NaN in some rows of its columns."""
+    return with_values(
+        record, {name: np.where(at, np.nan, record[name]) for name, at in rows.items()}
+    )
+
+
+def refuse_empty(found, clean):
+    """Refuse one of the four columns in which no value is left."""
+    for row in found.counts.itertuples():
+        if row.column in POSSIBLE and not np.isfinite(clean[row.column]).any():
+            raise ValueError(
+                f"{row.column} holds nothing but the fill value {row.value:g}, from "
+                f"{row.first} on; check the column's name and the logger"
+            )
+
+
+def refuse_impossible(found, limits):
+    """Refuse a record of which too much cannot be, or is negative by day."""
+    for name, (low, high, unit) in POSSIBLE.items():
+        values, fills = found.record[name], found.masks.get("fill value", {})
+        rows = found.of(name, ("fill value", "spike"))
+        share = rows.sum() / max(np.isfinite(values).sum(), 1)
+        if name in fills:
+            share = rows.sum() / max((np.isfinite(values) & ~fills[name]).sum(), 1)
+        if share > limits.most_impossible:
+            at = int(np.argmax(rows))
+            raise ValueError(
+                f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
+                f"{high:g} {unit}), first {values[at]:g} at {found.record.index[at]}; "
+                "check its unit and sensor"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Screening:
+    """
+    What a record holds that was not measured; ``print(found)`` says it.
+
+    Attributes
+    ----------
+    masks : dict of DataFrame
+        By kind (``"fill value"``, ``"out of range"``, ``"negative by day"``,
+        ``"spike"``, ``"stuck"``): booleans in the form of the data, True where a
+        value is at fault. They join with those of pvanalytics by ``&`` and ``|``.
+    counts : DataFrame
+        A row for each column and kind that was found: ``column``, ``kind``, ``rows``,
+        ``first`` (its time) and ``value`` (there).
+    notes : tuple of str
+        The same in sentences, and what looks odd without being at fault.
+    cleaned : DataFrame
+        The data with NaN where a value is at fault. Irradiance that is a little
+        negative by night, a pyranometer's offset, is 0.
+    clipped : int
+        Rows of that offset.
+    """
+
+    masks: dict = field(repr=False)
+    counts: pd.DataFrame
+    notes: tuple
+    cleaned: pd.DataFrame = field(repr=False)
+    clipped: int = 0
+
+    @property
+    def mask(self):
+        """True where a value is at fault for any reason."""
+        found = np.any([mask.to_numpy() for mask in self.masks.values()], axis=0)
+        return pd.DataFrame(found, self.cleaned.index, self.cleaned.columns)
+
+    def __str__(self):
+        rows = f"{len(self.cleaned):,} rows"
+        if not self.notes:
+            return f"{rows}: nothing at fault was found"
+        return "\n".join([rows, *(f"note: {note}" for note in self.notes)])
+
+
+def screen(data, limits=None) -> Screening:
+    """
+    Find what a record holds that was not measured, before anything is fitted.
+
+    :func:`pvlib_fem.fit_fem`, :func:`pvlib_fem.close_loop` and
+    :func:`pvlib_fem.rank_effects` leave out the same by themselves, and their notes
+    say what.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a DatetimeIndex and columns in pvlib's names: any of ``poa_global``
+        [W/m²], ``temp_air``, ``temp_module`` [°C], ``wind_speed`` [m/s], of the
+        drivers of effects, and of further ones, of which less is known. Columns that
+        are not numeric are left as they are.
+    limits : Limits, optional
+        The thresholds; by default those of :class:`pvlib_fem.quality.limits.Limits`.
+
+    Returns
+    -------
+    Screening
+
+    Raises
+    ------
+    ValueError
+        If the times are unusable, a column is there twice or holds an infinity.
+
+    Notes
+    -----
+    *Fill values* are a logger's codes (−999, −6999, 7999, −327.67, ...) where they lie
+    outside what the column can hold or, in a column that is not known, well away from
+    all else; and values that repeat at ten times all else. *Out of range* is what no
+    sensor can have measured. *Negative by day* is irradiance below 0 at a time of day
+    that is light on the days around. *Spikes* are changes there and back that the heat
+    capacity of module or air forbids. *Stuck* are values that repeat while what moves
+    them moves, which takes all four columns. What this finds wrongly is in
+    :doc:`/quality`.
+
+    Examples
+    --------
+    >>> import pvlib_fem as fem
+    >>> data = fem.datasets.synthetic(days=3, step=600)
+    >>> data.iloc[[60, 61], data.columns.get_loc("poa_global")] = -7999.0
+    >>> found = fem.screen(data)
+    >>> found.counts[["column", "kind", "rows", "value"]]
+           column        kind  rows   value
+    0  poa_global  fill value     2 -7999.0
+    >>> int(found.mask.to_numpy().sum()), int(found.cleaned["poa_global"].isna().sum())
+    (2, 2)
+    """
+    limits = limits or Limits()
+    record, labels = of_frame(data)
+    clean, found = ruled(record, Faults(record), limits, ("fill value",))
+    odd = [*oddities(clean.inputs, limits)]
+    odd += doubtful(clean.inputs.columns, limits).values()
+    clean, found = with_nights(*ruled(clean, found, limits, RULES))
+    clean, found = without_frozen(clean, found, stuck(clean, limits))
+    masks = {kind: pd.DataFrame(False, data.index, data.columns) for kind in KINDS}
+    cleaned = data.copy()
+    for kind, columns in found.masks.items():
+        for name, rows in columns.items():
+            masks[kind][labels[name]] = rows
+    for name, label in labels.items():
+        if found.of(name).any() or (name == "poa_global" and found.clipped):
+            cleaned[label] = clean[name]
+    counts = found.counts.replace({"column": {n: str(c) for n, c in labels.items()}})
+    return Screening(masks, counts, (*found.notes, *odd), cleaned, found.clipped)
+
+
+def of_frame(data):
+    """The numeric columns of a frame as a record, and what the frame calls them."""
+    columns = with_aliases(data, ())
+    own = {ALIASES.get(str(label), str(label)): label for label in data}
+    own |= {str(label): label for label in data}
+    numeric = {n: c for n, c in columns.items() if pd.api.types.is_numeric_dtype(c)}
+    inputs = read(numeric, purpose="a screening")
+    lacking = dict.fromkeys(POSSIBLE, np.full(len(data), np.nan))
+    inputs = replace(inputs, columns={**lacking, **inputs.columns})
+    return Record(inputs, {}, {}, 0), {name: own[name] for name in numeric}

@@ -1,0 +1,375 @@
+"""What was not measured is found, named and left out; what was measured stays."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS, DRIVERS
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import pvlib_fem as fem
+from pvlib_fem import datasets, simulator
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.quality.limits import Limits, possible
+from pvlib_fem.quality.outliers import CODES
+from pvlib_fem.simulator import ALBUQUERQUE, PHYSICS, RHINE
+
+
+@pytest.fixture(scope="module")
+def record():
+    """Ten days of June with all that a site measures, and a column of its own."""
+    data = simulator.record(effects=PHYSICS, days=10, step=600, start="2023-06-01")
+    data.attrs = {}
+    fan = 40.0 + 5.0 * np.sin(np.arange(len(data)) / 7.0)
+    return data.assign(fan=fan + np.random.default_rng(0).normal(size=len(data)))
+
+
+def fit(data, **options):
+    return fem.fit_fem(*(data[name] for name in COLUMNS), **options)
+
+
+def with_values(data, column, rows, value):
+    data = data.copy()
+    data.iloc[rows, data.columns.get_loc(column)] = value
+    return data
+
+
+def kinds(found):
+    return list(map(tuple, found.counts[["column", "kind", "rows"]].to_numpy()))
+
+
+# fill values
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    column=st.sampled_from([*COLUMNS, "relative_humidity", "longwave_down", "fan"]),
+    code=st.sampled_from([-999, -6999, -7999, -327.67, 9999, 7999, -9999.9, 65535]),
+    rows=st.sets(st.integers(0, 1439), min_size=1, max_size=60),
+)
+def test_any_code_is_found_in_any_column_and_nothing_else(record, column, code, rows):
+    found = fem.screen(with_values(record, column, sorted(rows), float(code)))
+    assert kinds(found) == [(column, "fill value", len(rows))]
+    mask = found.mask
+    assert set(np.flatnonzero(mask[column])) == rows
+    assert mask.to_numpy().sum() == len(rows)
+    assert found.cleaned[column].isna().sum() == len(rows)
+    assert found.notes[0].startswith(f"{column} holds the fill value {code:.7g} ")
+    assert str(record.index[min(rows)]) in found.notes[0]
+
+
+def test_two_codes_and_a_float_of_32_bits_are_found(record):
+    data = with_values(record, "relative_humidity", [5, 6], -6999.0)
+    data = with_values(data, "relative_humidity", [9], -7999.0)
+    data["fan"] = with_values(data, "fan", [3], -327.67)["fan"].astype("float32")
+    assert kinds(fem.screen(data)) == [
+        ("relative_humidity", "fill value", 3),
+        ("fan", "fill value", 1),
+    ]
+
+
+def test_a_value_that_repeats_far_outside_is_no_value(record):
+    """One that no list of codes has."""
+    assert 4.2e4 not in CODES
+    found = fem.screen(with_values(record, "fan", range(100, 120), 4.2e4))
+    assert kinds(found) == [("fan", "fill value", 20)]
+    found = fem.screen(with_values(record, "fan", [100], 4.2e5))
+    assert kinds(found) == [("fan", "spike", 1)]
+
+
+@pytest.mark.parametrize(
+    "own",
+    {
+        "a counter that passes the codes": np.arange(1440.0) * 10,
+        "a switch": np.where(np.arange(1440) % 7 == 0, 999.0, 0.0),
+        "a fan that is off at times": np.where(
+            np.arange(1440) % 20 == 0, 0.0, 900 + np.arange(1440) % 97
+        ),
+        "pressure about 999 hPa": 999.0 + np.round(np.arange(1440) % 41 - 20.0),
+        "a skewed quantity": np.random.default_rng(0).lognormal(0, 2, 1440),
+        "a temperature about 0": np.random.default_rng(0).normal(size=1440),
+        "rain of a bucket": np.random.default_rng(0).poisson(0.01, 1440) * 1.2,
+    }.values(),
+)
+def test_a_column_of_ones_own_keeps_what_it_may_mean(record, own):
+    assert fem.screen(record.assign(own=own)).counts.empty
+
+
+def test_a_code_within_what_a_column_holds_is_a_value(record):
+    found = fem.screen(with_values(record, "poa_global", [70, 71], 999.0))
+    assert found.counts.empty
+
+
+@pytest.mark.parametrize("column", COLUMNS)
+def test_a_fill_value_costs_its_rows_and_no_more(record, column):
+    rows = np.random.default_rng(0).choice(len(record), 70, replace=False)
+    spoilt, holes = (with_values(record, column, rows, v) for v in (-7999.0, np.nan))
+    found, want = fit(spoilt), fit(holes)
+    assert found.coefficients == want.coefficients
+    assert found.stderr == want.stderr
+    note = f"{column} holds the fill value -7999 in 70 rows, first at "
+    assert any(line.startswith(note) for line in found.notes)
+    assert found.record.impossible[column] == 70
+
+
+def test_a_fill_value_in_a_driver_costs_its_rows_too(plant):
+    effect = dict(effects=["sky_radiation"])
+    rows = [50, 51, 4000, 9000]
+
+    def fitted(value):
+        data = with_values(plant, "longwave_down", rows, value)
+        return fit(data, longwave_down=data["longwave_down"], **effect)
+
+    assert fitted(7999.0).coefficients == fitted(np.nan).coefficients
+    assert "longwave_down holds the fill value 7999 in 4 rows" in str(fitted(7999.0))
+
+
+def test_a_column_of_fill_values_is_refused_by_name(record):
+    with pytest.raises(ValueError, match="wind_speed holds nothing but the fill value"):
+        fit(record.assign(wind_speed=-999.0))
+
+
+def test_the_loop_and_the_ranking_screen_their_drivers():
+    data = simulator.record(effects=PHYSICS, days=25, step=1800, start="2023-06-01")
+    data = data.drop(columns="snow_depth")
+    fan = pd.Series(np.random.default_rng(1).normal(40, 5, len(data)), data.index)
+    data = data.assign(fan=fan)
+    told = []
+    for value in (-9999.0, np.nan):
+        spoilt = with_values(data, "fan", range(30, 40), value)
+        spoilt = with_values(spoilt, "longwave_down", [500], abs(value))
+        loop = fem.close_loop(spoilt)
+        ranking = fem.rank_effects(loop.fit, spoilt)
+        told.append((loop, ranking))
+    (found, ranks), (want, wanted) = told
+    pd.testing.assert_frame_equal(found.table, want.table)
+    pd.testing.assert_frame_equal(found.ranking, want.ranking)
+    pd.testing.assert_frame_equal(ranks, wanted, check_flags=False)
+    for notes in (found.notes, ranks.attrs["notes"]):
+        assert any("fan holds the fill value -9999 in 10 rows" in n for n in notes)
+        assert any("longwave_down holds the fill value 9999 at" in n for n in notes)
+
+
+# what cannot be
+
+
+@pytest.mark.parametrize(
+    "column", [*COLUMNS, "relative_humidity", "p_dc", "snow_depth"]
+)
+def test_what_no_sensor_can_measure_is_out_of_range(record, column):
+    low, high, _ = possible(column)
+    for value in (low - 1.0, high + 1.0):
+        found = fem.screen(with_values(record, column, [3, 10], value))
+        assert kinds(found) == [(column, "out of range", 2)]
+    for value in (low, high):
+        found = fem.screen(with_values(record, column, [3, 4, 5, 6], value))
+        assert not found.masks["out of range"].to_numpy().any()
+
+
+def test_irradiance_below_zero_is_an_offset_by_night_and_a_fault_by_day(record):
+    data = record.copy()
+    night = data["poa_global"] == 0
+    data.loc[night, "poa_global"] = -4.0
+    found = fem.screen(data)
+    assert found.counts.empty and found.clipped == night.sum()
+    assert (found.cleaned.loc[night, "poa_global"] == 0).all()
+    noon = slice("2023-06-04 11:00", "2023-06-04 13:50")
+    data.loc[noon, "poa_global"] = -4.0
+    found = fem.screen(data)
+    assert kinds(found) == [("poa_global", "negative by day", 18)]
+    assert found.cleaned.loc[noon, "poa_global"].isna().all()
+    assert found.clipped == night.sum()
+    assert any("poa_global is negative by day, as -4," in n for n in fit(data).notes)
+    # far below what an offset can be is no night either
+    data.loc["2023-06-05 01:00", "poa_global"] = -80.0
+    assert ("poa_global", "out of range", 1) in kinds(fem.screen(data))
+
+
+def test_a_sensor_with_its_sign_turned_is_refused(record):
+    with pytest.raises(ValueError, match="of poa_global is physically impossible"):
+        fit(record.assign(poa_global=-record["poa_global"]))
+
+
+@pytest.mark.parametrize("column", ["temp_air", "temp_module"])
+@pytest.mark.parametrize("rows", [1, 2, 3])
+def test_a_jump_there_and_back_is_a_spike(column, rows):
+    data = datasets.synthetic(2, 60.0)
+    at = data.index[800 : 800 + rows]
+    for jump in (40.0, -40.0):
+        spoilt = data.copy()
+        spoilt.loc[at, column] += jump
+        found = fem.screen(spoilt)
+        assert kinds(found) == [(column, "spike", rows)]
+        assert (found.mask[column].loc[at]).all()
+
+
+def test_a_jump_that_stays_is_no_spike():
+    data = datasets.synthetic(2, 60.0)
+    data.loc[data.index[800:860], "temp_module"] += 30.0
+    assert fem.screen(data).counts.empty
+
+
+@pytest.mark.parametrize("site", [RHINE, ALBUQUERQUE])
+@pytest.mark.parametrize("start", ["2023-01-05", "2023-06-20"])
+@pytest.mark.parametrize("step", [60.0, 900.0])
+def test_what_was_measured_stays(site, start, step):
+    days = 5 if step == 60.0 else 40
+    effects = PHYSICS | {"snow": 1.0, "electrical_output": 1.0}
+    data = simulator.record(site, effects, days, step, 3, start=start)
+    found = fem.screen(data)
+    assert found.counts.empty and found.notes == ()
+    assert str(found) == f"{len(data):,} rows: nothing at fault was found"
+    assert not found.mask.to_numpy().any()
+
+
+def test_measured_records_keep_all_rows(week, day):
+    assert fem.screen(week).counts.empty
+    assert fem.screen(day).counts.empty
+
+
+# sensors that stand still
+
+
+def test_a_fit_leaves_out_sensors_that_stand_still():
+    data = datasets.synthetic(15, 300.0, seed=3)
+    spoilt, holes = data.copy(), data.copy()
+    spoilt.iloc[1000:1500, 3 + list(data).index("poa_global")] = 31.4
+    assert list(data)[3 + list(data).index("poa_global")] == "temp_module"
+    spoilt.iloc[2200:3100, list(data).index("wind_speed")] = 0.0
+    holes.iloc[1000:1500, list(data).index("temp_module")] = np.nan
+    holes.iloc[2200:3100, list(data).index("wind_speed")] = np.nan
+    found = fit(spoilt)
+    for column, rows in (("temp_module", 500), ("wind_speed", 900)):
+        assert any(
+            f"{column} stands still at" in note and f"in {rows} rows" in note
+            for note in found.notes
+        )
+    assert found.coefficients == fit(holes).coefficients
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "days"),
+    [
+        ("relative_humidity", 43.0, 2),
+        ("longwave_down", 333.0, 2),
+        ("wind_direction", 222.0, 4),
+        ("p_dc", 12.0, 2),
+    ],
+)
+def test_a_driver_can_stand_still_too(record, column, value, days):
+    rows = range(300, 300 + 144 * days)
+    found = fem.screen(with_values(record, column, rows, value))
+    assert kinds(found) == [(column, "stuck", len(rows))]
+    quiet = fem.screen(with_values(record, "relative_humidity", rows, 100.0))
+    assert quiet.counts.empty  # fog
+
+
+def test_a_sensor_that_never_moves_is_refused_by_a_fit_too(record):
+    with pytest.raises(ValueError, match=r"temp_module stands still at 12\.5 for"):
+        fit(record.assign(temp_module=12.5))
+    calm = fit(record.assign(wind_speed=0.0), model="ross")
+    assert any("wind_speed is 0 m/s in all rows" in note for note in calm.notes)
+
+
+# swapped, or in another unit
+
+
+def test_air_and_module_swapped_are_recognised(record, week):
+    for data in (record, week):
+        names = {"temp_air": "temp_module", "temp_module": "temp_air"}
+        swapped = data.rename(columns=names)
+        with pytest.raises(ValueError, match="temp_air and temp_module look swapped"):
+            fit(swapped)
+        with pytest.raises(ValueError, match="temp_air and temp_module look swapped"):
+            fem.close_loop(swapped)
+        assert any("look swapped" in note for note in fem.screen(swapped).notes)
+        found = fit(swapped, check_units=False)
+        assert any("look swapped" in note for note in found.notes)
+
+
+def test_one_thermometer_under_two_names_is_recognised(record):
+    with pytest.raises(ValueError, match="temp_module is a copy of temp_air"):
+        fem.close_loop(record.assign(temp_module=record["temp_air"]))
+
+
+@pytest.mark.parametrize("factor", [1 / 6, 0.06, 0.1])
+def test_sums_of_a_step_are_no_fahrenheit(record, factor):
+    """Wh/m² and J/cm² of ten minutes, mW/cm²."""
+    with pytest.raises(ValueError, match="poa_global looks to be in another unit than"):
+        fit(record.assign(poa_global=factor * record["poa_global"]))
+
+
+def test_wind_in_miles_an_hour_gets_a_word(record):
+    mph = record.assign(wind_speed=record["wind_speed"] * 2.237)
+    assert any("is it in mph or km/h" in note for note in fit(mph).notes)
+    assert not any("mph" in note for note in fit(record).notes)
+
+
+@pytest.mark.parametrize(
+    ("column", "change", "words"),
+    [
+        (
+            "longwave_down",
+            lambda x: 1.6 * x,
+            r"is outside the 100 to 550 W/m² .* in \d",
+        ),
+        ("p_dc", lambda x: x / 1000, ".* at its best, kW; multiply it by 1000"),
+        ("relative_humidity", lambda x: x / 100, ".* a fraction; multiply it by 100"),
+    ],
+)
+def test_a_driver_of_a_fit_is_doubted_as_in_the_loop(record, column, change, words):
+    data = record.assign(**{column: change(record[column])})
+    assert any(column in note for note in fem.screen(data).notes)
+    effect = Effect(
+        "mine",
+        lambda x, *, heat: Terms(heat=heat * x),
+        {"heat": Parameter(0.0, -1.0, 1.0, "-")},
+        columns=(column,),
+    )
+    with pytest.raises(ValueError, match=f"{column} {words}"):
+        fit(data, effects=effect, **{column: data[column]})
+    fit(data, effects=effect, check_units=False, **{column: data[column]})
+
+
+# the frame
+
+
+def test_masks_join_with_those_of_others(record):
+    data = with_values(record, "temp_module", [7], -999.0)
+    other = pd.DataFrame(False, data.index, data.columns)
+    other.iloc[9, other.columns.get_loc("temp_module")] = True
+    mask = fem.screen(data).mask
+    assert list(np.flatnonzero((mask | other)["temp_module"])) == [7, 9]
+    assert not (mask & other).to_numpy().any()
+    assert data.mask(mask | other)["temp_module"].isna().sum() == 2
+
+
+def test_the_frame_keeps_its_form(record):
+    data = with_values(record, "temp_air", [7], -999.0)
+    data["temp_air"] = data["temp_air"].astype("Float64")
+    data = data.rename(columns={"longwave_down": "ir_down"}).assign(label="a")
+    data[0] = 1.0
+    before = data.copy()
+    found = fem.screen(data)
+    pd.testing.assert_frame_equal(data, before)
+    assert list(found.cleaned) == list(data) == list(found.mask)
+    assert found.cleaned.index.equals(data.index)
+    assert set(found.masks) == {
+        *("fill value", "out of range", "negative by day", "spike", "stuck")
+    }
+    with pytest.raises(ValueError, match="temp_air is there twice"):
+        fem.screen(pd.concat([data, data[["temp_air"]]], axis=1))
+
+
+def test_a_frame_need_not_have_all_columns(record):
+    found = fem.screen(with_values(record[["temp_air", "fan"]], "fan", [4], -999.0))
+    assert kinds(found) == [("fan", "fill value", 1)]
+
+
+def test_limits_are_an_argument(record):
+    jump = record["temp_air"].where(np.arange(len(record)) != 200, 60.0)
+    data = record.assign(temp_air=jump)
+    assert kinds(fem.screen(data)) == [("temp_air", "spike", 1)]
+    assert fem.screen(data, Limits(spike_air=100.0)).counts.empty
+    assert not any("jumps" in n for n in fit(data, limits=Limits(spike_air=99.0)).notes)
+    assert list(DRIVERS) == list(COLUMNS[:3])
