@@ -12,6 +12,11 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
     own_constants,
     with_constants,
 )
-from pvlib_fem.drivers.solar import geometry, standard_time, sun  # noqa: F401
+from pvlib_fem.drivers.solar import (  # noqa: F401
+    checked_place,
+    geometry,
+    standard_time,
+    sun,
+)
 
 __all__ = ["sun"]

@@ -1,8 +1,11 @@
 """The place of the sun, and its light on a plane."""
 
+from numbers import Real
+
 import numpy as np
 import pandas as pd
 from pvlib import irradiance
+from pvlib.location import Location
 
 from pvlib_fem.drivers.memory import HOUR, backwards
 from pvlib_fem.record.columns import GEOMETRY
@@ -70,6 +73,26 @@ def standard_time(index, location):
         january = pd.Timestamp(index[0].year, 1, 1, tz=location.tz)
         offset = january.utcoffset() - january.dst()
     return (index - offset).tz_localize("UTC")
+
+
+def checked_place(location, surface_tilt, surface_azimuth):
+    """The arguments of a place as a dict, refused by name where they are no place."""
+    if location is not None and not isinstance(location, Location):
+        example = ", ".join(map(str, np.ravel(location))) if np.ndim(location) else "…"
+        raise ValueError(
+            f"location is {location!r}; give pvlib.location.Location({example}), with "
+            "tz= where the times have no zone"
+        )
+    angles = {"surface_tilt": surface_tilt, "surface_azimuth": surface_azimuth}
+    for name, value in angles.items():
+        if value is None:
+            continue
+        if not isinstance(value, Real) or not np.isfinite(value):
+            what = repr(value) if np.ndim(value) == 0 else f"a {type(value).__name__}"
+            raise ValueError(
+                f"{name} is {what}; give one number of degrees, or leave it out"
+            )
+    return {"location": location, **angles}
 
 
 def geometry(index, location=None, surface_tilt=None, surface_azimuth=None):

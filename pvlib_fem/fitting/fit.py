@@ -21,6 +21,7 @@ from pvlib_fem.statistics.leastsquares import FLAT
 from pvlib_fem.thermal.model import INSTANT, thermal_model
 
 METHODS = ("least_squares", "paper")
+MEMORIES = ("tau", "capacity")  # of which each dynamics has one
 ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
 
 
@@ -136,6 +137,7 @@ def fit_fem(
     target = thermal_model(model, dynamics, map(find, several(effects)))
     target = replace(target, held=possible(target, fixed or {}))
     drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+    refuse_coefficients(target, drivers)
     target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
@@ -196,6 +198,16 @@ def fit_fem(
         method=method,
         night=night,
     )
+
+
+def refuse_coefficients(target, drivers):
+    """Refuse a number that is to be held where columns are given."""
+    for name, value in drivers.items():
+        if name in target.parameters or (np.isscalar(value) and name in MEMORIES):
+            raise ValueError(
+                f"{name} is a coefficient and no column; to hold it give "
+                f"fixed={{{name!r}: {value!r}}}"
+            )
 
 
 def finished(target, record, temperature, parts, minimum, **how):

@@ -153,6 +153,8 @@ class FemFit:
         DataFrame
             ``lower`` and ``upper`` by coefficient; NaN without an error.
         """
+        if not 0 < level < 1:
+            raise ValueError(f"level = {level} must be between 0 and 1, such as 0.95")
         factor = student.ppf(0.5 + level / 2, max(self.train_days - 1, 1))
         value, error = pd.Series(self.coefficients), pd.Series(self.stderr)
         return pd.DataFrame(

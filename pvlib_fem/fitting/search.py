@@ -141,6 +141,8 @@ def errors(target, record, train, coefficients, at_bound, notes):
             f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
             "others hold it fixed"
         )
+    if not names:
+        return stderr
     days = record.days[train]
     if len(np.unique(days)) < FEWEST_DAYS:
         notes.append(

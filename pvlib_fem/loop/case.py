@@ -25,6 +25,7 @@ from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks
 
+FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 OFF_THE_SUN = ("file_shift", "file_dst")  # faults with which the sun is elsewhere
 
 
@@ -175,7 +176,7 @@ def prepared(
     said |= {c.fault for c in corrections}
     notes = [*faults.notes, *oddities(hidden.inputs, limits)]
     notes += [line for name, line in health.faults.items() if name not in said]
-    notes += health.unchecked
+    notes += [*health.unchecked, *of_the_zone(whole.index, site["location"])]
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         words = doubt.removeprefix(f"{name} ")
@@ -215,6 +216,21 @@ def prepared(
         corrections=corrections,
     )
     return divided(whole, case)
+
+
+def of_the_zone(index, location):
+    """What to know of hours that are far from those of the sun."""
+    if location is None or index.tz is None:
+        return
+    own = index[0].utcoffset().total_seconds() / 3600.0
+    sun = location.longitude / 15.0
+    if abs((own - sun + 12.0) % 24.0 - 12.0) > FAR_ZONE:
+        yield (
+            f"hours are told in the record's zone, {index.tz}; at longitude "
+            f"{location.longitude:g}° the sun's are {abs(own - sun):.0f} h "
+            f"{'earlier' if own > sun else 'later'}: for local hours give "
+            "data.tz_convert(zone) (--tz)"
+        )
 
 
 def told_of(summer, fault=""):

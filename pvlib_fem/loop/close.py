@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field, replace
 
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
+from pvlib_fem.drivers import checked_place
 from pvlib_fem.findings import Verdict
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.search import errors
@@ -12,6 +12,7 @@ from pvlib_fem.loop.case import prepared
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranking import as_row, ranked
@@ -19,9 +20,9 @@ from pvlib_fem.loop.remains import hints, not_seen, unexplained
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.steps import SCORES, Fits, error_table
 from pvlib_fem.loop.table import Ranking, table_of
+from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.weeks import Part, named
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.columns import leaks
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.steady import steady_model
 
@@ -125,12 +126,10 @@ def close_loop(
     criteria = criteria or Criteria()
     if min_gain is not None:
         criteria = replace(criteria, min_gain=min_gain)
-    site = dict(
-        location=location, surface_tilt=surface_tilt, surface_azimuth=surface_azimuth
-    )
+    site = checked_place(location, surface_tilt, surface_azimuth)
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
-    with threadpool_limits(limits=1, user_api="blas"), telling(progress) as tell:
+    with one_blas_thread(), telling(progress) as tell:
         tell("checking the record")
         case = prepared(data, site, holdout, effects, criteria, check_units, fixed)
         found = Search(Fits(case), tell).run(steady_model(model))
@@ -209,14 +208,7 @@ class Search:
         if not own:
             return
         temperature = base.model.temperature(case.record.inputs, base.coefficients)
-        for name in leaks(
-            case.record,
-            case.searched,
-            temperature,
-            list(own),
-            limits.leak,
-            limits.leak_beyond,
-        ):
+        for name in leaks(case.record, case.searched, temperature, list(own), limits):
             effect = own[name]
             self.untestable[effect.name] = because(Reason.LEAK, column=name)
             case = case.without(effect)

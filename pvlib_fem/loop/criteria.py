@@ -42,6 +42,12 @@ class Criteria:
     leak_beyond : float
         *record.* The same, of what the model and the usual columns leave: a column
         that those foretell as well is no leak. [-]
+    leak_same : float
+        *record.* Share by which a column may follow the model's part of the temperature
+        otherwise than what the model leaves, and still be made from the whole; with its
+        error. Causes follow the two by −20 to 3 times each other. [-]
+    leak_sure : float
+        *record.* Standard errors by which it has to follow what the model leaves. [-]
     search_step : float
         *record.* Step on which effects are searched, half of the shortest time
         constants; fits end on the record's own. [s]
@@ -191,6 +197,8 @@ class Criteria:
     most_missing: float = 0.2
     leak: float = 0.05
     leak_beyond: float = 0.5
+    leak_same: float = 0.15
+    leak_sure: float = 5.0
     search_step: float = 300.0
     step_present: float = 0.5
     unseen_clock: float = 120.0

@@ -16,7 +16,7 @@ from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import never_moves, refuse_frozen, stuck
 from pvlib_fem.quality.units import doubtful, oddities, refuse_units
 from pvlib_fem.record.checks import Record, read
-from pvlib_fem.record.columns import ALIASES, GEOMETRY, with_aliases
+from pvlib_fem.record.columns import ALIASES, GEOMETRY, printable, with_aliases
 
 #: what a value can be found at fault for, in the order in which it is asked, and how
 #: it is said after the column's name
@@ -337,8 +337,8 @@ def screen(data, limits=None) -> Screening:
 def of_frame(data):
     """The numeric columns of a frame as a record, and what the frame calls them."""
     columns = with_aliases(data, ())
-    own = {ALIASES.get(str(label), str(label)): label for label in data}
-    own |= {str(label): label for label in data}
+    own = {printable(label): label for label in data}
+    own |= {ALIASES[name]: own[name] for name in ALIASES if name in own}
     numeric = {n: c for n, c in columns.items() if pd.api.types.is_numeric_dtype(c)}
     inputs = read(numeric, purpose="a screening")
     lacking = dict.fromkeys(POSSIBLE, np.full(len(data), np.nan))

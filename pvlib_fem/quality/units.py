@@ -194,7 +194,7 @@ def refuse_units(inputs, limits=None):
         raise ValueError(
             f"temp_air and temp_module look swapped: in the sun temp_module is "
             f"{-found.sunny:.0f} K below temp_air, and falls as irradiance grows. "
-            f"Exchange the columns{WAY_ROUND}"
+            f"Exchange the columns{WAY_ROUND.replace('the unit is', 'they are')}"
         )
     if bright < 3.0 and slope > 1.0:
         raise unit_error("poa_global", "kW/m²", f"its largest values are {bright:.2f}")
@@ -235,7 +235,7 @@ def refuse_copy(air, module):
     if both.any() and np.array_equal(air[both], module[both]):
         raise ValueError(
             "temp_module is a copy of temp_air, row by row: name the column of the "
-            f"module's own sensor{WAY_ROUND}"
+            f"module's own sensor{WAY_ROUND.replace('the unit', 'that')}"
         )
 
 

@@ -1,12 +1,15 @@
 """Check what comes in, once and in one place: times, columns, units, ranges."""
 
 import numbers
+import re
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
+DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: months of autumn on either side of the equator, and hours, in which it ends
 SUMMER_TIME_ENDS = (3, 4, 9, 10, 11), (23, 0, 1, 2, 3)
@@ -219,6 +222,12 @@ def common_index(series):
                 f"the times of {first} have zone {zones[0]}, those of {name} "
                 f"{zones[1]}; give both a zone (tz_localize) or neither"
             )
+        if zones[0] != zones[1] and len(other) == len(one):
+            raise ValueError(
+                f"the times of {first} are in {zones[0]}, those of {name} in "
+                f"{zones[1]}; bring them to one zone, for example with "
+                f"tz_convert({str(zones[0])!r})"
+            )
         raise ValueError(
             f"{name} and {first} have different indexes: they part at "
             f"{first_difference(one.index, other.index)}; align them first, for "
@@ -258,7 +267,12 @@ def plain_steps(index, rows, step, purpose, series):
             f"{type(index).__name__}; set one with pd.to_datetime, or give step in "
             "seconds"
         )
+    if isinstance(index, pd.TimedeltaIndex):
+        index = index.total_seconds()
     seconds = as_numbers("times", index.to_numpy(), index)
+    if np.isnan(seconds).any():
+        at = int(np.argmax(np.isnan(seconds)))
+        raise ValueError(f"times has no number (NaN) at row {at}; drop such rows")
     steps = np.diff(seconds, prepend=seconds[0])
     check_order(steps, index, "times")
     return index, steps, 1.0
@@ -330,12 +344,8 @@ def as_numbers(name, value, index):
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
     if values.dtype.kind not in "fiub":
         for at, entry in enumerate(np.atleast_1d(values)):
-            if not (isinstance(entry, numbers.Real) or pd.isna(entry)):
-                raise ValueError(
-                    f"{name} holds {entry!r} at {at_time(index, at)}, which is not a "
-                    "number; clean the column, for example with "
-                    "pd.to_numeric(column, errors='coerce')"
-                )
+            if not (isinstance(entry, (numbers.Real, Decimal)) or pd.isna(entry)):
+                raise not_a_number(name, np.atleast_1d(values), at, index)
         values = np.where(pd.isna(values), np.nan, values)
     values = values.astype(float, copy=False)
     # an infinity or NaN in the column shows in its sum, which is one fast pass
@@ -347,6 +357,26 @@ def as_numbers(name, value, index):
                 "replace it with NaN"
             )
     return values
+
+
+def not_a_number(name, values, row, index):
+    """The error of text in a column, of which one bad entry makes all of it text."""
+    words = [entry if isinstance(entry, str) else "0" for entry in values]
+    numeric = pd.to_numeric(pd.Series(words, dtype=object), errors="coerce")
+    bad = np.flatnonzero(numeric.isna())
+    row = int(bad[0]) if len(bad) else row
+    entry, remedy = values[row], "pd.to_numeric(column, errors='coerce')"
+    if not len(bad):
+        what, remedy = "a number as text", "pd.to_numeric(column)"
+    elif isinstance(entry, str) and DECIMAL_COMMA.fullmatch(entry.strip()):
+        what, remedy = "a number with a decimal comma", "column.str.replace(',', '.')"
+        remedy += " before pd.to_numeric, or read the file with decimal=','"
+    else:
+        what = "not a number"
+    return ValueError(
+        f"{name} holds {entry!r} at {at_time(index, row)}, which is {what}; clean the "
+        f"column, for example with {remedy}"
+    )
 
 
 def at_time(index, row):

@@ -36,12 +36,17 @@ ALIASES = {"ir_down": "longwave_down"}
 SOME = 20_000  # rows that are enough to compare columns
 
 
+def printable(name):
+    """A column's name as text that a terminal or a page only shows."""
+    return "".join(sign if sign.isprintable() else "?" for sign in str(name))
+
+
 def with_aliases(data, needed=COLUMNS):
     """Columns of a frame by the package's names, with those that are needed."""
-    names = [str(name) for name in data]
+    names = [printable(name) for name in data]
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
-    columns = {str(name): data[name] for name in data}
+    columns = dict(zip(names, (data[name] for name in data)))
     for alias, name in ALIASES.items():
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
@@ -107,9 +112,14 @@ def unusable(name, column, seen, most_missing):
         return because(Reason.EMPTY, column=name)
     if (share := float(column.isna().mean())) > most_missing:
         return because(Reason.MISSING, column=name, share=share)
-    if column.nunique() < 2 and name not in GEOMETRY:
-        return because(Reason.CONSTANT, column=name)
     values = column.to_numpy(float)
+    with np.errstate(over="ignore"):
+        spread = np.nanstd(values)
+    if not 0 < spread < np.inf and name not in GEOMETRY:
+        if column.nunique() < 2:
+            return because(Reason.CONSTANT, column=name)
+        doubt = f"goes from {np.nanmin(values):.3g} to {np.nanmax(values):.3g}"
+        return because(Reason.DOUBTFUL, column=name, doubt=f"{doubt}, no measurement")
     if copies := [other for other, usual in seen.items() if same(values, usual)]:
         return because(Reason.COPY, column=name, other=copies[0])
     return None
@@ -127,34 +137,3 @@ def alike(one, other):
     if both.sum() < 3 or x.std() == 0 or y.std() == 0:
         return False
     return abs(np.corrcoef(x, y)[0, 1]) > 1.0 - 1e-9
-
-
-def leaks(record, seen, modelled, names, least, beyond):
-    """
-    Columns that are the module temperature, or made from it.
-
-    Those that the measured temperature, as it is, a little before and after and
-    smoothed, foretells far better than all that a model knows: of whose variance
-    less than ``least`` is left, and less than ``beyond`` of what that leaves.
-    """
-    module = pd.Series(record["temp_module"]).interpolate(limit_direction="both")
-    near = [module, module.shift(1), module.shift(-1), module.rolling(5, 1).mean()]
-    known = [record["poa_global"], record["temp_air"], record["wind_speed"], modelled]
-    rows = np.flatnonzero(seen & np.isfinite(modelled))[1:-1]
-    rows = rows[:: max(1, len(rows) // SOME)]
-    without = np.column_stack([np.ones(len(rows)), *(c[rows] for c in known)])
-    with_it = np.column_stack([without, *(c.to_numpy()[rows] for c in near)])
-    for name in names:
-        column = record[name][rows]
-        known = np.isfinite(column)
-        before, after = (
-            unexplained(column[known], x[known]) for x in (without, with_it)
-        )
-        if after < least and after < beyond * before:
-            yield name
-
-
-def unexplained(column, others):
-    """Share of a column's variance that others leave."""
-    found = np.linalg.lstsq(others, column, rcond=None)[0]
-    return np.var(column - others @ found) / max(np.var(column), 1e-300)

@@ -1,0 +1,28 @@
+"""BLAS on one thread, for as long as any loop runs."""
+
+from contextlib import contextmanager
+from threading import Lock
+
+from threadpoolctl import threadpool_limits
+
+LOCK = Lock()
+RUNNING = []  # the limits of the loops that run in any thread, the first one's first
+
+
+@contextmanager
+def one_blas_thread():
+    """
+    The number of threads is the process's own, so that only the last loop frees it.
+
+    Else a loop that ends while another runs would give back what it found: one.
+    """
+    with LOCK:
+        RUNNING.append(threadpool_limits(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with LOCK:
+            if len(RUNNING) > 1:
+                RUNNING.pop()  # any but the first, which knows what was before
+            else:
+                RUNNING.pop().restore_original_limits()
