@@ -124,6 +124,19 @@ def test_a_fill_value_in_a_driver_costs_its_rows_too(plant):
     assert "longwave_down holds the fill value 7999 in 4 rows" in str(fitted(7999.0))
 
 
+def test_a_doubted_driver_may_stand_still_too():
+    data = simulator.record(effects=PHYSICS, days=8, step=1800, start="2023-06-01")
+    data["relative_humidity"] /= 100.0
+    data = with_values(data, "relative_humidity", range(96, 192), 0.5)
+    data = with_values(data, "temp_module", range(210, 214), -999.0)
+    data = with_values(data, "temp_module", range(250, 254), -999.0)
+    loop = fem.close_loop(data)
+    assert any("a fraction; multiply it by 100" in note for note in loop.notes)
+    # of either kind of days
+    assert loop.fit.record.impossible["temp_module"] == 8
+    assert len(set(loop.weeks.iloc[[210, 253]])) == 2
+
+
 def test_a_column_of_fill_values_is_refused_by_name(record):
     with pytest.raises(ValueError, match="wind_speed holds nothing but the fill value"):
         fit(record.assign(wind_speed=-999.0))

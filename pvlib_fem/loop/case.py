@@ -147,17 +147,15 @@ def prepared(
     usual = as_record(*(columns.pop(name) for name in COLUMNS))
     refuse_stray(usual.index, limits)
     what = parts(usual, counting(usual), holdout, criteria)
-    # of the test rows' answer nothing is known to any rule; what they show of a
-    # sensor is of themselves alone
     test = what == Part.TEST
-    own, answer = alone(usual, limits, check_units=False)
-    hidden = with_columns(without_answer(usual, test), numeric(columns))
-    hidden, faults = alone(hidden, limits, check_units)
+    hidden, faults = alone(
+        with_columns(without_answer(usual, test), numeric(columns)), limits, check_units
+    )
     taken = (*DERIVED, *MODELLED)
     drivers, refused = usable_drivers(columns, hidden, criteria.most_missing, taken)
     hidden = hidden.only([*COLUMNS, *drivers])
     health = check(hidden, limits=limits, **site)
-    whole = with_answer(hidden, own, test)
+    whole, still = with_answer(hidden, faults, usual, test, limits)
     if "file_dst" in health.faults and site["location"] is not None and not corrections:
         place = (health.noon, *site.values(), criteria.limits)
         summer = daylight_saving(whole["poa_global"], whole.index, *place)
@@ -169,8 +167,7 @@ def prepared(
         corrections = (told_of(summer, health.faults["file_dst"]),)
     if "file_shift" in health.faults:
         corrections += (shifted(health.faults["file_shift"], health.noon.late),)
-    still = np.any([stuck(own, limits)[name] for name in COLUMNS], axis=0)
-    stands = health.mask | (still & test)
+    stands = health.mask | still
     # doubts are said with the refused, clocks with their correction
     said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
     said |= {c.fault for c in corrections}
@@ -194,10 +191,10 @@ def prepared(
     notes += gaps(whole, drivers, wanted)
     kept = {n: c for n, c in whole.inputs.columns.items() if n not in refused}
     kept |= {name: column.to_numpy() for name, column in sun.items()}
-    kept |= {n: np.where(at, np.nan, kept[n]) for n, at in health.frozen.items()}
+    frozen = {name: rows for name, rows in health.frozen.items() if name in kept}
+    kept |= {name: np.where(rows, np.nan, kept[name]) for name, rows in frozen.items()}
     kept["temp_module"] = np.where(stands, np.nan, kept["temp_module"])
     whole = replace(whole, inputs=replace(whole.inputs, columns=kept))
-    whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
     case = Case(
         whole=whole,
         record=whole,
@@ -280,11 +277,19 @@ def without_answer(record, rows):
     return replace(record, inputs=replace(record.inputs, columns=columns))
 
 
-def with_answer(hidden, own, rows):
-    """The record with the module's temperature of another in some rows."""
-    module = np.where(rows, own["temp_module"], hidden["temp_module"])
+def with_answer(hidden, faults, usual, test, limits):
+    """
+    The record with the answer of the test rows, and which of them stand still.
+
+    Of that answer nothing is known to any rule; what it shows of a sensor is of the
+    test rows alone.
+    """
+    own, answer = alone(usual, limits, check_units=False)
+    module = np.where(test, own["temp_module"], hidden["temp_module"])
     columns = {**hidden.inputs.columns, "temp_module": module}
-    return replace(hidden, inputs=replace(hidden.inputs, columns=columns))
+    whole = replace(hidden, inputs=replace(hidden.inputs, columns=columns))
+    whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
+    return whole, test & np.any(list(stuck(own, limits).values()), axis=0)
 
 
 def counting(record):

@@ -17,6 +17,8 @@ CODES = np.array(
     ]
 )
 
+NO_CODE = -98.0, 327.0  # between which there is none
+
 
 def fill_values(name, values, limits):
     """
@@ -26,28 +28,33 @@ def fill_values(name, values, limits):
     column of unknown range, well away from all else. Any other value counts that
     repeats and is many times as large as all else.
     """
-    rounded = np.round(values, 2)
-    coded = np.isin(rounded, CODES) & (np.abs(values - rounded) < 1e-4)
-    if coded.any():
-        coded &= np.isin(rounded, fills(name, rounded, coded, limits))
+    bounds = possible(name)
+    low, high = bounds[:2] if bounds else NO_CODE
+    coded = np.zeros(len(values), dtype=bool)
+    rows = np.flatnonzero((values < low) | (values > high))
+    if len(rows):
+        some = values[rows]
+        rounded = np.round(some, 2)
+        known = np.isin(rounded, CODES) & (np.abs(some - rounded) < 1e-4)
+        coded[rows[known]] = True
+        if not bounds and known.any():
+            codes = np.unique(rounded[known])
+            codes = apart(codes, values[np.isfinite(values) & ~coded], limits)
+            coded[rows[known]] = np.isin(rounded[known], codes)
     return coded | beyond(values, coded, limits.far, limits.far_rows, limits)
 
 
-def fills(name, rounded, coded, limits):
-    """Those of the codes in a column that are no values."""
-    codes, bounds = np.unique(rounded[coded]), possible(name)
-    if bounds is not None:
-        return codes[(codes < bounds[0]) | (codes > bounds[1])]
-    rest = rounded[np.isfinite(rounded) & ~coded]
+def apart(codes, rest, limits):
+    """Those of the codes in a column of unknown range that are no values."""
     if not len(rest):
         return codes
     low, high = rest.min(), rest.max()
-    apart = np.array([np.abs(rest - code).min() for code in codes])
-    apart = apart > limits.fill_apart * (high - low)
+    far = np.array([np.abs(rest - code).min() for code in codes])
+    far = far > limits.fill_apart * (high - low)
     above = codes >= limits.fill_above * max(abs(low), abs(high))
     above &= not few(rest, limits)  # a switch may be on at any number
     below = (codes < 0) & (codes <= limits.fill_above * min(low, 0.0))
-    return codes[apart & (above | below)]
+    return codes[far & (above | below)]
 
 
 def beyond(values, known, factor, fewest, limits):

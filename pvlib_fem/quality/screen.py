@@ -140,7 +140,7 @@ def alone(record, limits, check_units=True):
     refuse_empty(found, clean)
     if check_units:
         refuse_units(clean.inputs, limits)
-    clean, found = ruled(clean, found, limits, RULES)
+    clean, found = ruled(clean, found, limits, LATER)
     refuse_impossible(found, limits)
     return with_nights(clean, found)
 
@@ -148,7 +148,7 @@ def alone(record, limits, check_units=True):
 def ruled(clean, found, limits, kinds):
     """A record and its faults after some of the rules."""
     columns = clean.inputs.columns
-    doubted = doubtful(columns, limits) if len(kinds) > 1 else ()
+    doubted = doubtful(columns, limits) if kinds is LATER else ()
     names = [n for n in columns if n not in doubted and n not in GEOMETRY]
     for kind in kinds:
         rows = {name: RULES[kind](name, clean, limits) for name in names}
@@ -181,6 +181,8 @@ RULES = {
         name, record[name], record.inputs.seconds, limits
     ),
 }
+#: those that take no column in another unit
+LATER = tuple(kind for kind in RULES if kind != "fill value")
 
 
 def with_values(record, columns):
@@ -320,7 +322,7 @@ def screen(data, limits=None) -> Screening:
     clean, found = ruled(record, Faults(record), limits, ("fill value",))
     odd = [*oddities(clean.inputs, limits)]
     odd += doubtful(clean.inputs.columns, limits).values()
-    clean, found = with_nights(*ruled(clean, found, limits, RULES))
+    clean, found = with_nights(*ruled(clean, found, limits, LATER))
     clean, found = without_frozen(clean, found, stuck(clean, limits))
     masks = {kind: pd.DataFrame(False, data.index, data.columns) for kind in KINDS}
     cleaned = data.copy()

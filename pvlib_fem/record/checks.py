@@ -130,8 +130,10 @@ class Record:
 
     def only(self, names):
         """The same record with some of its columns."""
-        columns = {name: self.inputs.columns[name] for name in names}
-        return replace(self, inputs=replace(self.inputs, columns=columns))
+        inputs = {name: self.inputs.columns[name] for name in names}
+        missing = {name: n for name, n in self.missing.items() if name in inputs}
+        inputs = replace(self.inputs, columns=inputs)
+        return replace(self, inputs=inputs, missing=missing)
 
     def known(self, names):
         """Rows that have all of some columns."""
