@@ -39,8 +39,8 @@ for column, unit in [*units.items(), *others]:
     print(f"{column} in {unit}:", *said, sep="\n    ")
 
 # %%
-# Wind in mph passes: it looks like that of a windier site, and the coefficient of the
-# wind becomes smaller by as much.
+# Wind in mph passes with a word on its mean: it looks like that of a windier site, and
+# the coefficient of the wind becomes smaller by as much.
 #
 # Clock and frozen sensor
 # -----------------------

@@ -2,7 +2,6 @@
 
 import decimal
 import pickle
-import threading
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +9,7 @@ import pandas as pd
 import pytest
 from conftest import COLUMNS
 from pvlib.location import Location
-from threadpoolctl import threadpool_info
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
@@ -18,6 +17,7 @@ from pvlib_fem.drivers import DERIVED, MODELLED
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.leaks import leaks
+from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.simulator import PHYSICS, RHINE
 
@@ -229,21 +229,24 @@ def test_a_level_is_a_chance(usual, level):
 
 
 def test_loops_in_threads_give_back_the_threads_of_blas(usual):
+    """Whichever begins first and ends last, BLAS has one thread until the last ends."""
+
     def threads():
-        return [i["num_threads"] for i in threadpool_info() if i["user_api"] == "blas"]
+        return {i["num_threads"] for i in threadpool_info() if i["user_api"] == "blas"}
 
-    before, told = threads(), {}
-
-    def run(days):
-        told[days] = fem.close_loop(usual.iloc[: 48 * days], effects=[]).effects
-
-    runs = [threading.Thread(target=run, args=[days]) for days in (60, 20, 40)]
-    for thread in runs:
-        thread.start()
-    for thread in runs:
-        thread.join()
-    assert len(told) == 3
-    assert threads() == before
+    with threadpool_limits(limits=2, user_api="blas"):
+        before = threads()
+        for order in ((0, 1, 2), (2, 1, 0), (1, 2, 0)):
+            running = [one_blas_thread() for _ in order]
+            for one in running:
+                one.__enter__()
+            for place in order:
+                assert threads() == {1}
+                running[place].__exit__(None, None, None)
+            assert threads() == before
+        with pytest.raises(ValueError, match="unknown model"):
+            fem.close_loop(usual, model="ghosts")
+        assert threads() == before
 
 
 def test_a_loop_that_names_a_column_can_be_stored(usual):
