@@ -104,6 +104,12 @@ def test_a_column_that_is_there_twice_is_named(record, name):
             refusing(twice)
 
 
+def test_a_series_is_no_frame(usual):
+    for refusing in (fem.close_loop, fem.screen):
+        with pytest.raises(ValueError, match="data is a Series; give a DataFrame"):
+            refusing(usual["temp_air"])
+
+
 # values
 
 
@@ -162,6 +168,8 @@ def test_plain_times_may_be_durations_and_not_nan():
     values = [0.0, 1.0, 2.0]
     want = fem.ewm(values, 378.0, times=[0, 60, 120])
     assert np.array_equal(fem.ewm(values, 378.0, times=steps), want)
+    with pytest.raises(ValueError, match=r"add the time of its start, as pd\.Timest"):
+        fem.ewm(pd.Series(values, steps), 378.0)
     with pytest.raises(ValueError, match=r"times has no number \(NaN\) at row 1"):
         fem.ewm(values, 378.0, times=[0, np.nan, 120])
 

@@ -82,6 +82,9 @@ class Limits:
     spike_air, spike_module : float
         *spike.* Change there and back that may be noise, in a thermometer's hut and on
         a module. [K]
+    spike_air_most : float
+        *spike.* Change of air there and back within ``still_air`` that is none: fronts
+        do not return, and heat bursts of some minutes reach 15 K. [K]
     spike_air_rate, spike_module_rate : float
         *spike.* Fastest change beyond that: a front moves air by 20 K in ten minutes,
         and 1000 W/m² a light module of 7 kJ/(m² K) by 0.15 K each second. [K/s]
@@ -239,6 +242,7 @@ class Limits:
     spike_rows: int = 3
     spike_air: float = 10.0
     spike_module: float = 15.0
+    spike_air_most: float = 25.0
     spike_air_rate: float = 0.035
     spike_module_rate: float = 0.15
 

@@ -125,20 +125,31 @@ def spikes(name, values, seconds, limits):
     A module is held by its heat capacity, air by its mass. Of a column of the user's
     own only a lone value many times as large as all else is one.
     """
-    if name in ("temp_air", "temp_module"):
-        noise, rate = (
-            (limits.spike_air, limits.spike_air_rate)
-            if name == "temp_air"
-            else (limits.spike_module, limits.spike_module_rate)
-        )
-        return jumps(values, seconds, noise, rate, limits.spike_rows)
+    if name == "temp_air":
+
+        def most(time):
+            fast = limits.spike_air + limits.spike_air_rate * time / 2.0
+            short = time <= limits.still_air
+            return np.where(short, np.minimum(fast, limits.spike_air_most), np.inf)
+
+        return jumps(values, seconds, most, limits.spike_rows)
+    if name == "temp_module":
+
+        def most(time):  # half of it there, half of it back
+            return limits.spike_module + limits.spike_module_rate * time / 2.0
+
+        return jumps(values, seconds, most, limits.spike_rows)
     if possible(name) is not None:
         return np.zeros(len(values), dtype=bool)
     return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)
 
 
-def jumps(values, seconds, noise, rate, longest):
-    """Rows that lie on one side of those before and after by more than can be."""
+def jumps(values, seconds, most, longest):
+    """
+    Rows that lie on one side of those before and after by more than can be.
+
+    ``most`` gives what can be, from the time between those two.
+    """
     there = np.flatnonzero(np.isfinite(values))
     x, t = values[there], seconds[there]
     found = np.zeros(len(x), dtype=bool)
@@ -146,12 +157,11 @@ def jumps(values, seconds, noise, rate, longest):
         if len(x) < rows + 2:
             break
         first, last = x[: -rows - 1], x[rows + 1 :]
-        # half of the way there, half of it back
-        most = noise + rate * (t[rows + 1 :] - t[: -rows - 1]) / 2.0
+        limit = most(t[rows + 1 :] - t[: -rows - 1])
         inner = [x[1 + i : len(x) - rows + i] for i in range(rows)]
         least, largest = np.minimum.reduce(inner), np.maximum.reduce(inner)
-        up = least - np.maximum(first, last) > most
-        down = np.minimum(first, last) - largest > most
+        up = least - np.maximum(first, last) > limit
+        down = np.minimum(first, last) - largest > limit
         at = np.flatnonzero(up | down)
         for i in range(rows):
             found[at + 1 + i] = True

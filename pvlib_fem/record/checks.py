@@ -264,11 +264,8 @@ def plain_steps(index, rows, step, purpose, series):
             "Series with a DatetimeIndex"
         )
     if series:
-        raise ValueError(
-            f"{next(iter(series))} has no DatetimeIndex but a "
-            f"{type(index).__name__}; set one with pd.to_datetime, or give step in "
-            "seconds"
-        )
+        words = no_datetimes(next(iter(series)), index)
+        raise ValueError(f"{words}, or give step in seconds")
     if isinstance(index, pd.TimedeltaIndex):
         index = index.total_seconds()
     seconds = as_numbers("times", index.to_numpy(), index)
@@ -278,6 +275,14 @@ def plain_steps(index, rows, step, purpose, series):
     steps = np.diff(seconds, prepend=seconds[0])
     check_order(steps, index, "times")
     return index, steps, 1.0
+
+
+def no_datetimes(name, index):
+    """What to do about a Series whose index holds no times."""
+    remedy = "set one with pd.to_datetime"
+    if isinstance(index, pd.TimedeltaIndex):
+        remedy = "add the time of its start, as pd.Timestamp('2023-06-01') + index"
+    return f"{name} has no DatetimeIndex but a {type(index).__name__}; {remedy}"
 
 
 def datetime_steps(index, name):
@@ -401,10 +406,7 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
                 "DatetimeIndex, since days are held out"
             )
         if not isinstance(column.index, pd.DatetimeIndex):
-            raise ValueError(
-                f"{name} has no DatetimeIndex but a {type(column.index).__name__}; "
-                "set one with pd.to_datetime"
-            )
+            raise ValueError(no_datetimes(name, column.index))
     inputs = read(columns, purpose="fit_fem")
     for name in columns:
         if np.isnan(inputs[name]).all():

@@ -43,10 +43,15 @@ def printable(name):
 
 def with_aliases(data, needed=COLUMNS):
     """Columns of a frame by the package's names, with those that are needed."""
+    if not isinstance(data, pd.DataFrame):
+        raise ValueError(
+            f"data is a {type(data).__name__}; give a DataFrame with a column of each "
+            "name"
+        )
     names = [printable(name) for name in data]
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
-    columns = dict(zip(names, (data[name] for name in data)))
+    columns = {name: data[label] for name, label in zip(names, data)}
     for alias, name in ALIASES.items():
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
