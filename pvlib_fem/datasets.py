@@ -129,9 +129,15 @@ def fetch(file):
                 f"unset {FOLDER}"
             )
         return path
-    return pooch.retrieve(
-        url, f"sha256:{sha256}", fname=file, path=pooch.os_cache("pvlib_fem")
-    )
+    cache = pooch.os_cache("pvlib_fem")
+    try:
+        return pooch.retrieve(url, f"sha256:{sha256}", fname=file, path=cache)
+    except OSError as error:  # no network, or no folder to keep it
+        raise OSError(
+            f"{file} is not at hand and cannot be downloaded from {url} "
+            f"({type(error).__name__}); go online once, or download it elsewhere, put "
+            f"it into a folder and name that in the environment variable {FOLDER}"
+        ) from None
 
 
 def synthetic(

@@ -40,6 +40,18 @@ def test_a_folder_without_the_file_is_passed_over(tmp_path, monkeypatch):
     assert asked == [datasets.FILES["sandia_week_1min.csv"][0]]
 
 
+def test_without_a_network_the_message_says_where_a_file_can_be_put(monkeypatch):
+    def offline(*arguments, **options):
+        raise ConnectionError("Max retries exceeded with url: /pvlib/…")
+
+    monkeypatch.delenv(datasets.FOLDER, raising=False)
+    monkeypatch.setattr(datasets.pooch, "retrieve", offline)
+    with pytest.raises(OSError, match="environment variable PVLIB_FEM_DATA") as refused:
+        datasets.load("sandia_week")
+    assert datasets.FILES["sandia_week_1min.csv"][0] in str(refused.value)
+    assert refused.value.__cause__ is None and refused.value.__suppress_context__
+
+
 def test_another_file_of_that_name_is_refused(tmp_path, monkeypatch):
     (tmp_path / "sandia_week_1min.csv").write_text("time,poa_global\n")
     monkeypatch.setenv(datasets.FOLDER, str(tmp_path))
