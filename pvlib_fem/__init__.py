@@ -22,6 +22,7 @@ from pvlib_fem.loop.ranking import rank_effects
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.quality.screen import Screening, screen
+from pvlib_fem.record.files import read_file
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.thermal.temperature import fem_temperature, heat_balance, wm1, wm2
 from pvlib_fem.translate import translate, translation_mismatch
@@ -54,6 +55,7 @@ __all__ = [
     "paper",
     "plotting",
     "rank_effects",
+    "read_file",
     "scores",
     "screen",
     "simulator",

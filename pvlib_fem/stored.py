@@ -13,27 +13,45 @@ import numpy as np
 VERSION = 1  # of the format, which changes when a key does
 
 
-def saved(text, path):
+@contextmanager
+def replacing(path):
     """
-    The text, written to a file where there is a path: the same bits everywhere.
+    A place in the same folder, which takes the name once all is written.
 
-    What stood there before stays whole until all of the new is written.
+    What was there before stays until then, and whatever fails. What is no file, such
+    as a pipe, is written to as it is.
+
+    Parameters
+    ----------
+    path : str or path-like
+
+    Yields
+    ------
+    Path
     """
-    if path is None:
-        return text
-    path = Path(path)
-    ordinary = path.is_file() or not path.exists()  # and no pipe or terminal
-    path = Path(os.path.realpath(path)) if ordinary else path
-    part = path.with_name(f"{path.name}.part") if ordinary else path
+    path = Path(os.path.realpath(path))  # a link goes on pointing to the file
+    if path.exists() and not path.is_file():
+        yield path
+        return
+    whole = path.with_name(f".{path.stem[:40]}.{secrets.token_hex(4)}{path.suffix}")
     try:
-        with open(part, "w", encoding="utf-8", newline="\n") as file:
+        whole.touch(exist_ok=False)
+        if path.exists():
+            shutil.copymode(path, whole)
+        yield whole
+        os.replace(whole, path)
+    finally:
+        whole.unlink(missing_ok=True)
+
+
+def saved(text, path):
+    """The text, written to a file where there is a path: the same bits everywhere."""
+    if path is not None:
+        with (
+            replacing(path) as whole,
+            open(whole, "w", encoding="utf-8", newline="\n") as file,
+        ):
             file.write(text)
-        if ordinary:
-            os.replace(part, path)
-    except BaseException:
-        if ordinary:
-            part.unlink(missing_ok=True)
-        raise
     return text
 
 

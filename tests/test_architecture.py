@@ -33,6 +33,7 @@ ORDER = (
     "fitting",
     "loop",
     "cli",
+    "__main__",
 )
 FLOORS = 5  # inside a package
 FILES = {

@@ -3,16 +3,30 @@
 import io
 import json
 import re
+import runpy
 import sys
+from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
 from pvlib.location import Location
 
-from pvlib_fem import DynamicCellTemperature, cli, datasets, simulator
+from pvlib_fem import (
+    DynamicCellTemperature,
+    __version__,
+    cli,
+    datasets,
+    fit_fem,
+    read_file,
+    simulator,
+)
+from pvlib_fem.cli.demo import HIDDEN
+from pvlib_fem.cli.reading import LOOK
+from pvlib_fem.cli.running import location
 from pvlib_fem.loop.close import close_loop
-from pvlib_fem.record.files import read_file
+from pvlib_fem.record.columns import COLUMNS
 
 
 def call(*arguments):
@@ -77,7 +91,7 @@ def test_parquet_and_csv_give_the_same(frame, logger, tmp_path):
 def test_the_zone_changes_the_days_and_not_the_instants(frame, tmp_path, zone):
     path = tmp_path / "utc.csv"
     frame.tz_localize("UTC").to_csv(path)
-    data = read_file(path, {}, zone)
+    data = read_file(path, tz=zone)
     assert str(data.index.tz) == (zone or "UTC")
     assert (data.index == frame.index.tz_localize("UTC")).all()
 
@@ -89,7 +103,7 @@ def test_offsets_that_change_are_read_as_instants(frame, tmp_path):
     local = pd.Series(1.0, utc.tz_convert("Europe/Brussels"))
     local.to_csv(path)
     assert path.read_text().count("+02:00") == 2
-    assert (read_file(path, {}, "Europe/Brussels").index == utc).all()
+    assert (read_file(path, tz="Europe/Brussels").index == utc).all()
 
 
 def test_other_formats_of_time_are_given_and_not_guessed(frame, tmp_path):
@@ -146,7 +160,7 @@ def test_a_toa5_file(day):
         (lambda d: d, (*MAP, "--method", "paper"), "r_eq,max needs 20 points"),
         (
             lambda d: d,
-            (*MAP, "--map", "time=wind_speed"),
+            (*MAP, "--time", "wind_speed"),
             "column 'wind_speed' should hold the times and holds numbers",
         ),
     ],
@@ -155,9 +169,10 @@ def test_bad_data_end_with_one_line_and_exit_code_1(logger, spoil, arguments, me
     spoil(pd.read_csv(logger, index_col=0)).to_csv(logger, index_label="Timestamp")
     result = call("fit", logger, *arguments)
     assert result.exit_code == 1
-    assert result.output.startswith("Error: ")
-    assert message in result.output
-    assert len(result.output.splitlines()) == 1
+    said, *proposed = result.output.splitlines()
+    assert said.startswith("Error: ")
+    assert message in said
+    assert not proposed or proposed[1] == LOOK
 
 
 @pytest.mark.parametrize(
@@ -169,11 +184,24 @@ def test_bad_data_end_with_one_line_and_exit_code_1(logger, spoil, arguments, me
         ("fit", __file__, "--map", "poa_global"),
         ("fit", __file__, "--map", "rain=Irr"),
         ("fit", __file__, "--skip-rows", "two"),
+        ("fit", __file__, "--skip-rows", "-2"),
+        ("fit", __file__, "--map", "temp_air=a", "--map", "temp_air=b"),
+        ("fit", __file__, "--map", "temp_air=a", "--map", "temp_module=a"),
+        ("fit", __file__, "--map", "time=a"),
+        ("fit", __file__, "--unit", "wind_speed=furlong"),
+        ("fit", __file__, "--unit", "time=h"),
+        ("fit", __file__, "--fix", "tau"),
+        ("fit", __file__, "--fix", "tau=long"),
+        ("fit", __file__, "--fix", "tau=1", "--fix", "tau=2"),
+        ("fit", __file__, "--sep", ";", "--sep", ","),
+        ("fit", __file__, "--decimal", ".."),
         ("loop",),
         ("loop", __file__, "--model", "wm3"),
         ("loop", __file__, "--map", "snow=Irr"),
         ("loop", __file__, "--lat", "95", "--lon", "8"),
         ("demo", "--days", "0"),
+        ("demo", "--days", "1000000"),
+        ("demo", "--days", "3000", "--step", "1"),
         ("forecast",),
     ],
 )
@@ -253,7 +281,7 @@ def test_a_pipe_hears_no_progress_and_a_terminal_does(plant_file, capsys, monkey
     ],
 )
 def test_a_place_has_the_zone_of_the_record(index, tz):
-    assert str(cli.location(index, 35.05, -106.54).tz) == tz
+    assert str(location(index, 35.05, -106.54).tz) == tz
 
 
 @pytest.mark.parametrize(
@@ -272,15 +300,16 @@ def test_a_place_has_the_zone_of_the_record(index, tz):
 def test_a_loop_that_cannot_be_ends_with_one_line(plant_file, arguments, message):
     result = call("loop", plant_file, *arguments)
     assert result.exit_code == 1
-    assert result.output.startswith("Error: ")
-    assert message in result.output
-    assert len(result.output.splitlines()) == 1
+    said, *proposed = result.output.splitlines()
+    assert said.startswith("Error: ")
+    assert message in said
+    assert not proposed or proposed[1] == LOOK
 
 
 def test_a_report_without_matplotlib_is_refused_before_the_work(
     plant_file, monkeypatch
 ):
-    monkeypatch.setattr(cli, "find_spec", lambda name: None)
+    monkeypatch.setattr("pvlib_fem.cli.writing.find_spec", lambda name: None)
     result = call("loop", plant_file, *PLANT, "--report", "a.html")
     assert result.exit_code == 1
     assert "pip install 'pvlib_fem[plot]'" in result.output
@@ -292,7 +321,7 @@ def test_missing_values_as_a_campbell_logger_writes_them(plant, tmp_path):
         path, na_rep='"NAN"', quoting=3, quotechar="'"
     )
     assert '"NAN"' in path.read_text()
-    assert read_file(path, {}, None)["wind_speed"].isna().any()
+    assert read_file(path)["wind_speed"].isna().any()
 
 
 QUICK = ("demo", "--days", 120, "--step", 900)
@@ -304,7 +333,7 @@ def test_the_demo_finds_what_is_hidden_and_tells_the_truth_after(week, tmp_path)
     assert result.exit_code == 0, result.output
     answer, truth = result.output.split("the truth, which the loop has not seen")
     assert "not told of" in answer
-    for name in cli.HIDDEN:
+    for name in HIDDEN:
         assert f"+ {name}" in answer
         assert re.search(rf"^  {name} .*: found, \d\.\d\d K$", truth, re.MULTILINE)
     assert path.stat().st_size > 50_000
@@ -328,7 +357,7 @@ def test_the_hour_that_autumn_has_twice_is_told_by_the_order(tmp_path):
     naive = utc.tz_convert("Europe/Brussels").tz_localize(None)
     path = tmp_path / "summer.csv"
     pd.DataFrame({"wind_speed": 1.0}, naive).to_csv(path, index_label="time")
-    assert (read_file(path, {}, "Europe/Brussels").index == utc).all()
+    assert (read_file(path, tz="Europe/Brussels").index == utc).all()
 
 
 def test_a_unit_that_is_right_can_pass(tmp_path):
@@ -352,3 +381,116 @@ def test_a_file_in_another_encoding_names_the_option(frame, tmp_path):
         refused.output
     )
     assert call("fit", path, *names, "--encoding", "latin-1").exit_code == 0
+
+
+def test_fit_and_loop_take_the_same_options():
+    """But for those that only one of them can have, as its help says."""
+    fit, loop = (
+        {param.name: param for param in cli.main.commands[name].params}
+        for name in ("fit", "loop")
+    )
+    assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
+    assert set(loop) - set(fit) == {"min_gain", "report"}
+    for name in set(fit) & set(loop) - {"model"}:
+        assert fit[name].default == loop[name].default
+    said = {name: " ".join(call(name, "-h").output.split()) for name in ("fit", "loop")}
+    assert "fit takes the paper's wm1 by default" in said["loop"]
+    assert "where loop takes faiman" in said["fit"]
+
+
+def test_what_is_held_out_fixed_and_added_reaches_the_fit(frame, tmp_path):
+    path, out = tmp_path / "plant.csv", tmp_path / "fit.json"
+    data = frame.assign(wind_direction=np.arange(len(frame)) * 7.0 % 360.0)
+    data.to_csv(path, index_label="time")
+    days = ("--holdout", "2023-06-02..2023-06-03", "--holdout", "2023-06-07")
+    options = ("--fix", "tau=378", "--effects", "wind_direction", "--out", out)
+    result = call("fit", path, *days, *options)
+    assert result.exit_code == 0, result.output
+    held = pd.Series(data.index.day.isin([2, 3, 7]), data.index)
+    expected = fit_fem(
+        *(data[name] for name in COLUMNS),
+        holdout=held,
+        fixed={"tau": 378.0},
+        effects="wind_direction",
+        wind_direction=data["wind_direction"],
+    )
+    assert result.output == f"{expected}\n\nwrote {out}\n"
+    assert re.search(r"^tau +378 +held", result.output, re.MULTILINE)
+
+
+def test_the_same_reaches_the_loop(plant_file, plant):
+    data, site = plant
+    days = ("--holdout", "2023-01-09..2023-01-22", "--effects", "sky_radiation,season")
+    result = call("loop", plant_file, *PLANT, *PLACE, *days, "--fix", "bias=-1")
+    assert result.exit_code == 0, result.output
+    held = pd.Series(
+        data.index.normalize().isin(pd.date_range("2023-01-09", periods=14)), data.index
+    )
+    found = close_loop(
+        data.assign(state="ok"),
+        location=Location(site.latitude, site.longitude, tz=site.tz),
+        surface_tilt=35.0,
+        surface_azimuth=180.0,
+        holdout=held,
+        effects=["sky_radiation", "season"],
+        fixed={"bias": -1.0},
+    )
+    assert result.output == f"{found}\n"
+
+
+def test_an_effect_that_follows_the_sun_is_fitted_with_the_place(frame, tmp_path):
+    path = tmp_path / "plant.csv"
+    frame.to_csv(path, index_label="time")
+    refused = call("fit", path, "--effects", "incidence_angle")
+    assert refused.exit_code == 1 and "--lat" in refused.output
+    result = call("fit", path, "--effects", "incidence_angle", *PLACE)
+    assert result.exit_code == 0 and "+ incidence_angle" in result.output
+
+
+def test_a_likely_driver_of_another_name_is_asked_about(frame, tmp_path):
+    path = tmp_path / "plant.csv"
+    names = {"RH": 50.0, "WR": 180.0, "Rain": 1.0, "Load": 3.0}
+    noise = np.random.default_rng(0).uniform(size=(len(frame), 4))
+    extra = pd.DataFrame(noise * list(names.values()), frame.index, list(names))
+    frame.join(extra).to_csv(path, index_label="time")
+    result = call("loop", path)
+    assert result.exit_code == 0
+    asked = result.output.splitlines()[0]
+    for option in ("relative_humidity=RH", "wind_direction=WR", "precipitation=Rain"):
+        assert f"--map {option}" in asked
+    assert "Load" not in asked
+    maps = re.findall(r"--map (\S+)", asked)
+    mapped = call("loop", path, *(f"--map={one}" for one in maps))
+    assert "looks like" not in mapped.output
+
+
+def test_instants_are_told_in_the_days_of_their_place(frame, tmp_path):
+    path = tmp_path / "plant.csv"
+    local = frame.tz_localize("Etc/GMT+7").tz_convert("UTC")
+    local.to_csv(path, index_label="time")
+    result = call("loop", path, "--lat", 35, "--lon", -106)
+    assert result.output.startswith("note: the times are instants; days and hours are")
+    alone = close_loop(
+        local.tz_convert("Etc/GMT+7"), location=Location(35, -106, "Etc/GMT+7")
+    )
+    assert str(alone) in result.output
+
+
+def test_a_file_cannot_steer_the_terminal(logger):
+    data = pd.read_csv(logger).rename(columns={"note": "\x1b[2J\x07"})
+    data.to_csv(logger, index=False)
+    result = call("fit", logger)
+    assert result.exit_code == 1
+    assert "\x1b" not in result.output and "\\x1b[2J\\x07" in result.output
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no endless file")
+def test_an_endless_file_is_refused():
+    assert "is a device and no file" in call("fit", "/dev/zero").output
+
+
+def test_the_package_is_the_command(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["pvlib_fem", "--version"])
+    with pytest.raises(SystemExit, match="0"):
+        runpy.run_module("pvlib_fem", run_name="__main__")
+    assert capsys.readouterr().out == f"pvlib-fem, version {__version__}\n"

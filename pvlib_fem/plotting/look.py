@@ -27,6 +27,18 @@ def new_axes(ax, projection=None):
     return plt.subplots(figsize=size, layout="constrained", subplot_kw=kind)[1]
 
 
+def check_format(path):
+    """Refuse a file of a picture whose ending no format has."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    known = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix[1:].lower() not in known:
+        raise ValueError(
+            f"{path.name} ends with no format of a picture; name it such as "
+            f"{path.stem}.png, or with another of {', '.join(sorted(known))}"
+        )
+
+
 def ink():
     """The colour of text in the style of the day."""
     from matplotlib import rcParams

@@ -1,88 +1,253 @@
-"""A logger's file as a frame in the package's names."""
+"""A logger's file, or several, as a frame in the package's names."""
 
+from pathlib import Path
+
+import numpy as np
 import pandas as pd
 
+from pvlib_fem.record.joining import joined, step_of
+from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
+from pvlib_fem.record.times import in_order, times, zoned
+from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
 
-def read_file(file, mapped, tz, time_format="ISO8601", **csv):
-    """A logger file as a frame with a DatetimeIndex and the package's names."""
-    if file.suffix.lower() in (".parquet", ".pq"):
-        try:
-            data = pd.read_parquet(file)
-        except ImportError as error:
-            raise ValueError(
-                "reading Parquet needs pyarrow: pip install pyarrow"
-            ) from error
-    else:
-        try:
-            data = pd.read_csv(file, na_values=["NAN"], **csv)  # as TOA5 writes it
-        except UnicodeDecodeError as error:
-            raise ValueError(
-                f"{file.name} is not in {error.encoding} ({error.reason} at byte "
-                f"{error.start}); give --encoding, such as latin-1"
-            ) from error
-        if data.shape[1] == 1:
-            raise ValueError(
-                f"{file.name} has the one column {data.columns[0]!r}; give --sep, such "
-                "as ';'"
-            )
-    if (
-        isinstance(data.index, pd.DatetimeIndex)
-        and mapped.get("time") == data.index.name
-    ):
-        mapped = {name: column for name, column in mapped.items() if name != "time"}
-    absent = [column for column in mapped.values() if column not in data]
+MISSING = ("NAN",)  # as TOA5 writes it, beside what pandas knows
+
+
+def read_file(
+    file,
+    columns=None,
+    convert_units=False,
+    check_units=True,
+    module_area=None,
+    **layout,
+):
+    """
+    A logger's file as a frame with a DatetimeIndex and the package's names.
+
+    Parameters
+    ----------
+    file : str, path-like or list of these
+        CSV, Excel (``pip install 'pvlib_fem[excel]'``) or Parquet. Several are joined
+        on the times of the one with the longest step: a row gets of another file the
+        nearest row, and of one with far shorter steps the means over the step that
+        ends there, but ``temp_module`` as it is then.
+    columns : dict, optional
+        Package's name to the file's, as ``{"poa_global": "Irr (W/m2)"}``. Other
+        columns keep their names.
+    convert_units : bool or dict, default False
+        Convert columns whose headers name another unit, such as ``Wind (mph)``; or
+        the units by the package's names, as ``{"wind_speed": "mph"}``.
+    check_units : bool, default True
+        Refuse a column whose header names another unit, where it is not converted.
+    module_area : float, optional
+        Area of the modules whose power is in W or kW. [m²]
+    **layout
+        ``time``: column of the times, or two of a date and a time of day; by default
+        the first. ``time_format``, default ISO 8601. ``tz``: the zone of naive times,
+        or that into which others are brought. ``sep``, ``decimal``, ``encoding`` of
+        CSV. ``skip_rows``: how many lines stand before the header, or the numbers of
+        the lines to leave out, from 0. ``sheet`` of a workbook. ``missing``: texts
+        that stand for a missing value. ``sort``: put the rows in the order of their
+        times. ``drop_doubled``: of rows with the same time keep the first.
+
+    Returns
+    -------
+    DataFrame
+        What was done beside reading is in ``.attrs["notes"]``.
+
+    Raises
+    ------
+    ValueError
+        If the file, its times, a column or a unit are not as said; the message names
+        the option of the command ``pvlib-fem`` that helps, which is the keyword here.
+    """
+    files = [Path(one) for one in ([file] if isinstance(file, str | Path) else file)]
+    for name in ("time", "missing"):
+        if isinstance(layout.get(name), str):
+            layout[name] = (layout[name],)
+        elif name in layout:
+            layout[name] = tuple(layout[name])
+    how = [Layout(**layout)] * len(files)
+    units = {} if isinstance(convert_units, bool) else convert_units
+    convert = convert_units is True
+    return frame(files, how, columns or {}, convert, units, check_units, module_area)
+
+
+def frame(
+    files,
+    layouts,
+    columns,
+    convert=False,
+    units=None,
+    check_units=True,
+    module_area=None,
+):
+    """The same of several files, each with its layout."""
+    tables, notes = [], []
+    for file, layout in zip(files, layouts):
+        data = timed(table(file, layout), layout, file.name)
+        data, done = in_order(data, layout.sort, layout.drop_doubled)
+        tables.append(data)
+        notes += [f"{file.name}: {note}" for note in done]
+    data, done = joined(tables, [file.name for file in files], columns)
+    absent = [column for column in columns.values() if column not in data]
     if absent:
         raise ValueError(
-            f"{file.name} has no column {', '.join(absent)}; it has "
-            f"{', '.join(map(str, data.columns))}"
+            f"{' and '.join(file.name for file in files)} has no column "
+            f"{', '.join(absent)}; it has {', '.join(map(str, data.columns))}"
         )
-    if "time" in mapped or not isinstance(data.index, pd.DatetimeIndex):
-        time = mapped.get("time", data.columns[0])
-        index = times(data[time], time, time_format)
+    headers = {name: name for name in data.columns} | columns
+    data = named(data, columns)
+    for name in QUANTITIES:
+        if name in data:
+            refuse_text(data[name], name)
+    data, told = in_units(data, headers, convert, units or {}, check_units, module_area)
+    data.attrs["notes"] = notes + done + told
+    return data
+
+
+def table(file, layout):
+    """A file's columns as they are."""
+    suffix = file.suffix.lower()
+    if suffix in PARQUET:
+        try:
+            return pd.read_parquet(file)
+        except ImportError as error:
+            raise ValueError(
+                "reading Parquet needs pyarrow: pip install 'pvlib_fem[parquet]'"
+            ) from error
+    missing = [*MISSING, *layout.missing]
+    skip = layout.skip_rows
+    skip = skip if isinstance(skip, int) else list(skip)
+    if suffix in EXCEL:
+        return workbook(file, sheet_name=layout.sheet, skiprows=skip, na_values=missing)
+    return text(file, layout, skiprows=skip, na_values=missing)
+
+
+def workbook(file, **how):
+    try:
+        data = pd.read_excel(file, **how)
+    except ImportError as error:
+        raise ValueError(
+            f"reading {file.suffix} needs another package ({error.name or error}): "
+            "pip install 'pvlib_fem[excel]' reads .xlsx; save others as that"
+        ) from error
+    except (ValueError, KeyError, OSError) as error:
+        if "Worksheet" in str(error):
+            raise ValueError(f"{file.name}: {error}; give --sheet NAME") from error
+        raise ValueError(f"{file.name} is no workbook that can be read") from error
+    except Exception as error:  # of the package that reads it: a broken archive
+        raise ValueError(f"{file.name} is no workbook that can be read") from error
+    return data.rename(columns=str).dropna(axis="columns", how="all")
+
+
+def text(file, layout, **how):
+    """A CSV file; what makes it no table says which option may."""
+    how |= {"sep": layout.sep, "decimal": layout.decimal, "encoding": layout.encoding}
+    try:
+        data = pd.read_csv(file, **how, low_memory=False)
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"{file.name} is not in {error.encoding} ({error.reason} at byte "
+            f"{error.start}); give --encoding, such as latin-1"
+        ) from error
+    except LookupError as error:
+        raise ValueError(
+            f"--encoding {layout.encoding}: there is no such encoding; usual ones are "
+            "utf-8, latin-1 and utf-16"
+        ) from error
+    except pd.errors.EmptyDataError as error:
+        raise ValueError(
+            f"{file.name} has no line left after those that --skip-rows leaves out"
+            if layout.skip_rows
+            else f"{file.name} is empty"
+        ) from error
+    except pd.errors.ParserError as error:
+        raise ValueError(
+            f"{file.name} is no table with the separator {layout.sep!r}: its lines "
+            "differ in their number of columns; give --skip-rows for lines before the "
+            "header, and --sep"
+        ) from error
+    if data.shape[1] == 1:
+        raise ValueError(
+            f"{file.name} has the one column {data.columns[0]!r}; give --sep, such as "
+            "';', and --skip-rows for lines before the header"
+        )
+    if len(data) == 0:
+        raise ValueError(f"{file.name} has a header and no row")
+    return data
+
+
+def timed(data, layout, name):
+    """The table on its times."""
+    time = list(layout.time)
+    if isinstance(data.index, pd.DatetimeIndex) and time in ([], [data.index.name]):
+        data = data.rename_axis("time")
+    else:
+        time = time or [data.columns[0]]
+        if absent := [column for column in time if column not in data]:
+            raise ValueError(
+                f"{name} has no column {', '.join(absent)} for the times; it has "
+                f"{', '.join(map(str, data.columns))}"
+            )
+        index = times(data[time], layout.time_format)
         data = data.drop(columns=time).set_index(index)
-    if tz is not None:
-        data.index = zoned(data.index, tz)
+    if layout.tz is not None:
+        data.index = zoned(data.index, layout.tz)
+    return data
+
+
+def named(data, columns):
+    """The table in the package's names."""
     # a mapped column takes the name, whatever else the file calls by it, and leaves
     # its own, under which it would be one more driver
-    taken = {name: column for name, column in mapped.items() if name != "time"}
-    named = {name: data[column] for name, column in taken.items()}
-    return data.drop(columns=list(dict.fromkeys(taken.values()))).assign(**named)
+    taken = {name: data[column] for name, column in columns.items()}
+    return data.drop(columns=list(dict.fromkeys(columns.values()))).assign(**taken)
 
 
-def times(column, name, time_format):
-    """Times of a column of text; the first bad entry is named."""
-    if pd.api.types.is_numeric_dtype(column):
+def refuse_text(column, name):
+    """Say which text stands among the numbers of a column."""
+    if pd.api.types.is_numeric_dtype(column) or column.isna().all():
+        return
+    bad = column[pd.to_numeric(column, errors="coerce").isna() & column.notna()]
+    if bad.empty:
+        return
+    word, at = str(bad.iloc[0]), bad.index[0]
+    row = int(np.argmax(column.index == at))
+    remedy = f"give --missing '{word}' if it stands for a missing value"
+    if pd.notna(pd.to_numeric(word.replace(",", ".", 1), errors="coerce")):
+        remedy = "give --decimal , if commas are decimal"
+    several = f", and in {len(bad) - 1:,} more rows" if len(bad) > 1 else ""
+    raise ValueError(
+        f"{name} holds {word!r} at {at} (row {row}){several}, which is not a number; "
+        f"{remedy}"
+    )
+
+
+def in_units(data, headers, convert, units, check_units, module_area):
+    """Columns in the package's units, as far as that is asked for."""
+    told = {name: unit_of(name, unit) for name, unit in units.items()}
+    if absent := [name for name in told if name not in data]:
         raise ValueError(
-            f"column {name!r} should hold the times and holds numbers; name the "
-            "right one with --map time=COLUMN"
+            f"there is no column {absent[0]} to convert; name it with --map "
+            f"{absent[0]}=COLUMN"
         )
-    how = {"format": time_format, "errors": "coerce"}
-    try:
-        parsed = pd.to_datetime(column, **how)
-        mixed = parsed.dtype == object  # as older pandas says it
-    except ValueError:
-        mixed = True
-    if mixed:  # offsets that change, as with daylight saving time
-        parsed = pd.to_datetime(column, utc=True, **how)
-    if parsed.isna().any():
-        row = int(parsed.isna().to_numpy().argmax())
-        raise ValueError(
-            f"column {name!r} holds no time of the format {time_format} in row {row}: "
-            f"{column.iloc[row]!r}; give --time-format, such as '%d/%m/%Y %H:%M', or "
-            "name the column of times with --map time=COLUMN"
-        )
-    return pd.DatetimeIndex(parsed, name="time")
-
-
-def zoned(index, tz):
-    """Times in a zone: naive ones are taken as local in it."""
-    try:
-        if index.tz is None:
-            # the hour that an autumn has twice is told by the order of its rows
-            return index.tz_localize(tz, ambiguous="infer")
-        return index.tz_convert(tz)
-    except Exception as error:  # an unknown zone, or an hour that a clock skips
-        raise ValueError(
-            f"--tz {tz}: {error}; loggers mostly keep standard time, for example "
-            "--tz Etc/GMT-1 for one hour east of Greenwich"
-        ) from error
+    notes = []
+    for name, header in headers.items():
+        if name not in QUANTITIES:
+            continue
+        own, unit = own_unit(name), told.get(name) or named_unit(name, str(header))
+        if unit in (None, own):
+            continue
+        if name in told or convert:
+            hours = step_of(data) / 3600.0
+            column = converted(data[name], name, unit, hours, module_area)
+            data = data.assign(**{name: column})
+            notes.append(f"{name} converted from {unit} to {own}")
+        elif check_units:
+            raise ValueError(
+                f"the header {header!r} names {unit}, and {name} has to be in {own}; "
+                "give convert_units=True (--convert) to convert it, or "
+                "check_units=False (--no-unit-check) if it is in that unit already"
+            )
+    return data, notes

@@ -1,0 +1,138 @@
+"""The commands: what each reads, does and writes."""
+
+import click
+
+from pvlib_fem import __version__
+from pvlib_fem.cli.demo import check_length, demo_site, demo_week
+from pvlib_fem.cli.options import (
+    days_of,
+    fit_options,
+    held,
+    model_option,
+    out_option,
+    plot_option,
+    reading_options,
+    report_option,
+    shared_options,
+    site_options,
+)
+from pvlib_fem.cli.reading import read
+from pvlib_fem.cli.running import (
+    check_partners,
+    closed,
+    effects_of,
+    fitted,
+    in_local_days,
+    site_of,
+)
+from pvlib_fem.cli.words import plainly, say
+from pvlib_fem.cli.writing import check_outputs, picture, write
+from pvlib_fem.loop.criteria import Criteria
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="pvlib-fem")
+def main():
+    """The temperature of PV modules, second by second, from measured data.
+
+    With a new file begin with --guess: it proposes the command that reads it.
+    """
+
+
+@main.command()
+@reading_options
+@site_options
+@fit_options
+@shared_options
+@out_option
+@plot_option
+def fit(files, out, plot, **options):
+    """Fit FILE, or several that are joined on their times, and print the report.
+
+    CSV, Excel and Parquet go. The first column, or what --time says, holds the times.
+    The command loop takes the same options but for --dynamics, --method, --calm-wind
+    and --plot, and has --min-gain and --report of its own.
+    """
+    with plainly():
+        check_outputs(files, out=out, plot=plot)
+        data, options = prepared(files, options)
+        result = fitted(data, **options)
+        say(result)
+        write(out, result.to_json)
+        write(plot, lambda path: picture(result, path))
+
+
+@main.command()
+@reading_options
+@site_options
+@model_option("faiman", "fit takes the paper's wm1 by default")
+@shared_options
+@click.option(
+    "--min-gain",
+    type=click.FloatRange(min=0),
+    default=Criteria().min_gain,
+    show_default=True,
+    help="Gain below which no effect is added [K].",
+)
+@report_option
+@out_option
+def loop(files, report, out, **options):
+    """Find which physical effects the model lacks in FILE, or several.
+
+    Beside the columns of a fit it takes wind_direction [° from north],
+    relative_humidity [%], longwave_down [W/m²], precipitation [mm/h], p_dc [W per
+    m² of module] and snow_depth [cm]; every other numeric column is tried as a
+    cause of its own. With --lat, --lon, --tilt and --azimuth it tries effects that
+    follow the sun, too; times without a zone are then local standard time.
+    """
+    with plainly():
+        check_outputs(files, report=report, out=out)
+        data, options = prepared(files, options, drivers=True)
+        options["effects"] = options["effects"] or None
+        found = closed(data, **options)
+        say(found)
+        write(out, found.to_json)
+        write(report, found.to_html)
+
+
+@main.command()
+@click.option("--days", type=click.IntRange(1), default=365, show_default=True)
+@click.option(
+    "--step",
+    type=click.FloatRange(1, 3600),
+    default=60,
+    show_default=True,
+    help="Of the simulated record [s].",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@report_option
+def demo(days, step, seed, report):
+    """Find effects hidden in a simulated site, then look at a measured week.
+
+    The simulation is made from first principles; its truth is told after the
+    answer.
+    """
+    with plainly():
+        check_length(days, step)
+        check_outputs(report=report)
+        found = demo_site(days, step, seed)
+        write(report, found.to_html)
+        demo_week()
+
+
+def prepared(files, options, drivers=False):
+    """The frame, and what a fit or a loop takes; all that is wrong is refused here."""
+    check_partners(options)
+    effects = effects_of(options.pop("effects"))
+    fixed = held(options.pop("fix"))
+    days, told = options.pop("holdout"), options["tz"]
+    data = read(files, options, drivers)
+    place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
+    data = in_local_days(data, place["lon"], told)
+    options |= {
+        "effects": effects,
+        "fixed": fixed or None,
+        "holdout": days_of(days, data.index),
+        "site": site_of(data.index, **place),
+    }
+    return data, options

@@ -1,0 +1,324 @@
+"""Options, and what their texts mean."""
+
+from pathlib import Path
+
+import click
+import pandas as pd
+
+from pvlib_fem.fitting.fit import METHODS
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.layout import Layout
+from pvlib_fem.record.units import QUANTITIES, unit_of
+from pvlib_fem.thermal.model import MEMORY
+from pvlib_fem.thermal.steady import STEADY_MODELS
+
+WRITTEN = click.Path(dir_okay=False, path_type=Path)
+EACH = "Once for all files, or once for each."
+#: fields of a layout that are given once for all files or once for each
+PER_FILE = {
+    "time": (),
+    "time_format": Layout.time_format,
+    "tz": None,
+    "sep": Layout.sep,
+    "decimal": Layout.decimal,
+    "encoding": Layout.encoding,
+    "skip_rows": 0,
+    "sheet": 0,
+}
+
+
+def added(*options):
+    """A decorator of a command with options, in this order."""
+
+    def decorated(command):
+        for option in options[::-1]:
+            command = option(command)
+        return command
+
+    return decorated
+
+
+reading_options = added(
+    click.argument(
+        "files",
+        metavar="FILE...",
+        nargs=-1,
+        required=True,
+        type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    ),
+    click.option(
+        "--guess",
+        is_flag=True,
+        help="Propose a command for these files, and run nothing.",
+    ),
+    click.option(
+        "--map",
+        "renames",
+        multiple=True,
+        metavar="NAME=COLUMN",
+        help=f"Column of the file that is {', '.join(COLUMNS)} or another that the "
+        "command knows; once for each.",
+    ),
+    click.option(
+        "--time",
+        multiple=True,
+        metavar="COLUMN",
+        help="Column of the times, or two of a date and a time of day, Date,Time; by "
+        f"default the first. {EACH}",
+    ),
+    click.option(
+        "--time-format",
+        multiple=True,
+        help="Format of the times, such as '%d/%m/%Y %H:%M'; by default ISO 8601. "
+        f"{EACH}",
+    ),
+    click.option(
+        "--tz",
+        multiple=True,
+        help=f"Zone of the times, such as Europe/Brussels or Etc/GMT+7. {EACH}",
+    ),
+    click.option(
+        "--sep", multiple=True, help=f"Between CSV columns, by default ','. {EACH}"
+    ),
+    click.option(
+        "--decimal", multiple=True, help=f"In CSV numbers, by default '.'. {EACH}"
+    ),
+    click.option("--encoding", multiple=True, help=f"Of CSV, by default utf-8. {EACH}"),
+    click.option(
+        "--skip-rows",
+        multiple=True,
+        metavar="N | N,N,…",
+        help="How many lines stand before the header; or the lines to leave out, from "
+        f"0: 0,2,3 for a TOA5 file. {EACH}",
+    ),
+    click.option(
+        "--sheet", multiple=True, help=f"Of a workbook, by default the first. {EACH}"
+    ),
+    click.option(
+        "--missing",
+        multiple=True,
+        metavar="TEXT",
+        help="Text that stands for a missing value, such as ---; once for each.",
+    ),
+    click.option(
+        "--sort", is_flag=True, help="Put the rows in the order of their times."
+    ),
+    click.option(
+        "--drop-doubled",
+        is_flag=True,
+        help="Of rows with the same time keep the first.",
+    ),
+    click.option(
+        "--convert",
+        is_flag=True,
+        help="Convert columns whose headers name another unit, such as (mph).",
+    ),
+    click.option(
+        "--unit",
+        "units",
+        multiple=True,
+        metavar="NAME=UNIT",
+        help="Unit of a column that is to be converted, such as wind_speed=km/h; once "
+        "for each.",
+    ),
+    click.option(
+        "--module-area",
+        type=click.FloatRange(min=0, min_open=True),
+        help="Area of the modules whose power p_dc is in W or kW [m²].",
+    ),
+    click.option(
+        "--no-unit-check",
+        is_flag=True,
+        help="Accept columns that look to be in another unit.",
+    ),
+)
+site_options = added(
+    click.option("--lat", type=click.FloatRange(-90, 90), help="North positive [°]."),
+    click.option("--lon", type=click.FloatRange(-180, 180), help="East positive [°]."),
+    click.option("--tilt", type=click.FloatRange(0, 180), help="Of the module [°]."),
+    click.option(
+        "--azimuth",
+        type=click.FloatRange(-360, 360),
+        help="Of the module, from north by east [°].",
+    ),
+)
+shared_options = added(
+    click.option(
+        "--effects",
+        multiple=True,
+        metavar="NAME,NAME,…",
+        help="Physical effects: fit adds these, loop tries no others.",
+    ),
+    click.option(
+        "--holdout",
+        multiple=True,
+        metavar="DAY | DAY..DAY",
+        help="Days that no fit sees, such as 2024-07-01..2024-07-07; once for each.",
+    ),
+    click.option(
+        "--fix",
+        multiple=True,
+        metavar="NAME=NUMBER",
+        help="Coefficient that is known, such as tau=378; once for each.",
+    ),
+)
+out_option = click.option("--out", type=WRITTEN, help="Write the result as JSON.")
+report_option = click.option(
+    "--report",
+    type=WRITTEN,
+    help="Write the report with pictures as one HTML file (needs matplotlib).",
+)
+plot_option = click.option(
+    "--plot",
+    type=WRITTEN,
+    help="Draw a held-out day to this file, .png, .svg or .pdf (needs matplotlib).",
+)
+
+
+def model_option(default, instead):
+    return click.option(
+        "--model",
+        type=click.Choice(list(STEADY_MODELS)),
+        default=default,
+        show_default=True,
+        help=f"Steady model; {instead}.",
+    )
+
+
+fit_options = added(
+    model_option("wm1", "the paper's first by default, where loop takes faiman"),
+    click.option(
+        "--dynamics",
+        type=click.Choice(list(MEMORY)),
+        default="ewm",
+        show_default=True,
+        help="The paper's by default; loop takes the better of ewm and balance.",
+    ),
+    click.option(
+        "--method",
+        type=click.Choice(METHODS),
+        default="least_squares",
+        show_default=True,
+    ),
+    click.option(
+        "--calm-wind",
+        type=float,
+        default=0.5,
+        show_default=True,
+        help="Wind that the paper's recipe takes as calm [m/s].",
+    ),
+)
+
+
+def bad(text, option, why):
+    return click.BadParameter(f"{text!r} {why}", param_hint=option)
+
+
+def pairs(texts, option, form):
+    """Texts of the form NAME=VALUE, each name once."""
+    found = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not value:
+            raise bad(text, option, f"is not {form}")
+        if name in found:
+            raise bad(text, option, f"comes after {name}={found[name]}; give one")
+        found[name] = value
+    return found
+
+
+def columns_of(renames):
+    """The map of --map, from the package's names to those of the file."""
+    mapped = pairs(renames, "--map", "NAME=COLUMN")
+    for name, column in mapped.items():
+        if name == "time":
+            why = f"are the times: give --time {column!r}"
+            raise bad(f"time={column}", "--map", why)
+        if name not in QUANTITIES:
+            why = f"is none of {', '.join(QUANTITIES)}"
+            raise bad(name, "--map", why)
+    if twice := [c for c in mapped.values() if list(mapped.values()).count(c) > 1]:
+        names = [name for name, column in mapped.items() if column == twice[0]]
+        raise bad(twice[0], "--map", f"is given as {' and as '.join(names)}; give one")
+    return mapped
+
+
+def units_of(texts):
+    """The units of --unit by the package's names."""
+    found = pairs(texts, "--unit", "NAME=UNIT")
+    try:
+        return {name: unit_of(name, unit) for name, unit in found.items()}
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--unit") from error
+
+
+def held(texts):
+    """The coefficients of --fix."""
+    found = {}
+    for name, value in pairs(texts, "--fix", "NAME=NUMBER").items():
+        try:
+            found[name] = float(value)
+        except ValueError as error:
+            raise bad(value, "--fix", f"is no number for {name}") from error
+    return found
+
+
+def layouts_of(options, files):
+    """How each file is written."""
+    values = {}
+    for name, default in PER_FILE.items():
+        given = options[name]
+        option = f"--{name.replace('_', '-')}"
+        if len(given) not in (0, 1, len(files)):
+            raise click.BadParameter(
+                f"it is given {len(given)} times for {len(files)} file"
+                f"{'s' * (len(files) > 1)}",
+                param_hint=option,
+            )
+        values[name] = list(given) or [default]
+        values[name] *= len(files) if len(values[name]) == 1 else 1
+    values["time"] = [tuple(t.split(",")) if t else () for t in values["time"]]
+    values["skip_rows"] = [lines_of(text) for text in values["skip_rows"]]
+    values["sep"] = ["\t" if sep == r"\t" else sep for sep in values["sep"]]
+    if wrong := [text for text in values["decimal"] if len(text) != 1]:
+        raise bad(wrong[0], "--decimal", "is not one sign")
+    same = {name: options[name] for name in ("missing", "sort", "drop_doubled")}
+    return [
+        Layout(**{name: values[name][i] for name in values}, **same)
+        for i in range(len(files))
+    ]
+
+
+def lines_of(text):
+    """A number of lines, or the numbers of some; ``3,`` is the fourth alone."""
+    if not text:
+        return 0
+    try:
+        numbers = tuple(int(number) for number in text.removesuffix(",").split(","))
+    except ValueError as error:
+        raise bad(text, "--skip-rows", "are no line numbers") from error
+    if min(numbers) < 0:
+        raise bad(text, "--skip-rows", "are no line numbers")
+    return numbers if "," in text else numbers[0]
+
+
+def days_of(texts, index):
+    """The rows of --holdout, or None without it."""
+    if not texts:
+        return None
+    local = index.tz_localize(None).normalize()
+    out = pd.Series(False, index)
+    for text in texts:
+        first, dots, last = text.partition("..")
+        try:
+            start, end = pd.Timestamp(first), pd.Timestamp(last if dots else first)
+        except ValueError as error:
+            raise bad(text, "--holdout", "is not DAY or DAY..DAY") from error
+        rows = (local >= start) & (local <= end)
+        if not rows.any():
+            raise ValueError(
+                f"--holdout {text}: the record has no such day; it is from "
+                f"{index[0]:%Y-%m-%d} to {index[-1]:%Y-%m-%d}"
+            )
+        out |= rows
+    return out

@@ -1,0 +1,167 @@
+"""Files as a frame, and where that fails the command that may read them."""
+
+import shlex
+import stat
+import subprocess
+import sys
+
+import click
+from click.core import ParameterSource
+
+from pvlib_fem.cli.options import PER_FILE, columns_of, layouts_of, units_of
+from pvlib_fem.cli.words import Refused, note, say
+from pvlib_fem.record.checks import datetime_steps
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.files import frame
+from pvlib_fem.record.guess import guess, unmapped
+
+COMMANDLINE = ParameterSource.COMMANDLINE
+LOOK = "this command may read it; look at it before you run it:"
+#: options that a proposal says anew
+ANEW = (*PER_FILE, "renames", "convert", "units", "guess", "missing")
+ANEW = (*ANEW, "sort", "drop_doubled")
+
+
+def read(files, options, drivers=False):
+    """
+    The files as a frame in the package's names.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    options : dict
+        Those of reading, of which nothing is left in it.
+    drivers : bool
+        Whether further columns count, so that a likely one is asked about.
+
+    Raises
+    ------
+    Refused
+        With the command that may read them, where one is found.
+    """
+    columns, layouts = columns_of(options["renames"]), layouts_of(options, files)
+    asked, place = options.pop("guess"), options.get("lon")
+    how = dict(
+        convert=options.pop("convert"),
+        units=units_of(options.pop("units")),
+        check_units=not options["no_unit_check"],
+        module_area=options.pop("module_area"),
+    )
+    for name in ANEW:
+        options.pop(name, None)
+    for file in files:
+        if stat.S_ISCHR(file.stat().st_mode):
+            raise ValueError(f"{file} is a device and no file")
+    if asked:
+        words = proposal(files, layouts, columns, how, place)
+        if not words:
+            raise ValueError(f"{files[0].name} holds no table that could be guessed at")
+        say(words)
+        raise click.exceptions.Exit(0)
+    try:
+        data = frame(files, layouts, columns, **how)
+        check_columns(data)
+        datetime_steps(data.index, "the time")
+    except (ValueError, OSError) as error:
+        words = proposal(files, layouts, columns, how, place)
+        raise Refused(error, words) from error
+    for line in data.attrs.pop("notes"):
+        note(line)
+    if drivers and (likely := unmapped(data)):
+        maps = [f"--map {name}={column}" for name, column in likely.items()]
+        what = ", ".join(f"{c!r} looks like {n}" for n, c in likely.items())
+        note(
+            f"{what}. Under another name a column is only a driver of unknown meaning; "
+            f"if it is that, run again with {' '.join(maps)}"
+        )
+    return data
+
+
+def check_columns(data):
+    if lacking := [name for name in COLUMNS if name not in data]:
+        raise ValueError(
+            f"no column {', '.join(lacking)} among "
+            f"{', '.join(map(str, data.columns))}; name it with --map "
+            f"{lacking[0]}=COLUMN"
+        )
+
+
+def proposal(files, layouts, columns, how, place):
+    """The command that may read files, with what to look at; empty without any."""
+    try:
+        found = guess(files, layouts, columns, how, place=place)
+        lacking = [name for name in COLUMNS if name not in found.there]
+        if not lacking:
+            check = {**how, "convert": how["convert"] or found.headers}
+            check["units"] = {**how["units"], **found.units}
+            if found.area and not how["module_area"]:
+                check["module_area"] = 1.0
+            check_columns(frame(files, found.layouts, found.columns, **check))
+    except Exception:  # a proposal is an extra; the error itself is told anyway
+        return ""
+    lines = [LOOK, "", f"  {command(found, lacking, how)}", ""]
+    lines += [f"- {doubt}" for doubt in found.doubts]
+    if lacking:
+        lines.append(
+            f"- which column is {', '.join(lacking)}? There are {', '.join(found.free)}"
+        )
+    if found.area and not how["module_area"]:
+        lines.append("- the area of the modules is not in the file: put it for AREA")
+    return "\n".join(lines).rstrip()
+
+
+def command(found, lacking, how):
+    """The command as it was given, with the reading as it was found."""
+    context = click.get_current_context()
+    source = context.get_parameter_source
+    words, files = ["pvlib-fem", context.info_name], []
+    for param in context.command.params:
+        value = context.params[param.name]
+        if isinstance(param, click.Argument):
+            files = [str(file) for file in value]
+        elif param.name not in ANEW and source(param.name) is COMMANDLINE:
+            words += spoken(param, value)
+    words[2:2] = files
+    for name, default in PER_FILE.items():
+        values = [getattr(layout, name) for layout in found.layouts]
+        if len(set(values)) == 1 and values[0] == default:
+            continue
+        values = values[:1] if len(set(values)) == 1 else values
+        for value in values:
+            words += [f"--{name.replace('_', '-')}", as_option(name, value)]
+    for text in dict.fromkeys(t for one in found.layouts for t in one.missing):
+        words += ["--missing", text]
+    words += ["--sort"] * any(one.sort for one in found.layouts)
+    words += ["--drop-doubled"] * any(one.drop_doubled for one in found.layouts)
+    for name, column in found.columns.items():
+        words += ["--map", f"{name}={column}"]
+    for name in lacking:
+        words += ["--map", f"{name}=COLUMN"]
+    words += ["--convert"] * (found.headers or how["convert"])
+    for name, unit in {**how["units"], **found.units}.items():
+        words += ["--unit", f"{name}={unit}"]
+    if found.area and not how["module_area"]:
+        words += ["--module-area", "AREA"]
+    quoted = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
+    return quoted(words)
+
+
+def spoken(param, value):
+    """An option as it was given."""
+    option = max(param.opts, key=len)
+    if param.is_flag:
+        return [option]
+    values = value if param.multiple else [value]
+    return [word for one in values for word in (option, str(one))]
+
+
+def as_option(name, value):
+    """A field of a layout as its option has it."""
+    if value is None or value == () or (name == "sheet" and value == 0):
+        return ""
+    if name == "sep":
+        return value.replace("\t", r"\t")
+    if isinstance(value, tuple):
+        lonely = name == "skip_rows" and len(value) == 1
+        return ",".join(map(str, value)) + "," * lonely
+    return str(value)

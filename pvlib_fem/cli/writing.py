@@ -1,0 +1,72 @@
+"""What is written: nothing that is read, and nothing that cannot be."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from pvlib_fem.cli.words import say
+from pvlib_fem.plotting.look import check_format
+from pvlib_fem.stored import replacing
+
+#: option: what it writes, and the endings of its file
+ENDINGS = {"report": ("a page", (".html", ".htm")), "out": ("JSON", (".json",))}
+
+
+def check_outputs(read=(), **written):
+    """
+    Refuse before the work what cannot be written after it, or would destroy a file.
+
+    Parameters
+    ----------
+    read : sequence of Path
+        Files that are read.
+    **written : Path or None
+        By the name of the option.
+    """
+    drawn = written.get("plot") or written.get("report")
+    if drawn and find_spec("matplotlib") is None:
+        raise ValueError(
+            "a picture or a report needs matplotlib: pip install 'pvlib_fem[plot]'"
+        )
+    taken = {same(path): f"{path.name} is read" for path in read}
+    for name, path in written.items():
+        if path is None:
+            continue
+        if not path.absolute().parent.is_dir():
+            raise ValueError(f"there is no folder {path.parent} for {path.name}")
+        if (place := same(path)) in taken:
+            raise ValueError(
+                f"--{name} {path} would overwrite a file: {taken[place]}; give it "
+                "another name"
+            )
+        taken[place] = f"--{name} writes it, too"
+        if name == "plot":
+            check_format(path)
+        elif path.suffix.lower() not in ENDINGS[name][1]:
+            what, endings = ENDINGS[name]
+            raise ValueError(
+                f"--{name} writes {what}, so {path.name} has to end with {endings[0]}"
+            )
+
+
+def same(path):
+    """One name for one file, through links and on systems without capitals."""
+    path = Path(path).resolve()
+    if path.exists():
+        found = path.stat()
+        if found.st_ino:
+            return found.st_dev, found.st_ino
+    return str(path).casefold()
+
+
+def write(path, writer):
+    """Write a file, and say so."""
+    if path is not None:
+        writer(path)
+        say(f"\nwrote {path}")
+
+
+def picture(result, path):
+    """The picture of a fit, in the format that its name ends with."""
+    figure = result.plot().figure
+    with replacing(path) as whole:
+        figure.savefig(whole, dpi=150, format=path.suffix[1:].lower())

@@ -1,0 +1,142 @@
+"""Several files as one: weather from one logger, the module from another."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.checks import instants
+from pvlib_fem.record.resampling import ANGLES
+
+LEAST = 0.5  # share of the shorter file's rows that has to find a partner
+
+
+def joined(tables, names, columns):
+    """
+    Tables on common times, those of the one with the longest step.
+
+    A row gets of another table the row nearest to it, up to half a step away. Of a
+    table with steps less than half as long it gets the means over the step that ends
+    there, but ``temp_module`` as it is then, since it is a state and not a flow.
+
+    Parameters
+    ----------
+    tables : list of DataFrame
+        With a DatetimeIndex each, sorted.
+    names : list of str
+        Of the files. A column that an earlier table has already is called
+        ``"<column> (<name>)"``.
+    columns : dict
+        Package's names to those of the files.
+
+    Returns
+    -------
+    DataFrame, list of str
+        The table, and what was done.
+    """
+    if len(tables) == 1:
+        return tables[0], []
+    zones = [getattr(table.index, "tz", None) for table in tables]
+    if len({zone is None for zone in zones}) > 1:
+        without = names[zones.index(None)]
+        raise ValueError(
+            f"the times of {without} have no zone and those of another file have one; "
+            "give --tz once for each file, in their order"
+        )
+    for table, name in zip(tables, names):
+        refuse_disorder(table, name)
+    tables = [t.tz_convert(zones[0]) if zones[0] else t for t in tables]
+    steps = [step_of(table) for table in tables]
+    base = int(np.argmax(steps))
+    apart = distinct(tables, names)
+    whole = apart[base]
+    notes = []
+    for i, table in enumerate(apart):
+        if i == base:
+            continue
+        states = {columns.get("temp_module", "temp_module")}
+        directions = {columns.get(name, name) for name in ANGLES}
+        part = onto(table, whole.index, steps[base], steps[i], states, directions)
+        found = int(part.notna().any(axis=1).sum())
+        if found < LEAST * min(len(table), len(whole)):
+            raise ValueError(
+                f"only {found:,} of the {len(whole):,} times of {names[base]} are in "
+                f"{names[i]}: it has {span(table)}, the other {span(whole)}; give "
+                "--tz once for each file if their clocks are in different zones"
+            )
+        how = "nearest rows" if steps[i] > steps[base] / 2.0 else "means over its steps"
+        notes.append(
+            f"{names[i]} joined to {names[base]}, {how}: {found:,} of {len(whole):,} "
+            "times are in both"
+        )
+        whole = whole.join(part)
+    return whole[[column for table in apart for column in table]], notes
+
+
+def refuse_disorder(table, name):
+    steps = np.diff(instants(table.index))
+    if (steps <= np.timedelta64(0)).any():
+        at = 1 + int(np.argmax(steps <= np.timedelta64(0)))
+        raise ValueError(
+            f"the times of {name} go from {table.index[at - 1]} to {table.index[at]}; "
+            "to join files they have to rise: give --sort, --drop-doubled, or --tz "
+            "with a zone that has summer time"
+        )
+
+
+def step_of(table):
+    """Median step. [s]"""
+    if len(table) < 2:
+        return 0.0
+    return float(np.median(np.diff(instants(table.index)) / np.timedelta64(1, "s")))
+
+
+def span(table):
+    return f"{table.index[0]:%Y-%m-%d %H:%M} to {table.index[-1]:%Y-%m-%d %H:%M}"
+
+
+def distinct(tables, names):
+    """The tables, no column of which is called like one of another."""
+    seen, apart = set(), []
+    for table, name in zip(tables, names):
+        new = {c: f"{c} ({name})" for c in table.columns if c in seen}
+        apart.append(table.rename(columns=new))
+        seen |= set(apart[-1].columns)
+    return apart
+
+
+def onto(table, index, step, own, states, directions):
+    """
+    A table on some times: the nearest rows, and of shorter steps the means.
+
+    ``step`` is that of the times and ``own`` that of the table [s]; ``states`` are
+    columns of which the value at the time is taken, not the mean before it.
+    """
+    reach = pd.Timedelta(seconds=own / 2.0)
+    nearest = table.reindex(index, method="nearest", tolerance=reach)
+    if own > step / 2.0:
+        return nearest
+    ends, at = instants(index), instants(table.index)
+    place = np.searchsorted(ends, at)
+    inside = place < len(ends)
+    since = np.full(len(at), np.inf)
+    since[inside] = (ends[place[inside]] - at[inside]) / np.timedelta64(1, "s")
+    rows = since < step
+    table, place = table[rows], place[rows]
+    parts = {}
+    for name, column in table.items():
+        if not pd.api.types.is_numeric_dtype(column) or name in states:
+            parts[name] = nearest[name].to_numpy()
+            continue
+        mean = mean_direction if name in directions else mean_of
+        parts[name] = mean(column, place).reindex(range(len(index))).to_numpy()
+    return pd.DataFrame(parts, index)
+
+
+def mean_of(column, place):
+    return column.groupby(place).mean()
+
+
+def mean_direction(column, place):
+    """Mean of a direction, whose north is at 0 and at 360. [°]"""
+    turned = np.radians(column.astype(float))
+    east, north = (mean_of(f(turned), place) for f in (np.sin, np.cos))
+    return np.degrees(np.arctan2(east, north)) % 360.0

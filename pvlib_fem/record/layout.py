@@ -1,0 +1,168 @@
+"""How a file is written: as it is told, or as its first lines look."""
+
+import codecs
+import csv
+import re
+from dataclasses import dataclass, replace
+
+import pandas as pd
+
+from pvlib_fem.record.times import ISO
+
+EXCEL = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods")
+PARQUET = (".parquet", ".pq")
+SOME = 200_000  # characters that are looked at
+LINES = 200
+SEPARATORS = (",", ";", "\t", "|")
+FOLLOWING = 5  # rows after the first that have to look like it
+NUMBERS = {
+    ".": re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"),
+    ",": re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?"),
+}
+TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
+BOMS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a file is written, see :func:`pvlib_fem.read_file`."""
+
+    time: tuple[str, ...] = ()
+    time_format: str = ISO
+    tz: str | None = None
+    sep: str = ","
+    decimal: str = "."
+    encoding: str = "utf-8"
+    skip_rows: int | tuple[int, ...] = 0
+    sheet: str | int = 0
+    missing: tuple[str, ...] = ()
+    sort: bool = False
+    drop_doubled: bool = False
+
+
+def found_layout(file, layout=None):
+    """
+    How a file seems to be written.
+
+    Parameters
+    ----------
+    file : Path
+    layout : Layout, optional
+        What is known, in the fields that are not looked for.
+
+    Returns
+    -------
+    Layout, dict
+        Separator, decimal sign, encoding, lines to leave out and sheet; and the units
+        that a line below the header gives, by column.
+    """
+    layout = layout or Layout()
+    if file.suffix.lower() in PARQUET:
+        return layout, {}
+    if file.suffix.lower() in EXCEL:
+        sheets = pd.read_excel(file, sheet_name=None, header=None, nrows=LINES)
+        name, rows = max(
+            ((name, cells(sheet)) for name, sheet in sheets.items()),
+            key=lambda sheet: likeness(sheet[1], "."),
+        )
+        skip, units = outside(rows, ".")
+        first = name == next(iter(sheets))
+        return replace(layout, sheet=0 if first else name, skip_rows=skip), units
+    encoding = encoding_of(file)
+    with open(file, encoding=encoding, newline="", errors="replace") as opened:
+        lines = opened.read(SOME).splitlines()[:LINES]
+    ways = [
+        (likeness(rows, decimal), sep, decimal, rows)
+        for sep in SEPARATORS
+        for rows in [list(csv.reader(lines, delimiter=sep))]
+        for decimal in NUMBERS
+        if sep != decimal or '"' in "".join(lines)
+    ]
+    _, sep, decimal, rows = max(ways, key=lambda way: way[0])
+    skip, units = outside(rows, decimal)
+    how = dict(sep=sep, decimal=decimal, encoding=encoding, skip_rows=skip)
+    return replace(layout, **how), units
+
+
+def encoding_of(file):
+    """UTF-8 or UTF-16 where the bytes are that, and else what Windows writes."""
+    with open(file, "rb") as opened:
+        start = opened.read(SOME)
+    for mark, name in BOMS.items():
+        if start.startswith(mark):
+            return name
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(start)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def cells(sheet):
+    """Rows of a sheet as text."""
+    text = sheet.astype(object).where(sheet.notna(), "")
+    return [[str(cell) for cell in row] for row in text.to_numpy()]
+
+
+def number(cell, decimal):
+    return NUMBERS[decimal].fullmatch(cell.strip()) is not None
+
+
+def known(cell, decimal):
+    """Whether a cell is what a logger's row is made of."""
+    return number(cell, decimal) or TIME.fullmatch(cell.strip()) is not None
+
+
+def is_data(row, width, decimal):
+    """Whether a row has a logger's values."""
+    filled = [cell for cell in row if cell.strip()]
+    seen = sum(known(cell, decimal) for cell in filled)
+    return len(row) == width and seen >= 2 and seen >= 0.5 * len(filled)
+
+
+def width_of(rows):
+    """Number of columns that the later rows have."""
+    later = [len(row) for row in rows[len(rows) // 2 :]]
+    return max(set(later), key=later.count) if later else 0
+
+
+def likeness(rows, decimal):
+    """How much rows look like a table: its cells that have a meaning."""
+    width = width_of(rows)
+    if width < 2:
+        return 0.0
+    later = [row for row in rows[len(rows) // 2 :] if len(row) == width]
+    filled = [cell for row in later for cell in row if cell.strip()]
+    return (
+        sum(known(cell, decimal) for cell in filled) / max(len(filled), 1) * len(later)
+    )
+
+
+def outside(rows, decimal):
+    """Lines that are neither header nor data, and the units that one of them gives."""
+    width = width_of(rows)
+    data = [is_data(row, width, decimal) for row in rows]
+    first = next(
+        (
+            i
+            for i in range(len(rows))
+            if data[i]
+            and sum(data[i : i + FOLLOWING]) >= 0.8 * len(data[i : i + FOLLOWING])
+        ),
+        None,
+    )
+    if not first:  # no table, or no header
+        return 0, {}
+    above = [i for i in range(first) if len(rows[i]) == width]
+    if not above:
+        return 0, {}
+    header = max(above, key=lambda i: (len({c for c in rows[i] if c.strip()}), -i))
+    left = tuple(i for i in range(first) if i != header)
+    below = [rows[i] for i in range(header + 1, first) if len(rows[i]) == width]
+    units = dict(zip(rows[header], below[0])) if below else {}
+    units = {column: unit for column, unit in units.items() if unit.strip()}
+    return (header if left == tuple(range(header)) else left), units

@@ -1,0 +1,171 @@
+"""Units as a header names them, and what makes the package's own of them."""
+
+import re
+
+from scipy import constants
+
+FAHRENHEIT = constants.degree_Fahrenheit  # K
+INCH = 1000.0 * constants.inch  # mm
+#: column: what it is, under the package's names
+QUANTITIES = {
+    "poa_global": "irradiance",
+    "temp_air": "temperature",
+    "wind_speed": "speed",
+    "temp_module": "temperature",
+    "wind_direction": "angle",
+    "relative_humidity": "share",
+    "longwave_down": "irradiance",
+    "precipitation": "rain",
+    "p_dc": "power",
+    "snow_depth": "depth",
+}
+#: quantity: unit to the factor and the offset that make the first one of it
+UNITS = {
+    "irradiance": {
+        "W/m²": (1.0, 0.0),
+        "kW/m²": (1000.0, 0.0),
+        "mW/cm²": (10.0, 0.0),
+    },
+    "temperature": {
+        "°C": (1.0, 0.0),
+        "°F": (FAHRENHEIT, -32.0 * FAHRENHEIT),
+        "K": (1.0, -constants.zero_Celsius),
+    },
+    "speed": {
+        "m/s": (1.0, 0.0),
+        "km/h": (constants.kmh, 0.0),
+        "mph": (constants.mph, 0.0),
+        "kn": (constants.knot, 0.0),
+        "ft/s": (constants.foot, 0.0),
+    },
+    "angle": {"°": (1.0, 0.0), "rad": (1.0 / constants.degree, 0.0)},
+    "share": {"%": (1.0, 0.0), "fraction": (100.0, 0.0)},
+    "rain": {
+        "mm/h": (1.0, 0.0),
+        "in/h": (INCH, 0.0),
+        "mm": (1.0, 0.0),
+        "in": (INCH, 0.0),
+    },
+    "power": {
+        "W/m²": (1.0, 0.0),
+        "kW/m²": (1000.0, 0.0),
+        "W": (1.0, 0.0),
+        "kW": (1000.0, 0.0),
+    },
+    "depth": {
+        "cm": (1.0, 0.0),
+        "mm": (0.1, 0.0),
+        "m": (100.0, 0.0),
+        "in": (INCH / 10.0, 0.0),
+    },
+}
+AMOUNTS = ("mm", "in")  # rain of one step, of which its length makes a rate
+WHOLE = ("W", "kW")  # power of all modules, of which their area makes a density
+#: other spellings, as :func:`plain` leaves them
+SPELLINGS = {
+    "W/m²": ("w/m2", "wm2", "wm-2", "w/sqm", "watt/m2", "watts/m2"),
+    "kW/m²": ("kw/m2", "kwm2", "kwm-2", "kw/sqm"),
+    "mW/cm²": ("mw/cm2", "mwcm2"),
+    "°C": ("°c", "c", "degc", "celsius", "degreesc", "deg.c"),
+    "°F": ("°f", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
+    "K": ("k", "kelvin", "degk"),
+    "m/s": ("m/s", "ms", "ms-1", "mps", "m/sec"),
+    "km/h": ("km/h", "kmh", "kph", "kmph", "kmh-1", "km/hr"),
+    "mph": ("mph", "mi/h", "miles/h", "mi/hr"),
+    "kn": ("kn", "kt", "kts", "knot", "knots"),
+    "ft/s": ("ft/s", "fts", "fps"),
+    "°": ("°", "deg", "degrees", "degree", "°n"),
+    "rad": ("rad", "radian", "radians"),
+    "%": ("%", "pct", "percent", "%rh"),
+    "fraction": ("fraction", "0-1", "0..1"),
+    "mm/h": ("mm/h", "mmh", "mm/hr", "mmh-1"),
+    "in/h": ("in/h", "in/hr", "inch/h"),
+    "mm": ("mm",),
+    "in": ("in", "inch", "inches"),
+    "W": ("w", "watt", "watts"),
+    "kW": ("kw", "kilowatt"),
+    "cm": ("cm",),
+    "m": ("m",),
+}
+WORDS = ("in", "m", "deg")  # units in brackets, words of a name elsewhere
+
+
+def own_unit(name):
+    """The unit in which the package has a column."""
+    return next(iter(UNITS[QUANTITIES[name]]))
+
+
+def unit_of(name, text):
+    """
+    A unit as somebody writes it, under the package's spelling.
+
+    Raises
+    ------
+    ValueError
+        If the column cannot be in that unit.
+    """
+    if name not in QUANTITIES:
+        raise ValueError(
+            f"{name} has no unit that could be converted; those that have one are "
+            f"{', '.join(QUANTITIES)}"
+        )
+    known = UNITS[QUANTITIES[name]]
+    for unit in known:
+        if plain(text) == plain(unit) or plain(text) in SPELLINGS[unit]:
+            return unit
+    raise ValueError(f"{name} cannot be in {text!r}; it may be in {', '.join(known)}")
+
+
+def named_unit(name, header):
+    """The unit that a header names for a column, or None."""
+    bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
+    bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
+    words = [word for word in re.split(r"[\s_,;:]+", bare) if plain(word) not in WORDS]
+    for text in (*bracketed, *words[1:]):  # the first word is the column's name
+        try:
+            return unit_of(name, text)
+        except ValueError:
+            continue
+    return None
+
+
+def plain(text):
+    """A unit without case, spaces and signs that only look."""
+    text = text.strip().lower()
+    for sign, letter in (("²", "2"), ("º", "°"), ("⁻¹", "-1"), ("−", "-")):
+        text = text.replace(sign, letter)
+    return re.sub(r"[\s^*·]", "", text)
+
+
+def converted(column, name, unit, hours=None, area=None):
+    """
+    A column in the package's unit.
+
+    Parameters
+    ----------
+    column : Series
+    name : str
+        Under the package's names.
+    unit : str
+        In which it is, as ``"mph"``.
+    hours : float, optional
+        Length of a step, for rain as an amount. [h]
+    area : float, optional
+        Of the modules, for power that is not per area. [m²]
+
+    Returns
+    -------
+    Series
+    """
+    unit = unit_of(name, unit)
+    factor, offset = UNITS[QUANTITIES[name]][unit]
+    if name == "precipitation" and unit in AMOUNTS:
+        factor /= hours
+    if name == "p_dc" and unit in WHOLE:
+        if area is None:
+            raise ValueError(
+                f"p_dc is in {unit}, and W per m² of module are needed; give the area "
+                "of the modules, module_area=120 (--module-area 120)"
+            )
+        factor /= area
+    return column if (factor, offset) == (1.0, 0.0) else factor * column + offset

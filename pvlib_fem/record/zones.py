@@ -1,0 +1,116 @@
+"""In which zone a clock may be, by the hours that it shows twice and by the sun."""
+
+from datetime import timedelta
+
+import numpy as np
+import pandas as pd
+
+#: zones of different summer times, the most usual first of those of one rule
+SUMMER = (
+    "Europe/Berlin",
+    "Europe/London",
+    "Europe/Athens",
+    "America/New_York",
+    "America/Chicago",
+    "America/Denver",
+    "America/Los_Angeles",
+    "America/Halifax",
+    "America/Santiago",
+    "Australia/Sydney",
+    "Australia/Adelaide",
+    "Pacific/Auckland",
+)
+OFF = 1.5  # hours by which noon may be off before the clock is not local
+
+
+def zone_of(index, longitude, irradiance, doubts):
+    """
+    The zone of times without one, where they show it.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+        In the order of the file.
+    longitude : float or None
+        Of the site. [°]
+    irradiance : array or None
+        [W/m²]
+    doubts : list of str
+        Takes what a person should look at.
+
+    Returns
+    -------
+    str or None
+    """
+    index = index[index.notna()] if index.hasnans and irradiance is None else index
+    if zones := of_summer_time(index):
+        zone = zones[0]
+        if longitude is not None:
+            zone = min(zones, key=lambda name: abs(standard(name) - longitude / 15))
+        elif len(zones) > 1:
+            doubts.append(
+                f"an hour comes twice, as in the zone {zone}, and as in "
+                f"{', '.join(zones[1:4])}: give that of the site"
+            )
+        return zone
+    noon = noon_of(index, irradiance)
+    if noon is None:
+        return None
+    if longitude is None:
+        if abs(noon - 12.5) > OFF + 0.5:
+            hour = f"{int(noon):02d}:{int(noon % 1 * 60):02d}"
+            doubts.append(
+                f"the irradiance is highest around {hour}, so the times are not local: "
+                "give --tz UTC if they are in UTC, or the zone that they are in"
+            )
+        return None
+    ahead = noon - 12.0 + longitude / 15.0  # of the clock, before UTC
+    ahead = (ahead + 12.0) % 24.0 - 12.0
+    if abs(ahead - longitude / 15.0) <= OFF:
+        return None  # local standard time, which is what is taken without a zone
+    return "UTC" if round(ahead) == 0 else f"Etc/GMT{-round(ahead):+d}"
+
+
+def of_summer_time(index):
+    """Zones in which the clock goes back at the times at which this one does."""
+    steps = np.diff(index.to_numpy()) / np.timedelta64(1, "h")
+    usual = np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
+    back = np.flatnonzero((steps < 0) & (np.abs(steps - usual + 1.0) < 0.51))
+    if not len(back) or (steps <= 0).sum() > len(back):
+        return []
+    return [zone for zone in SUMMER if all(goes_back(index[i], zone) for i in back)]
+
+
+def goes_back(time, zone):
+    """Whether the clock of a zone goes back within the hour around a time."""
+    before, after = time - timedelta(hours=2), time + timedelta(hours=2)
+    if pd.isna(time):
+        return False
+    local = pd.DatetimeIndex([before, time, after]).tz_localize(
+        zone, ambiguous=[True] * 3, nonexistent="shift_forward"
+    )
+    twice = pd.DatetimeIndex([time]).tz_localize(
+        zone, ambiguous="NaT", nonexistent="shift_forward"
+    )
+    return bool(twice.isna()[0]) and local[0].utcoffset() > local[2].utcoffset()
+
+
+def standard(zone):
+    """Hours by which a zone's standard time is before UTC."""
+    year = pd.DatetimeIndex(["2024-01-01", "2024-07-01"]).tz_localize(zone)
+    return min(time.utcoffset().total_seconds() for time in year) / 3600.0
+
+
+def noon_of(index, irradiance):
+    """The hour around which the irradiance lies, or None where it does not tell."""
+    if irradiance is None or len(index) < 100:
+        return None
+    seen = np.isfinite(irradiance) & (irradiance > 0) & np.asarray(index.notna())
+    weight = np.where(seen, irradiance, 0.0)
+    if not weight.sum() > 0:
+        return None
+    hour = np.nan_to_num(np.asarray(index.hour + index.minute / 60.0, dtype=float))
+    turn = np.exp(2j * np.pi * hour / 24.0) @ weight / weight.sum()
+    if abs(turn) < 0.3:
+        return None
+    return float(np.angle(turn) * 24.0 / (2 * np.pi) % 24.0)
