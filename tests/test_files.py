@@ -12,6 +12,8 @@ from scipy.constants import convert_temperature
 
 import pvlib_fem as fem
 from pvlib_fem import cli
+from pvlib_fem.record.files import frame
+from pvlib_fem.record.guess import guess
 from pvlib_fem.record.layout import Layout, found_layout
 from pvlib_fem.record.units import (
     QUANTITIES,
@@ -141,6 +143,89 @@ def test_a_guess_runs_nothing(kind, raw, tmp_path):
     assert words[0] == "loop" and "--guess" not in words
     assert {f"{name}={column}" for name, column in NAMES.items()} <= {*words}
     assert not out.exists() and "RMSE" not in result.output
+
+
+FORMS = {
+    "%m/%d/%Y %I:%M %p": "%m/%d/%Y %I:%M %p",
+    "%d.%m.%y %H:%M:%S": "%d.%m.%y %H:%M:%S",
+    "%Y%m%d%H%M": "%Y%m%d%H%M",
+    "%Y-%m-%dT%H:%M:%S": "ISO8601",
+    "%s": "unix",
+}
+
+
+@pytest.mark.parametrize(("written", "form"), FORMS.items())
+@pytest.mark.parametrize("start", ["2023-06-01", "2023-10-22"])
+def test_forms_of_times_are_found(written, form, start, record, tmp_path):
+    """Also where each day could be a month, by the steps that are even."""
+    index = pd.date_range(start, periods=1000, freq="10min")
+    text = index.strftime(written)
+    if written == "%s":
+        text = (index - pd.Timestamp(0)) // pd.Timedelta("1s")
+    path = tmp_path / "plant.csv"
+    record[:1000].set_axis(text).to_csv(path, index_label="stamp")
+    found = guess([path], [Layout()], {})
+    assert found.layouts[0].time_format == form
+    data = frame([path], found.layouts, found.columns)
+    assert (data.index.tz_localize(None) == index).all()
+    assert (data.index.tz is not None) == (form == "unix")
+
+
+def test_a_date_and_an_hour_without_a_colon(record, tmp_path):
+    path = tmp_path / "plant.csv"
+    day, hour = (record.index.strftime(form) for form in ("%Y%m%d", "%H%M"))
+    record.assign(day=day, hhmm=hour).to_csv(path, index=False)
+    found = guess([path], [Layout(time=("day", "hhmm"))], {})
+    assert (frame([path], found.layouts, {}).index == record.index).all()
+
+
+def test_offsets_that_change_tell_the_zone(record, tmp_path):
+    path = tmp_path / "plant.csv"
+    utc = record.shift(freq="7D").tz_localize("UTC")
+    utc.tz_convert("America/Chicago").to_csv(path, index_label="stamp")
+    assert guess([path], [Layout()], {}).layouts[0].tz == "America/Chicago"
+    assert "--tz America/Chicago" in call("fit", path, "--guess").output
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        ("GPOA", "Tamb", "WS", "Tmod"),
+        ("poa_irradiance", "ambient_temp", "wind_speed", "module_temp_1"),
+        (
+            "Einstrahlung Modulebene (W/m²)",
+            "Lufttemperatur (°C)",
+            "Windgeschwindigkeit (m/s)",
+            "Modultemperatur (°C)",
+        ),
+        ("Irradiancia inclinada", "Temp ambiente", "Vel viento", "Temp panel"),
+        (
+            "Plane of Array Irradiance (W/m^2)",
+            "Outdoor Temp (C)",
+            "Wind Velocity (m/s)",
+            "Back of Module Temp (C)",
+        ),
+        ("POAIrrad1_Avg", "LocalAmbientTemp_Avg", "WS_ms_Mean", "ModTemp1_Avg"),
+        ("G", "T1", "v", "T2"),
+    ],
+)
+def test_columns_are_found_by_the_names_that_loggers_give(headers, record, tmp_path):
+    path = tmp_path / "plant.csv"
+    others = {"GHI": 1.0, "WS_Std": 2.0, "T_max": 3.0, "Battery_V": 4.0}
+    record.set_axis(headers, axis=1).assign(**others).to_csv(path, index_label="t")
+    found = guess([path], [Layout()], {})
+    assert found.columns == {n: h for n, h in zip(NAMES, headers) if n != h}
+
+
+def test_no_column_is_mapped_that_is_not_it(record, tmp_path):
+    """Horizontal irradiance, a spread and a maximum are none that are asked for."""
+    path = tmp_path / "plant.csv"
+    headers = ("GHI", "T_amb_max", "wind_std", "Tmod_sd")
+    record.set_axis(headers, axis=1).to_csv(path, index_label="t")
+    result = call("fit", path)
+    assert "poa_global=COLUMN" in result.output and "There are GHI" in result.output
+    refused = call(*proposed(result))
+    assert refused.exit_code == 2 and "name of a column" in refused.output
 
 
 def test_what_is_proposed_reads_what_was_measured(raw, record, tmp_path):

@@ -231,6 +231,9 @@ def columns_of(renames):
     """The map of --map, from the package's names to those of the file."""
     mapped = pairs(renames, "--map", "NAME=COLUMN")
     for name, column in mapped.items():
+        if column == "COLUMN":
+            why = "stands for the name of a column of the file: put that"
+            raise bad(f"{name}=COLUMN", "--map", why)
         if name == "time":
             why = f"are the times: give --time {column!r}"
             raise bad(f"time={column}", "--map", why)

@@ -13,7 +13,8 @@ from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame
-from pvlib_fem.record.guess import guess, unmapped
+from pvlib_fem.record.guess import guess
+from pvlib_fem.record.names import unmapped
 
 COMMANDLINE = ParameterSource.COMMANDLINE
 LOOK = "this command may read it; look at it before you run it:"

@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem.record.joining import joined, step_of
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
-from pvlib_fem.record.times import in_order, times, zoned
+from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
 
 MISSING = ("NAN",)  # as TOA5 writes it, beside what pandas knows
@@ -138,14 +138,16 @@ def workbook(file, **how):
         raise ValueError(f"{file.name} is no workbook that can be read") from error
     except Exception as error:  # of the package that reads it: a broken archive
         raise ValueError(f"{file.name} is no workbook that can be read") from error
-    return data.rename(columns=str).dropna(axis="columns", how="all")
+    named = data.rename(columns=lambda name: str(name).strip())
+    return named.dropna(axis="columns", how="all")
 
 
 def text(file, layout, **how):
     """A CSV file; what makes it no table says which option may."""
     how |= {"sep": layout.sep, "decimal": layout.decimal, "encoding": layout.encoding}
+    how |= {"skipinitialspace": True, "low_memory": False}
     try:
-        data = pd.read_csv(file, **how, low_memory=False)
+        data = pd.read_csv(file, **how).rename(columns=str.strip)
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{file.name} is not in {error.encoding} ({error.reason} at byte "
@@ -175,25 +177,6 @@ def text(file, layout, **how):
         )
     if len(data) == 0:
         raise ValueError(f"{file.name} has a header and no row")
-    return data
-
-
-def timed(data, layout, name):
-    """The table on its times."""
-    time = list(layout.time)
-    if isinstance(data.index, pd.DatetimeIndex) and time in ([], [data.index.name]):
-        data = data.rename_axis("time")
-    else:
-        time = time or [data.columns[0]]
-        if absent := [column for column in time if column not in data]:
-            raise ValueError(
-                f"{name} has no column {', '.join(absent)} for the times; it has "
-                f"{', '.join(map(str, data.columns))}"
-            )
-        index = times(data[time], layout.time_format)
-        data = data.drop(columns=time).set_index(index)
-    if layout.tz is not None:
-        data.index = zoned(data.index, layout.tz)
     return data
 
 

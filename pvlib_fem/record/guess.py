@@ -1,17 +1,22 @@
-"""What the columns of a file may be: proposed by names and data, never acted upon."""
+"""How files may be read: proposed by names and data, never acted upon."""
 
 import re
 from dataclasses import dataclass, field, replace
-from itertools import product
 
-import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import measured
-from pvlib_fem.record.columns import ALIASES, COLUMNS
-from pvlib_fem.record.files import frame, table, timed
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.files import frame, table
+from pvlib_fem.record.formats import (
+    in_order,
+    index_of,
+    time_columns,
+    with_times,
+    written,
+)
 from pvlib_fem.record.layout import found_layout
-from pvlib_fem.record.times import ISO, joined
+from pvlib_fem.record.names import NAMES, NOT, mapped, spelled, without_unit
 from pvlib_fem.record.units import (
     QUANTITIES,
     UNITS,
@@ -20,47 +25,8 @@ from pvlib_fem.record.units import (
     own_unit,
     unit_of,
 )
-from pvlib_fem.record.zones import zone_of
+from pvlib_fem.record.zones import zone_of, zone_of_offsets
 
-#: column: names that loggers have for it, the surest first
-NAMES = {
-    "poa_global": (
-        r"poa|gti|gpoa|tilt|inclin|plane|modulebene",
-        r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung",
-    ),
-    "temp_module": (
-        r"(mod(ul\w*)?|panel|back(sheet)?|bom|pv|cell|zell)[\s_.-]*t|"
-        r"t(emp\w*)?[\s_.-]*(mod|panel|back|bom|pv|cell|zell)",
-    ),
-    "temp_air": (
-        r"(amb(ient)?|air|outdoor|dry_?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
-        r"t(emp\w*)?[\s_.-]*(amb|air|out|dry|luft|außen|umg|2m)",
-        r"^ta(\b|_)|^t_?a$",
-        r"^t(emp\w*)?(\b|_)",
-    ),
-    "wind_direction": (r"w(ind)?[\s_.-]*d(ir|\b|_)|wind\w*richt|^wr(\b|_)",),
-    "wind_speed": (
-        r"w(ind)?[\s_.-]*(s(p(ee)?d)?|vel\w*)(\b|_)|wind\w*geschw|^v_?w(ind)?(\b|_)",
-        r"^wind|anemom",
-    ),
-    "relative_humidity": (r"^rh(\b|_|\d)|rel\w*[\s_.-]*hum|humid|feucht|^hr$|^rf$",),
-    "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
-    "precipitation": (r"rain|precip|regen|niederschl|^rr$",),
-    "p_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
-    "snow_depth": (r"snow|schnee",),
-}
-NOT = re.compile(
-    r"std|stdev|(\b|_)(min|max|sd|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
-    r"diffus|direct|beam|clear|status|flag|albedo",
-    re.IGNORECASE,
-)
-TIMES = re.compile(
-    r"time|date|datum|zeit|uhr|fecha|hora|heure|stamp|^ts$|^utc", re.IGNORECASE
-)
-DATES = ("%Y-%m-%d", "%d/%m/%Y", "%m/%d/%Y", "%d.%m.%Y", "%d-%m-%Y", "%Y/%m/%d")
-DATES += ("%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%Y%m%d", "%m-%d-%Y", "%Y.%m.%d")
-HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M")
-LOOKED_AT = 2_000  # rows whose times tell the format
 ODD_UNIT = re.compile(r"(\w+)(?: and (\w+))? looks? to be in (\S+): (.*?)\. ")
 MOSTLY = 0.5  # share of numbers from which text in a column stands for missing ones
 
@@ -113,16 +79,20 @@ def guess(files, layouts, columns, how=None, place=None):
             layout = replace(layout, missing=(*layout.missing, *missing))
             raw = table(file, layout)
         layout = with_times(raw, layout, found.doubts, file.name)
-        left = raw.drop(columns=[c for c in layout.time if c in raw])
         index = index_of(raw, layout)
+        left = raw.drop(columns=time_columns(raw, layout))
         if layout.tz is None and index is not None:
             sun = sunny(left)
-            layout = replace(layout, tz=zone_of(index, place, sun, found.doubts))
+            zone = zone_of(index, place, sun, found.doubts)
+            if index.tz is not None:
+                zone = zone_of_offsets(written(raw, layout), index)
+            layout = replace(layout, tz=zone)
         found.layouts.append(in_order(raw, layout, file.name))
         for column in left:
             name = f"{column} ({file.name})" if column in data else column
             data[name], units[name] = left[column], below.get(column, "")
     found.columns = mapped(data, found.columns, tuple(QUANTITIES), found.doubts)
+    by_the_sun(data, found)
     taken = found.columns.values()
     found.free = [str(column) for column in data if column not in taken]
     in_units(found, data, units)
@@ -130,53 +100,25 @@ def guess(files, layouts, columns, how=None, place=None):
     return found
 
 
-def mapped(data, columns, names, doubts):
-    """The map with the columns that look like a name that none has yet."""
-    numeric = [c for c in data if pd.api.types.is_numeric_dtype(data[c])]
-    there = {ALIASES.get(column, column) for column in data}
-    free = [c for c in numeric if c not in (*columns.values(), *names, *ALIASES)]
-    free = [c for c in free if not NOT.search(without_unit(c))]
-    columns = dict(columns)
-    for name in NAMES:
-        if name not in names or name in columns or name in there:
-            continue
-        for sure, pattern in enumerate(NAMES[name]):
-            matching = [c for c in free if re.search(pattern, spelled(c))]
-            if matching:
-                columns[name] = matching[0]
-                free.remove(matching[0])
-                told(name, matching, sure, doubts)
-                break
-    return columns
-
-
-def told(name, matching, sure, doubts):
-    """What a person should look at."""
-    if len(matching) > 1:
-        doubts.append(
-            f"{name} may also be {', '.join(repr(c) for c in matching[1:4])}"
-            + (f" or {len(matching) - 4} others" if len(matching) > 4 else "")
-        )
-    if name == "poa_global" and sure > 0:
-        doubts.append(
-            f"{matching[0]!r} has to be in the plane of the module, not horizontal"
-        )
-
-
-def spelled(column):
-    """A column's name without its unit, in small letters, words apart."""
-    bare = re.sub(r"([a-z])([A-Z])", r"\1_\2", without_unit(column))
-    return bare.strip().lower()
-
-
-def without_unit(column):
-    return re.sub(r"[\[({].*?[\])}]", "", str(column))
-
-
-def unmapped(data, columns=(), names=tuple(QUANTITIES)):
-    """Columns that look like a usual driver and are not mapped to it."""
-    found = mapped({name: data[name] for name in data}, {}, names, [])
-    return {name: column for name, column in found.items() if name not in columns}
+def by_the_sun(data, found):
+    """Of two temperatures of no telling name the warmer by day is the module."""
+    light, air = (found.columns.get(name) for name in ("poa_global", "temp_air"))
+    if "temp_module" in {*found.columns, *data} or air is None or light is None:
+        return
+    alike = re.compile(NAMES["temp_air"][-1])
+    other = [c for c in data if c != air and alike.search(spelled(c))]
+    other = [c for c in other if not NOT.search(without_unit(c))]
+    if len(other) != 1 or len({len(data[c]) for c in (light, air, *other)}) > 1:
+        return
+    sunny = data[light] > 0.5 * data[light].max()
+    warmer = float((data[other[0]] - data[air])[sunny].median())
+    module, air = (other[0], air) if warmer > 0 else (air, other[0])
+    found.columns |= {"temp_air": air, "temp_module": module}
+    found.doubts = [d for d in found.doubts if not d.startswith("temp_air may also")]
+    found.doubts.append(
+        f"{module!r} is taken for the module, since in the sun it is "
+        f"{abs(warmer):.0f} warmer than {air!r}"
+    )
 
 
 def in_units(found, data, below):
@@ -222,70 +164,6 @@ def texts_of_missing(raw, layout):
     return tuple(found)
 
 
-def with_times(raw, layout, doubts, file):
-    """The layout with the columns of the times and their format."""
-    if isinstance(raw.index, pd.DatetimeIndex):
-        return layout
-    if layout.time and layout.time_format != ISO:
-        return layout
-    texts = [c for c in raw if not pd.api.types.is_numeric_dtype(raw[c])]
-    likely = sorted(texts, key=lambda c: TIMES.search(str(c)) is None)
-    choices = [layout.time] if layout.time else [(c,) for c in likely]
-    if not layout.time:  # a date alone needs its hours
-        choices = [*choices, *((a, b) for a, b in product(likely, likely) if a != b)]
-    for choice in choices:
-        forms = formats(raw[list(choice)])
-        if forms:
-            if len(forms) > 1:
-                doubts.append(
-                    f"the times of {file} may also be written as {forms[1]}: look at "
-                    "a day after the 12th"
-                )
-            first = list(choice) == [raw.columns[0]]
-            time = () if first and not layout.time else choice
-            return replace(layout, time=tuple(time), time_format=forms[0])
-    doubts.append(f"no column of {file} holds times of a usual format")
-    return layout
-
-
-def formats(columns):
-    """Formats in which all times can be read and tell the hour, the best first."""
-    column = columns.iloc[:, 0]
-    if pd.api.types.is_datetime64_any_dtype(column) and columns.shape[1] == 1:
-        return [ISO]
-    some = columns.dropna()
-    some = some.iloc[:: max(1, len(some) // LOOKED_AT)]
-    if some.empty:
-        return []
-    column = some.iloc[:, 0] if columns.shape[1] == 1 else joined(some)
-    ways = {}
-    for form in (ISO, *(f"{d} {h}" for d, h in product(DATES, HOURS))):
-        try:
-            read = pd.to_datetime(column, format=form, utc=True)
-        except (ValueError, TypeError):
-            continue
-        if len(read) > 1 and (read.dt.normalize() == read).all():
-            continue  # a date only
-        steps = np.diff(read.to_numpy()) / np.timedelta64(1, "s")
-        ways[form] = (int((steps <= 0).sum()), float(np.abs(steps).sum()))
-        if form == ISO:
-            break
-    if not ways:
-        return []
-    best = min(ways.values())
-    return [form for form, way in ways.items() if way == best]
-
-
-def in_order(raw, layout, name):
-    """The layout that puts rows in order, where they are not."""
-    try:
-        index = timed(raw, layout, name).index
-    except ValueError:
-        return layout
-    rises = index.is_monotonic_increasing
-    return replace(layout, sort=not rises, drop_doubled=index.has_duplicates)
-
-
 def by_evidence(found, files, how):
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
@@ -302,21 +180,6 @@ def by_evidence(found, files, how):
             names = [name for name in odd.group(1, 2) if name]
             found.units |= dict.fromkeys(names, odd[3])
             found.doubts.append(f"{' and '.join(names)} may be in {odd[3]}: {odd[4]}")
-
-
-def index_of(raw, layout):
-    """Times without a zone, as they are written, or None."""
-    if isinstance(raw.index, pd.DatetimeIndex):
-        index = raw.index
-    else:
-        columns = raw[list(layout.time) or [raw.columns[0]]]
-        column = columns.iloc[:, 0] if columns.shape[1] == 1 else joined(columns)
-        try:
-            read = pd.to_datetime(column, format=layout.time_format, errors="coerce")
-            index = pd.DatetimeIndex(read)
-        except (ValueError, TypeError):  # offsets that change
-            return None
-    return index if index.tz is None else None
 
 
 def sunny(left):

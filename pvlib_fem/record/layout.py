@@ -21,7 +21,7 @@ NUMBERS = {
 }
 TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
 BOMS = {
-    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF8: "utf-8",
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
@@ -74,7 +74,7 @@ def found_layout(file, layout=None):
         return replace(layout, sheet=0 if first else name, skip_rows=skip), units
     encoding = encoding_of(file)
     with open(file, encoding=encoding, newline="", errors="replace") as opened:
-        lines = opened.read(SOME).splitlines()[:LINES]
+        lines = opened.read(SOME).removeprefix("\ufeff").splitlines()[:LINES]
     ways = [
         (likeness(rows, decimal), sep, decimal, rows)
         for sep in SEPARATORS
@@ -163,6 +163,6 @@ def outside(rows, decimal):
     header = max(above, key=lambda i: (len({c for c in rows[i] if c.strip()}), -i))
     left = tuple(i for i in range(first) if i != header)
     below = [rows[i] for i in range(header + 1, first) if len(rows[i]) == width]
-    units = dict(zip(rows[header], below[0])) if below else {}
-    units = {column: unit for column, unit in units.items() if unit.strip()}
+    units = zip(rows[header], below[0]) if below else ()
+    units = {column.strip(): unit.strip() for column, unit in units if unit.strip()}
     return (header if left == tuple(range(header)) else left), units

@@ -1,12 +1,33 @@
 """The times of a file: of one column or of two, in a zone, in their order."""
 
 import datetime
+import numbers
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
 import pandas as pd
 
 ISO = "ISO8601"
+UNIX = "unix"  # seconds since 1970 in UTC
+
+
+def timed(data, layout, name):
+    """The table on its times."""
+    time = list(layout.time)
+    if isinstance(data.index, pd.DatetimeIndex) and time in ([], [data.index.name]):
+        data = data.rename_axis("time")
+    else:
+        time = time or [data.columns[0]]
+        if absent := [column for column in time if column not in data]:
+            raise ValueError(
+                f"{name} has no column {', '.join(absent)} for the times; it has "
+                f"{', '.join(map(str, data.columns))}"
+            )
+        index = times(data[time], layout.time_format)
+        data = data.drop(columns=time).set_index(index)
+    if layout.tz is not None:
+        data.index = zoned(data.index, layout.tz)
+    return data
 
 
 def times(columns, time_format=ISO):
@@ -24,12 +45,19 @@ def times(columns, time_format=ISO):
     DatetimeIndex
     """
     name = " and ".join(f"{name!r}" for name in columns)
-    column = columns.iloc[:, 0] if columns.shape[1] == 1 else joined(columns)
+    column = joined(columns)
     if pd.api.types.is_numeric_dtype(column):
-        raise ValueError(
-            f"column {name} should hold the times and holds numbers; name the right "
-            "one with --time COLUMN"
-        )
+        if time_format == UNIX:
+            return pd.DatetimeIndex(
+                pd.to_datetime(column, unit="s", utc=True), name="time"
+            )
+        if time_format == ISO:
+            raise ValueError(
+                f"column {name} should hold the times and holds numbers; name the "
+                "right one with --time COLUMN, or give --time-format unix for seconds "
+                "since 1970 in UTC, %Y%m%d%H%M for such as 202406012130"
+            )
+        column = column.map(as_text)
     how = {"format": time_format, "errors": "coerce"}
     try:
         parsed = pd.to_datetime(column, **how)
@@ -50,9 +78,12 @@ def times(columns, time_format=ISO):
 
 
 def joined(columns):
-    """Text of a date and a time of day, which a table may hold as such."""
-    text = [column.map(as_text) for _, column in columns.items()]
-    return text[0].str.cat(text[1:], sep=" ")
+    """A column as it is, or the text of a date and a time of day."""
+    first, *others = (column for _, column in columns.items())
+    if not others:
+        return first
+    text = [column.map(as_text).str.zfill(4) for column in others]  # 930 is 09:30
+    return first.map(as_text).str.cat(text, sep=" ")
 
 
 def as_text(value):
@@ -60,6 +91,8 @@ def as_text(value):
     if isinstance(value, datetime.datetime):
         bare = value.time() == datetime.time(0)
         return str(value.date()) if bare else value.isoformat(sep=" ")
+    if isinstance(value, numbers.Real) and value == value and value == int(value):
+        return str(int(value))
     return str(value).strip()
 
 

@@ -42,7 +42,7 @@ def zone_of(index, longitude, irradiance, doubts):
     -------
     str or None
     """
-    index = index[index.notna()] if index.hasnans and irradiance is None else index
+    index = index.tz_localize(None)
     if zones := of_summer_time(index):
         zone = zones[0]
         if longitude is not None:
@@ -69,6 +69,25 @@ def zone_of(index, longitude, irradiance, doubts):
     if abs(ahead - longitude / 15.0) <= OFF:
         return None  # local standard time, which is what is taken without a zone
     return "UTC" if round(ahead) == 0 else f"Etc/GMT{-round(ahead):+d}"
+
+
+def zone_of_offsets(clock, instants):
+    """
+    The zone of a clock that changes its distance from UTC, or None.
+
+    Parameters
+    ----------
+    clock : DatetimeIndex
+        What it showed, without a zone.
+    instants : DatetimeIndex
+        When that was, in UTC.
+    """
+    if (clock - instants.tz_convert(None)).nunique() < 2:
+        return None
+    for zone in SUMMER:
+        if (instants.tz_convert(zone).tz_localize(None) == clock).all():
+            return zone
+    return None
 
 
 def of_summer_time(index):

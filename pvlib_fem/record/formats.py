@@ -1,0 +1,134 @@
+"""In which columns and in which form a file has its times."""
+
+import re
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.times import ISO, UNIX, as_text, joined, timed
+
+TIMES = re.compile(
+    r"time|date|datum|zeit|uhr|fecha|hora|heure|hour|hhmm|stamp|^ts$|^utc|epoch|unix",
+    re.IGNORECASE,
+)
+DATES: tuple[str, ...] = (
+    "%Y-%m-%d",
+    "%d/%m/%Y",
+    "%m/%d/%Y",
+    "%d.%m.%Y",
+    "%d-%m-%Y",
+    "%Y/%m/%d",
+)
+DATES += ("%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%Y%m%d", "%m-%d-%Y", "%Y.%m.%d")
+HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M", "%H%M")
+COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their digits
+SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
+TWICE = 0.05  # share of rows with the same time up to which they are left out
+LOOKED_AT = 2_000  # rows whose times tell the format
+
+
+def with_times(raw, layout, doubts, file):
+    """The layout with the columns of the times and their format."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        return layout
+    if layout.time and layout.time_format != ISO:
+        return layout
+    texts = [c for c in raw if not pd.api.types.is_numeric_dtype(raw[c])]
+    texts += [c for c in raw if c not in texts and TIMES.search(str(c))]
+    likely = sorted(texts, key=lambda c: TIMES.search(str(c)) is None)
+    choices = [layout.time] if layout.time else [(c,) for c in likely]
+    if not layout.time:  # a date alone needs its hours
+        choices = [*choices, *((a, b) for a, b in product(likely, likely) if a != b)]
+    for choice in choices:
+        forms = formats(raw[list(choice)])
+        if forms:
+            if len(forms) > 1:
+                doubts.append(
+                    f"the times of {file} may also be written as {forms[1]}: look at "
+                    "a day after the 12th"
+                )
+            first = list(choice) == [raw.columns[0]]
+            time = () if first and not layout.time else choice
+            return replace(layout, time=tuple(time), time_format=forms[0])
+    doubts.append(f"no column of {file} holds times of a usual format")
+    return layout
+
+
+def formats(columns):
+    """Formats in which all times can be read and tell the hour, the best first."""
+    some = columns.dropna()
+    some = some.iloc[:: max(1, len(some) // LOOKED_AT)]
+    if some.empty:
+        return []
+    column = joined(some)
+    choices = [ISO, *(f"{d} {h}" for d, h in product(DATES, HOURS))]
+    if pd.api.types.is_datetime64_any_dtype(column):
+        choices = [ISO]
+    elif pd.api.types.is_numeric_dtype(column):
+        if column.between(*SINCE_1970).all():
+            return [UNIX]
+        column = column.map(as_text)
+        digits = column.str.len().unique()
+        choices = [COMPACT[n] for n in digits if n in COMPACT and len(digits) == 1]
+    elif (
+        pd.api.types.is_numeric_dtype(some.iloc[:, -1]) and some.iloc[:, -1].max() < 60
+    ):
+        return []  # an hour alone would be read as minutes
+    ways = {}
+    for form in choices:
+        try:
+            read = pd.to_datetime(column, format=form, utc=True)
+        except (ValueError, TypeError):
+            continue
+        if len(read) > 1 and (read.dt.normalize() == read).all():
+            continue  # a date only
+        steps = np.diff(read.to_numpy()) / np.timedelta64(1, "s")
+        ways[form] = (int((steps <= 0).sum()), float(np.abs(steps).sum()))
+        if form == ISO:
+            break
+    if not ways:
+        return []
+    best = min(ways.values())
+    return [form for form, way in ways.items() if way == best]
+
+
+def in_order(raw, layout, name):
+    """The layout that puts rows in order, where they are not."""
+    try:
+        index = timed(raw, layout, name).index
+    except ValueError:
+        return layout
+    rises = index.is_monotonic_increasing
+    twice = 0.0 < index.duplicated().mean() < TWICE
+    return replace(layout, sort=not rises, drop_doubled=twice)
+
+
+def index_of(raw, layout):
+    """Times as they are, before they are brought into a zone, or None."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        index = raw.index
+    else:
+        try:
+            index = timed(raw, replace(layout, tz=None), "").index
+        except ValueError:
+            return None
+    return index
+
+
+def written(raw, layout):
+    """Times as a clock showed them, without what is said of its zone."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        return raw.index.tz_localize(None)
+    text = joined(raw[time_columns(raw, layout)]).astype(str)
+    text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z|UTC)$", "", regex=True)
+    form = layout.time_format.removesuffix("%z").strip()
+    return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
+
+
+def time_columns(raw, layout):
+    """The columns of the times: as they are told, or the first."""
+    if layout.time or isinstance(raw.index, pd.DatetimeIndex):
+        return [column for column in layout.time if column in raw]
+    return [raw.columns[0]]
