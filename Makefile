@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test fuzz lint docs benchmark quality offsets energy study sweep coverage clean
+.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study sweep coverage clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -24,6 +24,11 @@ fuzz: $(VENV)/.installed
 lint: $(VENV)/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+# wheel and sdist, tried in an empty environment
+dist: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet build twine
+	$(BIN)/python tests/dist.py
 
 # no network but for the packages: measured data come from PVLIB_FEM_DATA, if it is set
 docs: $(VENV)/.installed
@@ -59,4 +64,4 @@ coverage: $(VENV)/.installed
 	$(BIN)/python tests/study_coverage.py --records 300 --out docs/coverage.md
 
 clean:
-	rm -rf $(VENV) $(VENV)-quality .pytest_cache .ruff_cache .hypothesis docs/_build docs/gallery docs/generated
+	rm -rf $(VENV) $(VENV)-quality dist .pytest_cache .ruff_cache .mypy_cache .hypothesis docs/_build docs/gallery docs/generated
