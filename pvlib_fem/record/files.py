@@ -1,5 +1,6 @@
 """A logger's file, or several, as a frame in the package's names."""
 
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +62,8 @@ def read_file(
         If the file, its times, a column or a unit are not as said; the message names
         the option of the command ``pvlib-fem`` that helps, which is the keyword here.
     """
-    files = [Path(one) for one in ([file] if isinstance(file, str | Path) else file)]
+    given = [file] if isinstance(file, str | PathLike) else file
+    files = [Path(one) for one in given]
     for name in ("time", "missing"):
         if isinstance(layout.get(name), str):
             layout[name] = (layout[name],)
