@@ -3,6 +3,8 @@
 import json
 import math
 import os
+import secrets
+import shutil
 from collections.abc import Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass

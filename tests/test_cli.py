@@ -252,6 +252,8 @@ def test_the_loop_prints_what_close_loop_finds(plant, plant_file, tmp_path):
     page = report.read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert f'<p class="plant">{plant_file.name}</p>' in page
+    titled = found.to_html(title="Roof <3>")
+    assert "Roof &lt;3&gt;" in titled and "plant.csv" not in titled
 
 
 def test_a_gain_can_be_asked_for(plant_file):
@@ -390,7 +392,7 @@ def test_fit_and_loop_take_the_same_options():
         for name in ("fit", "loop")
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
-    assert set(loop) - set(fit) == {"min_gain", "report"}
+    assert set(loop) - set(fit) == {"min_gain", "report", "title"}
     for name in set(fit) & set(loop) - {"model"}:
         assert fit[name].default == loop[name].default
     said = {name: " ".join(call(name, "-h").output.split()) for name in ("fit", "loop")}

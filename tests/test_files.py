@@ -300,6 +300,9 @@ def test_a_unit_that_only_the_record_shows_is_proposed(raw, tmp_path):
     path = tmp_path / "plant.csv"
     names = {"Wind (mph)": "Wind", "Tamb [°F]": "Tamb"}
     raw.rename(columns=names).assign(Wind=raw["Wind (mph)"] * 1.609 * 1.7).to_csv(path)
+    told = {n: names.get(c, c) for n, c in NAMES.items()}
+    refused = call("fit", path, *(f"--map={n}={c}" for n, c in told.items()))
+    assert "Give --unit temp_air=°F to convert it" in refused.output
     words = proposed(call("fit", path))
     assert {"wind_speed=km/h", "temp_air=°F"} <= {*words}
     assert call(*words).exit_code == 0

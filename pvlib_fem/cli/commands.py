@@ -15,6 +15,7 @@ from pvlib_fem.cli.options import (
     report_option,
     shared_options,
     site_options,
+    title_option,
 )
 from pvlib_fem.cli.reading import read
 from pvlib_fem.cli.running import (
@@ -25,7 +26,7 @@ from pvlib_fem.cli.running import (
     in_local_days,
     site_of,
 )
-from pvlib_fem.cli.words import plainly, say
+from pvlib_fem.cli.words import plainly, say, translated
 from pvlib_fem.cli.writing import check_outputs, picture, write
 from pvlib_fem.loop.criteria import Criteria
 
@@ -51,13 +52,13 @@ def fit(files, out, plot, **options):
 
     CSV, Excel and Parquet go. The first column, or what --time says, holds the times.
     The command loop takes the same options but for --dynamics, --method, --calm-wind
-    and --plot, and has --min-gain and --report of its own.
+    and --plot, and has --min-gain, --report and --title of its own.
     """
     with plainly():
         check_outputs(files, out=out, plot=plot)
         data, options = prepared(files, options)
         result = fitted(data, **options)
-        say(result)
+        say(translated(str(result)))
         write(out, result.to_json)
         write(plot, lambda path: picture(result, path))
 
@@ -75,8 +76,9 @@ def fit(files, out, plot, **options):
     help="Gain below which no effect is added [K].",
 )
 @report_option
+@title_option
 @out_option
-def loop(files, report, out, **options):
+def loop(files, report, title, out, **options):
     """Find which physical effects the model lacks in FILE, or several.
 
     Beside the columns of a fit it takes wind_direction [° from north],
@@ -90,9 +92,10 @@ def loop(files, report, out, **options):
         data, options = prepared(files, options, drivers=True)
         options["effects"] = options["effects"] or None
         found = closed(data, **options)
-        say(found)
+        say(translated(str(found)))
         write(out, found.to_json)
-        write(report, found.to_html)
+        title = title or ", ".join(file.name for file in files)
+        write(report, lambda path: found.to_html(path, title=title))
 
 
 @main.command()
@@ -116,7 +119,7 @@ def demo(days, step, seed, report):
         check_length(days, step)
         check_outputs(report=report)
         found = demo_site(days, step, seed)
-        write(report, found.to_html)
+        write(report, lambda path: found.to_html(path, title="A simulated site"))
         demo_week()
 
 

@@ -168,6 +168,9 @@ report_option = click.option(
     type=WRITTEN,
     help="Write the report with pictures as one HTML file (needs matplotlib).",
 )
+title_option = click.option(
+    "--title", help="Of the report; by default the name of the file."
+)
 plot_option = click.option(
     "--plot",
     type=WRITTEN,

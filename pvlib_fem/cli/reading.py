@@ -10,7 +10,7 @@ from click.core import ParameterSource
 
 from pvlib_fem.cli.options import PER_FILE, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
-from pvlib_fem.record.checks import datetime_steps
+from pvlib_fem.record.checks import datetime_steps, measured
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.guess import guess
@@ -87,10 +87,15 @@ def check_columns(data):
         )
 
 
+def check_record(data):
+    """Refuse what a fit would, such as a unit that only the numbers show."""
+    measured(*(data[name] for name in COLUMNS))
+
+
 def proposal(files, layouts, columns, how, place):
     """The command that may read files, with what to look at; empty without any."""
     try:
-        found = guess(files, layouts, columns, how, place=place)
+        found = guess(files, layouts, columns, how, place, check_record)
         lacking = [name for name in COLUMNS if name not in found.there]
         if not lacking:
             check = {**how, "convert": how["convert"] or found.headers}

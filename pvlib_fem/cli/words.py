@@ -34,6 +34,8 @@ OPTIONS = (
     ),
     (r"; use np\.degrees", "; multiply it by 57.3"),
     (r" \(tz_localize\)", " (--tz)"),
+    (r"data\.tz_convert\(zone\) \(--tz\)", "--tz"),
+    (r"for example with tz_convert\('([\w/+-]+)'\)", r"with --tz \1"),
     (r"raise calm_wind", "raise --calm-wind"),
     (r"lower min_points, or ", ""),
     (r"\bmin_gain=", "--min-gain "),

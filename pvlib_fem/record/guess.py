@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
-from pvlib_fem.record.checks import measured
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame, table
 from pvlib_fem.record.formats import (
@@ -49,7 +48,7 @@ class Guess:
         return {*self.columns, *self.free}
 
 
-def guess(files, layouts, columns, how=None, place=None):
+def guess(files, layouts, columns, how=None, place=None, check=None):
     """
     Propose how files are to be read.
 
@@ -64,6 +63,8 @@ def guess(files, layouts, columns, how=None, place=None):
         What else :func:`pvlib_fem.record.files.frame` is told.
     place : float, optional
         Longitude of the site. [°]
+    check : callable, optional
+        Refuses a frame in the package's names whose units look wrong.
 
     Returns
     -------
@@ -96,7 +97,8 @@ def guess(files, layouts, columns, how=None, place=None):
     taken = found.columns.values()
     found.free = [str(column) for column in data if column not in taken]
     in_units(found, data, units)
-    by_evidence(found, files, how or {})
+    if check is not None:
+        by_evidence(found, files, how or {}, check)
     return found
 
 
@@ -164,14 +166,13 @@ def texts_of_missing(raw, layout):
     return tuple(found)
 
 
-def by_evidence(found, files, how):
+def by_evidence(found, files, how, check):
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
     for _ in COLUMNS:
         told = {**how.get("units", {}), **found.units}
         try:
-            data = frame(files, found.layouts, found.columns, **how | {"units": told})
-            measured(*(data[name] for name in COLUMNS))
+            check(frame(files, found.layouts, found.columns, **how | {"units": told}))
             return
         except (ValueError, KeyError) as error:
             odd = ODD_UNIT.match(str(error))
