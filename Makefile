@@ -24,6 +24,7 @@ fuzz: $(VENV)/.installed
 lint: $(VENV)/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/mypy
 
 # wheel and sdist, tried in an empty environment
 dist: $(VENV)/.installed

@@ -1,7 +1,9 @@
 """Records to try things on: measured ones, and one that the package makes."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -40,7 +42,7 @@ FILES = {
 }
 
 
-def load(name) -> pd.DataFrame:
+def load(name: str) -> pd.DataFrame:
     """
     A measured record in pvlib's names.
 
@@ -141,18 +143,18 @@ def fetch(file):
 
 
 def synthetic(
-    days=30,
-    step=60.0,
-    start="2023-06-01",
-    seed=0,
-    noise=0.3,
-    model="faiman",
-    dynamics="balance",
-    latitude=35.0,
-    longitude=-106.0,
-    surface_tilt=35.0,
-    surface_azimuth=180.0,
-    **coefficients,
+    days: float = 30,
+    step: float = 60.0,
+    start: str = "2023-06-01",
+    seed: int = 0,
+    noise: float = 0.3,
+    model: str = "faiman",
+    dynamics: str = "balance",
+    latitude: float = 35.0,
+    longitude: float = -106.0,
+    surface_tilt: float = 35.0,
+    surface_azimuth: float = 180.0,
+    **coefficients: float,
 ) -> pd.DataFrame:
     """
     A made-up record with known coefficients: broken clouds, gusty wind.
@@ -230,7 +232,8 @@ def synthetic(
     # a Weibull distribution of shape 2 and mean 3 m/s
     data["wind_speed"] = 3.0 / 0.8862 * np.sqrt(-np.log1p(-ndtr(gusts)))
     data = pd.DataFrame(data)
-    function = heat_balance if dynamics == "balance" else fem_temperature
+    answers: dict[str, Callable[..., Any]] = {"balance": heat_balance}
+    function = answers.get(dynamics, fem_temperature)
     drivers = (data[name] for name in ("poa_global", "temp_air", "wind_speed"))
     data["temp_module"] = function(*drivers, model=model, **coefficients)
     if noise:

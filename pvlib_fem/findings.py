@@ -55,7 +55,7 @@ class Check:
     unit: str = ""
 
     @property
-    def passed(self):
+    def passed(self) -> bool:
         """Whether the rule is kept; an unknown statistic keeps a most."""
         if np.isnan(self.statistic):
             return self.most
@@ -129,21 +129,21 @@ class Finding:
     place: str = ""
 
     @property
-    def why(self):
+    def why(self) -> str:
         """The reason for the verdict, in one line."""
         return str(self.because)
 
     @property
-    def failed(self):
+    def failed(self) -> Check | None:
         """The first check that it does not pass, if any."""
         return next((check for check in self.checks if not check.passed), None)
 
     @property
-    def added(self):
+    def added(self) -> bool:
         """Whether it is in the model."""
         return self.verdict in ADDED
 
-    def content(self):
+    def content(self) -> dict:
         """The same for a file."""
         checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
         return {
@@ -216,11 +216,11 @@ class Correction:
     applied: bool = True
 
     @property
-    def why(self):
+    def why(self) -> str:
         """The reason in one line."""
         return str(self.because)
 
-    def content(self):
+    def content(self) -> dict:
         """The same for a file."""
         checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
         return {**asdict(self), "because": self.because.content(), "checks": checks}

@@ -1,5 +1,6 @@
 """The RC stack of a module: from its layers to resistance, capacity and time."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import pandas as pd
@@ -52,22 +53,22 @@ class Layer:
                 )
 
     @property
-    def resistance(self):
+    def resistance(self) -> float:
         """Thickness over conductivity. [K m²/W]"""
         return self.thickness / self.conductivity
 
     @property
-    def capacity(self):
+    def capacity(self) -> float:
         """Heat capacity per area. [J/(m² K)]"""
         return self.density * self.heat_capacity * self.thickness
 
     @property
-    def mass(self):
+    def mass(self) -> float:
         """[kg]"""
         return self.density * self.thickness * self.area
 
 
-def stack(front, back) -> pd.DataFrame:
+def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
     r"""
     Resistance, capacity and time constant of each layer and of their stacks.
 
@@ -129,7 +130,9 @@ def row(name, r, c, mass):
     return {"layer": name, "mass": mass, "r": r, "c": c, "tau": r * c}
 
 
-def glass_tedlar(back_film=1.5e-3, frame=2e-3):
+def glass_tedlar(
+    back_film: float = 1.5e-3, frame: float = 2e-3
+) -> tuple[tuple[Layer, ...], tuple[Layer, ...]]:
     """
     The paper's representative glass-Tedlar module.
 

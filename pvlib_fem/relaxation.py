@@ -10,6 +10,7 @@ import pandas as pd
 from scipy.linalg.blas import dtbsv
 
 from pvlib_fem.record.checks import read
+from pvlib_fem.types import Numeric, Times
 
 # rows solved at a time: all arrays stay in the cache, and the matrix product below the
 # size at which BLAS starts threads, which cost more than they bring
@@ -19,7 +20,12 @@ FORGOTTEN = 5.0  # time constants after which a gap has erased the past
 
 
 def ewm(
-    values, tau, times=None, step=None, adjust=False, initial=None
+    values: Numeric,
+    tau: Numeric,
+    times: Times | None = None,
+    step: float | None = None,
+    adjust: bool = False,
+    initial: float | pd.Series | None = None,
 ) -> pd.Series | np.ndarray:
     r"""
     Exponential weighted mean: the exact first-order response to a signal.

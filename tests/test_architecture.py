@@ -11,6 +11,7 @@ import pvlib_fem
 PACKAGE = Path(pvlib_fem.__file__).parent
 #: each may import those before it
 ORDER = (
+    "types",
     "simulator",
     "layers",
     "reasons",

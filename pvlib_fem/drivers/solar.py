@@ -18,7 +18,7 @@ AROUND = 2.0 * HOUR  # over which the sky before and after is looked at
 SUN_GRID = "5min"  # over which the sun moves as good as straight
 
 
-def sun(index, location):
+def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
     """
     Place of the sun at each time, quickly: a year of minutes in 0.2 s.
 

@@ -1,6 +1,7 @@
 """The registry of effects: one file each, one line here."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
@@ -24,6 +25,9 @@ from pvlib_fem.effects.effect import Effect
 from pvlib_fem.effects.own import of_column
 
 __all__ = ["EFFECTS", "find"]
+
+#: a name, a name with its settings, or an effect
+EffectLike = str | Mapping[str, Any] | Effect
 
 #: every effect by its name, those with a driver of their own first
 EFFECTS = {
@@ -51,7 +55,7 @@ EFFECTS = {
 }
 
 
-def find(effect, own=()):
+def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
     """
     An effect by name, or one of the user's own as it is.
 

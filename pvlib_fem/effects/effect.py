@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +42,7 @@ class Terms:
     capacity: np.ndarray | float = 0.0  # [J/(m² K)]
     offset: np.ndarray | float = 0.0  # [K]
 
-    def plus(self, other, times=1.0):
+    def plus(self, other: "Terms", times: float = 1.0) -> "Terms":
         """The sum with another, ``times`` over."""
         pairs = (
             (getattr(self, column.name), getattr(other, column.name))
@@ -126,19 +127,19 @@ class Effect:
     choices: int = 1
 
     @property
-    def forms(self):
+    def forms(self) -> "tuple[Effect, ...]":
         """Its variants, the best first, or itself alone."""
         return self.variants or (self,)
 
     @property
-    def constants(self):
+    def constants(self) -> Mapping[str, float]:
         """What its function and its drivers take beside, with the usual values."""
         found = {}
         for driver in self.drivers:
             found |= constants(driver)
         return found | own_constants(self.terms, besides=self.parameters)
 
-    def made(self, **settings):
+    def made(self, **settings: Any) -> "Effect":
         """
         The effect with other settings.
 
@@ -169,7 +170,7 @@ class Effect:
             )
         return effect
 
-    def from_source(self, source):
+    def from_source(self, source: str) -> "Effect":
         """The variant of that source."""
         for form in self.variants:
             if form.source == source:
@@ -179,13 +180,13 @@ class Effect:
             f"unknown source {source!r} of {self.name}; there are {sources}"
         )
 
-    def with_constants(self, settings):
+    def with_constants(self, settings: Mapping[str, Any]) -> "Effect":
         """The effect with those constants that it takes."""
         given = {k: v for k, v in settings.items() if k in self.constants}
         if not given:
             return self
         for name, value in given.items():
-            if not isinstance(value, Real) or not np.isfinite(value):
+            if not isinstance(value, Real) or not np.isfinite(float(value)):
                 raise ValueError(f"{self.name}: {name} = {value!r} must be a number")
         own = own_constants(self.terms, besides=self.parameters)
         terms = self.terms
@@ -200,29 +201,33 @@ class Effect:
         )
 
     @property
-    def spec(self):
+    def spec(self) -> str | dict[str, Any]:
         """Its name, or a dict with its settings: what finds it again."""
         return {"name": self.name, **self.settings} if self.settings else self.name
 
     @property
-    def drivers(self):
+    def drivers(self) -> tuple[str, ...]:
         """Names of the columns that it needs."""
         if self.columns is not None:
             return self.columns
         signature = inspect.signature(self.terms).parameters.values()
         return tuple(p.name for p in signature if p.kind is not p.KEYWORD_ONLY)
 
-    def rows(self):
+    def rows(self) -> dict[str, Parameter]:
         """Parameter rows by the name that they have in a model."""
         return {f"{self.name}.{name}": row for name, row in self.parameters.items()}
 
-    def at(self, columns, coefficients):
+    def at(
+        self, columns: Mapping[str, np.ndarray], coefficients: Mapping[str, float]
+    ) -> Terms:
         """Terms with these coefficients of a model."""
         drivers = [columns[name] for name in self.drivers]
         own = {name: coefficients[f"{self.name}.{name}"] for name in self.parameters}
         return self.terms(*drivers, **own)
 
-    def slopes(self, columns, coefficients):
+    def slopes(
+        self, columns: Mapping[str, np.ndarray], coefficients: Mapping[str, float]
+    ) -> dict[str, Terms]:
         """
         Slope of the terms by each parameter, by central differences.
 

@@ -266,9 +266,10 @@ class Criteria:
     limits: Limits = field(default_factory=Limits)
 
     @classmethod
-    def stages(cls):
+    def stages(cls) -> dict[str, str]:
         """Name of each criterion to the stage that uses it, from the text above."""
-        rows = re.findall(r"^    ([\w, ]+) : .*\n +\*(\w+)\.\*", cls.__doc__, re.M)
+        text = cls.__doc__ or ""
+        rows = re.findall(r"^    ([\w, ]+) : .*\n +\*(\w+)\.\*", text, re.M)
         return {name: stage for names, stage in rows for name in names.split(", ")}
 
     def __post_init__(self):

@@ -3,9 +3,10 @@
 import numpy as np
 
 from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
+from pvlib_fem.types import Numeric, Rows
 
 
-def usable(temp_air, wind_speed):
+def usable(temp_air: Numeric, wind_speed: Numeric) -> Rows:
     """
     Rows inside the paper's limits for all data.
 
@@ -26,7 +27,9 @@ def usable(temp_air, wind_speed):
     return (wind_speed >= 0) & (wind_speed <= 25) & (temp_air >= -20) & (temp_air <= 60)
 
 
-def daytime(poa_global, temp_air, wind_speed, temp_module):
+def daytime(
+    poa_global: Numeric, temp_air: Numeric, wind_speed: Numeric, temp_module: Numeric
+) -> Rows:
     """
     Rows of daytime data: usable, more than 20 W/m², module at 0 to 80 °C.
 
@@ -50,7 +53,9 @@ def daytime(poa_global, temp_air, wind_speed, temp_module):
     )
 
 
-def night(poa_global, temp_air, wind_speed, temp_module):
+def night(
+    poa_global: Numeric, temp_air: Numeric, wind_speed: Numeric, temp_module: Numeric
+) -> Rows:
     """
     Rows of night data, which show a bias: below 20 W/m², module at -20 to 80 °C.
 

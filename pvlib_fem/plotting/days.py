@@ -1,6 +1,7 @@
 """Pictures over time: measured, modelled, and what effects add."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +23,7 @@ FILLED = 2000  # points of the irradiance behind
 LOWER = 0.28  # share of the height that the residual has below a fit
 
 
-def plot_fit(fit, ax=None, when=None):
+def plot_fit(fit: Any, ax: Any = None, when: str | slice | None = None) -> Any:
     """
     Measured and modelled temperature, and below it what is between them.
 
@@ -63,7 +64,7 @@ def plot_fit(fit, ax=None, when=None):
     return ax
 
 
-def plot_before_after(loop, ax=None):
+def plot_before_after(loop: Any, ax: Any = None) -> Any:
     """
     The most variable test day: measured, and modelled before and after.
 
@@ -92,7 +93,7 @@ def plot_before_after(loop, ax=None):
     return ax
 
 
-def plot_contributions(loop, ax=None):
+def plot_contributions(loop: Any, ax: Any = None) -> Any:
     """
     What each effect adds to the temperature on the most variable test day.
 

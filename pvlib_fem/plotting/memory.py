@@ -1,6 +1,8 @@
 """How long a module remembers: its answer to a step, its time constant by wind."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,7 +21,9 @@ FEWEST_DAYS = 5  # below which the spread between days is no error
 LEVEL = 0.95
 
 
-def plot_step_response(fit, wind_speed=(0.5, 2.0, 5.0), ax=None):
+def plot_step_response(
+    fit: Any, wind_speed: Sequence[float] = (0.5, 2.0, 5.0), ax: Any = None
+) -> Any:
     """
     Over-temperature after the sun comes out, at several winds.
 
@@ -75,7 +79,7 @@ def plot_step_response(fit, wind_speed=(0.5, 2.0, 5.0), ax=None):
     return ax
 
 
-def plot_tau_by_wind(fit, ax=None):
+def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
     """
     The time constant over wind: the model's, and the record's own in bins.
 
@@ -120,7 +124,7 @@ def plot_tau_by_wind(fit, ax=None):
     return ax
 
 
-def tau_by_wind(fit):
+def tau_by_wind(fit: Any) -> pd.DataFrame:
     r"""
     The time constant that a record shows by itself, in bins of 1 m/s.
 

@@ -1,10 +1,13 @@
 """Where a residual lives: its mean by the clock, by the wind, by any two columns."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.plotting.look import label_with_unit, new_axes
 from pvlib_fem.statistics import axes
+from pvlib_fem.types import Numeric
 
 SECTORS = 16  # of a wind rose
 FINER = 3  # pieces in which a sector is drawn, so that it is round
@@ -13,7 +16,9 @@ OUTER = 0.001  # share of the rows that may lie beyond the first and the last bi
 CLEAR = 0.2  # of the scale, below zero, from which a cell has its dash
 
 
-def plot_residual_map(residual, ax=None, limit=None):
+def plot_residual_map(
+    residual: pd.Series, ax: Any = None, limit: float | None = None
+) -> Any:
     """
     Mean residual by hour of day and month.
 
@@ -46,7 +51,13 @@ def plot_residual_map(residual, ax=None, limit=None):
     return ax
 
 
-def plot_residual_by(residual, x, y, ax=None, limit=None):
+def plot_residual_by(
+    residual: pd.Series,
+    x: pd.Series,
+    y: pd.Series | None,
+    ax: Any = None,
+    limit: float | None = None,
+) -> Any:
     """
     Mean residual over two columns, such as irradiance and wind.
 
@@ -96,7 +107,13 @@ def plot_residual_by(residual, x, y, ax=None, limit=None):
     return ax
 
 
-def plot_residual_rose(residual, wind_speed, wind_direction, ax=None, limit=None):
+def plot_residual_rose(
+    residual: pd.Series,
+    wind_speed: Numeric,
+    wind_direction: pd.Series,
+    ax: Any = None,
+    limit: float | None = None,
+) -> Any:
     """
     Mean residual by where the wind comes from and how strong it is.
 

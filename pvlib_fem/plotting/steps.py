@@ -1,5 +1,7 @@
 """What each step of a fit or of a loop takes off the error."""
 
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.plotting.look import (
@@ -20,7 +22,7 @@ DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}
 NOTHING = 0.005  # K: a change that two decimals do not show
 
 
-def plot_steps(loop, ax=None):
+def plot_steps(loop: Any, ax: Any = None) -> Any:
     """
     RMSE on the test days by step; on the fitted days where there are none.
 
@@ -46,7 +48,7 @@ def plot_steps(loop, ax=None):
     return ax
 
 
-def plot_waterfall(fit, ax=None):
+def plot_waterfall(fit: Any, ax: Any = None) -> Any:
     """
     How the error falls from the steady model to the last step of a fit.
 

@@ -1,7 +1,9 @@
 """A logger's file, or several, as a frame in the package's names."""
 
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,18 +12,19 @@ from pvlib_fem.record.joining import joined, step_of
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
+from pvlib_fem.types import FilePath
 
 MISSING = ("NAN",)  # as TOA5 writes it, beside what pandas knows
 
 
 def read_file(
-    file,
-    columns=None,
-    convert_units=False,
-    check_units=True,
-    module_area=None,
-    **layout,
-):
+    file: FilePath | Sequence[FilePath],
+    columns: Mapping[str, str] | None = None,
+    convert_units: bool | Mapping[str, str] = False,
+    check_units: bool = True,
+    module_area: float | None = None,
+    **layout: Any,
+) -> pd.DataFrame:
     """
     A logger's file as a frame with a DatetimeIndex and the package's names.
 

@@ -24,7 +24,9 @@ References
    :doi:`10.1175/JAMC-D-11-0143.1`, wet-bulb temperature.
 """
 
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, replace
+from typing import Any
 
 import pandas as pd
 
@@ -67,7 +69,14 @@ __all__ = [
 GENERATORS = {"nodes": simulate, "fuentes": fuentes}
 
 
-def record(site=RHINE, effects=OUTDOORS, days=365, step=60.0, seed=0, **options):
+def record(
+    site: Site = RHINE,
+    effects: Mapping[str, float] = OUTDOORS,
+    days: float = 365,
+    step: float = 60.0,
+    seed: int = 0,
+    **options: Any,
+) -> pd.DataFrame:
     """
     A record as a user would have it, and the truth in its ``attrs``.
 
@@ -103,16 +112,16 @@ def record(site=RHINE, effects=OUTDOORS, days=365, step=60.0, seed=0, **options)
 
 
 def records(
-    site,
-    scenarios,
-    days=365,
-    step=60.0,
-    seed=0,
-    start="2023-01-01",
-    noise=1,
-    forms=None,
-    generator="nodes",
-):
+    site: Site,
+    scenarios: Iterable[Mapping[str, float]],
+    days: float = 365,
+    step: float = 60.0,
+    seed: int = 0,
+    start: str = "2023-01-01",
+    noise: float = 1,
+    forms: Any = None,
+    generator: str = "nodes",
+) -> Iterator[pd.DataFrame]:
     """Records of several scenarios in one weather, one after the other."""
     if generator not in GENERATORS:
         raise ValueError(

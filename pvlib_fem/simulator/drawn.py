@@ -12,7 +12,7 @@ LOW_SUN, HIGH_SUN = 8.0, 40.0  # °, between which an obstacle's edge is
 DAY = 1440  # min
 
 
-def drawn(seed, site: Site = RHINE) -> Forms:
+def drawn(seed: int, site: Site = RHINE) -> Forms:
     """
     Formulations by chance, each rival as likely; the same for a seed and a site.
 

@@ -1,5 +1,7 @@
 """A second generator that is not ours: `pvlib.temperature.fuentes`."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 import pvlib
@@ -13,6 +15,7 @@ from pvlib_fem.simulator.forcing import (
     scattered,
 )
 from pvlib_fem.simulator.schedules import curtailed, undeclared
+from pvlib_fem.simulator.site import Site
 from pvlib_fem.simulator.switches import amplitudes
 
 ABSORPTION = 0.83  # share of sunlight that is heat, pvlib's default
@@ -24,7 +27,9 @@ INSIDE = ("radiative_loss", "natural_convection", "wind_shape")
 NO_PLACE = ("sky_radiation", "wind_direction", "rain", "dew", "thermal_storage")
 
 
-def fuentes(weather, site, effects) -> pd.DataFrame:
+def fuentes(
+    weather: pd.DataFrame, site: Site, effects: Mapping[str, float]
+) -> pd.DataFrame:
     """
     Temperature of a module by M. K. Fuentes, SAND85-0330 (1987), in the same weather.
 

@@ -1,5 +1,7 @@
 """The sensors and loggers that watch, with their faults."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 
@@ -14,6 +16,7 @@ from pvlib_fem.simulator.pieces import (
     stream,
     wander,
 )
+from pvlib_fem.simulator.site import Site
 from pvlib_fem.simulator.switches import UNITS, amplitudes
 
 #: column: white noise (sd), slow noise (sd, memory [h]), resolution, relative?
@@ -32,7 +35,14 @@ SENSORS = {
 }
 
 
-def measure(weather, truth, site, effects, seed=0, noise=1.0) -> pd.DataFrame:
+def measure(
+    weather: pd.DataFrame,
+    truth: pd.DataFrame,
+    site: Site,
+    effects: Mapping[str, float],
+    seed: int = 0,
+    noise: float = 1.0,
+) -> pd.DataFrame:
     """
     What sensors and loggers make of a weather and the module in it.
 

@@ -28,7 +28,11 @@ from pvlib_fem.simulator.site import Site
 
 
 def weather(
-    site: Site, days=365, step=60.0, start="2023-01-01", seed=0
+    site: Site,
+    days: float = 365,
+    step: float = 60.0,
+    start: str = "2023-01-01",
+    seed: int = 0,
 ) -> pd.DataFrame:
     """
     Weather that a climate could have: the same for a site, a seed and a step.
