@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.record.checks import instants
 from pvlib_fem.record.times import ISO, UNIX, as_text, joined, timed
 
 TIMES = re.compile(
@@ -84,7 +85,7 @@ def formats(columns):
             continue
         if len(read) > 1 and (read.dt.normalize() == read).all():
             continue  # a date only
-        steps = np.diff(read.to_numpy()) / np.timedelta64(1, "s")
+        steps = np.diff(instants(pd.DatetimeIndex(read))) / np.timedelta64(1, "s")
         ways[form] = (int((steps <= 0).sum()), float(np.abs(steps).sum()))
         if form == ISO:
             break
