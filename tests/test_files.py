@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.constants import convert_temperature
 
 import pvlib_fem as fem
@@ -265,6 +267,7 @@ def test_a_header_that_names_a_unit_is_believed_by_choice_only(raw, tmp_path):
         ("temp_air", "Temp_C_Avg", "°C"),
         ("temp_air", "T (module) [degC]", "°C"),
         ("temp_air", "C", None),
+        ("temp_module", "T (rear, °F)", "°F"),
         ("poa_global", "POA (kW/m^2)", "kW/m²"),
         ("poa_global", "G [W m⁻²]", None),
         ("poa_global", "Global_Wm2_Avg", "W/m²"),
@@ -519,6 +522,53 @@ def test_what_is_written_keeps_its_rights_and_its_link(tmp_path):
         whole.write_text("new", "utf-8")
     assert link.is_symlink() and path.read_text("utf-8") == "new"
     assert path.stat().st_mode & 0o777 == 0o640
+
+
+CELLS = st.sampled_from(
+    [
+        "1",
+        "-7,5",
+        "2.5e3",
+        "2023-06-01 00:10",
+        "1.6.2023",
+        "00:20",
+        "x",
+        "",
+        "---",
+        "°C",
+        "POA",
+        "Tamb",
+        "WS",
+        "Tmod",
+        '"',
+        "\x00",
+        "NaN",
+        "inf",
+        "1e400",
+        "1717200000",
+        "202306010010",
+    ]
+)
+
+
+@st.composite
+def tables(draw):
+    """Text that may be a table: mostly as wide in each line, of any cells."""
+    width, sep = draw(st.integers(1, 6)), draw(st.sampled_from(",;\t| "))
+    row = st.lists(CELLS, min_size=width, max_size=width) | st.lists(CELLS, max_size=6)
+    return "\n".join(map(sep.join, draw(st.lists(row, max_size=12))))
+
+
+@settings(max_examples=30, deadline=None)
+@given(text=tables(), suffix=st.sampled_from([".csv", ".csv", ".xlsx", ".parquet"]))
+def test_no_file_ends_with_a_traceback(text, suffix, tmp_path_factory):
+    path = tmp_path_factory.mktemp("any") / f"any{suffix}"
+    path.write_text(text, "utf-8")
+    maps = ("--map", "temp_air=Tamb", "--time-format", "unix")
+    for arguments in ((), ("--guess",), ("--sep", ";", "--decimal", ","), maps):
+        result = call("fit", path, *arguments)
+        assert isinstance(result.exception, SystemExit | None), result.exception
+        assert result.output.startswith(("Error: ", "Usage: ", "this command"))
 
 
 def files_of(folder):

@@ -121,6 +121,7 @@ def named_unit(name, header):
     bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
     bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
     words = [word for word in re.split(r"[\s_,;:]+", bare) if plain(word) not in WORDS]
+    bracketed = [part for text in bracketed for part in re.split("[,;]", text)]
     for text in (*bracketed, *words[1:]):  # the first word is the column's name
         try:
             return unit_of(name, text)
