@@ -256,6 +256,15 @@ def test_the_loop_prints_what_close_loop_finds(plant, plant_file, tmp_path):
     assert "Roof &lt;3&gt;" in titled and "plant.csv" not in titled
 
 
+def test_a_fit_has_a_page_of_its_own(plant_file, tmp_path):
+    report = tmp_path / "fit.html"
+    result = call("fit", plant_file, *PLANT, "--report", report, "--title", "Roof <3>")
+    assert result.exit_code == 0, result.output
+    assert result.output.endswith(f"wrote {report}\n")
+    page = report.read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>") and "Roof &lt;3&gt;" in page
+
+
 def test_a_gain_can_be_asked_for(plant_file):
     asked = call("loop", plant_file, *PLANT, "--min-gain", 50)
     assert asked.exit_code == 0
@@ -392,7 +401,7 @@ def test_fit_and_loop_take_the_same_options():
         for name in ("fit", "loop")
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
-    assert set(loop) - set(fit) == {"min_gain", "report", "title"}
+    assert set(loop) - set(fit) == {"min_gain"}
     for name in set(fit) & set(loop) - {"model"}:
         assert fit[name].default == loop[name].default
     said = {name: " ".join(call(name, "-h").output.split()) for name in ("fit", "loop")}

@@ -45,22 +45,25 @@ def main():
 @site_options
 @fit_options
 @shared_options
+@report_option
+@title_option
 @out_option
 @plot_option
-def fit(files, out, plot, **options):
+def fit(files, out, plot, report, title, **options):
     """Fit FILE, or several that are joined on their times, and print the report.
 
     CSV, Excel and Parquet go. The first column, or what --time says, holds the times.
     The command loop takes the same options but for --dynamics, --method, --calm-wind
-    and --plot, and has --min-gain, --report and --title of its own.
+    and --plot, and has --min-gain of its own.
     """
     with plainly():
-        check_outputs(files, out=out, plot=plot)
+        check_outputs(files, out=out, plot=plot, report=report)
         data, options = prepared(files, options)
         result = fitted(data, **options)
         say(translated(str(result)))
         write(out, result.to_json)
         write(plot, lambda path: picture(result, path))
+        write_report(report, result, title, files)
 
 
 @main.command()
@@ -94,8 +97,7 @@ def loop(files, report, title, out, **options):
         found = closed(data, **options)
         say(translated(str(found)))
         write(out, found.to_json)
-        title = title or ", ".join(file.name for file in files)
-        write(report, lambda path: found.to_html(path, title=title))
+        write_report(report, found, title, files)
 
 
 @main.command()
@@ -121,6 +123,12 @@ def demo(days, step, seed, report):
         found = demo_site(days, step, seed)
         write(report, lambda path: found.to_html(path, title="A simulated site"))
         demo_week()
+
+
+def write_report(path, result, title, files):
+    """The page of a fit or a loop, headed by the title or the names of the files."""
+    title = title or ", ".join(file.name for file in files)
+    write(path, lambda whole: result.to_html(whole, title=title))
 
 
 def prepared(files, options, drivers=False):

@@ -10,7 +10,8 @@ from click.core import ParameterSource
 
 from pvlib_fem.cli.options import PER_FILE, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
-from pvlib_fem.record.checks import datetime_steps, measured
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.record.checks import as_record, datetime_steps
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.guess import guess
@@ -89,7 +90,7 @@ def check_columns(data):
 
 def check_record(data):
     """Refuse what a fit would, such as a unit that only the numbers show."""
-    measured(*(data[name] for name in COLUMNS))
+    screened(as_record(*(data[name] for name in COLUMNS)))
 
 
 def proposal(files, layouts, columns, how, place):
