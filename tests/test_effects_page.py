@@ -1,4 +1,4 @@
-"""The page of effects has all of the registry, and its how-to runs as it stands."""
+"""The pages of effects have all of the registry; the how-to runs as it stands."""
 
 import inspect
 import os
@@ -23,12 +23,7 @@ every = pytest.mark.parametrize("name", EFFECTS)
 COLUMNS = ("heat", "loss", "capacity", "offset")
 
 
-def section(name):
-    """What the page says of one effect."""
-    page = effects_page.page()
-    assert page.count(f".. _effect-{name}:") == 1
-    after = page.split(f".. _effect-{name}:")[1]
-    return re.split(r"\.\. _effect-|\nMeasured columns\n", after)[0]
+PAGES = effects_page.pages()
 
 
 def equations(function):
@@ -40,7 +35,8 @@ def equations(function):
 
 @every
 def test_every_effect_has_all_that_a_reader_needs(name):
-    said, effect = section(name), find(name)
+    said, effect = PAGES[f"effects/{name}.rst"], find(name)
+    assert f".. _effect-{name}:" in said
     assert re.search(r"\.\. math::\s+\\mathrm\{(heat|loss|capacity|offset)\} = ", said)
     for parameter, row in effect.rows().items():
         bounds = [effects_page.number(edge) for edge in (row.lower, row.upper)]
@@ -108,8 +104,16 @@ def test_every_column_and_driver_says_what_it_is_in_its_unit():
         assert re.fullmatch(r"[A-Z:].* \[.+\]", words), name
 
 
+def test_the_first_page_leads_to_all_others():
+    first, *others = PAGES
+    for path in others:
+        assert f"\n   {path.removesuffix('.rst')}\n" in PAGES[first]
+    for name in EFFECTS:
+        assert PAGES[first].count(f":ref:`{name} <effect-{name}>`") == 1
+
+
 def test_a_driver_has_the_source_of_what_it_is_computed_by():
-    page = effects_page.page()
+    page = PAGES["effects/drivers.rst"]
     rows = page.split("Derived drivers\n---")[1].split("   * - ")
     found = {row.split("``")[1]: row for row in rows if "driver-" in row}
     assert set(DERIVED) <= set(found)
@@ -125,12 +129,17 @@ def test_a_report_explains_shade_by_shade():
 
 
 def test_a_page_that_has_not_changed_is_not_written(tmp_path):
-    path = effects_page.write(tmp_path / "generated")
-    text = path.read_text(encoding="utf-8")
-    os.utime(path, (1, 1))
-    assert effects_page.write(tmp_path / "generated").stat().st_mtime == 1
-    path.write_text(text + "stale", encoding="utf-8")
-    assert effects_page.write(tmp_path / "generated").read_text("utf-8") == text
+    effects_page.write(tmp_path)
+    same, stale = tmp_path / "effects.rst", tmp_path / "effects" / "rain.rst"
+    gone = tmp_path / "effects" / "effect_of_another_branch.rst"
+    text = stale.read_text(encoding="utf-8")
+    for path in (stale, gone):
+        path.write_text("stale", encoding="utf-8")
+    os.utime(same, (1, 1))
+    effects_page.write(tmp_path)
+    assert same.stat().st_mtime == 1
+    assert stale.read_text("utf-8") == text
+    assert not gone.exists()
 
 
 def test_a_file_and_a_line_make_an_effect(tmp_path):
@@ -164,10 +173,10 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
     subprocess.run(
         [sys.executable, "-c", script], cwd=tmp_path, env=environment, check=True
     )
-    page = (tmp_path / "effects.rst").read_text(encoding="utf-8")
-    assert page.index("<effect-water>") < page.index("_effect-water:")
-    said = page.split("_effect-water:")[1]
+    assert "<effect-water>" in (tmp_path / "effects.rst").read_text(encoding="utf-8")
+    said = (tmp_path / "effects" / "water.rst").read_text(encoding="utf-8")
     assert "exchange} \\cdot" in said and "``water.exchange``" in said
     assert "a module of the same kind on land" in said
     assert "doi:`10.1016/j.solener.2020.11.029`" in said
-    assert "Water temperature above that of the air" in said
+    drivers = (tmp_path / "effects" / "drivers.rst").read_text(encoding="utf-8")
+    assert "Water temperature above that of the air" in drivers

@@ -1,6 +1,6 @@
-"""The page of effects, written from the registry and its docstrings before a build.
+"""The pages of effects, written from the registry and its docstrings before a build.
 
-What an effect's file and its line in the registry say is all that the page needs.
+What an effect's file and its line in the registry say is all that its page needs.
 """
 
 import inspect
@@ -12,13 +12,13 @@ from pvlib_fem import drivers, effects
 from pvlib_fem.record.columns import GEOMETRY
 
 INTRO = """
-What the model can lack, one effect each. All add to the columns of one equation,
+What the model can lack, one effect a page. All add to the columns of one equation,
 ``capacity · dT/dt = heat − loss · (T − T_air)`` and ``measured = T + offset``:
 ``heat`` [W/m²], ``loss`` [W/(m² K)], ``capacity`` [J/(m² K)], ``offset`` [K].
 Names in the equations are those of the columns and the parameters. All parameters
 are 0 where a fit starts, and then an effect adds nothing; a fit does not leave their
-range. How often each is found is in :doc:`/study`, how to add one in
-:doc:`/adding_an_effect`.
+range. What their drivers are made of is in :doc:`effects/drivers`, how often each is
+found in :doc:`/study`, how to add one in :doc:`/adding_an_effect`.
 """
 GROUPS = {
     "Drivers of their own": """
@@ -31,6 +31,9 @@ Several look alike, so the loop reports them as a class, with the measurement th
 would decide.
 """,
 }
+DRIVERS = """
+What effects follow: columns that are measured, and what is computed from them.
+"""
 MEASURED = """
 An effect asks for columns by these names. Irradiance, air temperature and wind speed
 are always there.
@@ -111,10 +114,11 @@ def meaning(name):
     return (drivers.MEASURED | drivers.MODELLED).get(name, "")
 
 
-def table(header, rows, widths):
-    """Lines of a list-table."""
+def table(header, rows, widths, kind="stacked"):
+    """Lines of a list-table; on a phone the cells of one that is stacked are lines."""
     yield ".. list-table::"
     yield "   :header-rows: 1"
+    yield f"   :class: {kind}"
     yield f"   :widths: {widths}"
     yield ""
     for row in (header, *rows):
@@ -125,33 +129,31 @@ def table(header, rows, widths):
     yield ""
 
 
-def target(label):
-    """A label, and the same as an address where HTML would turn it into another."""
-    if "_" in label:
-        yield from (".. raw:: html", "", f'   <span id="{label}"></span>', "")
-    yield from (f".. _{label}:", "")
-
-
 def overview(chosen):
+    """Rows of effects that are told alike."""
     for effect in chosen:
         lead = words(inspect.getmodule(forms(effect)[0]))[0].rstrip(".")
         best, *others = effect.forms
         wanted = needs(best) + ("; or other sources" if others else "")
         link = f":ref:`{effect.name} <effect-{effect.name}>`"
-        yield link, lead, wanted, "class" if effect.confounder else "named"
+        yield link, lead, wanted
+
+
+def titled(title, text="", line="="):
+    return title, line * len(title), text
 
 
 def described(effect):
-    """Lines of one effect's section."""
+    """Lines of one effect's page."""
     own, *others = forms(effect)
-    yield from target(f"effect-{effect.name}")
-    yield from (effect.name, "~" * len(effect.name), "")
+    yield from (f".. _effect-{effect.name}:", "", *titled(effect.name))
     sources = []
     for form in (own, *others):
         first, body, entries = words(form)
         sources += entries
         yield from (f"**{first}**", "", body, "")
-    yield from table(("Parameter", "Unit", "Range"), parameter_rows(effect), "40 30 30")
+    header = ("Parameter", "Unit", "Range")
+    yield from table(header, parameter_rows(effect), "40 30 30", kind="parameters")
     yield from drivers_of(effect)
     yield from settings(effect)
     alike = "; ".join(
@@ -187,9 +189,10 @@ def drivers_of(effect):
             source = ""
     header = ("Source, the best first", "Driver", "What it is", "Made of")
     if effect.variants:
-        yield from table(header, rows, "20 22 33 25")
+        yield from table(header, rows, "20 22 33 25", "stacked made")
     else:
-        yield from table(header[1:], [row[1:] for row in rows], "25 45 30")
+        rows = [row[1:] for row in rows]
+        yield from table(header[1:], rows, "25 45 30", "stacked made")
 
 
 def made_of(name):
@@ -260,33 +263,46 @@ def measured_table():
         yield f".. _column-{name}:\n\n``{name}``", what
 
 
-def page():
-    """The whole page, in reStructuredText."""
-    title = "Effects"
-    lines = [title, "=" * len(title), INTRO]
-    header = ("Effect", "What it is", "Needs besides the usual", "Told as")
+def index():
+    """Lines of the page that leads to all others."""
     chosen = effects.EFFECTS.values()
-    lines += table(header, overview(chosen), "22 43 23 12")
+    header = ("Effect", "What it is", "Needs besides the usual")
+    yield from titled("Effects", INTRO)
     for confounder, (group, text) in zip((False, True), GROUPS.items()):
-        lines += [group, "-" * len(group), text]
-        for effect in chosen:
-            if effect.confounder == confounder:
-                lines += described(effect)
-    lines += ["Measured columns", "-" * 16, MEASURED]
-    lines += table(("Column", "What it is"), measured_table(), "30 70")
-    lines += ["Derived drivers", "-" * 15, DERIVED]
-    header = ("Driver", "What it is, and its source", "Computed from")
-    lines += table(header, driver_table(), "24 48 28")
-    return "\n".join(lines) + "\n"
+        yield from titled(group, text, "-")
+        alike = [effect for effect in chosen if effect.confounder == confounder]
+        yield from table(header, overview(alike), "25 45 30", "stacked needs")
+    yield from (".. toctree::", "   :hidden:", "")
+    yield from (f"   effects/{name}" for name in (*effects.EFFECTS, "drivers"))
+
+
+def columns():
+    """Lines of the page of what effects follow."""
+    yield from titled("Columns and drivers", DRIVERS)
+    yield from titled("Measured columns", MEASURED, "-")
+    yield from table(("Column", "What it is"), measured_table(), "30 70")
+    yield from titled("Derived drivers", DERIVED, "-")
+    header = ("Driver", "What it is, and its source", "Made of")
+    yield from table(header, driver_table(), "24 48 28", "stacked made")
+
+
+def pages():
+    """All pages in reStructuredText, by their paths."""
+    found = {"effects": index(), "effects/drivers": columns()}
+    for name, effect in effects.EFFECTS.items():
+        found[f"effects/{name}"] = described(effect)
+    return {f"{path}.rst": "\n".join(lines) + "\n" for path, lines in found.items()}
 
 
 def write(folder):
-    """Write the page into a folder, if it is another one than is there."""
-    path, text = Path(folder) / "effects.rst", page()
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return path
+    """Write the pages into a folder, those that are others than are there."""
+    wanted = {Path(folder, path): text for path, text in pages().items()}
+    for path in set(Path(folder, "effects").glob("*.rst")).difference(wanted):
+        path.unlink()
+    for path, text in wanted.items():
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
 
 
 def setup(app):
