@@ -9,6 +9,7 @@ import pvlib_fem
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+import gallery_look  # noqa: E402
 
 project = "pvlib_fem"
 author = "pvlib_fem developers"
@@ -47,7 +48,7 @@ html_title = f"pvlib_fem {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
-html_sidebars = {"index": [], "generated/effects": []}
+html_sidebars = {"index": []}
 html_context = {"default_mode": "auto"}
 html_theme_options = {
     "logo": {"text": "pvlib_fem"},
@@ -68,6 +69,8 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
     "within_subsection_order": "FileNameSortKey",
+    "image_scrapers": ("gallery_look.scrape",),
+    "thumbnail_size": gallery_look.PIXELS,
     "reset_modules": ("gallery_look.reset",),
     "download_all_examples": False,
     "show_memory": False,

@@ -62,27 +62,28 @@ print(loop.findings[0])
 # Before and after
 # ----------------
 
-fig, axes = plt.subplots(1, 2, figsize=(10, 4), layout="constrained", sharey=True)
-fem.plotting.plot_residual_map(loop.residual_before, axes[0], limit=2.0)
-fem.plotting.plot_residual_map(loop.fit.residual, axes[1], limit=2.0)
-axes[0].set_title("before any effect")
-axes[1].set_title("after the last")
+half = dict(figsize=(5, 4), layout="constrained")
+steps = {"before any effect": loop.residual_before, "after the last": loop.fit.residual}
+for step, residual in steps.items():
+    fig, ax = plt.subplots(**half)
+    fem.plotting.plot_residual_map(residual, ax, limit=2.0)
+    ax.set_title(step)
 
 # %%
 # *Mean residual by hour and month; a dash marks a mean below zero. The nights have
-# become paler: that was the sky. A block from 9 to 16 h stays.*
+# become fainter: that was the sky. A block from 9 to 16 h stays.*
 
 sun = data["poa_global"] > 300
 wind = data.loc[sun, "wind_speed"], data.loc[sun, "wind_direction"]
-polar = dict(figsize=(10, 4), layout="constrained", subplot_kw={"projection": "polar"})
-fig, axes = plt.subplots(1, 2, **polar)
-fem.plotting.plot_residual_rose(loop.residual_before[sun], *wind, axes[0], limit=3.0)
-fem.plotting.plot_residual_rose(loop.fit.residual[sun], *wind, axes[1], limit=3.0)
+for step, residual in steps.items():
+    fig, ax = plt.subplots(**half, subplot_kw={"projection": "polar"})
+    fem.plotting.plot_residual_rose(residual[sun], *wind, ax, limit=3.0)
+    ax.set_title(step)
 
 # %%
-# *The same in the sun, by where the wind comes from and how strong it is; left before,
-# right after. Wind on the glass, from the south, cools more than a model without its
-# direction says, wind from behind less.*
+# *The same in the sun, by where the wind comes from and how strong it is. Wind on the
+# glass, from the south, cools more than a model without its direction says, wind from
+# behind less.*
 
 loop.plot()
 

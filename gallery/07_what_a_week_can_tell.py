@@ -99,6 +99,7 @@ for seed in range(3):
 # %%
 # Each error is that of the test weeks, with the effects that the loop added.
 
+# sphinx_gallery_thumbnail_number = 2
 fig, ax = plt.subplots(figsize=(8, 4), layout="constrained")
 rows = np.arange(len(reached))
 means = [np.mean(errors) for errors in reached.values()]
