@@ -2,10 +2,12 @@
 
 from dataclasses import asdict, dataclass, field
 from enum import Enum, StrEnum
+from typing import Self
 
 import numpy as np
 
 from pvlib_fem.reasons import Because
+from pvlib_fem.stored import Stored
 
 
 class Verdict(StrEnum):
@@ -64,7 +66,7 @@ class Check:
         return bool(self.statistic >= self.threshold)
 
     @classmethod
-    def stored(cls, content):
+    def stored(cls, content: Stored) -> Self:
         """The check of a part of a file."""
         return cls(
             content.text("name"),
@@ -156,7 +158,7 @@ class Finding:
         }
 
     @classmethod
-    def stored(cls, content):
+    def stored(cls, content: Stored) -> Self:
         """The finding of a part of a file."""
         where = content.part("where").content
         return cls(
@@ -226,7 +228,7 @@ class Correction:
         return {**asdict(self), "because": self.because.content(), "checks": checks}
 
     @classmethod
-    def stored(cls, content):
+    def stored(cls, content: Stored) -> Self:
         """The correction of a part of a file."""
         return cls(
             fault=content.text("fault"),

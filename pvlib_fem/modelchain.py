@@ -1,19 +1,22 @@
 """A dynamic cell temperature for ``pvlib.modelchain.ModelChain``."""
 
 import warnings
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import sun
-from pvlib_fem.effects import find, several
+from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.stored import opened
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.stored import model_of
 from pvlib_fem.thermal.temperature import TAU, fem_temperature, refuse_dynamic
+from pvlib_fem.types import FilePath
 
 FIT, LOOP = "pvlib_fem.FemFit", "pvlib_fem.Loop"  # formats of files
 FITS = (FIT, LOOP)  # those that hold a fit
@@ -80,15 +83,15 @@ class DynamicCellTemperature:
 
     def __init__(
         self,
-        model="wm1",
-        dynamics="ewm",
-        coefficients=None,
-        deltaT=0.0,
-        k_bs_c=0.0,
-        effects=(),
-        base=None,
-        **drivers,
-    ):
+        model: str | Callable[..., Any] = "wm1",
+        dynamics: str = "ewm",
+        coefficients: Mapping[str, float] | None = None,
+        deltaT: float = 0.0,
+        k_bs_c: float = 0.0,
+        effects: EffectLike | Iterable[EffectLike] = (),
+        base: Mapping[str, float] | None = None,
+        **drivers: pd.Series,
+    ) -> None:
         if callable(model):
             refuse_dynamic(model)
         if callable(model) and dynamics == "balance":
@@ -115,7 +118,8 @@ class DynamicCellTemperature:
             coefficients=None if coefficients is None else dict(coefficients),
             deltaT=deltaT,
             k_bs_c=k_bs_c,
-            effects=tuple(effects),
+            # by now those of the model, or () beside a callable
+            effects=tuple(effects),  # type: ignore[arg-type]
             base=None if base is None else dict(base),
             drivers=drivers,
         )
@@ -123,7 +127,7 @@ class DynamicCellTemperature:
             object.__setattr__(self, name, value)
 
     @classmethod
-    def from_json(cls, path, **options):
+    def from_json(cls, path: FilePath, **options: Any) -> Self:
         """
         The model of a fit or a loop that ``to_json`` or ``pvlib-fem`` wrote.
 
@@ -170,7 +174,7 @@ class DynamicCellTemperature:
         several = isinstance(mc.results.effective_irradiance, tuple)
         mc.results.cell_temperature = tuple(cells) if several else cells[0]
 
-    def geometry(self, mc, array, index):
+    def geometry(self, mc: Any, array: Any, index: pd.DatetimeIndex) -> dict:
         """Where sun and array stand, as far as effects need it and none gave it."""
         if callable(self.model):
             return {}
@@ -191,7 +195,9 @@ class DynamicCellTemperature:
             place[name] = pd.Series(mounted[name], index).fillna(0.0)
         return {name: place[name] for name in lacking}
 
-    def cell_temperature(self, poa_global, weather, array, place):
+    def cell_temperature(
+        self, poa_global: pd.Series, weather: pd.DataFrame, array: Any, place: dict
+    ) -> pd.Series:
         """Cell temperature of one array. [°C]"""
         index = poa_global.index
         own = {name: aligned(name, s, index) for name, s in self.drivers.items()}
@@ -208,7 +214,7 @@ class DynamicCellTemperature:
                 reference = coefficients.pop("irrad_ref", reference)
             k_bs_c = coefficients.pop("k_bs_c", k_bs_c)
         if callable(self.model):
-            temperature = fem_temperature(
+            temperature: Any = fem_temperature(
                 poa_global,
                 temp_air,
                 wind_speed,
@@ -228,7 +234,7 @@ class DynamicCellTemperature:
             temperature = temperature + k_bs_c * smoothed
         return temperature
 
-    def warn_of_filled(self, weather):
+    def warn_of_filled(self, weather: pd.DataFrame) -> None:
         for name, (value, unit) in FILLED.items():
             if name not in self.drivers and np.all(weather[name] == value):
                 warnings.warn(

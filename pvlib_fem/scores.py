@@ -1,11 +1,13 @@
 """How good a modelled temperature is: in K, in energy, and as a delayed sensor."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import as_numbers, read
+from pvlib_fem.types import Numeric
 
 __all__ = [
     "EnergyError",
@@ -22,7 +24,7 @@ LATE = range(60, 601, 60)  # s, the paper's delays
 CLOSE = 0.1  # of a step, which a logger's clock may wander
 
 
-def rmse(measured, modelled) -> float:
+def rmse(measured: Numeric, modelled: Numeric) -> float:
     """
     Root mean square of measured minus modelled temperature.
 
@@ -45,7 +47,7 @@ def rmse(measured, modelled) -> float:
     return float(np.sqrt(mean_of(difference(measured, modelled) ** 2)))
 
 
-def mae(measured, modelled) -> float:
+def mae(measured: Numeric, modelled: Numeric) -> float:
     """
     Mean absolute difference of measured and modelled temperature.
 
@@ -54,7 +56,7 @@ def mae(measured, modelled) -> float:
     return mean_of(np.abs(difference(measured, modelled)))
 
 
-def mbe(measured, modelled) -> float:
+def mbe(measured: Numeric, modelled: Numeric) -> float:
     """
     Mean of measured minus modelled temperature, the paper's MBE.
 
@@ -113,17 +115,23 @@ class EnergyError:
     insolation: float  # in the plane of the array [kWh/m²]
 
     @property
-    def net(self):
+    def net(self) -> float:
         """What is left where both cancel. [kWh/kWp]"""
         return self.over_estimate + self.under_estimate
 
     @property
-    def performance_ratio(self):
+    def performance_ratio(self) -> float:
         """Total error of the performance ratio. [percentage points]"""
         return 100.0 * self.total / self.insolation if self.insolation else np.nan
 
 
-def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
+def energy_error(
+    poa_global: pd.Series | np.ndarray,
+    measured: pd.Series | np.ndarray,
+    modelled: pd.Series | np.ndarray,
+    gamma: float = GAMMA,
+    step: float | None = None,
+) -> EnergyError:
     r"""
     Energy error of a modelled temperature, to either side.
 
@@ -180,7 +188,11 @@ def energy_error(poa_global, measured, modelled, gamma=GAMMA, step=None):
     )
 
 
-def delayed_sensor(measured, delays=None, rows=None) -> pd.DataFrame:
+def delayed_sensor(
+    measured: pd.Series,
+    delays: Iterable[float] | None = None,
+    rows: pd.Series | None = None,
+) -> pd.DataFrame:
     """
     Error of a perfect sensor that is read late, as a yardstick for models.
 

@@ -6,7 +6,7 @@ exact for ross, noct and the k of the others in calm air, and between sapm and
 wm1, faiman and pvsyst. Elsewhere the shapes differ and a rule must choose.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -140,7 +140,12 @@ SHAPES = {
 
 
 def translate(
-    coefficients, source, target, method="two_winds", wind_speed=None, **fixed
+    coefficients: Mapping[str, float],
+    source: str,
+    target: str,
+    method: str = "two_winds",
+    wind_speed: Sequence[float] | np.ndarray | None = None,
+    **fixed: float,
 ) -> dict:
     """
     Translate coefficients between steady models.
@@ -250,13 +255,13 @@ class Mismatch:
 
 
 def translation_mismatch(
-    coefficients,
-    source,
-    target,
-    method="two_winds",
-    wind_speed=None,
-    translated=None,
-    **fixed,
+    coefficients: Mapping[str, float],
+    source: str,
+    target: str,
+    method: str = "two_winds",
+    wind_speed: Sequence[float] | np.ndarray | None = None,
+    translated: Mapping[str, float] | None = None,
+    **fixed: float,
 ) -> Mismatch:
     """
     What a translation leaves: disagreement at 1000 W/m² over wind speeds.
@@ -283,9 +288,9 @@ def translation_mismatch(
     1.4 -4.5
     """
     if translated is None:
-        translated = translate(coefficients, source, target, method, **fixed)
+        translated = translate(coefficients, source, target, method, None, **fixed)
     winds = np.linspace(0, 10, 101) if wind_speed is None else np.asarray(wind_speed)
-    difference = 0.0
+    difference = np.zeros(winds.shape)
     for name, values, sign in ((target, translated, 1.0), (source, coefficients, -1.0)):
         values = {k: v for k, v in values.items() if k not in CARRIED}
         model, values = completed(name, values)

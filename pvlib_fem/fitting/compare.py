@@ -1,5 +1,7 @@
 """Many models on one record, each step of the method, in one table."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 
@@ -24,19 +26,19 @@ BALANCE = "torres_lobera"
 
 
 def compare(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    models=MODELS,
-    comparators=(*COMPARATORS, BALANCE),
-    method="least_squares",
-    resolutions=None,
-    holdout=None,
-    calm_wind=0.5,
-    offset="night",
-    check_units=True,
-    **drivers,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    models: str | Sequence[str] = MODELS,
+    comparators: str | Sequence[str] = (*COMPARATORS, BALANCE),
+    method: str = "least_squares",
+    resolutions: Sequence[float] | None = None,
+    holdout: pd.Series | None = None,
+    calm_wind: float = 0.5,
+    offset: float | str | None = "night",
+    check_units: bool = True,
+    **drivers: pd.Series,
 ) -> Comparison:
     """
     Fit many models to one record and compare what each step leaves.
@@ -108,8 +110,10 @@ def compare(
     finest, faults = screened(finest, check_units=check_units)
     if check_units:
         refuse_doubtful(finest.inputs.columns)
-    notes, rows, coefficients = [*faults.notes], {}, {}
-    for step in sorted(resolutions or [None]):
+    notes, coefficients = [*faults.notes], {}
+    rows: dict = {}
+    steps: list = sorted(resolutions) if resolutions else [None]
+    for step in steps:
         record, out = finest, holdout
         if step is not None:
             record, out = coarser(finest, holdout, float(step))

@@ -1,11 +1,13 @@
 """The result of a comparison of models: finished, and it prints itself."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import pandas as pd
 
 from pvlib_fem import plotting
 from pvlib_fem.stored import saved
+from pvlib_fem.types import FilePath
 
 STEPS = ("standard", "filter", "ewm", "fem")
 FITTED = "fem"  # the last step of a model, and the only one of a comparator
@@ -35,11 +37,13 @@ class Comparison:
     method: str
 
     @property
-    def resolutions(self):
+    def resolutions(self) -> list[float]:
         """Steps of the records that were compared, the finest first. [s]"""
         return list(dict.fromkeys(self.table.index.get_level_values("resolution")))
 
-    def by_step(self, score="rmse", resolution=None):
+    def by_step(
+        self, score: str = "rmse", resolution: float | None = None
+    ) -> pd.DataFrame:
         """
         One score as the paper's Tables 4 and 5: a row a step, a column a model.
 
@@ -62,7 +66,7 @@ class Comparison:
         table = self.table.reset_index()
         return wide(table[table["resolution"] == chosen], score, "step")
 
-    def by_resolution(self, score="rmse", step=FITTED):
+    def by_resolution(self, score: str = "rmse", step: str = FITTED) -> pd.DataFrame:
         """
         One score of one step, a row a resolution, as the paper's Fig. 8.
 
@@ -78,14 +82,14 @@ class Comparison:
         table = self.table.reset_index()
         return wide(table[table["step"] == step], score, "resolution")
 
-    def best(self, score="rmse"):
+    def best(self, score: str = "rmse") -> str:
         """Name of the model that leaves least at the finest resolution."""
         last = self.by_resolution(score).loc[self.resolutions[0]].dropna().abs()
         if last.empty:
             raise ValueError(f"no model has a score: {'; '.join(self.notes)}")
-        return last.idxmin()
+        return str(last.idxmin())
 
-    def to_csv(self, path=None):
+    def to_csv(self, path: FilePath | None = None) -> str:
         """
         The table as CSV.
 
@@ -102,7 +106,7 @@ class Comparison:
         saved(text, path)
         return text
 
-    def plot(self, ax=None, score="rmse"):
+    def plot(self, ax: Any = None, score: str = "rmse") -> Any:
         """
         Bars by model and step, or lines over the resolution where there are several.
 

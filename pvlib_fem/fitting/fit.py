@@ -1,17 +1,19 @@
 """Fit the FEM coefficients to a measured record, with honest errors."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.effects import find, several
+from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import errors, minimise, natural, possible
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.paper.recipe import MODELS, paper_stages
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities, refuse_doubtful
 from pvlib_fem.record.checks import as_record
@@ -26,22 +28,22 @@ ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
 
 
 def fit_fem(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    model="wm1",
-    dynamics="ewm",
-    method="least_squares",
-    holdout=None,
-    calm_wind=0.5,
-    check_units=True,
-    effects=(),
-    night=False,
-    fixed=None,
-    offset="night",
-    limits=None,
-    **drivers,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    model: str = "wm1",
+    dynamics: str = "ewm",
+    method: str = "least_squares",
+    holdout: pd.Series | None = None,
+    calm_wind: float = 0.5,
+    check_units: bool = True,
+    effects: EffectLike | Iterable[EffectLike] = (),
+    night: bool = False,
+    fixed: Mapping[str, float] | None = None,
+    offset: float | str | None = "night",
+    limits: Limits | None = None,
+    **drivers: pd.Series,
 ) -> FemFit:
     """
     Fit a steady model, made dynamic, to measured module temperature.

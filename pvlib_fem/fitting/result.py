@@ -1,14 +1,17 @@
 """The result of a fit: finished, and it prints itself."""
 
 import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem import plotting
+from pvlib_fem.effects import EffectLike
 from pvlib_fem.modelchain import FIT, FITS, DynamicCellTemperature, fit_in
 from pvlib_fem.record.checks import Record
 from pvlib_fem.record.columns import COLUMNS, with_aliases
@@ -16,9 +19,10 @@ from pvlib_fem.record.summary import Summary, summary_from, summary_of
 from pvlib_fem.report.document import number, printable, value_and_error
 from pvlib_fem.report.fit_page import brief, fit_page
 from pvlib_fem.scores import GAMMA
-from pvlib_fem.stored import opened, saved, written
-from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.stored import Stored, opened, saved, written
+from pvlib_fem.thermal.model import ThermalModel, thermal_model
 from pvlib_fem.thermal.stored import content_of, model_of
+from pvlib_fem.types import FilePath
 
 CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 
@@ -102,13 +106,19 @@ class FemFit:
         return summary_of(self.record)
 
     @property
-    def thermal_model(self):
+    def thermal_model(self) -> ThermalModel:
         """The steady model, dynamics and effects that were fitted."""
         return thermal_model(
             self.model, self.dynamics, self.effects, self.base, self.fixed
         )
 
-    def predict(self, poa_global, temp_air=None, wind_speed=None, **drivers):
+    def predict(
+        self,
+        poa_global: pd.Series | pd.DataFrame,
+        temp_air: pd.Series | None = None,
+        wind_speed: pd.Series | None = None,
+        **drivers: pd.Series,
+    ) -> pd.Series:
         """
         Module temperature with these coefficients.
 
@@ -138,9 +148,11 @@ class FemFit:
             usual = [columns[name] for name in COLUMNS[:3]]
             wanted = self.thermal_model.drivers
             drivers = {name: columns[name] for name in wanted if name in columns}
-        return self.thermal_model.predict(*usual, self.coefficients, **drivers)
+        return self.thermal_model.predict(
+            *usual, coefficients=self.coefficients, **drivers
+        )
 
-    def confidence_interval(self, level=0.95):
+    def confidence_interval(self, level: float = 0.95) -> pd.DataFrame:
         """
         Confidence intervals by Student's t over the training days.
 
@@ -161,7 +173,9 @@ class FemFit:
             {"lower": value - factor * error, "upper": value + factor * error}
         )
 
-    def temperature_model(self, weather=None, **options):
+    def temperature_model(
+        self, weather: pd.DataFrame | None = None, **options: Any
+    ) -> DynamicCellTemperature:
         """
         These coefficients as a temperature model for pvlib's ModelChain.
 
@@ -202,7 +216,7 @@ class FemFit:
             **options,
         )
 
-    def plot(self, ax=None, when=None):
+    def plot(self, ax: Any = None, when: str | slice | None = None) -> Any:
         """
         Measured and modelled temperature, and below them the residual.
 
@@ -222,7 +236,9 @@ class FemFit:
             )
         return plotting.plot_fit(self, ax, when)
 
-    def to_html(self, path=None, title="", gamma=GAMMA):
+    def to_html(
+        self, path: FilePath | None = None, title: str = "", gamma: float = GAMMA
+    ) -> str:
         """
         The fit with pictures as one HTML file, which needs nothing beside it.
 
@@ -244,7 +260,7 @@ class FemFit:
     def _repr_html_(self):
         return brief(self)
 
-    def to_json(self, path=None, **cell):
+    def to_json(self, path: FilePath | None = None, **cell: float) -> str:
         """
         The fit as JSON, of which :meth:`from_json` makes the same again.
 
@@ -265,7 +281,7 @@ class FemFit:
         """
         return written(FIT, self.content(**cell), path)
 
-    def content(self, **cell):
+    def content(self, **cell: float) -> dict:
         """What is in a file of the fit."""
         if unknown := [name for name in cell if name not in CELL]:
             raise TypeError(f"to_json keeps {' and '.join(CELL)}, no {unknown[0]}")
@@ -285,7 +301,9 @@ class FemFit:
         }
 
     @classmethod
-    def from_json(cls, path, effects=()):
+    def from_json(
+        cls, path: FilePath, effects: EffectLike | Iterable[EffectLike] = ()
+    ) -> Self:
         """
         The fit that :meth:`to_json` or the command ``pvlib-fem`` wrote.
 
@@ -311,7 +329,9 @@ class FemFit:
             return cls.stored(fit_in(stored), effects)
 
     @classmethod
-    def stored(cls, content, own=()):
+    def stored(
+        cls, content: Stored, own: EffectLike | Iterable[EffectLike] = ()
+    ) -> Self:
         """The fit of a part of a file."""
         model, coefficients = model_of(content, own)
         rows = content.part("scores")

@@ -1,10 +1,14 @@
 """Close the loop: from the residual to the missing effect, and what it was worth."""
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import pandas as pd
+from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Verdict
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.search import errors
@@ -28,18 +32,18 @@ from pvlib_fem.thermal.steady import steady_model
 
 
 def close_loop(
-    data,
-    model="faiman",
-    location=None,
-    surface_tilt=None,
-    surface_azimuth=None,
-    holdout=None,
-    min_gain=None,
-    effects=None,
-    check_units=True,
-    criteria=None,
-    fixed=None,
-    progress=None,
+    data: pd.DataFrame,
+    model: str = "faiman",
+    location: Location | None = None,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
+    holdout: pd.Series | None = None,
+    min_gain: float | None = None,
+    effects: EffectLike | Iterable[EffectLike] | None = None,
+    check_units: bool = True,
+    criteria: Criteria | None = None,
+    fixed: Mapping[str, float] | None = None,
+    progress: Callable[[str], object] | bool | None = None,
 ) -> Loop:
     """
     Trace what a fit leaves to the physical effects that the model lacks.
@@ -133,7 +137,9 @@ def close_loop(
         tell("checking the record")
         case = prepared(data, site, holdout, effects, criteria, check_units, fixed)
         found = Search(Fits(case), tell).run(steady_model(model))
-    given = dict(holdout=holdout, effects=effects, check_units=check_units)
+    given: dict[str, Any] = dict(
+        holdout=holdout, effects=effects, check_units=check_units
+    )
     given |= {"fixed": fixed, "criteria": criteria}
     return replace(found, given={name: said_of(value) for name, value in given.items()})
 

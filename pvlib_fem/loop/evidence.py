@@ -7,6 +7,7 @@ import numpy as np
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
 
@@ -72,7 +73,7 @@ class Evidence:
     failed: dict = field(default_factory=dict)
     partial: dict = field(default_factory=dict)
     family: int = 1
-    criteria: object = None
+    criteria: Criteria = field(default_factory=Criteria)
     inputs: object = field(repr=False, default=None)
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
@@ -80,15 +81,16 @@ class Evidence:
         """Sums over the rows on which all of some effects are known."""
         lacking = frozenset(name for name in names if name in self.partial)
         if lacking not in self.ready:
-            columns, rest = list(self.columns.values()), (self.residual, self.dates)
+            columns, rest = list(self.columns.values()), [self.residual, self.dates]
             if lacking:
                 known = np.all([self.partial[name] for name in lacking], axis=0)
                 columns = [column[known] for column in columns]
                 rest = [part[known] for part in rest]
             # of effects that are not asked for, gaps may be anything
             columns = [np.nan_to_num(c) if self.partial else c for c in columns]
+            residual, dates = rest
             limits = self.criteria.folds, self.criteria.fewest_clusters
-            self.ready[lacking] = cluster_sums(columns, *rest, *limits)
+            self.ready[lacking] = cluster_sums(columns, residual, dates, *limits)
         return self.ready[lacking]
 
     @cached_property

@@ -1,10 +1,14 @@
 """Which absent effect could explain what a fit leaves."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import DERIVED, MODELLED
+from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Weight
 from pvlib_fem.loop.gather import gather
@@ -17,7 +21,12 @@ from pvlib_fem.record.columns import COLUMNS as USUAL
 from pvlib_fem.record.columns import numeric, usable_drivers, with_aliases
 
 
-def rank_effects(fit, data, effects=None, criteria=None) -> pd.DataFrame:
+def rank_effects(
+    fit: FemFit,
+    data: pd.DataFrame,
+    effects: EffectLike | Iterable[EffectLike] | None = None,
+    criteria: Criteria | None = None,
+) -> pd.DataFrame:
     """
     Rank absent effects by what each would explain on days it has not seen.
 

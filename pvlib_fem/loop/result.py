@@ -1,18 +1,21 @@
 """The result of a closed loop: finished, and it prints itself."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
+from typing import Any, Self
 
 import pandas as pd
 from pvlib.location import Location
 
 from pvlib_fem import plotting
 from pvlib_fem.drivers import geometry
+from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Correction, Finding, Kind
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
-from pvlib_fem.modelchain import LOOP
+from pvlib_fem.modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, with_aliases
@@ -20,8 +23,9 @@ from pvlib_fem.report.document import printable
 from pvlib_fem.report.page import brief, page
 from pvlib_fem.report.text import NEVER, lines
 from pvlib_fem.scores import GAMMA
-from pvlib_fem.stored import opened, saved, written
+from pvlib_fem.stored import Stored, opened, saved, written
 from pvlib_fem.thermal.stored import content_of, model_of
+from pvlib_fem.types import FilePath
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,17 +95,18 @@ class Loop:
     given: dict = field(repr=False, default_factory=dict)
 
     @cached_property
-    def week_rows(self):
+    def week_rows(self) -> dict:
         """Rows of each kind of weeks."""
-        return self.weeks.value_counts().to_dict()
+        # a loop that was read from a file has no weeks, and brings these
+        return self.weeks.value_counts().to_dict()  # type: ignore[union-attr]
 
     @property
-    def effects(self):
+    def effects(self) -> list[str]:
         """Names of the findings that were added to the model, in order."""
         return [finding.effect for finding in self.findings if finding.added]
 
     @property
-    def ties(self):
+    def ties(self) -> dict[str, tuple[str, ...]]:
         """Name to the other candidates, where there are some."""
         return {
             f.effect: tuple(n for n in f.candidates if n != f.effect)
@@ -110,11 +115,13 @@ class Loop:
         }
 
     @property
-    def unexplained(self):
+    def unexplained(self) -> tuple[Finding, ...]:
         """Findings of structure that no effect explains."""
         return tuple(f for f in self.findings if f.kind is Kind.STRUCTURE)
 
-    def inputs(self, data, **place):
+    def inputs(
+        self, data: pd.DataFrame, **place: Any
+    ) -> tuple[list[pd.Series], dict[str, pd.Series]]:
         """The usual three columns of ``data``, and those that the effects need."""
         columns = with_aliases(data, COLUMNS[:3])
         wanted = self.fit.thermal_model.drivers
@@ -123,7 +130,9 @@ class Loop:
         drivers = {name: columns[name] for name in wanted if name in columns}
         return [columns[name] for name in COLUMNS[:3]], drivers
 
-    def predict(self, data, fallback=False, **place):
+    def predict(
+        self, data: pd.DataFrame, fallback: bool = False, **place: Any
+    ) -> pd.Series:
         """
         Module temperature of the last step.
 
@@ -158,7 +167,7 @@ class Loop:
             return plain
         return self.fit.predict(*usual, **drivers).fillna(plain)
 
-    def contributions(self, data):
+    def contributions(self, data: pd.DataFrame) -> pd.DataFrame:
         """
         What each effect adds to the temperature, with all the others there.
 
@@ -174,15 +183,18 @@ class Loop:
         """
         usual, drivers = self.inputs(data)
         fit, model = self.fit, self.fit.thermal_model
-        whole = model.predict(*usual, fit.coefficients, **drivers)
+        whole = model.predict(*usual, coefficients=fit.coefficients, **drivers)
         parts = {}
         for effect in fit.effects:
             nothing = {name: row.start for name, row in effect.rows().items()}
             without = {**fit.coefficients, **nothing}
-            parts[effect.name] = whole - model.predict(*usual, without, **drivers)
+            part = model.predict(*usual, coefficients=without, **drivers)
+            parts[effect.name] = whole - part
         return pd.DataFrame(parts, index=data.index)
 
-    def temperature_model(self, weather=None, **options):
+    def temperature_model(
+        self, weather: pd.DataFrame | None = None, **options: Any
+    ) -> DynamicCellTemperature:
         """
         The last step as a temperature model for pvlib's ModelChain.
 
@@ -210,7 +222,7 @@ class Loop:
             weather = weather.drop(columns=place)
         return self.fit.temperature_model(weather, **options)
 
-    def plot(self, ax=None):
+    def plot(self, ax: Any = None) -> Any:
         """
         Measured temperature on the most variable test day, modelled before and after.
 
@@ -228,7 +240,12 @@ class Loop:
             )
         return plotting.plot_before_after(self, ax)
 
-    def to_html(self, path=None, title=None, gamma=GAMMA):
+    def to_html(
+        self,
+        path: FilePath | None = None,
+        title: str | None = None,
+        gamma: float = GAMMA,
+    ) -> str:
         """
         The report with pictures as one HTML file, which needs nothing beside it.
 
@@ -250,7 +267,7 @@ class Loop:
     def _repr_html_(self):
         return brief(self)
 
-    def to_json(self, path=None, **cell):
+    def to_json(self, path: FilePath | None = None, **cell: float) -> str:
         """
         The loop as JSON, of which :meth:`from_json` makes the same again.
 
@@ -289,7 +306,9 @@ class Loop:
         return written(LOOP, content, path)
 
     @classmethod
-    def from_json(cls, path, effects=()):
+    def from_json(
+        cls, path: FilePath, effects: EffectLike | Iterable[EffectLike] = ()
+    ) -> Self:
         """
         The loop that :meth:`to_json` or the command ``pvlib-fem`` wrote.
 
@@ -316,7 +335,9 @@ class Loop:
             return cls.stored(stored, effects)
 
     @classmethod
-    def stored(cls, content, own=()):
+    def stored(
+        cls, content: Stored, own: EffectLike | Iterable[EffectLike] = ()
+    ) -> Self:
         """The loop of a file."""
         table, why = content.part("table"), content.part("untestable")
         rows = {name: table.numbers(name, unknown=True) for name in table.content}

@@ -1,10 +1,21 @@
 """From the back of a module to its cells."""
 
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
 from pvlib_fem.paper.estimators import MIN_POINTS, Estimate, regression
 from pvlib_fem.relaxation import ewm
 
 
-def cell_from_back(temp_back, poa_global, k_bs_c, tau, **timing):
+def cell_from_back(
+    temp_back: pd.Series | np.ndarray,
+    poa_global: pd.Series | np.ndarray,
+    k_bs_c: float,
+    tau: float,
+    **timing: Any,
+) -> pd.Series | np.ndarray:
     """
     Cell temperature from the back of a module, ``T_back + k_BS-C·G_EWM``.
 
@@ -31,7 +42,13 @@ def cell_from_back(temp_back, poa_global, k_bs_c, tau, **timing):
     return temp_back + k_bs_c * ewm(poa_global, tau, **timing)
 
 
-def k_bs_c(temp_cell, temp_back, poa_global, tau, min_points=MIN_POINTS) -> Estimate:
+def k_bs_c(
+    temp_cell: pd.Series,
+    temp_back: pd.Series,
+    poa_global: pd.Series,
+    tau: float,
+    min_points: int = MIN_POINTS,
+) -> Estimate:
     """
     Back-to-cell resistance: slope of T_cell - T_back over smoothed irradiance.
 

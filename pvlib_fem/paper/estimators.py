@@ -24,7 +24,13 @@ class Estimate:
     note: str = ""  # what the reader of the value has to know
 
 
-def averages(poa_global, temp_air, wind_speed, temp_module, interval=INTERVAL):
+def averages(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    interval: str = INTERVAL,
+) -> pd.DataFrame:
     """
     Five-minute averages of daytime rows, with the over-temperature.
 
@@ -44,7 +50,7 @@ def averages(poa_global, temp_air, wind_speed, temp_module, interval=INTERVAL):
     frame = pd.DataFrame(
         dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
     )
-    frame = frame[daytime(*(frame[name] for name in COLUMNS))]
+    frame = frame[pd.Series(daytime(*(frame[name] for name in COLUMNS)))]
     frame["over"] = frame["temp_module"] - frame["temp_air"]
     frame = frame[["poa_global", "wind_speed", "over"]]
     return frame.resample(interval).mean() if len(frame) else frame
@@ -68,7 +74,11 @@ def regression(x, y, intercept=True):
 
 
 def night_bias(
-    poa_global, temp_air, wind_speed, temp_module, min_points=CALM_POINTS
+    poa_global: pd.Series | np.ndarray,
+    temp_air: pd.Series | np.ndarray,
+    wind_speed: pd.Series | np.ndarray,
+    temp_module: pd.Series | np.ndarray,
+    min_points: int = CALM_POINTS,
 ) -> Estimate:
     """
     Mean over-temperature by night, the bias of Veldhuis et al.
@@ -107,14 +117,14 @@ def night_bias(
 
 
 def r_eq_max(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    calm_wind=0.5,
-    intercept=True,
-    min_points=CALM_POINTS,
-    offset=0.0,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    calm_wind: float = 0.5,
+    intercept: bool = True,
+    min_points: int = CALM_POINTS,
+    offset: float = 0.0,
 ) -> Estimate:
     """
     Largest thermal resistance: slope of T_o over irradiance in calm air.
@@ -168,14 +178,14 @@ def resistance(frame, intercept, offset):
 
 
 def r_m(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    high_wind=6.0,
-    intercept=True,
-    min_points=CALM_POINTS,
-    offset=0.0,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    high_wind: float = 6.0,
+    intercept: bool = True,
+    min_points: int = CALM_POINTS,
+    offset: float = 0.0,
 ) -> Estimate:
     """
     Resistance of the module itself: slope of T_o over irradiance in high wind.
@@ -196,7 +206,7 @@ def r_m(
     return resistance(frame, intercept, offset)
 
 
-def r_film(r_eq_max, r_m) -> Estimate:
+def r_film(r_eq_max: Estimate, r_m: Estimate) -> Estimate:
     """
     Resistance of the air films, ``r_eq,max - r_M`` (Eq. 15).
 
@@ -210,14 +220,14 @@ def r_film(r_eq_max, r_m) -> Estimate:
 
 
 def d(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    k,
-    poa_min=600.0,
-    min_points=MIN_POINTS,
-    offset=0.0,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    k: float,
+    poa_min: float = 600.0,
+    min_points: int = MIN_POINTS,
+    offset: float = 0.0,
 ) -> Estimate:
     """
     Wind coefficient of WM1: slope of -WS over ln(T_o/(k·G)) in high irradiance.
@@ -266,7 +276,13 @@ def d(
     return Estimate(-1.0 / slope, "m/s", len(frame))
 
 
-def k_w_bins(poa_global, temp_air, wind_speed, temp_module, min_points=MIN_POINTS):
+def k_w_bins(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    min_points: int = MIN_POINTS,
+) -> pd.DataFrame:
     """
     Slopes of over-temperature over wind by irradiance, of which k_W is made.
 
@@ -292,12 +308,12 @@ def k_w_bins(poa_global, temp_air, wind_speed, temp_module, min_points=MIN_POINT
 
 
 def k_w(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    min_points=MIN_POINTS,
-    intercept=False,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    min_points: int = MIN_POINTS,
+    intercept: bool = False,
 ) -> Estimate:
     """
     Convection coefficient of WM2: a regression of regression coefficients.

@@ -102,4 +102,6 @@ def tau_by_mounting() -> pd.DataFrame:
     """
     table = table_3()
     tau = table[table["step"] <= FINE].groupby("mounting")["tau"]
-    return tau.agg(mean="mean", lowest="min", highest="max", records="count")
+    return pd.DataFrame(
+        tau.agg(mean="mean", lowest="min", highest="max", records="count")
+    )

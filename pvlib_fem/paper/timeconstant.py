@@ -32,14 +32,14 @@ class TimeConstant:
 
 
 def time_constant(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    r_eq_max,
-    min_points=MIN_POINTS,
-    interval=INTERVAL,
-    apart=APART,
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    r_eq_max: float,
+    min_points: int = MIN_POINTS,
+    interval: str = INTERVAL,
+    apart: int = APART,
 ) -> TimeConstant:
     r"""
     Time constant from step changes of irradiance, for each wind bin.
@@ -117,17 +117,17 @@ def time_constant(
             f"{int(table['points'].iloc[1])} at 1-2 m/s: {interval} averages above "
             f"{BRIGHT:g} W/m² whose wind stays in the bin; use method='least_squares'"
         )
-    return chosen(table, int(calm.idxmax()))
+    return chosen(table, int(np.nanargmax(calm)))
 
 
 def step_changes(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    interval=INTERVAL,
-    apart=APART,
-):
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    interval: str = INTERVAL,
+    apart: int = APART,
+) -> pd.DataFrame:
     """
     Step changes that the paper regresses (Fig. 6); as in :func:`time_constant`.
 
@@ -185,7 +185,9 @@ def chosen(table, first):
     )
 
 
-def heat_capacities(tau, r_eq_max, r_m) -> dict:
+def heat_capacities(
+    tau: TimeConstant, r_eq_max: Estimate, r_m: Estimate
+) -> dict[str, Estimate]:
     """
     Heat capacities from time constants and resistances (Eqs. 16 and 17).
 

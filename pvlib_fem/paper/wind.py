@@ -1,15 +1,20 @@
 """What the paper says of wind: the most that counts, and what it carries away."""
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.paper.estimators import INTERVAL, MIN_POINTS, Estimate
 from pvlib_fem.thermal.steady import CLIP
+from pvlib_fem.types import Numeric
 
 WINDS = 0.99  # share of the averages that lie below, the package's choice
 
 
 def wind_max(
-    wind_speed, share=WINDS, interval=INTERVAL, min_points=MIN_POINTS
+    wind_speed: pd.Series,
+    share: float = WINDS,
+    interval: str = INTERVAL,
+    min_points: int = MIN_POINTS,
 ) -> Estimate:
     """
     Effective maximum wind of a site, below which nearly all averages lie.
@@ -49,7 +54,9 @@ def wind_max(
     return Estimate(float(means.quantile(share)), "m/s", len(means))
 
 
-def convection(wind_speed, k_w, wind_speed_max=CLIP):
+def convection(
+    wind_speed: Numeric, k_w: float, wind_speed_max: float = CLIP
+) -> Numeric:
     r"""
     Convective heat transfer of WM2, :math:`h = 1/(k_W\,WS)`, as in Eq. 20.
 

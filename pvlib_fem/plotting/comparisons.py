@@ -1,5 +1,8 @@
 """Many models beside each other: the paper's Figs. 8, 9 and 10."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.plotting.look import (
@@ -14,6 +17,7 @@ from pvlib_fem.plotting.look import (
     without_frame,
 )
 from pvlib_fem.plotting.steps import one_line_each
+from pvlib_fem.scores import EnergyError
 
 STEPS = {"standard": "steady", "filter": "+ filter", "ewm": "+ EWM", "fem": "+ bias"}
 LAST = "fem"  # where models of others stand
@@ -21,7 +25,7 @@ STEADY = "standard"
 SPREAD = 0.12  # between models of others, that stand beside each other
 
 
-def plot_comparison(comparison, ax=None, score="rmse"):
+def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any:
     """
     One score by step, a line a model; models of others at the last step (Fig. 9).
 
@@ -60,7 +64,7 @@ def plot_comparison(comparison, ax=None, score="rmse"):
     return ax
 
 
-def plot_resolutions(comparison, ax=None, score="rmse"):
+def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> Any:
     """
     One score over the resolution of the data, steady and dynamic (Fig. 8).
 
@@ -107,7 +111,7 @@ def plot_resolutions(comparison, ax=None, score="rmse"):
     return ax
 
 
-def plot_energy_error(errors, ax=None):
+def plot_energy_error(errors: Mapping[str, EnergyError], ax: Any = None) -> Any:
     """
     What temperature errors do to the performance ratio, to either side (Fig. 10).
 

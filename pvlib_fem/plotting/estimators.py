@@ -1,6 +1,10 @@
 """What the paper's estimators see: its Figs. 3, 5, 6 and 7 of a record of one's own."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+import pandas as pd
 
 from pvlib_fem import paper
 from pvlib_fem.plotting.look import (
@@ -18,14 +22,14 @@ CLEAR = 0.35  # opacity of points that lie on each other
 
 
 def plot_resistances(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    calm_wind=0.5,
-    high_wind=6.0,
-    ax=None,
-):
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    calm_wind: float = 0.5,
+    high_wind: float = 6.0,
+    ax: Any = None,
+) -> Any:
     """
     Over-temperature over irradiance in calm air and in high wind (Fig. 3).
 
@@ -93,7 +97,14 @@ def plot_resistances(
     return ax
 
 
-def plot_k_w(poa_global, temp_air, wind_speed, temp_module, intercept=False, ax=None):
+def plot_k_w(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    intercept: bool = False,
+    ax: Any = None,
+) -> Any:
     """
     Slopes of over-temperature over wind by irradiance, and k_W (Fig. 5).
 
@@ -138,15 +149,15 @@ def plot_k_w(poa_global, temp_air, wind_speed, temp_module, intercept=False, ax=
 
 
 def plot_step_changes(
-    poa_global,
-    temp_air,
-    wind_speed,
-    temp_module,
-    interval="5min",
-    apart=4,
-    bins=(0, 1, 2, 4, 6),
-    ax=None,
-):
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    temp_module: pd.Series,
+    interval: str = "5min",
+    apart: int = 4,
+    bins: Sequence[int] = (0, 1, 2, 4, 6),
+    ax: Any = None,
+) -> Any:
     """
     Changes of over-temperature over those of irradiance, by wind (Fig. 6).
 
@@ -200,7 +211,7 @@ def plot_step_changes(
     return ax
 
 
-def plot_tau_bins(tau, ax=None):
+def plot_tau_bins(tau: paper.TimeConstant, ax: Any = None) -> Any:
     """
     The paper's time constants by wind bin, and the one that it chooses (Fig. 7).
 

@@ -255,7 +255,7 @@ class Screening:
     clipped: int = 0
 
     @property
-    def mask(self):
+    def mask(self) -> pd.DataFrame:
         """True where a value is at fault for any reason."""
         found = np.any([mask.to_numpy() for mask in self.masks.values()], axis=0)
         return pd.DataFrame(found, self.cleaned.index, self.cleaned.columns)
@@ -267,7 +267,7 @@ class Screening:
         return "\n".join([rows, *(f"note: {note}" for note in self.notes)])
 
 
-def screen(data, limits=None) -> Screening:
+def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     """
     Find what a record holds that was not measured, before anything is fitted.
 

@@ -83,7 +83,7 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     seconds = record.inputs.seconds
     columns = {name: record[name] for name in POSSIBLE}
     columns |= {"felt": felt(record, limits), "seconds": seconds}
-    found = dict.fromkeys(POSSIBLE)
+    found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
     for name, still in STILL.items():
         values = columns[name]
         there = np.isfinite(values)

@@ -37,13 +37,13 @@ def column_words(name, start, end):
     return f"with {name} between {start:g} and {end:g}{unit}"
 
 
+WEEK_WORDS = {"weekdays": "on weekdays", "weekend": "at weekends"}
 #: words for a part of clock or calendar
 CLOCK_WORDS = {
     "hour": lambda name, start, end: f"between {start:g} and {end:g} h",
     "weekend": lambda name, start, end: WEEK_WORDS[start],
     "month": month_words,
 }
-WEEK_WORDS = {"weekdays": "on weekdays", "weekend": "at weekends"}
 
 
 @dataclass(frozen=True, eq=False)

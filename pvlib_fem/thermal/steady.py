@@ -8,6 +8,7 @@ slopes, by parameter and by wind speed, which the exact Jacobian of a fit needs.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -190,7 +191,7 @@ def noct_sam_slopes(wind_speed, **coefficients):
 # starts are the paper's average site (its Table 3) and pvlib's defaults
 K = Parameter(0.0326, 0.002, 0.2, "K m²/W")
 
-SHARE = {"lower": 0.0, "upper": 1.0, "unit": "-"}
+SHARE: dict[str, Any] = {"lower": 0.0, "upper": 1.0, "unit": "-"}
 
 STEADY_MODELS = {
     "ross": SteadyModel("ross", ross, ross_slopes, {"k": K}),

@@ -1,7 +1,8 @@
 """Module temperature in the shape of ``pvlib.temperature``, steady and dynamic."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,13 +10,16 @@ import pandas as pd
 from pvlib_fem.record.checks import at_time, read
 from pvlib_fem.relaxation import relax, smoothed
 from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS, steady_model
+from pvlib_fem.types import Numeric, Times
 
 SEEN = ("poa_global", "wind_speed")  # smoothed
 DYNAMIC = ("fuentes", "prilliman", "fem_temperature", "heat_balance")
 TAU = 378.0  # s, the paper's mean of fixed mountings (379 ± 60 s)
 
 
-def wm1(poa_global, temp_air, wind_speed, k, d):
+def wm1(
+    poa_global: Numeric, temp_air: Numeric, wind_speed: Numeric, k: float, d: float
+) -> Numeric:
     r"""
     Steady module temperature by Wind Model 1.
 
@@ -63,7 +67,14 @@ def wm1(poa_global, temp_air, wind_speed, k, d):
     )
 
 
-def wm2(poa_global, temp_air, wind_speed, k, k_w, wind_speed_max=CLIP):
+def wm2(
+    poa_global: Numeric,
+    temp_air: Numeric,
+    wind_speed: Numeric,
+    k: float,
+    k_w: float,
+    wind_speed_max: float = CLIP,
+) -> Numeric:
     r"""
     Steady module temperature by Wind Model 2.
 
@@ -119,18 +130,18 @@ def steady(steady_model, poa_global, temp_air, wind_speed, coefficients):
 
 
 def fem_temperature(
-    poa_global,
-    temp_air,
-    wind_speed,
+    poa_global: Numeric,
+    temp_air: Numeric,
+    wind_speed: Numeric,
     *,
-    tau=TAU,
-    bias=0.0,
-    model="wm1",
-    step=None,
-    times=None,
-    adjust=False,
-    initial=None,
-    **coefficients,
+    tau: float = TAU,
+    bias: float = 0.0,
+    model: str | Callable[..., Any] = "wm1",
+    step: float | None = None,
+    times: Times | None = None,
+    adjust: bool = False,
+    initial: pd.DataFrame | Mapping[str, float | pd.Series] | None = None,
+    **coefficients: Numeric,
 ) -> pd.Series | np.ndarray:
     """
     Module temperature by any steady model on smoothed irradiance and wind.
@@ -219,17 +230,17 @@ def fem_temperature(
 
 
 def heat_balance(
-    poa_global,
-    temp_air,
-    wind_speed,
+    poa_global: Numeric,
+    temp_air: Numeric,
+    wind_speed: Numeric,
     *,
-    capacity,
-    bias=0.0,
-    model="faiman",
-    step=None,
-    times=None,
-    initial=None,
-    **coefficients,
+    capacity: float,
+    bias: float = 0.0,
+    model: str = "faiman",
+    step: float | None = None,
+    times: Times | None = None,
+    initial: float | pd.Series | None = None,
+    **coefficients: float,
 ) -> pd.Series | np.ndarray:
     r"""
     Module temperature by the exact heat balance of one thermal mass.
@@ -298,7 +309,8 @@ def heat_balance(
     chosen = steady_model(model, coefficients)
     coefficients = chosen.complete(coefficients)
     inputs = driver_inputs(poa_global, temp_air, wind_speed, step, times)
-    if not (np.isscalar(capacity) and capacity > 0):
+    single = np.isscalar(capacity)
+    if not (single and capacity > 0):
         raise ValueError(f"capacity = {capacity} must be a positive number [J/(m² K)]")
     r_eq = losing(chosen, inputs["wind_speed"], coefficients)
     target = inputs["temp_air"] + inputs["poa_global"] * r_eq
