@@ -15,7 +15,7 @@ demo: $(VENV)/.installed
 	$(BIN)/pvlib-fem demo
 
 test: $(VENV)/.installed
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses=2 --dist=loadfile
 
 # every property with 10,000 examples
 fuzz: $(VENV)/.installed

@@ -31,10 +31,11 @@ def replacing(path):
     ------
     Path
     """
-    path = Path(os.path.realpath(path))  # a link goes on pointing to the file
+    path = Path(path)
     if path.exists() and not path.is_file():
         yield path
         return
+    path = Path(os.path.realpath(path))  # a link goes on pointing to the file
     whole = path.with_name(f".{path.stem[:40]}.{secrets.token_hex(4)}{path.suffix}")
     try:
         whole.touch(exist_ok=False)

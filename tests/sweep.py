@@ -2,7 +2,7 @@
 Each criterion of the loop halved and doubled alone: what moves, and what does not.
 
 Run as ``python tests/sweep.py [--out docs/sensitivity.md]``. The records are a part of
-the study's worlds, simulated once each.
+the study's worlds, simulated once each, and records with what the loop guards against.
 """
 
 import argparse
@@ -15,21 +15,34 @@ from dataclasses import dataclass, fields, replace
 from datetime import date
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import study_worlds
 from study_records import said, seen
+from study_worlds import PHYSICS, Case, World, site
 
 from pvlib_fem import Criteria, close_loop, simulator
+from pvlib_fem.quality.check import check
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.quality.units import oddities
+from pvlib_fem.record.checks import as_record, with_columns
+from pvlib_fem.record.columns import COLUMNS, numeric, with_aliases
 
 #: worlds of each family, of one effect with the third of its sizes
 PART = {
-    "exact null": (0,),
-    "one effect": (0, 1, 2, 5, 7),
-    "pairs and triples": (0,),
-    "no catalogue": (0, 2, 4),
-    "driver missing": (0,),
-    "short records": (7,),
+    "exact null": (0, 3),
+    "one effect": (0, 1, 2, 5, 6, 7, 8, 16),
+    "pairs and triples": (0, 1, 2),
+    "no catalogue": (0, 2, 4, 9),
+    "its driver as a column": (1,),
+    "driver missing": (0, 1),
+    "ties": (0, 3),
+    study_worlds.LOGGERS: (4,),
+    "short records": (7, 14, 15),
 }
+GUARDS = "what the loop guards against"
+STEP = 600.0  # s
 TIMES = {"halved": 0.5, "doubled": 2.0}
 
 
@@ -40,39 +53,101 @@ class Setting:
     name: str = ""
     way: str = ""
 
-    @property
-    def value(self):
-        usual = getattr(Criteria(), self.name)
-        value = usual * TIMES[self.way]
-        if isinstance(usual, int):
-            value = max(1, round(value))
-        return min(value, 0.99) if 0.5 < usual < 1.0 else value
-
-    @property
-    def criteria(self):
-        usual = Criteria()
-        return replace(usual, **{self.name: self.value}) if self.name else usual
+    def of(self, usual):
+        """The criteria, or limits, with this one by its other value."""
+        if not self.name:
+            return usual
+        value = getattr(usual, self.name)
+        other = value * TIMES[self.way]
+        if isinstance(value, int):
+            other = max(1, round(other))
+        other = min(other, 0.99) if 0.5 < value < 1.0 else other
+        return replace(usual, **{self.name: other})
 
 
-def settings():
-    """The usual criteria, then each of them halved and doubled."""
+def settings(usual):
+    """The usual criteria, or limits, then each of them halved and doubled."""
     yield Setting()
-    for field in fields(Criteria):
-        if isinstance(getattr(Criteria(), field.name), int | float):
+    for field in fields(usual):
+        if isinstance(getattr(usual, field.name), int | float):
             yield from (Setting(field.name, way) for way in TIMES)
 
 
 def records():
-    """Worlds and cases of the sweep."""
+    """Worlds and cases of the sweep, and what a user's file has of each."""
     for family, wanted in PART.items():
         made = list(study_worlds.FAMILIES[family]())
         for i in wanted:
             world, cases = made[i]
-            yield world, cases[min(2, len(cases) - 1)]
+            # on longer steps the same rules decide, in a third of the time
+            yield replace(world, step=STEP), cases[min(2, len(cases) - 1)], None
+    yield from guarded()
 
 
-def swept(world, case):
-    """What the loop says of one record by each setting."""
+def instruments():
+    """Records for what is checked of sensors and clocks, before any fit."""
+    for world, cases in study_worlds.FAMILIES[study_worlds.LOGGERS]():
+        if "swap" not in cases[0].on:  # the usual columns' units are no limits
+            yield world, cases[0], None
+    for world, cases in list(study_worlds.FAMILIES["physics null"]())[3:6]:
+        yield world, cases[0], None
+    yield from guarded()
+
+
+def guarded():
+    """Records with what the loop guards against."""
+    sky = Case(GUARDS, PHYSICS | {"sky_radiation": 1.0}, {"sky_radiation": 1.0})
+    changes = {leaks: 100.0, gaps: 25.0, far: 365.0, frozen: 45.0, thin: 120.0}
+    changes |= {foreign: 90.0, filled: 90.0}
+    for i, (change, count) in enumerate(changes.items()):
+        step = 60.0 if change is thin else STEP
+        yield World(site(9700 + i), 9700 + i, count, step), sky, change
+
+
+def leaks(data, random):
+    """Columns that are made of the module's temperature, more and less of it."""
+    for spread in (2.0, 6.0):
+        noise = spread * random.standard_normal(len(data))
+        data[f"panel_{spread:g}"] = data["temp_module"] + noise
+    over = data["temp_module"] - data["temp_air"]
+    data["over"] = over + 3.0 * random.standard_normal(len(data))
+    return data
+
+
+def gaps(data, random):
+    """Days without the humidity, with a third of the rows of others."""
+    day = (np.arange(len(data)) * data.attrs["step"] // 86400).astype(int)
+    lost = random.random(day.max() + 1) < 0.15
+    data.loc[lost[day], "relative_humidity"] = np.nan
+    thin = random.random(day.max() + 1) < 0.2
+    return data[~thin[day] | (random.random(len(data)) < 0.4)]
+
+
+def far(data, random):
+    """A driver that mostly lacks, a clock five minutes late and wandering sensors."""
+    data.loc[random.random(len(data)) < 0.3, "precipitation"] = np.nan
+    return data.assign(
+        temp_module=data["temp_module"].shift(1),
+        speed=data["wind_speed"] + 0.3 * random.standard_normal(len(data)),
+    )
+
+
+def frozen(data, random):
+    """Sensors that keep their value for hours, and one for days."""
+    for name, hours in (("wind_speed", 5), ("temp_air", 8), ("temp_module", 60)):
+        rows = int(hours * 3600 / data.attrs["step"])
+        begin = int(random.integers(len(data) - rows))
+        data.iloc[begin : begin + rows, data.columns.get_loc(name)] = 7.0
+    return data
+
+
+def thin(data, random):
+    """Half of all rows, at random."""
+    return data[random.random(len(data)) < 0.5]
+
+
+def file_of(world, case, change):
+    """A user's file of one record."""
     (data,) = simulator.records(
         world.site,
         [case.on],
@@ -82,12 +157,46 @@ def swept(world, case):
         world.start,
         generator=world.generator,
     )
-    data, rows = seen(data, case, world.site.forms), []
-    for setting in settings():
+    data = seen(data, case, world.site.forms)
+    if change is not None:
+        data.attrs = {"step": world.step}
+        data = change(data, np.random.default_rng([world.seed, 31]))
+    return data
+
+
+def looked_at(world, case, change):
+    """What is said of sensors and clocks of one record by each limit."""
+    columns, rows = with_aliases(file_of(world, case, change)), []
+    usual = as_record(*(columns.pop(n) for n in COLUMNS))
+    record = with_columns(usual, numeric(columns))
+    for setting in settings(Limits()):
+        row = {"name": setting.name, "way": setting.way, "family": case.family}
+        row |= {"seed": world.seed, "truth": case.label}
+        try:
+            limits = setting.of(Limits())
+            clean, faults = screened(record, limits)
+            health = check(clean, limits=limits, **world.place)
+            kinds = faults.counts[["column", "kind"]].itertuples(index=False)
+            said = [*health.faults, *(f"{column}: {kind}" for column, kind in kinds)]
+            odd = oddities(clean.inputs, limits)
+            row |= {
+                "faults": sorted(said),
+                "words": (*faults.notes, *odd, *health.notes),
+            }
+        except ValueError as error:
+            row |= {"faults": ["refused"], "words": (str(error),)}
+        rows.append(row)
+    return rows
+
+
+def swept(world, case, change):
+    """What the loop says of one record by each criterion."""
+    data, rows = file_of(world, case, change), []
+    for setting in settings(Criteria()):
         row = {"name": setting.name, "way": setting.way, "family": case.family}
         row |= {"seed": world.seed, "truth": case.label, "truths": len(case.truths)}
         try:
-            loop = close_loop(data, criteria=setting.criteria, **world.place)
+            loop = close_loop(data, criteria=setting.of(Criteria()), **world.place)
         except ValueError as error:
             rows.append(row | {"broken": f"{type(error).__name__}: {error}"})
             continue
@@ -100,20 +209,55 @@ def swept(world, case):
             (str(f.verdict), f.candidates) for f in loop.findings if f.added
         )
         row["left"] = tuple(f.candidates for f in loop.unexplained)
+        row["told"] = told(loop)
         row["error"] = float(loop.table["rmse_test"][loop.last])
         rows.append(row)
     return rows
 
 
-def run(processes=2):
+def told(loop):
+    """What a reader is told besides: hints, the withdrawn, corrections, the rest."""
+    others = tuple((f.verdict, f.candidates) for f in loop.findings if not f.added)
+    fixed = tuple((one.fault, one.applied) for one in loop.corrections)
+    order = tuple(loop.ranking.index)
+    return repr((others, fixed, sorted(loop.untestable), loop.fit.notes, order))
+
+
+def filled(data, random):
+    """A logger's codes, spikes, broken cables and foreign numbers."""
+    places = {name: data.columns.get_loc(name) for name in data}
+
+    def some(count):
+        return random.choice(len(data), count, replace=False)
+
+    data.iloc[some(80), places["poa_global"]] = -7999.0
+    data.iloc[some(40), places["relative_humidity"]] = -6999.0
+    data.iloc[some(30), places["temp_air"]] += 30.0
+    data.iloc[some(30), places["temp_module"]] -= 70.0
+    data.iloc[some(300), places["poa_global"]] = -8.0
+    return data
+
+
+def foreign(data, random):
+    """Drivers in other units."""
+    return data.assign(
+        relative_humidity=data["relative_humidity"] / 100.0,
+        wind_direction=np.radians(data["wind_direction"]),
+        longwave_down=data["longwave_down"] - 300.0,
+        p_dc=3.0 * data["p_dc"],
+        temp_sky=data["temp_air"] + 263.15,
+    )
+
+
+def run(look, tasks, processes=2):
     """A row for each record and setting."""
-    tasks = list(records())
+    tasks = list(tasks)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
     context = multiprocessing.get_context("spawn")
     rows, begin = [], time.perf_counter()
     with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        for (_, case), some in zip(tasks, pool.map(swept, *zip(*tasks))):
+        for (_, case, _), some in zip(tasks, pool.map(look, *zip(*tasks))):
             rows += some
             passed = time.perf_counter() - begin
             print(f"{case.family}: {case.label}, {passed:.0f} s", file=sys.stderr)
@@ -129,6 +273,7 @@ def moved(table, usual):
         "misled": int(both["misled"].sum()),
         "said": int((both["said"] != both["said_usual"]).sum()),
         "left": int((both["left"] != both["left_usual"]).sum()),
+        "told": int((both["told"] != both["told_usual"]).sum()),
         "error": float((both["error"] - both["error_usual"]).mean()),
         "broken": int(both["broken"].notna().sum()) if "broken" in both else 0,
     }
@@ -142,6 +287,8 @@ def cells(row, usual):
             parts.append(f"{change:+d} {words}")
     if row["said"] or row["left"]:
         parts.append(f"{row['said']} say, {row['left']} leave other")
+    elif row["told"]:
+        parts.append(f"{row['told']} tell other")
     if abs(row["error"]) >= 0.0005:
         parts.append(f"{row['error']:+.3f} K")
     if row["broken"]:
@@ -159,8 +306,9 @@ records of the study, seeds {low} to {high}; {minutes:.0f} min. By the usual cri
 without a true member.
 
 A cell has the change in truths *found*, names *wrong* and classes *misled*; in how many
-records the loop *says* other causes or *leaves* other structure; and the mean change of
-the error on test weeks. A dot: nothing moves in these records.
+records the loop *says* other causes or *leaves* other structure, or, where it does
+neither, *tells* other hints, notes or ranks; and the mean change of the error on test
+weeks. A dot: nothing moves in these records.
 """
 
 
@@ -204,11 +352,41 @@ def page(table, seconds, day):
     yield ""
     names = ", ".join(f"`{name}`" for name in idle) or "none"
     yield f"Nothing moves in these records by: {names}."
+
+
+LIMITS = """\
+
+## Sensors and clocks
+
+The same for every field of {{py:class}}`pvlib_fem.Limits`, by what is checked before
+any fit, in {count} records: faults of clocks and loggers of the study, sound ones, and
+those with what the loop guards against. A cell has in how many other faults are said,
+or, where none is, in how many the same ones in other numbers.
+"""
+
+
+def page_of_limits(table):
+    """The table of what is checked before any fit."""
+    usual = table[table["name"] == ""]
+    yield LIMITS.format(count=len(usual))
+    yield "| limit | usual | halved | doubled |"
+    yield "|---|---|---|---|"
+    idle = []
+    for field in fields(Limits):
+        words = []
+        for way in TIMES:
+            part = table[(table["name"] == field.name) & (table["way"] == way)]
+            both = part.merge(usual, on=["seed", "truth"], suffixes=("", "_usual"))
+            other = int((both["faults"] != both["faults_usual"]).sum())
+            number = int((both["words"] != both["words_usual"]).sum())
+            faults = f"{other} faults" if other else f"{number} numbers"
+            words.append(faults if other or number else "·")
+        if words == ["·", "·"]:
+            idle.append(field.name)
+        yield f"| `{field.name}` | {field.default:g} | {' | '.join(words)} |"
     yield ""
-    yield (
-        "Some of those guard against what is not in these records: columns made from "
-        "the answer, drivers that lack, short records, clocks, periods of a timetable."
-    )
+    names = ", ".join(f"`{name}`" for name in idle) or "none"
+    yield f"Nothing moves in these records by: {names}."
 
 
 def main():
@@ -219,11 +397,13 @@ def main():
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     begin = time.perf_counter()
-    table = run(options.processes)
+    limits = run(looked_at, instruments(), options.processes)
+    table = run(swept, records(), options.processes)
     if options.table:
         table.to_pickle(options.table)
     seconds = time.perf_counter() - begin
-    text = "\n".join(page(table, seconds, options.date)) + "\n"
+    lines = [*page(table, seconds, options.date), *page_of_limits(limits)]
+    text = "\n".join(lines) + "\n"
     if options.out:
         options.out.write_text(text, encoding="utf-8")
     else:

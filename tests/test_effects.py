@@ -895,7 +895,7 @@ def test_where_a_driver_lacks_there_is_no_temperature(plant, name):
     model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,), base=base)
     values = {**base, **{key: 0.3 * row.upper for key, row in effect.rows().items()}}
     usual = [plant[n] for n in DRIVERS]
-    drivers = {n: pd.Series(5.0, plant.index) for n in model.drivers}
+    drivers = {n: plant[n] for n in model.drivers}
     whole = model.predict(*usual, values, **drivers)
     some = slice(400, 460)
     for column in drivers:
