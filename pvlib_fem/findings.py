@@ -19,6 +19,7 @@ class Verdict(StrEnum):
     UNKNOWN = "unknown"
 
 
+CORRECTED = "clock corrected"  # row of a table of errors
 ADDED = (Verdict.NAMED, Verdict.CLASS)  # what enters the model
 
 

@@ -331,4 +331,4 @@ def test_a_snow_gauge_may_read_a_little_below_zero_at_times():
     depth = np.r_[np.zeros(500), np.full(500, 7.0)]
     assert doubtful({"snow_depth": np.r_[depth, -0.1]}) == {}
     off = doubtful({"snow_depth": depth - 0.5})["snow_depth"]
-    assert off == "snow_depth is -0.5 at least; set the zero of the gauge"
+    assert off == "is -0.5 at least; set the zero of the gauge"

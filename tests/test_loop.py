@@ -16,9 +16,9 @@ from conftest import COLUMNS, measured
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.loop.case import prepared
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import STAGES
+from pvlib_fem.loop.prepare import prepared
 from pvlib_fem.loop.steps import Fits
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.resampling import coarse

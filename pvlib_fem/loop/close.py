@@ -9,14 +9,14 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.findings import Verdict
+from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.search import errors
-from pvlib_fem.loop.case import prepared
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.leaks import leaks
+from pvlib_fem.loop.prepare import prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranking import as_row, ranked
@@ -175,7 +175,7 @@ class Search:
             self.fits, step, correction = module_clock(*fits)
             self.corrections.append(correction)
             if correction.applied:
-                self.steps["clock corrected"] = step
+                self.steps[CORRECTED] = step
         start = step
         self.leave_out_leaks(step)
         found = None

@@ -84,6 +84,6 @@ def check(
     still = any(rows.any() for rows in frozen.values())
     faults = {"stuck": stuck_line(record, frozen)} if still else {}
     faults |= clock.faults | noon.faults
-    faults |= {f"units:{name}": line for name, line in doubts.items()}
+    faults |= {f"units:{name}": f"{name} {line}" for name, line in doubts.items()}
     counts = {name: int(rows.sum()) for name, rows in frozen.items()}
     return Health(mask, counts, clock, noon, doubts, frozen, faults)

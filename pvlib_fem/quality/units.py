@@ -28,12 +28,12 @@ def doubtful(columns, limits=None) -> dict[str, str]:
     Returns
     -------
     dict
-        Name to one line with the remedy; such a column should not be used.
+        Name to what is odd about it, with the remedy; it should not be used.
 
     Examples
     --------
     >>> doubtful({"relative_humidity": [0.4, 0.9]})["relative_humidity"]
-    'relative_humidity is 0.9 at most, a fraction; multiply it by 100 for %'
+    'is 0.9 at most, a fraction; multiply it by 100 for %'
     """
     limits = limits or Limits()
     columns = {name: np.asarray(values, float) for name, values in columns.items()}
@@ -47,14 +47,15 @@ def doubtful(columns, limits=None) -> dict[str, str]:
         if name == "p_dc" and "poa_global" in columns:
             reason = power_doubt(values, columns["poa_global"], limits)
         if reason:
-            found[name] = f"{name} {reason}"
+            found[name] = reason
     return found
 
 
 def refuse_doubtful(columns, limits=None):
     """Refuse drivers that look to be in another unit."""
-    if lines := doubtful(columns, limits):
-        raise ValueError("; ".join(lines.values()) + WAY_ROUND)
+    if found := doubtful(columns, limits):
+        lines = [f"{name} {reason}" for name, reason in found.items()]
+        raise ValueError("; ".join(lines) + WAY_ROUND)
 
 
 def often(odd, limits):

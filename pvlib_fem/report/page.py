@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.findings import Verdict
+from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.reasons import Reason
 from pvlib_fem.report import advice
 from pvlib_fem.report.document import (
@@ -33,7 +33,6 @@ from pvlib_fem.scores import GAMMA
 
 NOT_SHOWN = "smaller than this record can show"
 WITHOUT_CAUSE = "no effect and no column follows it"
-CORRECTED = "clock corrected"  # row of the table
 STEPS = {"steady": "no memory", "fem": "the paper's form", "balance": "heat balance"}
 VERDICTS = {
     "named": "no other candidate explains it",

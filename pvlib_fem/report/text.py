@@ -4,10 +4,10 @@ from textwrap import TextWrapper
 
 import numpy as np
 
-from pvlib_fem.findings import Kind, Verdict
+from pvlib_fem.findings import CORRECTED, Kind, Verdict
 from pvlib_fem.plotting.steps import BASES
 from pvlib_fem.report.document import rounded, with_error
-from pvlib_fem.report.page import CORRECTED, by_reason
+from pvlib_fem.report.page import by_reason
 
 NEVER = (
     "absorptance, irradiance gain, mean rear irradiance: all are k",

@@ -1,0 +1,218 @@
+"""A user's frame as the loop takes it: checked, and its file's clock corrected."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
+from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.findings import Check, Correction
+from pvlib_fem.loop.case import Case, counting, divided, without_answer
+from pvlib_fem.loop.weeks import Part, parts
+from pvlib_fem.quality.check import Health, check
+from pvlib_fem.quality.daylight import daylight_saving
+from pvlib_fem.quality.screen import Faults, alone
+from pvlib_fem.quality.stray import refuse_stray
+from pvlib_fem.quality.stuck import stuck
+from pvlib_fem.quality.units import oddities
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.record.checks import Record, as_record, with_columns
+from pvlib_fem.record.columns import COLUMNS, numeric, usable_drivers, with_aliases
+
+FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
+OFF_THE_SUN = ("file_shift", "file_dst")  # faults with which the sun is elsewhere
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A record, and what is seen of it before any fit; of test rows no answer."""
+
+    whole: Record  # less what was not measured
+    parts: np.ndarray  # what each row is for
+    drivers: dict
+    refused: dict  # further columns, and why they are not used
+    faults: Faults
+    odd: tuple  # what looks odd, in sentences
+    health: Health
+    still: np.ndarray  # test rows of sensors that stand still
+
+
+def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=None):
+    """Everything checked that comes in, and divided before it is looked at."""
+    how = (site, criteria, check_units)
+    look = looked(data, holdout, *how)
+    look, corrections = in_standard_time(data, holdout, look, how)
+    faults = look.health.faults
+    if "file_shift" in faults:
+        corrections += (shifted(faults["file_shift"], look.health.noon.late),)
+    sun, refused = geometry(look.whole.index, **site), look.refused
+    if {*OFF_THE_SUN} & {*faults}:
+        refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
+        sun = {}
+    wanted, untestable = candidates({**look.drivers, **sun}, refused, effects)
+    whole, seen = used(look, sun)
+    case = Case(
+        whole=whole,
+        record=whole,
+        seen=seen,
+        parts=look.parts,
+        drivers=tuple(look.drivers),
+        wanted=tuple(wanted),
+        untestable=untestable,
+        site=site if sun else dict.fromkeys(site),
+        place=site,
+        clock=look.health.clock,
+        criteria=criteria,
+        family=criteria.rounds * max(1, len(wanted)),
+        fixed=dict(fixed or {}),
+        notes=tuple(notes_of(look, corrections, wanted, site, criteria)),
+        corrections=corrections,
+    )
+    return divided(whole, case)
+
+
+def looked(data, holdout, site, criteria, check_units):
+    """A frame divided and screened, and what its sensors and clocks show."""
+    columns, limits = with_aliases(data), criteria.limits
+    usual = as_record(*(columns.pop(name) for name in COLUMNS))
+    refuse_stray(usual.index, limits)
+    what = parts(usual, counting(usual), holdout, criteria)
+    test = what == Part.TEST
+    hidden, faults = alone(
+        with_columns(without_answer(usual, test), numeric(columns)), limits, check_units
+    )
+    taken = (*DERIVED, *MODELLED)
+    drivers, refused = usable_drivers(columns, hidden, criteria.most_missing, taken)
+    hidden = hidden.only([*COLUMNS, *drivers])
+    health = check(hidden, limits=limits, **site)
+    for name, doubt in health.doubtful.items():
+        drivers.pop(name, None)
+        refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
+    whole, still = with_answer(hidden, faults, usual, test, limits)
+    odd = tuple(oddities(hidden.inputs, limits))
+    return Look(whole, what, drivers, refused, faults, odd, health, still)
+
+
+def in_standard_time(data, holdout, look, how):
+    """The look again where a file keeps summer time, and what was made of that."""
+    fault, (site, criteria, _) = look.health.faults.get("file_dst"), how
+    if fault is None or site["location"] is None:
+        return look, ()
+    place = (look.health.noon, *site.values(), criteria.limits)
+    summer = daylight_saving(look.whole["poa_global"], look.whole.index, *place)
+    if not summer.explained:
+        return look, (told_of(summer, fault),)
+    if holdout is not None:
+        holdout = summer.corrected(holdout)
+    return looked(summer.corrected(data), holdout, *how), (told_of(summer),)
+
+
+def used(look, sun):
+    """The record of what is used, with the sun, and the rows that may count."""
+    stands, whole = look.health.mask | look.still, look.whole
+    kept = {n: c for n, c in whole.inputs.columns.items() if n not in look.refused}
+    kept |= {name: column.to_numpy() for name, column in sun.items()}
+    frozen = {name: rows for name, rows in look.health.frozen.items() if name in kept}
+    kept |= {name: np.where(rows, np.nan, kept[name]) for name, rows in frozen.items()}
+    kept["temp_module"] = np.where(stands, np.nan, kept["temp_module"])
+    return replace(whole, inputs=replace(whole.inputs, columns=kept)), ~stands
+
+
+def notes_of(look, corrections, wanted, site, criteria):
+    """What a reader has to know of the data, one line each."""
+    health = look.health
+    yield from look.faults.notes
+    yield from look.odd
+    # doubts are said with the refused, clocks with their correction
+    said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
+    said |= {one.fault for one in corrections}
+    yield from (line for name, line in health.faults.items() if name not in said)
+    yield from health.unchecked
+    yield from of_the_zone(look.whole.index, site["location"])
+    if health.clock.limit > criteria.unseen_clock and not health.clock.fault:
+        minutes = health.clock.limit / 60.0
+        yield str(because(Reason.COARSE_CLOCK, minutes=minutes))
+    yield from (f"{reason}: not used" for reason in look.refused.values())
+    yield from gaps(look.whole, look.drivers, wanted)
+
+
+def with_answer(hidden, faults, usual, test, limits):
+    """
+    The record with the answer of the test rows, and which of them stand still.
+
+    Of that answer nothing is known to any rule; what it shows of a sensor is of the
+    test rows alone.
+    """
+    own, answer = alone(usual, limits, check_units=False)
+    module = np.where(test, own["temp_module"], hidden["temp_module"])
+    columns = {**hidden.inputs.columns, "temp_module": module}
+    whole = replace(hidden, inputs=replace(hidden.inputs, columns=columns))
+    whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
+    return whole, test & np.any(list(stuck(own, limits).values()), axis=0)
+
+
+def gaps(record, drivers, wanted):
+    """How many rows do not count for effects whose drivers lack, one line each."""
+    for name in drivers:
+        lacking = int(np.isnan(record[name]).sum())
+        using = [e.name for e in wanted if name in needed_for(e.drivers)]
+        if lacking and using:
+            yield (
+                f"{name} lacks in {lacking:,} rows, which do not count for "
+                f"{', '.join(using)}"
+            )
+
+
+def of_the_zone(index, location):
+    """What to know of hours that are far from those of the sun."""
+    if location is None or index.tz is None:
+        return
+    own = index[0].utcoffset().total_seconds() / 3600.0
+    sun = location.longitude / 15.0
+    if abs((own - sun + 12.0) % 24.0 - 12.0) > FAR_ZONE:
+        yield (
+            f"hours are told in the record's zone, {index.tz}; at longitude "
+            f"{location.longitude:g}° the sun's are {abs(own - sun):.0f} h "
+            f"{'earlier' if own > sun else 'later'}: for local hours give "
+            "data.tz_convert(zone) (--tz)"
+        )
+
+
+def told_of(summer, fault=""):
+    """What was made of a file that keeps daylight-saving time."""
+    noon = "the day's light beside the sun, root mean square"
+    why = because(Reason.CORRECTED, fault=summer.line)
+    if not summer.explained:
+        why = because(Reason.NOT_CORRECTED, fault=fault, remedy=summer.line)
+    check = Check(noon, "", summer.after, summer.before, most=True, unit="min")
+    return Correction(
+        fault="file_dst",
+        columns=("all",),
+        values={"summer": 60.0} if summer.explained else {},
+        stderr={},
+        before=summer.before,
+        after=summer.after,
+        unit="min",
+        because=why,
+        checks=(check,) if summer.explained else (),
+        applied=summer.explained,
+    )
+
+
+def shifted(fault, late):
+    """What was made of a file whose times do not fit the sun: nothing."""
+    remedy = (
+        "give the times the zone that they are in, or set the location right; until "
+        "then no effect that follows the sun is tried"
+    )
+    return Correction(
+        fault="file_shift",
+        columns=("all",),
+        values={"late": late / 60.0},
+        stderr={},
+        before=abs(late) / 60.0,
+        after=abs(late) / 60.0,
+        unit="min",
+        because=because(Reason.NOT_CORRECTED, fault=fault, remedy=remedy),
+        applied=False,
+    )
