@@ -217,7 +217,9 @@ def swept(world, case, change):
 
 def told(loop):
     """What a reader is told besides: hints, the withdrawn, corrections, the rest."""
-    others = tuple((f.verdict, f.candidates) for f in loop.findings if not f.added)
+    others = tuple(
+        (f.verdict, f.candidates, str(f.place)) for f in loop.findings if not f.added
+    )
     fixed = tuple((one.fault, one.applied) for one in loop.corrections)
     order = tuple(loop.ranking.index)
     return repr((others, fixed, sorted(loop.untestable), loop.fit.notes, order))

@@ -89,8 +89,6 @@ class Criteria:
     rounds : int
         *weighing.* Times that all effects are weighed anew beside those that were
         found. [-]
-    most_effects : int
-        *weighing.* Effects that one round adds at most of each kind. [-]
     hint_gain : float
         *naming.* Gain from which an effect that was not added is told as a hint.
         [K]
@@ -217,7 +215,6 @@ class Criteria:
     bound_slack: float = 0.35
     bound_errors: float = 2.0
     rounds: int = 3
-    most_effects: int = 6
 
     hint_gain: float = 0.10
 

@@ -47,11 +47,11 @@ class Proposals:
     def select(self, names, given):
         """Add findings of some names, one after the other."""
         limits, found = self.case.criteria, self.found
-        given, unknowns, spill, count = list(given), 0, 0.0, 0
+        given, unknowns, spill = list(given), 0, 0.0
         # what cannot be told from a finding is no finding of its own
         taken = {*self.done, *(n for f in self.new for n in f.candidates)}
         names = [name for name in names if name not in taken]
-        while count < limits.most_effects and names:
+        while names:
             weights = weighed(found, names, given)
             floor = max(material(found, given, limits), spill)
             asked = {n: rules(found, w, floor) for n, w in weights.items()}
@@ -72,7 +72,7 @@ class Proposals:
                 self.new.append(
                     proposed(self.case, found, best, weights[best], ties, checks)
                 )
-                given, count = [*given, best], count + 1
+                given.append(best)
                 found = found.on_rows_of(best)
                 names = [name for name in names if name not in (best, *ties)]
                 continue
