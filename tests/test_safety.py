@@ -86,7 +86,7 @@ def test_names_bring_no_control_characters(usual):
     data = usual.assign(**{name: load})
     data["temp_module"] -= 4.0 * load
     loop = fem.close_loop(data)
-    shown = "driver:fan?[31m??"
+    shown = "driver:fan�[31m��"
     assert shown in loop.effects
     for text in (str(loop), loop.to_html(), loop.to_json(), repr(loop.ranking)):
         assert not {"\x1b", "\x07", "\u202e"} & set(text)

@@ -14,9 +14,9 @@ from pvlib_fem import plotting
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.modelchain import FIT, FITS, DynamicCellTemperature, fit_in
 from pvlib_fem.record.checks import Record
-from pvlib_fem.record.columns import COLUMNS, with_aliases
+from pvlib_fem.record.columns import COLUMNS, printable, with_aliases
 from pvlib_fem.record.summary import Summary, summary_from, summary_of
-from pvlib_fem.report.document import number, printable, value_and_error
+from pvlib_fem.report.document import number, value_and_error
 from pvlib_fem.report.fit_page import brief, fit_page
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.stored import Stored, opened, saved, written
@@ -362,7 +362,7 @@ class FemFit:
         return fit
 
     def __str__(self):
-        return printable("\n".join(report(self)))
+        return printable("\n".join(report(self)), "\n")
 
 
 def report(fit):

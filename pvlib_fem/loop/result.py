@@ -18,8 +18,7 @@ from pvlib_fem.loop.table import ranking_from, ranking_rows
 from pvlib_fem.modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
-from pvlib_fem.record.columns import COLUMNS, GEOMETRY, with_aliases
-from pvlib_fem.report.document import printable
+from pvlib_fem.record.columns import COLUMNS, GEOMETRY, printable, with_aliases
 from pvlib_fem.report.page import brief, page
 from pvlib_fem.report.text import NEVER, lines
 from pvlib_fem.scores import GAMMA
@@ -368,7 +367,7 @@ class Loop:
         return loop
 
     def __str__(self):
-        return printable("\n".join(lines(self)))
+        return printable("\n".join(lines(self)), "\n")
 
 
 def placed(place):

@@ -3,7 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.report.document import number, printable, table, with_error
+from pvlib_fem.record.columns import printable
+from pvlib_fem.report.document import number, table, with_error
 
 COLUMNS = [
     "gain",

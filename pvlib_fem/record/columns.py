@@ -1,5 +1,7 @@
 """Columns by their names: which are there, and which can be used."""
 
+import unicodedata
+
 import numpy as np
 import pandas as pd
 
@@ -36,9 +38,14 @@ ALIASES = {"ir_down": "longwave_down"}
 SOME = 20_000  # rows that are enough to compare columns
 
 
-def printable(name):
-    """A column's name as text that a terminal or a page only shows."""
-    return "".join(sign if sign.isprintable() else "?" for sign in str(name))
+def printable(text, kept=""):
+    """Text, such as a column's name, that a terminal or a page only shows."""
+    return "".join("�" if steers(c) and c not in kept else c for c in str(text))
+
+
+def steers(sign):
+    """Whether a sign is none to be read: control, direction, half of a pair."""
+    return unicodedata.category(sign) in ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 def with_aliases(data, needed=COLUMNS):

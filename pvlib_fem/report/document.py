@@ -1,9 +1,10 @@
 """What a page is made of: escaped text, lists, tables, numbers for readers."""
 
 import html
-import unicodedata
 
 import numpy as np
+
+from pvlib_fem.record.columns import printable
 
 STYLE = """
 :root { color-scheme: light dark;
@@ -75,16 +76,8 @@ def document(title, parts):
     )
 
 
-def printable(text):
-    """The text without what steers a terminal, or is no letter in a file."""
-    return "".join(
-        "�" if unicodedata.category(c) in ("Cc", "Cs") and c not in "\n\t" else c
-        for c in str(text)
-    )
-
-
 def escaped(text):
-    return html.escape(printable(text))
+    return html.escape(printable(text, "\n\t"))
 
 
 def section(title, body):
