@@ -58,8 +58,6 @@ class Evidence:
     family : int
         Number of hypotheses among which a chance is counted.
     criteria : Criteria
-    inputs : Inputs
-        Of the record, with the drivers of all effects.
     """
 
     columns: dict = field(repr=False)
@@ -74,7 +72,6 @@ class Evidence:
     partial: dict = field(default_factory=dict)
     family: int = 1
     criteria: Criteria = field(default_factory=Criteria)
-    inputs: object = field(repr=False, default=None)
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
     def sums(self, names) -> ClusterSums:

@@ -68,7 +68,6 @@ def gather(
         failed=failed,
         family=family,
         criteria=criteria,
-        inputs=inputs,
     )
     scanned = []
     for name, effect in effects.items():

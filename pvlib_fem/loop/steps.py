@@ -146,7 +146,7 @@ class Fits:
         """Evidence of some effects beside a step, on the coarse fitting rows."""
         case = self.case
         record = self.prepared(case.record, step.model)[0]
-        found = gather(
+        return gather(
             step.model,
             step.coefficients,
             record,
@@ -156,10 +156,6 @@ class Fits:
             case.family,
             step.at_bound,
         )
-        if step.model.base:  # which some drivers are computed from
-            record = replace(record, inputs=found.inputs)
-            self.ready["coarse"] = (record, self.ready["coarse"][1])
-        return found
 
 
 def check_held(steady_model, case):

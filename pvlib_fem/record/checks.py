@@ -126,7 +126,7 @@ class Record:
     def dates(self):
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
         local = self.index.tz_localize(None).to_numpy()
-        return local.astype("datetime64[D]").astype(int)
+        return local.astype("datetime64[D]").astype(np.int32)
 
     def only(self, names):
         """The same record with some of its columns."""
