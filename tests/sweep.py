@@ -365,7 +365,7 @@ LIMITS = """\
 
 ## Sensors and clocks
 
-The same for every field of {{py:class}}`pvlib_fem.Limits`, by what is checked before
+The same for every field of `quality.limits.Limits`, by what is checked before
 any fit, in {count} records: faults of clocks and loggers of the study, sound ones, and
 those with what the loop guards against. A cell has in how many other faults are said,
 or, where none is, in how many the same ones in other numbers.
