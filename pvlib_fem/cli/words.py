@@ -6,6 +6,8 @@ import warnings
 
 import click
 
+from pvlib_fem.record.columns import steers
+
 #: what a library's message says in Python, and the option that is meant
 OPTIONS = (
     (r"give convert_units=True \(--convert\)", "give --convert"),
@@ -46,7 +48,6 @@ OPTIONS = (
     (r"; pvlib_fem\.drivers\.sun finds the sun", "; --lat and --lon find the sun"),
     (r"align them first, for example as columns of one DataFrame", "join them first"),
 )
-CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
 
 def translated(message):
@@ -58,7 +59,10 @@ def translated(message):
 
 def safe(text):
     """Text of a file, which cannot steer the terminal."""
-    return CONTROL.sub(lambda sign: f"\\x{ord(sign[0]):02x}", str(text))
+    return "".join(
+        f"\\x{ord(sign):02x}" if steers(sign) and sign not in "\n\t" else sign
+        for sign in str(text)
+    )
 
 
 def say(text, err=False):

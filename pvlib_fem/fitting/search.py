@@ -6,11 +6,10 @@ import numpy as np
 
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
-from pvlib_fem.statistics.clusters import day_errors
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 from pvlib_fem.statistics.leastsquares import gauss_newton, normal_equations
 from pvlib_fem.thermal.model import MEMORY
 
-FEWEST_DAYS = 5  # below this the spread between days is no error
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 
 

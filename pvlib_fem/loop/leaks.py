@@ -4,9 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.columns import COLUMNS, SOME
-from pvlib_fem.statistics.clusters import day_errors
-
-FEWEST_DAYS = 5  # of which the spread is an error
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 
 
 def leaks(record, seen, modelled, names, criteria):

@@ -11,13 +11,12 @@ from scipy.stats import t as student
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.plotting.look import AFTER, COLOURS, MARKERS, STYLES, ink, new_axes
 from pvlib_fem.relaxation import relax
-from pvlib_fem.statistics.clusters import day_errors
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 
 STEP = 1000.0  # W/m²
 SPAN = 5.0  # time constants that are drawn
 ROWS = 1001
 BIN = 1.0  # m/s, the paper's bins of wind
-FEWEST_DAYS = 5  # below which the spread between days is no error
 LEVEL = 0.95
 
 

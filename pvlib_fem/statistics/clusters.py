@@ -16,6 +16,7 @@ from pvlib_fem.statistics.leastsquares import products
 FOLDS = 5
 WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
+FEWEST_DAYS = 5  # below this the spread between days is no error
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 
 
