@@ -217,6 +217,11 @@ class Effect:
         """Parameter rows by the name that they have in a model."""
         return {f"{self.name}.{name}": row for name, row in self.parameters.items()}
 
+    @property
+    def start(self) -> dict[str, float]:
+        """Where each of its parameters, by its name in a model, adds nothing."""
+        return {name: row.start for name, row in self.rows().items()}
+
     def at(
         self, columns: Mapping[str, np.ndarray], coefficients: Mapping[str, float]
     ) -> Terms:
@@ -271,8 +276,7 @@ def tabled(effect, columns):
     if isinstance(effect, Tabled):
         return effect
     rows = effect.rows()
-    start = {name: row.start for name, row in rows.items()}
-    known = Tabled(effect, effect.slopes(columns, start))
+    known = Tabled(effect, effect.slopes(columns, effect.start))
     # somewhere inside the bounds, and nowhere special
     inside = {
         name: row.lower + 0.37 * (row.upper - row.lower) for name, row in rows.items()

@@ -37,65 +37,72 @@ def gather(
     """
     model = replace(model, base=model.base or coefficients)
     inputs = model.with_base(model.with_drivers(record.inputs))
-    effects, also, failed, scans = {}, {}, {}, {}
+    inputs, effects, failed = ready(model, inputs, seen, candidates)
+    also = {key: own for *_, terms in effects.values() for key, own in terms.items()}
+    temperature, slopes = model.slopes(inputs, coefficients, also=also)
+    base = [name for name in model.free if name not in fixed]
+    more = misfits(temperature - coefficients["bias"], record)
+    rows = np.flatnonzero(seen & np.isfinite(temperature))
+
+    def tangents(slopes, names):
+        return {name: np.ascontiguousarray(slopes[name][rows]) for name in names}
+
+    found = Evidence(
+        tangents({**slopes, **more}, (*base, *more)),
+        (record["temp_module"] - temperature)[rows],
+        record.dates[rows],
+        rows,
+        tuple(base),
+        tuple(more),
+        family=family,
+        criteria=criteria,
+    )
+    scanned = []
+    for name, (effect, scan, terms) in effects.items():
+        known = record.known(needed_for(effect.drivers))[rows]
+        own = tangents(slopes, terms)
+        if not all(np.isfinite(column[known]).all() for column in own.values()):
+            failed[name] = because(Reason.NOT_A_NUMBER)
+        elif scan:
+            scanned.append((effect, scan, own, known))
+        else:
+            found = found.with_effect(effect, own, known)
+    for wide, scan, own, known in scanned:
+        effect = narrowed(found, scan, wide, own, known, inputs)
+        if effect is None:
+            failed[wide.name] = because(Reason.NO_WINDOW)
+            continue
+        there = replace(model, effects=(effect,)).with_drivers(inputs)
+        terms = terms_of(effect, there.columns)
+        slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
+        found = found.with_effect(effect, tangents(slopes, terms), known)
+    return replace(found, failed=failed)
+
+
+def ready(model, inputs, seen, candidates):
+    """
+    Inputs with the drivers of all effects, those with scan and terms, and why not.
+
+    An effect that is scanned enters as the wide one from which its scan takes it.
+    """
+    effects, failed = {}, {}
     for effect in candidates:
         try:
             if effect.prepare:
                 effect = effect.prepare(inputs.columns, seen)
             wide = effect.scanned_from or effect
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
-            slopes = wide.slopes(inputs.columns, starts(wide))
+            effects[effect.name] = wide, effect.scan, terms_of(wide, inputs.columns)
         except Exception as error:  # whatever an effect does, the others go on
             words = f"{type(error).__name__}: {error}"
             failed[effect.name] = because(Reason.BROKEN, error=words)
-            continue
-        effects[wide.name] = wide
-        also |= {key: held(slope) for key, slope in slopes.items()}
-        if effect.scan:
-            scans[wide.name] = effect.scan
-    temperature, slopes = model.slopes(inputs, coefficients, also=also)
-    base = [name for name in model.free if name not in fixed]
-    more = misfits(temperature - coefficients["bias"], record)
-    rows = np.flatnonzero(seen & np.isfinite(temperature))
-    slopes = {**slopes, **more}
-    found = Evidence(
-        {name: np.ascontiguousarray(slopes[name][rows]) for name in (*base, *more)},
-        (record["temp_module"] - temperature)[rows],
-        record.dates[rows],
-        rows,
-        tuple(base),
-        tuple(more),
-        failed=failed,
-        family=family,
-        criteria=criteria,
-    )
-    scanned = []
-    for name, effect in effects.items():
-        known = record.known(needed_for(effect.drivers))[rows]
-        own = {key: np.ascontiguousarray(slopes[key][rows]) for key in effect.rows()}
-        if not all(np.isfinite(column[known]).all() for column in own.values()):
-            failed[name] = because(Reason.NOT_A_NUMBER)
-        elif name in scans:
-            scanned.append((effect, own, known))
-        else:
-            found = found.with_effect(effect, own, known)
-    for effect, own, known in scanned:
-        new = narrowed(found, scans[effect.name], effect, own, known, inputs)
-        if new is None:
-            failed[effect.name] = because(Reason.NO_WINDOW)
-            continue
-        there = replace(model, effects=(new,)).with_drivers(inputs).columns
-        also = new.slopes(there, starts(new))
-        also = {key: held(slope) for key, slope in also.items()}
-        slopes = model.slopes(inputs, coefficients, wanted=False, also=also)[1]
-        own = {key: np.ascontiguousarray(slopes[key][rows]) for key in also}
-        found = found.with_effect(new, own, known)
-    return found
+    return inputs, effects, failed
 
 
-def starts(effect):
-    """Where each coefficient of an effect adds nothing."""
-    return {key: row.start for key, row in effect.rows().items()}
+def terms_of(effect, columns):
+    """Slopes of an effect's terms from where it adds nothing."""
+    slopes = effect.slopes(columns, effect.start)
+    return {key: held(slope) for key, slope in slopes.items()}
 
 
 def held(terms):

@@ -185,8 +185,7 @@ class Loop:
         whole = model.predict(*usual, coefficients=fit.coefficients, **drivers)
         parts = {}
         for effect in fit.effects:
-            nothing = {name: row.start for name, row in effect.rows().items()}
-            without = {**fit.coefficients, **nothing}
+            without = {**fit.coefficients, **effect.start}
             part = model.predict(*usual, coefficients=without, **drivers)
             parts[effect.name] = whole - part
         return pd.DataFrame(parts, index=data.index)
