@@ -12,7 +12,6 @@ from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.quality.units import refuse_doubtful
 from pvlib_fem.record.checks import as_record, instants
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.thermal.model import thermal_model
@@ -108,8 +107,6 @@ def compare(
     columns = dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
     finest = as_record(*columns.values(), **drivers)
     finest, faults = screened(finest, check_units=check_units)
-    if check_units:
-        refuse_doubtful(finest.inputs.columns)
     notes, coefficients = [*faults.notes], {}
     rows: dict = {}
     steps: list = sorted(resolutions) if resolutions else [None]

@@ -15,7 +15,7 @@ from pvlib_fem.paper.filters import counted
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.quality.units import oddities, refuse_doubtful
+from pvlib_fem.quality.units import oddities
 from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.statistics.clusters import calendar_weeks
@@ -161,8 +161,6 @@ def fit_fem(
         raise ValueError("method='paper' is for daytime rows; use night=False")
     columns = (poa_global, temp_air, wind_speed, temp_module)
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
-    if check_units:
-        refuse_doubtful(record.inputs.columns, limits)
     filtered = counted(record.inputs.columns, night)
     filtered &= record.known(target.drivers)
     notes = [*faults.notes, *oddities(record.inputs, limits)]

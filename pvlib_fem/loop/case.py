@@ -110,21 +110,17 @@ class Case:
 
     def corrected(self):
         """The case with the module's record re-timed."""
-        columns = dict(self.whole.inputs.columns)
-        seconds = self.whole.inputs.seconds
-        columns["temp_module"] = self.clock.corrected(seconds, columns["temp_module"])
-        if "p_dc" in columns:
-            moved = self.clock.corrected(seconds, columns["p_dc"])
-            columns["p_dc"] = follows(columns["poa_global"], columns["p_dc"], moved)
-        whole = replace(self.whole, inputs=replace(self.whole.inputs, columns=columns))
-        return divided(whole, replace(self, clock=Clock()))
+        whole, seconds = self.whole, self.whole.inputs.seconds
+        moved = {"temp_module": self.clock.corrected(seconds, whole["temp_module"])}
+        if "p_dc" in whole.inputs.columns:
+            later = self.clock.corrected(seconds, whole["p_dc"])
+            moved["p_dc"] = follows(whole["poa_global"], whole["p_dc"], later)
+        return divided(whole.having(moved), replace(self, clock=Clock()))
 
 
 def without_answer(record, rows):
     """The record without the module's temperature in some rows."""
-    module = np.where(rows, np.nan, record["temp_module"])
-    columns = {**record.inputs.columns, "temp_module": module}
-    return replace(record, inputs=replace(record.inputs, columns=columns))
+    return record.lacking({"temp_module": rows})
 
 
 def counting(record):
@@ -141,15 +137,12 @@ def divided(whole, case):
         hidden = without_answer(whole, case.parts == Part.TEST)
         # the sun is where it is, and nothing is averaged over a horizon
         known = geometry(whole.index[:1], **case.site)
-        measured = {n: c for n, c in hidden.inputs.columns.items() if n not in known}
-        hidden = replace(hidden, inputs=replace(hidden.inputs, columns=measured))
+        hidden = hidden.only([n for n in hidden.inputs.columns if n not in known])
         short = coarse(hidden, limits.search_step, limits.step_present)
         short = whole if short is hidden else short
     if short is not whole:
         places = geometry(short.index, **case.site)
-        places = {name: column.to_numpy() for name, column in places.items()}
-        inputs = replace(short.inputs, columns={**short.inputs.columns, **places})
-        short = replace(short, inputs=inputs)
+        short = short.having({name: c.to_numpy() for name, c in places.items()})
     return replace(case, whole=whole, record=short, seen=seen)
 
 

@@ -143,10 +143,10 @@ def with_answer(hidden, faults, usual, test, limits):
     Of that answer nothing is known to any rule; what it shows of a sensor is of the
     test rows alone.
     """
-    own, answer = alone(usual, limits, check_units=False)
-    module = np.where(test, own["temp_module"], hidden["temp_module"])
-    columns = {**hidden.inputs.columns, "temp_module": module}
-    whole = replace(hidden, inputs=replace(hidden.inputs, columns=columns))
+    name = "temp_module"
+    own = hidden.only(COLUMNS).having({name: usual[name]})
+    own, answer = alone(own, limits, check_units=False, names=(name,))
+    whole = hidden.having({name: np.where(test, own[name], hidden[name])})
     whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
     return whole, test & np.any(list(stuck(own, limits).values()), axis=0)
 

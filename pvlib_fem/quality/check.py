@@ -21,13 +21,21 @@ from pvlib_fem.quality.units import doubtful
 class Health:
     """What is wrong with a record before anything is fitted, from :func:`check`."""
 
-    mask: np.ndarray  # True: a row that must not be used
-    stuck: dict[str, int]  # rows by column
+    frozen: dict[str, np.ndarray]  # rows of stuck sensors, by column
     clock: Clock
     noon: SolarNoon
     doubtful: dict[str, str]  # drivers that must not be used, and why
-    frozen: dict = field(default_factory=dict)  # rows of stuck sensors, by column
     faults: dict[str, str] = field(default_factory=dict)  # name: one line
+
+    @property
+    def mask(self) -> np.ndarray:
+        """Rows in which one of the four sensors is stuck."""
+        return unusable(self.frozen)
+
+    @property
+    def stuck(self) -> dict[str, int]:
+        """Rows of each stuck sensor."""
+        return {name: int(rows.sum()) for name, rows in self.frozen.items()}
 
     @property
     def unchecked(self) -> tuple:
@@ -39,6 +47,11 @@ class Health:
     def notes(self) -> tuple:
         """One line each, with its remedy: the faults, and what was not checked."""
         return (*self.faults.values(), *self.unchecked)
+
+
+def unusable(frozen):
+    """Rows in which one of the four sensors is stuck."""
+    return np.any([frozen[name] for name in POSSIBLE], axis=0)
 
 
 def check(
@@ -62,9 +75,8 @@ def check(
     -------
     Health
         ``faults`` by name: ``stuck``, ``clock_shift``, ``clock_drift``, ``dst``,
-        ``file_shift``, ``file_dst``, ``units:<column>``. ``mask`` has the rows in
-        which one of the four sensors is stuck; a clock is corrected by
-        ``clock.corrected``.
+        ``file_shift``, ``file_dst``, ``units:<column>``. ``mask`` has the rows that
+        must not be used; a clock is corrected by ``clock.corrected``.
 
     Raises
     ------
@@ -76,8 +88,7 @@ def check(
     refuse_stray(record.index, limits)
     frozen = stuck(record, limits)
     refuse_frozen(record, frozen)
-    mask = np.any([frozen[name] for name in POSSIBLE], axis=0)
-    clock = clock_shift(record, mask, limits)
+    clock = clock_shift(record, unusable(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)
     noon = solar_noon_shift(record["poa_global"], record.index, *place, limits)
     doubts = doubtful(record.inputs.columns, limits)
@@ -85,5 +96,4 @@ def check(
     faults = {"stuck": stuck_line(record, frozen)} if still else {}
     faults |= clock.faults | noon.faults
     faults |= {f"units:{name}": f"{name} {line}" for name, line in doubts.items()}
-    counts = {name: int(rows.sum()) for name, rows in frozen.items()}
-    return Health(mask, counts, clock, noon, doubts, frozen, faults)
+    return Health(frozen, clock, noon, doubts, faults)

@@ -14,7 +14,12 @@ from pvlib_fem.quality.outliers import (
 )
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import never_moves, refuse_frozen, stuck
-from pvlib_fem.quality.units import doubtful, oddities, refuse_units
+from pvlib_fem.quality.units import (
+    doubtful,
+    oddities,
+    refuse_doubtful,
+    refuse_units,
+)
 from pvlib_fem.record.checks import Record, read
 from pvlib_fem.record.columns import ALIASES, GEOMETRY, printable, with_aliases
 
@@ -122,7 +127,10 @@ def screened(record, limits=None, check_units=True):
     if never_moves(clean["wind_speed"]):  # a number that stands for all wind
         del frozen["wind_speed"]
     refuse_frozen(clean, frozen)
-    return without_frozen(clean, found, frozen)
+    clean, found = without_frozen(clean, found, frozen)
+    if check_units:
+        refuse_doubtful(clean.inputs.columns, limits)
+    return clean, found
 
 
 def without_frozen(clean, found, frozen):
@@ -131,23 +139,27 @@ def without_frozen(clean, found, frozen):
     if not frozen:
         return clean, found
     found = replace(found, masks={**found.masks, "stuck": frozen})
-    return without(clean, frozen), found
+    return clean.lacking(frozen), found
 
 
-def alone(record, limits, check_units=True):
-    """The same but for sensors that stand still, for which others have to be asked."""
-    clean, found = ruled(record, Faults(record), limits, ("fill value",))
+def alone(record, limits, check_units=True, names=None):
+    """
+    The same but for sensors that stand still, for which others have to be asked.
+
+    ``names`` are those columns that are asked, by default all.
+    """
+    clean, found = ruled(record, Faults(record), limits, ("fill value",), names)
     refuse_empty(found, clean)
     if check_units:
         refuse_units(clean.inputs, limits)
-    clean, found = ruled(clean, found, limits, LATER)
+    clean, found = ruled(clean, found, limits, LATER, names)
     refuse_impossible(found, limits)
     return with_nights(clean, found)
 
 
-def ruled(clean, found, limits, kinds):
-    """A record and its faults after some of the rules."""
-    columns = clean.inputs.columns
+def ruled(clean, found, limits, kinds, asked=None):
+    """A record and its faults after some of the rules, of some columns or of all."""
+    columns = {n: clean[n] for n in asked or clean.inputs.columns}
     doubted = doubtful(columns, limits) if kinds is LATER else ()
     names = [n for n in columns if n not in doubted and n not in GEOMETRY]
     for kind in kinds:
@@ -155,7 +167,7 @@ def ruled(clean, found, limits, kinds):
         rows = {name: at for name, at in rows.items() if at.any()}
         if rows:
             found = replace(found, masks={**found.masks, kind: rows})
-            clean = without(clean, rows)
+            clean = clean.lacking(rows)
     return clean, found
 
 
@@ -163,7 +175,7 @@ def with_nights(clean, found):
     """The same with 0 where irradiance is a little below it by night."""
     poa = clean["poa_global"]
     clipped = int((poa < 0).sum())
-    clean = with_values(clean, {"poa_global": np.where(poa < 0, 0.0, poa)})
+    clean = clean.having({"poa_global": np.where(poa < 0, 0.0, poa)})
     found = replace(found, clipped=clipped)
     return replace(clean, impossible=found.impossible, clipped=clipped), found
 
@@ -183,19 +195,6 @@ RULES = {
 }
 #: those that take no column in another unit
 LATER = tuple(kind for kind in RULES if kind != "fill value")
-
-
-def with_values(record, columns):
-    """The record with other values in some columns."""
-    inputs = replace(record.inputs, columns={**record.inputs.columns, **columns})
-    return replace(record, inputs=inputs)
-
-
-def without(record, rows):
-    """The record with NaN in some rows of its columns."""
-    return with_values(
-        record, {name: np.where(at, np.nan, record[name]) for name, at in rows.items()}
-    )
 
 
 def refuse_empty(found, clean):

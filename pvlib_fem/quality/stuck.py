@@ -65,7 +65,7 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     Parameters
     ----------
     record : Record
-        From ``records.measured``.
+        With the four columns that every fit needs.
     limits : Limits, optional
         The thresholds; those above by default.
 

@@ -17,7 +17,7 @@ def doubtful(columns, limits=None) -> dict[str, str]:
     """
     Drivers that look to be in another unit, or not what their name says.
 
-    The four columns that every fit needs are checked by ``records.measured``.
+    The four columns that every fit needs are checked by :func:`refuse_units`.
 
     Parameters
     ----------
@@ -186,10 +186,13 @@ def refuse_units(inputs, limits=None):
     irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
     of the air, and wind changes the resistance by 4 to 20 % per m/s.
     """
-    limits, found = limits or Limits(), signs(inputs)
-    if found is None:
-        return
-    refuse_copy(inputs["temp_air"], inputs["temp_module"])
+    if (found := signs(inputs)) is not None:
+        refuse_copy(inputs["temp_air"], inputs["temp_module"])
+        refuse_signs(found, limits or Limits())
+
+
+def refuse_signs(found, limits):
+    """Refuse a record whose signs are those of another unit, or of swapped columns."""
     bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
     if slope < -limits.swapped and found.sunny < 0:
         raise ValueError(
@@ -246,7 +249,8 @@ def oddities(inputs, limits=None):
     if found is None:
         return
     try:
-        refuse_units(inputs, limits)
+        refuse_copy(inputs["temp_air"], inputs["temp_module"])
+        refuse_signs(found, limits)
     except ValueError as error:
         yield str(error)
         return

@@ -135,6 +135,15 @@ class Record:
         inputs = replace(self.inputs, columns=inputs)
         return replace(self, inputs=inputs, missing=missing)
 
+    def having(self, columns):
+        """The same record with other values of some columns, or with more of them."""
+        columns = {**self.inputs.columns, **columns}
+        return replace(self, inputs=replace(self.inputs, columns=columns))
+
+    def lacking(self, rows):
+        """The same record with NaN in some rows of its columns, by name."""
+        return self.having({n: np.where(at, np.nan, self[n]) for n, at in rows.items()})
+
     def known(self, names):
         """Rows that have all of some columns."""
         rows = np.ones(len(self.index), dtype=bool)

@@ -9,6 +9,7 @@ import numpy as np
 from pvlib_fem.drivers import behind, completed, needed_for
 from pvlib_fem.effects.effect import Parameter, Terms, is_there
 from pvlib_fem.quality.limits import possible
+from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time, read
 from pvlib_fem.record.columns import ALIASES
 from pvlib_fem.relaxation import (
@@ -246,10 +247,9 @@ def as_in_a_fit(inputs):
     """Inputs as a fit takes them, with a warning of what cannot be."""
     columns, said = dict(inputs.columns), []
     for name, values in inputs.columns.items():
-        low, high, unit = possible(name) or (-np.inf, np.inf, "")
-        outside = (values < low) | (values > high)
+        outside = out_of_range(name, values)
         if outside.any():
-            at = int(np.argmax(outside))
+            at, unit = int(np.argmax(outside)), possible(name)[2]
             said.append(
                 f"{name} holds {outside.sum()} values that cannot be, first "
                 f"{values[at]:g} {unit} at {at_time(inputs.index, at)}"
