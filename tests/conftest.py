@@ -6,6 +6,7 @@ from hypothesis import settings
 from pvlib.location import Location
 
 from pvlib_fem import datasets, ewm
+from pvlib_fem.datasets.files import FOLDER
 from pvlib_fem.drivers import sun
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import alone
@@ -67,7 +68,7 @@ def week():
     try:
         return datasets.load("sandia_week")
     except OSError as error:
-        pytest.skip(f"no measured week: set {datasets.FOLDER} or go online ({error})")
+        pytest.skip(f"no measured week: set {FOLDER} or go online ({error})")
 
 
 @pytest.fixture(scope="session")
@@ -76,7 +77,29 @@ def day():
     try:
         return datasets.load("sandia_day")
     except OSError as error:
-        pytest.skip(f"no measured day: set {datasets.FOLDER} or go online ({error})")
+        pytest.skip(f"no measured day: set {FOLDER} or go online ({error})")
+
+
+@pytest.fixture(scope="session")
+def years():
+    """The measured records of years by name, where a user would find them."""
+    try:
+        names = ("eurac_bolzano", "nrel_stf")
+        return {name: datasets.load(name) for name in names}
+    except (OSError, ImportError) as error:
+        pytest.skip(f"no measured years: {error}")
+
+
+@pytest.fixture(scope="session")
+def bolzano(years):
+    """Eight measured years, hourly, in the file's own summer time."""
+    return years["eurac_bolzano"].copy()
+
+
+@pytest.fixture(scope="session")
+def golden(years):
+    """Eight measured years, hourly by day, with a second plane and power."""
+    return years["nrel_stf"].copy()
 
 
 @pytest.fixture

@@ -25,6 +25,7 @@ from pvlib_fem import (
 from pvlib_fem.cli.demo import HIDDEN
 from pvlib_fem.cli.reading import LOOK
 from pvlib_fem.cli.running import location
+from pvlib_fem.datasets.files import fetch
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.record.columns import COLUMNS
 
@@ -134,7 +135,7 @@ def test_a_european_file(frame, tmp_path):
 
 def test_a_toa5_file(day):
     """The logger's own file, with four lines of heading."""
-    file = datasets.fetch("MET_2015_11_11.dat")
+    file = fetch("MET_2015_11_11.dat")
     columns = ("Global_Wm2_Avg", "Temp_C_Avg", "WS_ms_Mean", "Panel_Temp_C_Avg")
     names = ("poa_global", "temp_air", "wind_speed", "temp_module")
     maps = [f"--map={name}={column}" for name, column in zip(names, columns)]
