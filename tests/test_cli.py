@@ -22,7 +22,7 @@ from pvlib_fem import (
     read_file,
     simulator,
 )
-from pvlib_fem.cli.demo import HIDDEN
+from pvlib_fem.cli.demo import HIDDEN, demo_years
 from pvlib_fem.cli.reading import LOOK
 from pvlib_fem.cli.running import location
 from pvlib_fem.datasets.files import fetch
@@ -344,6 +344,7 @@ def test_the_demo_finds_what_is_hidden_and_tells_the_truth_after(week, tmp_path)
     result = call(*QUICK, "--report", path)
     assert result.exit_code == 0, result.output
     answer, truth = result.output.split("the truth, which the loop has not seen")
+    assert answer.index("measured plant") < answer.index("a simulated site")
     assert "not told of" in answer
     for name in HIDDEN:
         assert f"+ {name}" in answer
@@ -353,15 +354,28 @@ def test_the_demo_finds_what_is_hidden_and_tells_the_truth_after(week, tmp_path)
     assert "what 7 days can say" in truth
 
 
-def test_without_the_week_the_demo_goes_on_and_says_so(monkeypatch):
+def test_without_measured_records_the_demo_goes_on_and_says_so(monkeypatch):
     def offline(name):
         raise OSError("no route to host")
 
     monkeypatch.setattr(datasets, "load", offline)
     result = call("demo", "--days", 30, "--step", 1800, "--seed", 4)
     assert result.exit_code == 0, result.output
-    last = "the measured week cannot be had (no route to host)"
-    assert result.output.splitlines()[-1] == last
+    first, *_, last = result.output.splitlines()
+    assert first == "the measured plant cannot be had (no route to host)"
+    assert last == "the measured week cannot be had (no route to host)"
+    assert "the truth, which the loop has not seen" in result.output
+
+
+def test_the_demo_begins_with_the_measured_plant(bolzano, monkeypatch, capsys):
+    """A year of it here, in the summer time of its file."""
+    year = bolzano["2012-06-01":"2013-05-31"]
+    monkeypatch.setattr(datasets, "load", lambda name: {"eurac_bolzano": year}[name])
+    demo_years()
+    said = capsys.readouterr().out
+    assert said.startswith("a measured plant: Eurac Research, Bolzano, Italy")
+    assert "days at 60 min" in said and "10.17605/OSF.IO/VTR2S" in said
+    assert "no log of this plant is published" in said
 
 
 def test_the_hour_that_autumn_has_twice_is_told_by_the_order(tmp_path):

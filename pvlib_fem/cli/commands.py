@@ -3,7 +3,7 @@
 import click
 
 from pvlib_fem import __version__
-from pvlib_fem.cli.demo import check_length, demo_site, demo_week
+from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem.cli.options import (
     days_of,
     fit_options,
@@ -112,14 +112,15 @@ def loop(files, report, title, out, **options):
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @report_option
 def demo(days, step, seed, report):
-    """Find effects hidden in a simulated site, then look at a measured week.
+    """Close the loop on a measured plant, a simulated site and a measured week.
 
     The simulation is made from first principles; its truth is told after the
-    answer.
+    answer. Measured records are public and downloaded once.
     """
     with plainly():
         check_length(days, step)
         check_outputs(report=report)
+        demo_years()
         found = demo_site(days, step, seed)
         write(report, lambda path: found.to_html(path, title="A simulated site"))
         demo_week()

@@ -147,10 +147,11 @@ def eurac_bolzano():
         "site": "Eurac Research, Bolzano, Italy",
         "latitude": 46.458,
         "longitude": 11.329,
+        "tz": "Europe/Rome",
         "surface_tilt": "not stated",
         "surface_azimuth": "not stated",
-        "times": "as in the file, without a zone: they keep the summer time of "
-        "Europe/Rome; the hour that spring skips is a row without values, the hour "
+        "times": "as in the file, without a zone: they keep the summer time of that "
+        "tz; the hour that spring skips is a row without values, the hour "
         "that autumn has twice is one row; from 21 to 30 June 2018 all but power is "
         "an hour later still",
         "wind_direction": "doubtful about north: hours between 348° and 29° lack, as "
@@ -168,6 +169,7 @@ def nrel_stf():
         "site": "National Renewable Energy Laboratory, Golden, Colorado",
         "latitude": 39.742,
         "longitude": -105.172,
+        "tz": "Etc/GMT+7",
         "surface_tilt": "not stated; the modelled column is named after 10°",
         "surface_azimuth": "not stated",
         "times": "as in the file, without a zone: local standard time by the noon of "
