@@ -214,6 +214,20 @@ def test_over_temperature_at_bolzano_jumps_by_a_fifth_in_april_2012(bolzano):
     assert power.iloc[1] / power.iloc[0] == pytest.approx(1.0, abs=0.03)
 
 
+def test_ten_days_at_bolzano_are_an_hour_late_but_for_power(bolzano):
+    """21 to 30 June 2018, by the centre of each day's light and power."""
+    june = bolzano["2018-06-11":"2018-07-10"].fillna({"power_ac": 0.0})
+    hours = june.index.hour.to_numpy(float)
+    light, power = (
+        (june[name] * hours).resample("D").sum() / june[name].resample("D").sum()
+        for name in ("poa_global", "power_ac")
+    )
+    late = light - power
+    fault = (late.index >= "2018-06-21") & (late.index < "2018-07-01")
+    assert late[fault].between(0.75, 1.1).all()
+    assert late[~fault].between(-0.2, 0.2).all()
+
+
 def test_the_pyranometer_at_golden_fades(golden):
     """Against the modelled irradiance, and power per irradiance rises."""
     assert len(golden) == 72_723 and golden.index.tz is None

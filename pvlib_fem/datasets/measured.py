@@ -152,8 +152,8 @@ def eurac_bolzano():
         "surface_azimuth": "not stated",
         "times": "as in the file, without a zone: they keep the summer time of that "
         "tz; the hour that spring skips is a row without values, the hour "
-        "that autumn has twice is one row; from 21 to 30 June 2018 all but power is "
-        "an hour later still",
+        "that autumn has twice is one row; from 21 to 30 June 2018 irradiance and "
+        "module temperature are an hour later than power",
         "wind_direction": "doubtful about north: hours between 348° and 29° lack, as "
         "when degrees are averaged as numbers",
         "power": "DC and AC power of the plant [W], whose area is not stated; NaN in "
