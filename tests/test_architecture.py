@@ -12,6 +12,7 @@ PACKAGE = Path(pvlib_fem.__file__).parent
 #: each may import those before it
 ORDER = (
     "types",
+    "spelling",
     "simulator",
     "layers",
     "reasons",

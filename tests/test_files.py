@@ -378,6 +378,21 @@ PYTHON = re.compile(
             "--method least_squares",
         ),
         (lambda d: d, ("--fix", "speed=3"), "--fix has speed"),
+        (
+            lambda d: d,
+            ("--method", "paper", "--effects", "season"),
+            "--method paper has no effects; use --method least_squares",
+        ),
+        (
+            lambda d: d.rename(columns={"temp_air": "temp_air [°F]"}),
+            ("--map", "temp_air=temp_air [°F]"),
+            "give --convert to convert it, or --no-unit-check if",
+        ),
+        (
+            lambda d: d.assign(**(1.8 * d.filter(like="temp_") + 32)),
+            (),
+            "Give --unit temp_air=°F --unit temp_module=°F to convert them",
+        ),
         (lambda d: d, ("--fix", "tau=-3"), "--fix tau=-3 s cannot be"),
         (lambda d: d, ("--effects", "wind"), "unknown effect 'wind'"),
         (lambda d: d, ("--effects", "rain"), "--map"),

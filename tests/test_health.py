@@ -299,7 +299,7 @@ def test_a_plane_to_the_east_or_west_has_its_own_noon(azimuth):
         ("relative_humidity", lambda x: x / 100, "a fraction; multiply it by 100"),
         ("relative_humidity", lambda x: x * 10, "it should be in %"),
         ("longwave_down", lambda x: x - 400, "net signal needs"),
-        ("wind_direction", np.radians, "radians; use np.degrees"),
+        ("wind_direction", np.radians, "radians; multiply it by 57.3 for °"),
         ("wind_direction", lambda x: x - 180, "use it modulo 360"),
         ("precipitation", lambda x: x - 0.1, "a counter needs its resets taken out"),
         ("p_dc", lambda x: 1.6 * 20 * x, "and no module gives 0.4; divide W by"),

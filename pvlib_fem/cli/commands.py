@@ -26,7 +26,7 @@ from pvlib_fem.cli.running import (
     in_local_days,
     site_of,
 )
-from pvlib_fem.cli.words import plainly, say, translated
+from pvlib_fem.cli.words import plainly, say
 from pvlib_fem.cli.writing import check_outputs, picture, write
 from pvlib_fem.loop.criteria import Criteria
 
@@ -60,7 +60,7 @@ def fit(files, out, plot, report, title, **options):
         check_outputs(files, out=out, plot=plot, report=report)
         data, options = prepared(files, options)
         result = fitted(data, **options)
-        say(translated(str(result)))
+        say(result)
         write(out, result.to_json)
         write(plot, lambda path: picture(result, path))
         write_report(report, result, title, files)
@@ -95,7 +95,7 @@ def loop(files, report, title, out, **options):
         data, options = prepared(files, options, drivers=True)
         options["effects"] = options["effects"] or None
         found = closed(data, **options)
-        say(translated(str(found)))
+        say(found)
         write(out, found.to_json)
         write_report(report, found, title, files)
 

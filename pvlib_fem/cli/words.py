@@ -1,60 +1,12 @@
-"""What the package says, in the words of its command."""
+"""What the command prints, and how it ends."""
 
-import re
 import sys
 import warnings
 
 import click
 
 from pvlib_fem.record.columns import steers
-
-#: what a library's message says in Python, and the option that is meant
-OPTIONS = (
-    (r"give convert_units=True \(--convert\)", "give --convert"),
-    (r"module_area=\d+ \((--module-area \d+)\)", r"\1"),
-    (r"check_units=False \((--no-unit-check)\)", r"\1"),
-    (r"check_units=False", "--no-unit-check"),
-    (
-        r"^(\w+)( and \w+)? (looks? to be in) (\S+):(.*) Convert it first; if the unit "
-        r"is right, give",
-        r"\1\2 \3 \4:\5 Give --unit \1=\4 to convert it; if the unit is right, give",
-    ),
-    (
-        r"with data\.tz_localize\('([\w/+-]+)',\s+ambiguous='infer'\)(?: \(--tz "
-        r"[\w/+-]+\))?",
-        r"with --tz \1",
-    ),
-    (r"use data\.sort_index\(\)", "give --sort"),
-    (
-        r"keep one, for example with data\[~data\.index\.duplicated\(\)\]",
-        "give --drop-doubled to keep the first",
-    ),
-    (
-        r"clean the column, for example with pd\.to_numeric\(column, "
-        r"errors='coerce'\)",
-        "give --missing TEXT for a text that stands for a missing value",
-    ),
-    (r"; use np\.degrees", "; multiply it by 57.3"),
-    (r" \(tz_localize\)", " (--tz)"),
-    (r"data\.tz_convert\(zone\) \(--tz\)", "--tz"),
-    (r"for example with tz_convert\('([\w/+-]+)'\)", r"with --tz \1"),
-    (r"raise calm_wind", "raise --calm-wind"),
-    (r"lower min_points, or ", ""),
-    (r"\bmin_gain=", "--min-gain "),
-    (r"\b(method|dynamics|model)=[\"']?(\w+)[\"']?", r"--\1 \2"),
-    (r"\bnight=False", "the usual rows"),
-    (r"\bfixed (has|holds)\b", r"--fix \1"),
-    (r"\bfixed (\S+) = ", r"--fix \1="),
-    (r"; pvlib_fem\.drivers\.sun finds the sun", "; --lat and --lon find the sun"),
-    (r"align them first, for example as columns of one DataFrame", "join them first"),
-)
-
-
-def translated(message):
-    """A message of the library as a person at a shell needs it."""
-    for python, option in OPTIONS:
-        message = re.sub(python, option, message, flags=re.DOTALL)
-    return message
+from pvlib_fem.spelling import in_shell
 
 
 def safe(text):
@@ -81,8 +33,8 @@ def note(text):
 class Refused(click.ClickException):
     """An error in one line, and what to do about it below."""
 
-    def __init__(self, message, remedy=""):
-        super().__init__(" ".join(translated(str(message)).split()))
+    def __init__(self, reason, remedy=""):
+        super().__init__(" ".join(in_shell(reason).split()))
         self.remedy = remedy
 
     def show(self, file=None):

@@ -18,6 +18,7 @@ from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.spelling import LEAST_SQUARES, argument, refusal
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.leastsquares import FLAT
 from pvlib_fem.thermal.model import INSTANT, thermal_model
@@ -143,22 +144,8 @@ def fit_fem(
     target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
-    if method == "paper" and model not in MODELS:
-        raise ValueError(
-            f"method='paper' has no {model}; it has {', '.join(MODELS)}, or use "
-            "method='least_squares'"
-        )
-    if method == "paper" and dynamics == "balance":
-        raise ValueError(
-            "method='paper' has no heat balance; use dynamics='ewm', or "
-            "method='least_squares'"
-        )
-    if method == "paper" and target.effects:
-        raise ValueError("method='paper' has no effects; use method='least_squares'")
-    if method == "paper" and fixed:
-        raise ValueError("method='paper' holds nothing; use method='least_squares'")
-    if method == "paper" and night:
-        raise ValueError("method='paper' is for daytime rows; use night=False")
+    if method == "paper":
+        refuse_paper(target, fixed, night)
     columns = (poa_global, temp_air, wind_speed, temp_module)
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     filtered = counted(record.inputs.columns, night)
@@ -198,6 +185,23 @@ def fit_fem(
         method=method,
         night=night,
     )
+
+
+def refuse_paper(target, fixed, night):
+    """Refuse what the paper's recipe cannot fit."""
+    name, paper = target.steady_model.name, argument("method", "paper")
+    if name not in MODELS:
+        has = f" has no {name}; it has {', '.join(MODELS)}, or use "
+        raise refusal(paper, has, LEAST_SQUARES)
+    if target.dynamics == "balance":
+        ewm = argument("dynamics", "ewm")
+        raise refusal(paper, " has no heat balance; use ", ewm, ", or ", LEAST_SQUARES)
+    if target.effects:
+        raise refusal(paper, " has no effects; use ", LEAST_SQUARES)
+    if fixed:
+        raise refusal(paper, " holds nothing; use ", LEAST_SQUARES)
+    if night:
+        raise ValueError("method='paper' is for daytime rows; use night=False")
 
 
 def refuse_coefficients(target, drivers):

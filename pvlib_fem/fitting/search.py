@@ -6,6 +6,7 @@ import numpy as np
 
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
+from pvlib_fem.spelling import FIXED, Spelled, refusal
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 from pvlib_fem.statistics.leastsquares import gauss_newton, normal_equations
 from pvlib_fem.thermal.model import MEMORY
@@ -18,9 +19,10 @@ def possible(model, fixed):
     constants = model.steady_model.constants
     rows = {**model.parameters, **constants}
     if unknown := [name for name in fixed if name not in rows]:
-        raise ValueError(
-            f"fixed has {', '.join(unknown)}, which is no coefficient here; there are "
-            f"{', '.join(rows)}"
+        raise refusal(
+            FIXED,
+            f" has {', '.join(unknown)}, which is no coefficient here; there are "
+            f"{', '.join(rows)}",
         )
     held = {name: float(value) for name, value in fixed.items()}
     for name, value in held.items():
@@ -28,18 +30,19 @@ def possible(model, fixed):
         if row.share_of is not None:
             whole = held.get(row.share_of, rows[row.share_of].upper)
         if not row.lower * whole <= value <= row.upper * whole:
-            raise ValueError(
-                f"fixed {name} = {value:g} {row.unit} cannot be; it is from "
-                f"{row.lower * whole:g} to {row.upper * whole:g}"
+            raise refusal(
+                Spelled(f"fixed {name} = {value:g}", f"--fix {name}={value:g}"),
+                f" {row.unit} cannot be; it is from {row.lower * whole:g} to "
+                f"{row.upper * whole:g}",
             )
     known = model.steady_model.fixed | held
     if lacking := [name for name in constants if name not in known]:
-        raise ValueError(
-            f"{model.steady_model.name} needs {', '.join(lacking)}; give it as "
-            f"fixed={{'{lacking[0]}': ...}}"
+        raise refusal(
+            f"{model.steady_model.name} needs {', '.join(lacking)}; give it as ",
+            Spelled(f"fixed={{'{lacking[0]}': ...}}", f"--fix {lacking[0]}=NUMBER"),
         )
     if not set(model.parameters) - set(held):
-        raise ValueError("fixed holds all coefficients; leave one to fit")
+        raise refusal(FIXED, " holds all coefficients; leave one to fit")
     return held
 
 

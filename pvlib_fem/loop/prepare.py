@@ -174,7 +174,7 @@ def of_the_zone(index, location):
             f"hours are told in the record's zone, {index.tz}; at longitude "
             f"{location.longitude:g}° the sun's are {abs(own - sun):.0f} h "
             f"{'earlier' if own > sun else 'later'}: for local hours give "
-            "data.tz_convert(zone) (--tz)"
+            "data.tz_convert(zone) or --tz"
         )
 
 

@@ -11,6 +11,7 @@ from pvlib_fem.fitting.search import errors, minimise, natural, possible, tables
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.record.columns import DAYLIGHT
+from pvlib_fem.spelling import FIXED, refusal
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
@@ -161,9 +162,10 @@ class Fits:
 def check_held(steady_model, case):
     """Refuse coefficients to hold that are of no model, or of two dynamics."""
     if {*case.fixed} >= MEMORIES:
-        raise ValueError(
-            f"fixed has {' and '.join(sorted(MEMORIES))}, which belong to two kinds of "
-            "dynamics; hold one of them"
+        raise refusal(
+            FIXED,
+            f" has {' and '.join(sorted(MEMORIES))}, which belong to two kinds of "
+            "dynamics; hold one of them",
         )
     dynamics = "balance" if {*MEMORY["balance"]} & {*case.fixed} else "ewm"
     possible(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)

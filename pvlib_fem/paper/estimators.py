@@ -7,6 +7,7 @@ import pandas as pd
 
 from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 
 INTERVAL = "5min"
 MIN_POINTS = 10  # for a regression
@@ -59,9 +60,10 @@ def averages(
 def enough(step, rows, at_least, condition, remedy):
     """Refuse a step of the recipe that has too few points."""
     if rows < at_least:
-        raise ValueError(
+        raise refusal(
             f"{step} needs {at_least} points and has {rows}: five-minute daytime "
-            f"averages with {condition}; {remedy}"
+            f"averages with {condition}; ",
+            remedy,
         )
 
 
@@ -166,7 +168,10 @@ def r_eq_max(
         len(frame),
         min_points,
         f"wind below {calm_wind:g} m/s",
-        "raise calm_wind, or use method='least_squares'",
+        Spelled(
+            f"raise calm_wind, or use {LEAST_SQUARES}",
+            f"raise --calm-wind, or use {LEAST_SQUARES.shell}",
+        ),
     )
     return resistance(frame, intercept, offset)
 
@@ -201,7 +206,7 @@ def r_m(
         len(frame),
         min_points,
         f"wind of at least {high_wind:g} m/s",
-        "lower high_wind",
+        Spelled("lower high_wind", f"use {LEAST_SQUARES.shell}"),
     )
     return resistance(frame, intercept, offset)
 
@@ -263,7 +268,7 @@ def d(
         len(frame),
         min_points,
         f"more than {poa_min:g} W/m² and T_o > 0",
-        "lower poa_min",
+        Spelled("lower poa_min", f"use {LEAST_SQUARES.shell}"),
     )
     wind = frame["wind_speed"]
     share = np.log(frame["over"] / (k * frame["poa_global"]))
@@ -346,10 +351,12 @@ def k_w(
     """
     bins = k_w_bins(poa_global, temp_air, wind_speed, temp_module, min_points)
     if len(bins) < 3:
-        raise ValueError(
+        raise refusal(
             f"k_W needs 3 irradiance bins of 20 W/m² with {min_points} points each "
             f"and has {len(bins)}: five-minute daytime averages with 200 to 1000 "
-            "W/m² and 0.5 to 8 m/s; lower min_points, or use method='least_squares'"
+            "W/m² and 0.5 to 8 m/s; ",
+            Spelled("lower min_points, or use ", "use "),
+            LEAST_SQUARES,
         )
     slope, _ = regression(bins["poa_global"], bins["slope"], intercept)
     return Estimate(-slope, "K m s/W", int(bins["points"].sum()))

@@ -8,6 +8,7 @@ from pvlib_fem.paper import estimators as paper
 from pvlib_fem.paper.filters import night
 from pvlib_fem.paper.timeconstant import time_constant
 from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
+from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -146,9 +147,10 @@ def possible(model, found):
     try:
         STEADY_MODELS[model].complete({n: e.value for n, e in found.items()})
     except ValueError as error:
-        raise ValueError(
-            f"the paper's regressions give no model: {error}; use another offset "
-            "('night', 'calm' or in K), or method='least_squares'"
+        raise refusal(
+            f"the paper's regressions give no model: {error}; use ",
+            Spelled("another offset ('night', 'calm' or in K), or ", ""),
+            LEAST_SQUARES,
         ) from error
 
 

@@ -13,6 +13,7 @@ from pvlib_fem.paper.estimators import (
     regression,
 )
 from pvlib_fem.record.checks import instants
+from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 
 APART = 4  # intervals between the ends of a step change: 20 min
 MARGIN = 20.0  # s, by which tau may rise and still count as falling
@@ -111,11 +112,12 @@ def time_constant(
     table = pd.DataFrame.from_dict(rows, orient="index").rename_axis("wind_speed")
     calm = table["tau"].iloc[:CALM_BINS]
     if calm.isna().all():
-        raise ValueError(
+        raise refusal(
             f"tau needs {min_points} step changes over {minutes:g} min in a wind bin "
             f"below 2 m/s and has {int(table['points'].iloc[0])} at 0-1 and "
             f"{int(table['points'].iloc[1])} at 1-2 m/s: {interval} averages above "
-            f"{BRIGHT:g} W/m² whose wind stays in the bin; use method='least_squares'"
+            f"{BRIGHT:g} W/m² whose wind stays in the bin; use ",
+            LEAST_SQUARES,
         )
     return chosen(table, int(np.nanargmax(calm)))
 
@@ -154,10 +156,13 @@ def check_interval(index, interval):
     usual = pd.Timedelta(np.median(np.diff(instants(index)))) if len(index) > 1 else 0
     if usual and usual > pd.Timedelta(interval):
         step = f"{usual.total_seconds() / 60:g}min"
-        raise ValueError(
+        apart = f"give interval='{step}' and how many of these are apart, or "
+        raise refusal(
             f"the record has a step of {step}, longer than the averages of "
-            f"{interval}; give interval='{step}' and how many of these are apart, or "
-            "use method='least_squares'"
+            f"{interval}; ",
+            Spelled(apart, ""),
+            "use ",
+            LEAST_SQUARES,
         )
 
 
@@ -170,10 +175,11 @@ def chosen(table, first):
     used = table.loc[first:last]
     if (wrong := used["tau"][used["tau"] <= 0]).size:
         speed = wrong.index[0]
-        raise ValueError(
+        raise refusal(
             f"the step changes at {speed}-{speed + 1} m/s give tau = "
             f"{wrong[speed]:.0f} s: over-temperature falls as irradiance rises; use a "
-            "longer record, or method='least_squares'"
+            "longer record, or ",
+            LEAST_SQUARES,
         )
     fall = np.log(tau[first] / tau[last])
     return TimeConstant(

@@ -150,7 +150,7 @@ def mismatch(noon, due, zone, limits):
 def remedy(zone):
     return (
         f"if the file keeps the clock of {zone}, give its times that zone "
-        "(tz_localize), or else set them to standard time"
+        "(tz_localize, or --tz), or else set them to standard time"
     )
 
 

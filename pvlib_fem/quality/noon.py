@@ -117,8 +117,8 @@ def noon_faults(late, jumps, step, limits):
         if len(jumps) == 1:
             why += ", or its clock was set"
         faults["file_dst"] = (
-            f"the day's light moves by {dates}: {why}; give its index that zone "
-            "(tz_localize), or keep standard time"
+            f"the day's light moves by {dates}: {why}; give its times that zone "
+            "(tz_localize, or --tz), or keep standard time"
         )
     return faults
 

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
+from pvlib_fem.record.units import ForeignUnit
+from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
 #: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
 #: even in °F, so that irradiance is at fault
 FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
-WAY_ROUND = "; if the unit is right, give check_units=False (--no-unit-check)"
+CONVERT_FIRST = "Convert it first; if the unit is right, give ", UNCHECKED
 DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
 
 
@@ -55,7 +57,7 @@ def refuse_doubtful(columns, limits=None):
     """Refuse drivers that look to be in another unit."""
     if found := doubtful(columns, limits):
         lines = [f"{name} {reason}" for name, reason in found.items()]
-        raise ValueError("; ".join(lines) + WAY_ROUND)
+        raise refusal("; ".join(lines), "; if the unit is right, give ", UNCHECKED)
 
 
 def often(odd, limits):
@@ -85,7 +87,7 @@ def longwave_doubt(seen, limits):
 
 def direction_doubt(seen, limits):
     if seen.max() <= limits.largest_radians and len(seen) > limits.few_values:
-        return f"is {seen.max():.2g} at most, radians; use np.degrees"
+        return f"is {seen.max():.2g} at most, radians; multiply it by 57.3 for °"
     if often((seen < 0) | (seen > 360), limits):
         return f"goes from {seen.min():.0f} to {seen.max():.0f}°; use it modulo 360"
     return ""
@@ -195,51 +197,58 @@ def refuse_signs(found, limits):
     """Refuse a record whose signs are those of another unit, or of swapped columns."""
     bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
     if slope < -limits.swapped and found.sunny < 0:
-        raise ValueError(
+        raise refusal(
             f"temp_air and temp_module look swapped: in the sun temp_module is "
             f"{-found.sunny:.0f} K below temp_air, and falls as irradiance grows. "
-            f"Exchange the columns{WAY_ROUND.replace('the unit is', 'they are')}"
+            "Exchange the columns; if they are right, give ",
+            UNCHECKED,
         )
     if bright < 3.0 and slope > 1.0:
-        raise unit_error("poa_global", "kW/m²", f"its largest values are {bright:.2f}")
+        why = f"its largest values are {bright:.2f}"
+        raise foreign("kW/m²", why, "poa_global")
     if slope > NO_MOUNTING and bright < DIM:
-        raise unit_error(
-            "poa_global",
-            "another unit than W/m² (mW/cm², or J/cm² or Wh/m² of each step)",
-            f"its largest values are {bright:.0f}, and for each of them the module "
-            f"gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K",
+        raise refusal(
+            "poa_global looks to be in another unit than W/m² (mW/cm², or J/cm² or "
+            f"Wh/m² of each step): its largest values are {bright:.0f}, and for each "
+            f"of them the module gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K. ",
+            *CONVERT_FIRST,
         )
     unit = "K" if abs(night) > 200.0 else "°F"
     if night > 12.0:
-        raise unit_error("temp_module", unit, f"at night it is {night:.0f} above air")
+        raise foreign(unit, f"at night it is {night:.0f} above air", "temp_module")
     if night < -12.0:
-        raise unit_error("temp_air", unit, f"at night it is {-night:.0f} above module")
+        raise foreign(unit, f"at night it is {-night:.0f} above module", "temp_air")
     if hot > 57.0 or slope > FAHRENHEIT:
-        or_light = " (or poa_global in another unit than W/m²)" if bright < DIM else ""
-        raise unit_error(
-            "temp_air and temp_module",
-            ("K" if hot > 200.0 else "°F") + or_light,
+        unit, both = "K" if hot > 200.0 else "°F", ("temp_air", "temp_module")
+        why = (
             f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
-            "1000 W/m²",
+            "1000 W/m²"
         )
+        if bright < DIM:
+            raise refusal(
+                f"{' and '.join(both)} look to be in {unit} (or poa_global in another "
+                f"unit than W/m²): {why}. ",
+                *CONVERT_FIRST,
+            )
+        raise foreign(unit, why, *both)
     # in m/s, a site that windy has an effect of 5 % per m/s and more
     weak = 0.004 < found.effect < 0.005 * (found.strong - 6.0)
     if found.strong > 18.0 or (found.strong > 12.0 and weak):
-        raise unit_error(
-            "wind_speed",
-            "km/h",
+        why = (
             f"5 % of it is above {found.strong:.0f}, and one unit of it changes the "
-            f"over-temperature by {100 * found.effect:.1f} %",
+            f"over-temperature by {100 * found.effect:.1f} %"
         )
+        raise foreign("km/h", why, "wind_speed")
 
 
 def refuse_copy(air, module):
     """Refuse one thermometer under two names."""
     both = np.isfinite(air) & np.isfinite(module)
     if both.any() and np.array_equal(air[both], module[both]):
-        raise ValueError(
+        raise refusal(
             "temp_module is a copy of temp_air, row by row: name the column of the "
-            f"module's own sensor{WAY_ROUND.replace('the unit', 'that')}"
+            "module's own sensor; if that is right, give ",
+            UNCHECKED,
         )
 
 
@@ -285,8 +294,14 @@ def slope_of(y, x):
     return float(x @ (y - y.mean()) / (x @ x))
 
 
-def unit_error(name, unit, why):
-    look = "look" if " and " in name else "looks"
-    return ValueError(
-        f"{name} {look} to be in {unit}: {why}. Convert it first{WAY_ROUND}"
+def foreign(unit, why, *columns):
+    """The error of columns in a unit that can be converted."""
+    options = " ".join(f"--unit {name}={unit}" for name in columns)
+    it, look = ("them", "look") if len(columns) > 1 else ("it", "looks")
+    message = spelled(
+        f"{' and '.join(columns)} {look} to be in {unit}: {why}. ",
+        Spelled("Convert it first", f"Give {options} to convert {it}"),
+        "; if the unit is right, give ",
+        UNCHECKED,
     )
+    return ForeignUnit(message, columns, unit, why)

@@ -9,10 +9,20 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.spelling import Spelled, refusal
+
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+")
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 #: months of autumn on either side of the equator, and hours, in which it ends
 SUMMER_TIME_ENDS = (3, 4, 9, 10, 11), (23, 0, 1, 2, 3)
+LOCALIZED = Spelled(
+    "data.tz_localize('Europe/Berlin', ambiguous='infer') (--tz Europe/Berlin)",
+    "--tz Europe/Berlin",
+)
+KEEP_ONE = Spelled(
+    "keep one, for example with data[~data.index.duplicated()]",
+    "give --drop-doubled to keep the first",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,21 +334,19 @@ def check_order(steps, index, name):
         return
     at = 1 + int(np.argmax(steps[1:] <= 0))
     if ends_summer_time(steps, index, at):
-        raise ValueError(
+        raise refusal(
             f"{name} goes back from {index[at - 1]} to {index[at]} (row {at}), as the "
             "clock does at the end of summer time: leave the rows in their order, "
             "since sorting mixes the hour that comes twice, and give the times their "
-            "zone, for example with data.tz_localize('Europe/Berlin', "
-            "ambiguous='infer') (--tz Europe/Berlin)"
+            "zone, for example with ",
+            LOCALIZED,
         )
     if steps[at] == 0:
-        raise ValueError(
-            f"{name} has the time {index[at]} twice (row {at}); keep one, for "
-            "example with data[~data.index.duplicated()]"
-        )
-    raise ValueError(
-        f"{name} is not sorted: {index[at]} (row {at}) comes after "
-        f"{index[at - 1]}; use data.sort_index()"
+        twice = f"{name} has the time {index[at]} twice (row {at}); "
+        raise refusal(twice, KEEP_ONE)
+    raise refusal(
+        f"{name} is not sorted: {index[at]} (row {at}) comes after {index[at - 1]}; ",
+        Spelled("use data.sort_index()", "give --sort"),
     )
 
 
@@ -381,17 +389,19 @@ def not_a_number(name, values, row, index):
     numeric = pd.to_numeric(pd.Series(words, dtype=object), errors="coerce")
     bad = np.flatnonzero(numeric.isna())
     row = int(bad[0]) if len(bad) else row
-    entry, remedy = values[row], "pd.to_numeric(column, errors='coerce')"
+    entry, what = values[row], "not a number"
+    remedy = "pd.to_numeric(column, errors='coerce')"
+    option = "give --missing TEXT for a text that stands for a missing value"
     if not len(bad):
         what, remedy = "a number as text", "pd.to_numeric(column)"
+        option = "write it as a number"
     elif isinstance(entry, str) and DECIMAL_COMMA.fullmatch(entry.strip()):
         what, remedy = "a number with a decimal comma", "column.str.replace(',', '.')"
         remedy += " before pd.to_numeric, or read the file with decimal=','"
-    else:
-        what = "not a number"
-    return ValueError(
-        f"{name} holds {entry!r} at {at_time(index, row)}, which is {what}; clean the "
-        f"column, for example with {remedy}"
+        option = "give --decimal ,"
+    return refusal(
+        f"{name} holds {entry!r} at {at_time(index, row)}, which is {what}; ",
+        Spelled(f"clean the column, for example with {remedy}", option),
     )
 
 

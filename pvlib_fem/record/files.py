@@ -12,6 +12,7 @@ from pvlib_fem.record.joining import joined, step_of
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
+from pvlib_fem.spelling import UNCHECKED, Spelled, refusal
 from pvlib_fem.types import FilePath
 
 MISSING = ("NAN",)  # as TOA5 writes it, beside what pandas knows
@@ -233,9 +234,12 @@ def in_units(data, headers, convert, units, check_units, module_area):
             data = data.assign(**{name: column})
             notes.append(f"{name} converted from {unit} to {own}")
         elif check_units:
-            raise ValueError(
+            raise refusal(
                 f"the header {header!r} names {unit}, and {name} has to be in {own}; "
-                "give convert_units=True (--convert) to convert it, or "
-                "check_units=False (--no-unit-check) if it is in that unit already"
+                "give ",
+                Spelled("convert_units=True (--convert)", "--convert"),
+                " to convert it, or ",
+                UNCHECKED,
+                " if it is in that unit already",
             )
     return data, notes

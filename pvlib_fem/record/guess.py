@@ -20,13 +20,13 @@ from pvlib_fem.record.units import (
     QUANTITIES,
     UNITS,
     WHOLE,
+    ForeignUnit,
     named_unit,
     own_unit,
     unit_of,
 )
 from pvlib_fem.record.zones import zone_of, zone_of_offsets
 
-ODD_UNIT = re.compile(r"(\w+)(?: and (\w+))? looks? to be in (\S+): (.*?)\. ")
 MOSTLY = 0.5  # share of numbers from which text in a column stands for missing ones
 
 
@@ -174,13 +174,14 @@ def by_evidence(found, files, how, check):
         try:
             check(frame(files, found.layouts, found.columns, **how | {"units": told}))
             return
-        except (ValueError, KeyError) as error:
-            odd = ODD_UNIT.match(str(error))
-            if odd is None or (odd[1] in told and odd[2] in (None, *told)):
+        except ForeignUnit as odd:
+            if {*odd.columns} <= {*told}:
                 return
-            names = [name for name in odd.group(1, 2) if name]
-            found.units |= dict.fromkeys(names, odd[3])
-            found.doubts.append(f"{' and '.join(names)} may be in {odd[3]}: {odd[4]}")
+            found.units |= dict.fromkeys(odd.columns, odd.unit)
+            names = " and ".join(odd.columns)
+            found.doubts.append(f"{names} may be in {odd.unit}: {odd.why}")
+        except (ValueError, KeyError):
+            return
 
 
 def sunny(left):

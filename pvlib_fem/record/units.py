@@ -4,6 +4,8 @@ import re
 
 from scipy import constants
 
+from pvlib_fem.spelling import Spelled, refusal
+
 FAHRENHEIT = constants.degree_Fahrenheit  # K
 INCH = 1000.0 * constants.inch  # mm
 #: column: what it is, under the package's names
@@ -90,6 +92,14 @@ SPELLINGS = {
 WORDS = ("in", "m", "deg")  # units in brackets, words of a name elsewhere
 
 
+class ForeignUnit(ValueError):
+    """``columns`` that look to be in another ``unit``, and ``why``."""
+
+    def __init__(self, message, columns=(), unit="", why=""):
+        super().__init__(message)
+        self.columns, self.unit, self.why = columns, unit, why
+
+
 def own_unit(name):
     """The unit in which the package has a column."""
     return next(iter(UNITS[QUANTITIES[name]]))
@@ -164,9 +174,10 @@ def converted(column, name, unit, hours=None, area=None):
         factor /= hours
     if name == "p_dc" and unit in WHOLE:
         if area is None:
-            raise ValueError(
+            raise refusal(
                 f"p_dc is in {unit}, and W per m² of module are needed; give the area "
-                "of the modules, module_area=120 (--module-area 120)"
+                "of the modules, ",
+                Spelled("module_area=120 (--module-area 120)", "--module-area 120"),
             )
         factor /= area
     return column if (factor, offset) == (1.0, 0.0) else factor * column + offset
