@@ -12,7 +12,7 @@ from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.record.checks import as_record, instants
+from pvlib_fem.record.checks import as_record, usual_step
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.steady import STEADY_MODELS
@@ -150,7 +150,7 @@ def check_names(models, comparators, method):
 def coarser(record, holdout, step):
     """A record, and the rows held out, in means over longer steps."""
     index = record.index
-    usual = np.median(np.diff(instants(index)) / np.timedelta64(1, "s"))
+    usual = usual_step(index)
     if step < usual:
         raise ValueError(
             f"resolution {step:g} s is finer than the record's {usual:g} s; give "
@@ -175,8 +175,7 @@ class Case:
         out = held_out(self.record, rows["day"], holdout, notes)
         self.kept, self.train = ~out, rows["day"] & ~out
         self.parts = {part: there & out for part, there in rows.items()}
-        seconds = np.diff(instants(self.record.index)) / np.timedelta64(1, "s")
-        self.resolution = float(np.median(seconds))
+        self.resolution = usual_step(self.record.index)
         self.rows, self.coefficients = {}, {}
 
     def model(self, name, method, calm_wind, offset):

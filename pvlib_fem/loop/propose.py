@@ -11,6 +11,7 @@ from pvlib_fem.findings import Check, Finding, Kind, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.reasons import Reason, because
+from pvlib_fem.record.checks import usual_step
 from pvlib_fem.statistics.tables import find_structure
 from pvlib_fem.statistics.timetables import timetables
 
@@ -181,7 +182,7 @@ def sorting(case, found, given):
     kept = np.isin(np.flatnonzero(case.searched), rows, assume_unique=True)
     axes, folds = [axis.of(kept) for axis in case.axes], case.folds[kept]
     seconds = record.inputs.seconds[rows]
-    step = float(np.median(np.diff(seconds)))
+    step = usual_step(record.index[rows])
     times = (seconds, record.dates[rows], folds, step)
     axes += timetables(found.rest(given), *times, case.criteria)
     return Sorting(axes, rows, folds, seconds, step)

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 
 from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects.effect import Parameter
-from pvlib_fem.record.checks import instants
+from pvlib_fem.record.checks import instants, usual_step
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -67,7 +67,7 @@ def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
     wind = wind_speed.set_axis(utc)
     steady = steady.set_axis(utc)
     seconds = np.diff(utc) / np.timedelta64(1, "s")
-    step = np.median(seconds) if len(seconds) else WINDOW
+    step = usual_step(utc)
     if not step < WINDOW:
         return answer + bias
     behind = int(WINDOW // step)
@@ -312,7 +312,7 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
     ValueError
         If there are no more rows than coefficients.
     """
-    if finer(temp_module.index, comparator.fit_step):
+    if usual_step(temp_module.index) < comparator.fit_step:
         *drivers, temp_module, rows = (
             column.resample(pd.Timedelta(seconds=comparator.fit_step)).mean()
             for column in (*drivers, temp_module, marked(rows, temp_module.index))
@@ -342,12 +342,6 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
         ftol=1e-8,
     )
     return dict(zip(names, found.x.tolist()))
-
-
-def finer(index, step):
-    """Whether the usual step of some times is shorter than another."""
-    steps = np.diff(instants(index)) / np.timedelta64(1, "s")
-    return len(steps) > 0 and np.median(steps) < step
 
 
 def marked(rows, index):

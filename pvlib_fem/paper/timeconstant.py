@@ -12,7 +12,7 @@ from pvlib_fem.paper.estimators import (
     averages,
     regression,
 )
-from pvlib_fem.record.checks import instants
+from pvlib_fem.record.checks import usual_step
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 
 APART = 4  # intervals between the ends of a step change: 20 min
@@ -153,9 +153,9 @@ def step_changes(
 
 def check_interval(index, interval):
     """Refuse an average that is shorter than the record's own step."""
-    usual = pd.Timedelta(np.median(np.diff(instants(index)))) if len(index) > 1 else 0
-    if usual and usual > pd.Timedelta(interval):
-        step = f"{usual.total_seconds() / 60:g}min"
+    usual = usual_step(index)
+    if usual > pd.Timedelta(interval).total_seconds():
+        step = f"{usual / 60:g}min"
         apart = f"give interval='{step}' and how many of these are apart, or "
         raise refusal(
             f"the record has a step of {step}, longer than the averages of "

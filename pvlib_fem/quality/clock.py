@@ -15,6 +15,7 @@ from scipy.stats import t as student
 
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, daily_sums, measured_blocks, plain
+from pvlib_fem.record.checks import usual_step
 
 HOUR = 3600.0  # s
 
@@ -120,7 +121,7 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     seconds = record.inputs.seconds
     if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return unknown("the record is shorter than two days")
-    if (base := np.median(np.diff(seconds))) > limits.coarsest_clock:
+    if (base := usual_step(record.index)) > limits.coarsest_clock:
         return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:

@@ -10,7 +10,7 @@ from pvlib_fem.drivers import standard_time
 from pvlib_fem.quality.clock import HOUR, day_of, hours_of, offsets
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, night
-from pvlib_fem.record.checks import instants
+from pvlib_fem.record.checks import instants, usual_step
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def solar_noon_shift(
     seconds = (times - times[0]) / np.timedelta64(1, "s")
     if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return SolarNoon(np.nan, pd.Series(dtype=float), (), {})
-    step, dark = np.median(np.diff(seconds)), night(seconds, poa_global)
+    step, dark = usual_step(index), night(seconds, poa_global)
     day, middle = middles(seconds - dark, np.asarray(poa_global), step, limits)
     if location is not None:
         origin = universal(index[0], location) + pd.Timedelta(seconds=dark)

@@ -329,6 +329,12 @@ def instants(index):
     return (index if index.tz is None else index.tz_convert(None)).to_numpy()
 
 
+def usual_step(index):
+    """Median time between some times; NaN of fewer than two. [s]"""
+    steps = np.diff(instants(index)) / np.timedelta64(1, "s")
+    return float(np.median(steps)) if len(steps) else np.nan
+
+
 def check_order(steps, index, name):
     if len(steps) < 2 or steps[1:].min() > 0:
         return

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.joining import joined, step_of
+from pvlib_fem.record.checks import usual_step
+from pvlib_fem.record.joining import joined
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
@@ -229,7 +230,7 @@ def in_units(data, headers, convert, units, check_units, module_area):
         if unit in (None, own):
             continue
         if name in told or convert:
-            hours = step_of(data) / 3600.0
+            hours = usual_step(data.index) / 3600.0
             column = converted(data[name], name, unit, hours, module_area)
             data = data.assign(**{name: column})
             notes.append(f"{name} converted from {unit} to {own}")

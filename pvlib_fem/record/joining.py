@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import instants
-from pvlib_fem.record.resampling import ANGLES
+from pvlib_fem.record.checks import instants, usual_step
+from pvlib_fem.record.resampling import ANGLES, means
 
 LEAST = 0.5  # share of the shorter file's rows that has to find a partner
 
@@ -44,7 +44,7 @@ def joined(tables, names, columns):
     for table, name in zip(tables, names):
         refuse_disorder(table, name)
     tables = [t.tz_convert(zones[0]) if zones[0] else t for t in tables]
-    steps = [step_of(table) for table in tables]
+    steps = [float(np.nan_to_num(usual_step(table.index))) for table in tables]
     base = int(np.argmax(steps))
     apart = distinct(tables, names)
     whole = apart[base]
@@ -82,13 +82,6 @@ def refuse_disorder(table, name):
         )
 
 
-def step_of(table):
-    """Median step. [s]"""
-    if len(table) < 2:
-        return 0.0
-    return float(np.median(np.diff(instants(table.index)) / np.timedelta64(1, "s")))
-
-
 def span(table):
     return f"{table.index[0]:%Y-%m-%d %H:%M} to {table.index[-1]:%Y-%m-%d %H:%M}"
 
@@ -112,7 +105,7 @@ def onto(table, index, step, own, states, directions):
     """
     reach = pd.Timedelta(seconds=own / 2.0)
     nearest = table.reindex(index, method="nearest", tolerance=reach)
-    if own > step / 2.0:
+    if own > step / 2.0 or index.empty:
         return nearest
     ends, at = instants(index), instants(table.index)
     place = np.searchsorted(ends, at)
@@ -121,22 +114,11 @@ def onto(table, index, step, own, states, directions):
     since[inside] = (ends[place[inside]] - at[inside]) / np.timedelta64(1, "s")
     rows = since < step
     table, place = table[rows], place[rows]
-    parts = {}
+    parts, labels = {}, np.arange(len(index))
     for name, column in table.items():
         if not pd.api.types.is_numeric_dtype(column) or name in states:
             parts[name] = nearest[name].to_numpy()
             continue
-        mean = mean_direction if name in directions else mean_of
-        parts[name] = mean(column, place).reindex(range(len(index))).to_numpy()
+        values = column.to_numpy(float, na_value=np.nan)
+        parts[name] = means(values, place, labels, 1, name in directions)
     return pd.DataFrame(parts, index)
-
-
-def mean_of(column, place):
-    return column.groupby(place).mean()
-
-
-def mean_direction(column, place):
-    """Mean of a direction, whose north is at 0 and at 360. [°]"""
-    turned = np.radians(column.astype(float))
-    east, north = (mean_of(f(turned), place) for f in (np.sin, np.cos))
-    return np.degrees(np.arctan2(east, north)) % 360.0

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import Inputs, instants
+from pvlib_fem.record.checks import Inputs, instants, usual_step
 
 ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")
 
@@ -22,9 +22,8 @@ def coarse(record, step=300.0, present=0.5):
     -------
     Record
     """
-    seconds = record.inputs.seconds
-    usual = float(np.median(np.diff(seconds))) if len(seconds) > 1 else step
-    if usual > step / 2.0:
+    usual = usual_step(record.index)
+    if not usual <= step / 2.0:  # or of one row
         return record
     at = instants(record.index)
     since = (at - at[0].astype("datetime64[D]")) / np.timedelta64(1, "s")
@@ -54,7 +53,7 @@ def means(values, place, labels, least, angle):
             for part in (np.sin(turned), np.cos(turned))
         )
         return np.degrees(np.arctan2(east, north)) % 360.0
-    there = np.isfinite(values)
+    there = ~np.isnan(values)
     first = labels[0]
     size = labels[-1] - first + 2  # the last half step has a label of its own
     at = place - first + (place < first)

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import instants
+from pvlib_fem.record.checks import instants, usual_step
 from pvlib_fem.record.columns import GEOMETRY
 
 
@@ -55,13 +55,12 @@ class Summary:
 
 def summary_of(record):
     """The summary of a Record."""
-    seconds = np.diff(record.inputs.seconds)
     return Summary(
         rows=len(record.index),
         days=len(np.unique(record.dates)),
         start=record.index[0],
         end=record.index[-1],
-        step=float(np.median(seconds)) if len(seconds) else np.nan,
+        step=usual_step(record.index),
         columns=tuple(record.inputs.columns),
         missing=dict(record.missing),
         impossible=dict(record.impossible),
