@@ -27,7 +27,7 @@ def test_an_error_keeps_both_spellings(way):
     error = way(refusal(*PARTS))
     assert type(error) is ValueError
     assert (str(error), in_shell(error)) == (PYTHON, SHELL)
-    odd = way(foreign("°F", "it is hot", "temp_air", "temp_module"))
+    odd = way(foreign("°F", "it is hot", "temp_air", "temp_module").error())
     assert type(odd) is ForeignUnit and str(odd).endswith("(--no-unit-check)")
     assert (odd.columns, odd.unit, odd.why) == (
         ("temp_air", "temp_module"),

@@ -11,7 +11,7 @@ from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 #: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
 #: even in °F, so that irradiance is at fault
 FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
-CONVERT_FIRST = "Convert it first; if the unit is right, give ", UNCHECKED
+CONVERT = "Convert it first"
 DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
 
 
@@ -180,6 +180,39 @@ def signs(inputs):
     )
 
 
+@dataclass(frozen=True)
+class Suspicion:
+    """What looks wrong in some columns, and what to do if it is."""
+
+    what: str
+    remedy: str
+    right: str = "the unit is"
+    columns: tuple = ()  # those in another unit, one that can be converted
+    unit: str = ""
+    why: str = ""
+
+    def error(self):
+        """The error that refuses the record."""
+        way_round = f"; if {self.right} right, give "
+        words = spelled(self.what, ". ", self.remedy, way_round, UNCHECKED)
+        if not self.columns:
+            return ValueError(words)
+        return ForeignUnit(words, self.columns, self.unit, self.why)
+
+
+def foreign(unit, why, *columns):
+    """The suspicion that columns are in another unit."""
+    options = " ".join(f"--unit {name}={unit}" for name in columns)
+    it, look = ("them", "look") if len(columns) > 1 else ("it", "looks")
+    return Suspicion(
+        f"{' and '.join(columns)} {look} to be in {unit}: {why}",
+        Spelled(CONVERT, f"Give {options} to convert {it}"),
+        columns=columns,
+        unit=unit,
+        why=why,
+    )
+
+
 def refuse_units(inputs, limits=None):
     """
     Refuse a column that looks to be in another unit, or not what its name says.
@@ -188,49 +221,57 @@ def refuse_units(inputs, limits=None):
     irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
     of the air, and wind changes the resistance by 4 to 20 % per m/s.
     """
-    if (found := signs(inputs)) is not None:
-        refuse_copy(inputs["temp_air"], inputs["temp_module"])
-        refuse_signs(found, limits or Limits())
+    found = signs(inputs)
+    if odd := found and suspicion(inputs, found, limits or Limits()):
+        raise odd.error()
 
 
-def refuse_signs(found, limits):
-    """Refuse a record whose signs are those of another unit, or of swapped columns."""
+def suspicion(inputs, found, limits):
+    """What the signs of a record say of a copy, swapped columns or another unit."""
     bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
+    air, module = inputs["temp_air"], inputs["temp_module"]
+    both = np.isfinite(air) & np.isfinite(module)
+    if both.any() and np.array_equal(air[both], module[both]):
+        return Suspicion(
+            "temp_module is a copy of temp_air, row by row",
+            "Name the column of the module's own sensor",
+            "that is",
+        )
     if slope < -limits.swapped and found.sunny < 0:
-        raise refusal(
+        return Suspicion(
             f"temp_air and temp_module look swapped: in the sun temp_module is "
-            f"{-found.sunny:.0f} K below temp_air, and falls as irradiance grows. "
-            "Exchange the columns; if they are right, give ",
-            UNCHECKED,
+            f"{-found.sunny:.0f} K below temp_air, and falls as irradiance grows",
+            "Exchange the columns",
+            "they are",
         )
     if bright < 3.0 and slope > 1.0:
         why = f"its largest values are {bright:.2f}"
-        raise foreign("kW/m²", why, "poa_global")
+        return foreign("kW/m²", why, "poa_global")
     if slope > NO_MOUNTING and bright < DIM:
-        raise refusal(
+        return Suspicion(
             "poa_global looks to be in another unit than W/m² (mW/cm², or J/cm² or "
             f"Wh/m² of each step): its largest values are {bright:.0f}, and for each "
-            f"of them the module gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K. ",
-            *CONVERT_FIRST,
+            f"of them the module gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K",
+            CONVERT,
         )
     unit = "K" if abs(night) > 200.0 else "°F"
     if night > 12.0:
-        raise foreign(unit, f"at night it is {night:.0f} above air", "temp_module")
+        return foreign(unit, f"at night it is {night:.0f} above air", "temp_module")
     if night < -12.0:
-        raise foreign(unit, f"at night it is {-night:.0f} above module", "temp_air")
+        return foreign(unit, f"at night it is {-night:.0f} above module", "temp_air")
     if hot > 57.0 or slope > FAHRENHEIT:
-        unit, both = "K" if hot > 200.0 else "°F", ("temp_air", "temp_module")
+        unit = "K" if hot > 200.0 else "°F"
         why = (
             f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
             "1000 W/m²"
         )
         if bright < DIM:
-            raise refusal(
-                f"{' and '.join(both)} look to be in {unit} (or poa_global in another "
-                f"unit than W/m²): {why}. ",
-                *CONVERT_FIRST,
+            return Suspicion(
+                f"temp_air and temp_module look to be in {unit} (or poa_global in "
+                f"another unit than W/m²): {why}",
+                CONVERT,
             )
-        raise foreign(unit, why, *both)
+        return foreign(unit, why, "temp_air", "temp_module")
     # in m/s, a site that windy has an effect of 5 % per m/s and more
     weak = 0.004 < found.effect < 0.005 * (found.strong - 6.0)
     if found.strong > 18.0 or (found.strong > 12.0 and weak):
@@ -238,18 +279,8 @@ def refuse_signs(found, limits):
             f"5 % of it is above {found.strong:.0f}, and one unit of it changes the "
             f"over-temperature by {100 * found.effect:.1f} %"
         )
-        raise foreign("km/h", why, "wind_speed")
-
-
-def refuse_copy(air, module):
-    """Refuse one thermometer under two names."""
-    both = np.isfinite(air) & np.isfinite(module)
-    if both.any() and np.array_equal(air[both], module[both]):
-        raise refusal(
-            "temp_module is a copy of temp_air, row by row: name the column of the "
-            "module's own sensor; if that is right, give ",
-            UNCHECKED,
-        )
+        return foreign("km/h", why, "wind_speed")
+    return None
 
 
 def oddities(inputs, limits=None):
@@ -257,11 +288,8 @@ def oddities(inputs, limits=None):
     limits, found = limits or Limits(), signs(inputs)
     if found is None:
         return
-    try:
-        refuse_copy(inputs["temp_air"], inputs["temp_module"])
-        refuse_signs(found, limits)
-    except ValueError as error:
-        yield str(error)
+    if odd := suspicion(inputs, found, limits):
+        yield odd.what
         return
     if found.hot > limits.hot_air:
         yield (
@@ -292,16 +320,3 @@ def slope_of(y, x):
         return 0.0
     x = x - x.mean()
     return float(x @ (y - y.mean()) / (x @ x))
-
-
-def foreign(unit, why, *columns):
-    """The error of columns in a unit that can be converted."""
-    options = " ".join(f"--unit {name}={unit}" for name in columns)
-    it, look = ("them", "look") if len(columns) > 1 else ("it", "looks")
-    message = spelled(
-        f"{' and '.join(columns)} {look} to be in {unit}: {why}. ",
-        Spelled("Convert it first", f"Give {options} to convert {it}"),
-        "; if the unit is right, give ",
-        UNCHECKED,
-    )
-    return ForeignUnit(message, columns, unit, why)
