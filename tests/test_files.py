@@ -506,6 +506,68 @@ def test_a_zone_is_told_by_the_sun_where_noon_is_elsewhere(longitude, zone):
     assert zone_of(naive, longitude, sun, []) == expected
 
 
+GROUPED = [(",", ".", ","), (";", ",", "."), (";", ",", " "), (",", ".", "'")]
+
+
+@pytest.mark.parametrize("sep, decimal, thousands", GROUPED)
+@pytest.mark.parametrize("end", [0, 2])
+def test_thousands_and_totals_open_with_what_is_proposed(
+    sep, decimal, thousands, end, record, tmp_path
+):
+    """Signs between thousands, and sums below the rows, from the file to the fit."""
+    path, out = tmp_path / "plant.csv", tmp_path / "fit.json"
+    light = record["poa_global"] + 900.0  # some above a thousand, some below
+    light.iloc[0] = np.nan
+    swap = str.maketrans({",": thousands, ".": decimal})
+    text = light.map("{:,.3f}".format, na_action="ignore").str.translate(swap)
+    table = record.assign(poa_global=text)
+    total = "Total" + sep + f'"{light.sum():,.3f}"'.translate(swap) + 3 * sep + "\n"
+    lines = table.to_csv(sep=sep, decimal=decimal, index_label="time") + end * total
+    path.write_text(lines, "utf-8")
+    first = call("fit", path, "--model", "faiman", "--no-unit-check", "--out", out)
+    assert first.exit_code == 1
+    words = proposed(first)
+    assert words[words.index("--thousands") + 1] == thousands
+    assert ("--skip-end" in words) == (end > 0)
+    assert call(*words).exit_code == 0, words
+    layout = dict(sep=sep, decimal=decimal, thousands=thousands, skip_end=end)
+    data = fem.read_file(path, **layout)
+    pd.testing.assert_series_equal(
+        data["poa_global"], light.rename_axis("time"), check_freq=False, rtol=1e-12
+    )
+    assert len(data) == len(record)
+
+
+def test_only_three_digits_stand_after_a_sign_of_thousands(tmp_path):
+    """1.5 in a file of decimal commas is neither 15 nor 1.5, but refused."""
+    path = tmp_path / "plant.csv"
+    rows = "time;poa_global\n2024-06-01 10:00;1.012,5\n2024-06-01 10:10;{}\n"
+    path.write_text(rows.format("867,2"), "utf-8")
+    layout = dict(sep=";", decimal=",", thousands=".")
+    light = fem.read_file(path, **layout)["poa_global"]
+    assert light.tolist() == [1012.5, 867.2]
+    with pytest.raises(
+        ValueError, match=r"'1\.012,5' at .*; give --thousands \. --dec"
+    ):
+        fem.read_file(path, **layout | {"thousands": ""})
+    path.write_text(rows.format("1.5"), "utf-8")
+    with pytest.raises(
+        ValueError, match=r"poa_global holds '1\.5' at 2024-06-01 10:10"
+    ):
+        fem.read_file(path, **layout)
+
+
+def test_a_total_is_told_from_a_time_that_cannot_be_read(record, tmp_path):
+    path = tmp_path / "plant.csv"
+    text = record.to_csv(index_label="time")
+    path.write_text(text + "Total,1,2,3,4\n", "utf-8")
+    with pytest.raises(ValueError, match="'Total'; give --skip-end 1 if the last row"):
+        fem.read_file(path)
+    path.write_text(text.replace("2023-10-25 00:00", "25th at midnight"), "utf-8")
+    with pytest.raises(ValueError, match="give --time-format"):
+        fem.read_file(path)
+
+
 @pytest.mark.parametrize("sep", [",", ";", "\t", "|"])
 @pytest.mark.parametrize("decimal", [".", ","])
 @pytest.mark.parametrize("lines", [0, 1, 5])

@@ -21,8 +21,10 @@ PER_FILE = {
     "tz": None,
     "sep": Layout.sep,
     "decimal": Layout.decimal,
+    "thousands": Layout.thousands,
     "encoding": Layout.encoding,
     "skip_rows": 0,
+    "skip_end": Layout.skip_end,
     "sheet": 0,
 }
 
@@ -83,6 +85,12 @@ reading_options = added(
     click.option(
         "--decimal", multiple=True, help=f"In CSV numbers, by default '.'. {EACH}"
     ),
+    click.option(
+        "--thousands",
+        multiple=True,
+        metavar="SIGN",
+        help=f"Between the thousands of numbers, by default none. {EACH}",
+    ),
     click.option("--encoding", multiple=True, help=f"Of CSV, by default utf-8. {EACH}"),
     click.option(
         "--skip-rows",
@@ -90,6 +98,13 @@ reading_options = added(
         metavar="N | N,N,…",
         help="How many lines stand before the header; or the lines to leave out, from "
         f"0: 0,2,3 for a TOA5 file. {EACH}",
+    ),
+    click.option(
+        "--skip-end",
+        multiple=True,
+        metavar="N",
+        type=click.IntRange(min=0),
+        help=f"How many lines stand after the last row, such as totals. {EACH}",
     ),
     click.option(
         "--sheet", multiple=True, help=f"Of a workbook, by default the first. {EACH}"

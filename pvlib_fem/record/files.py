@@ -1,16 +1,17 @@
 """A logger's file, or several, as a frame in the package's names."""
 
+import io
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.joining import joined
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
+from pvlib_fem.record.numbers import refuse_text, ungrouped
 from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal
@@ -51,10 +52,12 @@ def read_file(
         ``time``: column of the times, or two of a date and a time of day; by default
         the first. ``time_format``, default ISO 8601. ``tz``: the zone of naive times,
         or that into which others are brought. ``sep``, ``decimal``, ``encoding`` of
-        CSV. ``skip_rows``: how many lines stand before the header, or the numbers of
-        the lines to leave out, from 0. ``sheet`` of a workbook. ``missing``: texts
-        that stand for a missing value. ``sort``: put the rows in the order of their
-        times. ``drop_doubled``: of rows with the same time keep the first.
+        CSV. ``thousands``: what stands between the thousands of numbers. ``skip_rows``:
+        how many lines stand before the header, or the numbers of the lines to leave
+        out, from 0; ``skip_end``: how many stand after the last row, such as totals.
+        ``sheet`` of a workbook. ``missing``: texts that stand for a missing value.
+        ``sort``: put the rows in the order of their times. ``drop_doubled``: of rows
+        with the same time keep the first.
 
     Returns
     -------
@@ -126,9 +129,28 @@ def table(file, layout):
     missing = [*MISSING, *layout.missing]
     skip = layout.skip_rows
     skip = skip if isinstance(skip, int) else list(skip)
+    how = {"skiprows": skip, "na_values": missing}
     if suffix in EXCEL:
-        return workbook(file, sheet_name=layout.sheet, skiprows=skip, na_values=missing)
-    return text(file, layout, skiprows=skip, na_values=missing)
+        end = layout.skip_end
+        data = workbook(file, sheet_name=layout.sheet, skipfooter=end, **how)
+    else:
+        data = text(file, layout, **how)
+    if not layout.thousands and layout.decimal == ".":
+        return data
+    times = layout.time or tuple(data.columns[:1])
+    marked = [name for name in texts(data) if name not in times]
+    signs = layout.thousands, layout.decimal
+    return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
+
+
+def texts(data):
+    """Names of the columns of text."""
+    kinds = pd.api.types
+    return [
+        name
+        for name, column in data.items()
+        if kinds.is_object_dtype(column) or kinds.is_string_dtype(column)
+    ]
 
 
 def workbook(file, **how):
@@ -154,7 +176,8 @@ def text(file, layout, **how):
     how |= {"sep": layout.sep, "decimal": layout.decimal, "encoding": layout.encoding}
     how |= {"skipinitialspace": True, "low_memory": False}
     try:
-        data = pd.read_csv(file, **how).rename(columns=str.strip)
+        source = without_end(file, layout) if layout.skip_end else file
+        data = pd.read_csv(source, **how).rename(columns=str.strip)
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{file.name} is not in {error.encoding} ({error.reason} at byte "
@@ -187,31 +210,18 @@ def text(file, layout, **how):
     return data
 
 
+def without_end(file, layout):
+    """The text of a file without its last lines; empty ones do not count."""
+    lines = file.read_text(layout.encoding).rstrip().split("\n")
+    return io.StringIO("\n".join(lines[: -layout.skip_end]))
+
+
 def named(data, columns):
     """The table in the package's names."""
     # a mapped column takes the name, whatever else the file calls by it, and leaves
     # its own, under which it would be one more driver
     taken = {name: data[column] for name, column in columns.items()}
     return data.drop(columns=list(dict.fromkeys(columns.values()))).assign(**taken)
-
-
-def refuse_text(column, name):
-    """Say which text stands among the numbers of a column."""
-    if pd.api.types.is_numeric_dtype(column) or column.isna().all():
-        return
-    bad = column[pd.to_numeric(column, errors="coerce").isna() & column.notna()]
-    if bad.empty:
-        return
-    word, at = str(bad.iloc[0]), bad.index[0]
-    row = int(np.argmax(column.index == at))
-    remedy = f"give --missing '{word}' if it stands for a missing value"
-    if pd.notna(pd.to_numeric(word.replace(",", ".", 1), errors="coerce")):
-        remedy = "give --decimal , if commas are decimal"
-    several = f", and in {len(bad) - 1:,} more rows" if len(bad) > 1 else ""
-    raise ValueError(
-        f"{name} holds {word!r} at {at} (row {row}){several}, which is not a number; "
-        f"{remedy}"
-    )
 
 
 def in_units(data, headers, convert, units, check_units, module_area):

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants
-from pvlib_fem.record.times import ISO, UNIX, as_text, joined, timed
+from pvlib_fem.record.times import AFTER, ISO, UNIX, as_text, joined, timed
 
 TIMES = re.compile(
     r"time|date|datum|zeit|uhr|fecha|hora|heure|hour|hhmm|stamp|^ts$|^utc|epoch|unix",
@@ -60,6 +60,8 @@ def with_times(raw, layout, doubts, file):
 def formats(columns):
     """Formats in which all times can be read and tell the hour, the best first."""
     some = columns.dropna()
+    if len(some) > 10 * AFTER:  # what stands after the rows has no say
+        some = some.iloc[:-AFTER].infer_objects()
     some = some.iloc[:: max(1, len(some) // LOOKED_AT)]
     if some.empty:
         return []
@@ -93,6 +95,19 @@ def formats(columns):
         return []
     best = min(ways.values())
     return [form for form, way in ways.items() if way == best]
+
+
+def lines_after(raw, layout):
+    """How many last lines hold no time, such as totals, where all others hold one."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        return 0
+    for end in range(min(AFTER, len(raw) - 1) + 1):
+        try:
+            timed(raw.iloc[: len(raw) - end], replace(layout, tz=None), "")
+        except ValueError:
+            continue
+        return end
+    return 0
 
 
 def in_order(raw, layout, name):

@@ -6,16 +6,18 @@ from dataclasses import dataclass, field, replace
 import pandas as pd
 
 from pvlib_fem.record.columns import COLUMNS
-from pvlib_fem.record.files import frame, table
+from pvlib_fem.record.files import frame, table, texts
 from pvlib_fem.record.formats import (
     in_order,
     index_of,
+    lines_after,
     time_columns,
     with_times,
     written,
 )
 from pvlib_fem.record.layout import found_layout
 from pvlib_fem.record.names import NAMES, NOT, mapped, spelled, without_unit
+from pvlib_fem.record.numbers import thousands_of
 from pvlib_fem.record.units import (
     QUANTITIES,
     UNITS,
@@ -74,12 +76,15 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     data, units = {}, {}
     for file, layout in zip(files, layouts):
         layout, below = found_layout(file, layout)
-        raw = table(file, layout)
-        missing = texts_of_missing(raw, layout)
-        if set(missing) - set(layout.missing):
-            layout = replace(layout, missing=(*layout.missing, *missing))
-            raw = table(file, layout)
+        layout, raw = with_cells(file, layout, found.doubts)
         layout = with_times(raw, layout, found.doubts, file.name)
+        if layout.skip_end == 0 and (end := lines_after(raw, layout)):
+            layout = replace(layout, skip_end=end)
+            layout, raw = with_cells(file, layout, found.doubts)
+            lines = f"{end} lines" if end > 1 else "line"
+            found.doubts.append(
+                f"the last {lines} of {file.name} without a time left out"
+            )
         index = index_of(raw, layout)
         left = raw.drop(columns=time_columns(raw, layout))
         if layout.tz is None and index is not None:
@@ -100,6 +105,22 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     if check is not None:
         by_evidence(found, files, how or {}, check)
     return found
+
+
+def with_cells(file, layout, doubts):
+    """The layout with what stands in cells beside numbers, and the table."""
+    raw = table(file, layout)
+    columns = [raw[name] for name in texts(raw)]
+    sign = "" if layout.thousands else thousands_of(columns, layout.decimal)
+    if sign:
+        layout = replace(layout, thousands=sign)
+        doubts.append(f"{sign!r} is taken for the sign between thousands")
+        raw = table(file, layout)
+    missing = texts_of_missing(raw, layout)
+    if set(missing) - set(layout.missing):
+        layout = replace(layout, missing=(*layout.missing, *missing))
+        raw = table(file, layout)
+    return layout, raw
 
 
 def by_the_sun(data, found):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import pandas as pd
 
+from pvlib_fem.record.numbers import NUMBERS
 from pvlib_fem.record.times import ISO
 
 EXCEL = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods")
@@ -15,10 +16,6 @@ SOME = 200_000  # characters that are looked at
 LINES = 200
 SEPARATORS = (",", ";", "\t", "|")
 FOLLOWING = 5  # rows after the first that have to look like it
-NUMBERS = {
-    ".": re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"),
-    ",": re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?"),
-}
 TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
 BOMS = {
     codecs.BOM_UTF8: "utf-8",
@@ -36,8 +33,10 @@ class Layout:
     tz: str | None = None
     sep: str = ","
     decimal: str = "."
+    thousands: str = ""
     encoding: str = "utf-8"
     skip_rows: int | tuple[int, ...] = 0
+    skip_end: int = 0
     sheet: str | int = 0
     missing: tuple[str, ...] = ()
     sort: bool = False
@@ -114,7 +113,9 @@ def number(cell, decimal):
 
 def known(cell, decimal):
     """Whether a cell is what a logger's row is made of."""
-    return number(cell, decimal) or TIME.fullmatch(cell.strip()) is not None
+    if any(number(cell, sign) for sign in NUMBERS):  # 13.5 is no time, either
+        return number(cell, decimal)
+    return TIME.fullmatch(cell.strip()) is not None
 
 
 def is_data(row, width, decimal):

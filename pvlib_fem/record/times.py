@@ -9,6 +9,7 @@ import pandas as pd
 
 ISO = "ISO8601"
 UNIX = "unix"  # seconds since 1970 in UTC
+AFTER = 3  # lines that a table may have after its last row, such as totals
 
 
 def timed(data, layout, name):
@@ -69,6 +70,14 @@ def times(columns, time_format=ISO):
     if parsed.isna().any():
         row = int(parsed.isna().to_numpy().argmax())
         several = " (joined by a space)" if columns.shape[1] > 1 else ""
+        after = len(parsed) - row
+        if row and after <= AFTER and parsed[row:].isna().all():
+            last = f"the last {after} rows are" if after > 1 else "the last row is"
+            raise ValueError(
+                f"column {name}{several} holds no time in row {row}: "
+                f"{column.iloc[row]!r}; give --skip-end {after} if {last} no "
+                "measurement, such as a total"
+            )
         raise ValueError(
             f"column {name}{several} holds no time of the format {time_format} in row "
             f"{row}: {column.iloc[row]!r}; give --time-format, such as "

@@ -1,0 +1,91 @@
+"""Numbers as people write them: with a sign between thousands, or a decimal comma."""
+
+import re
+
+import numpy as np
+import pandas as pd
+
+#: decimal sign: what a number looks like, and what may stand between its thousands
+NUMBERS = {
+    ".": re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"),
+    ",": re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?"),
+}
+SIGNS = {".": (",", " ", "'"), ",": (".", " ", "'")}
+SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
+
+
+def grouped(thousands, decimal):
+    """The form of a number with a sign between its thousands."""
+    sign = SPACES if thousands == " " else re.escape(thousands)
+    return re.compile(rf"[+-]?[1-9]\d{{0,2}}({sign}\d{{3}})+({re.escape(decimal)}\d*)?")
+
+
+def ungrouped(column, thousands, decimal):
+    """
+    Numbers of a column of text; what is none stays as it is.
+
+    Only a sign with three digits after it stands between thousands: 1.5 is no 15.
+    """
+    form, usual = grouped(thousands, decimal), NUMBERS.get(decimal)
+
+    def number(cell):
+        bare = cell.strip() if isinstance(cell, str) else ""
+        if form.fullmatch(bare):
+            whole, _, rest = bare.partition(decimal)
+            return float(re.sub(r"[^\d+-]", "", whole) + "." + rest)
+        if usual is not None and usual.fullmatch(bare):
+            return float(bare.replace(decimal, "."))
+        return cell
+
+    return column.astype(object).map(number, na_action="ignore").infer_objects()
+
+
+def strings(column):
+    """The cells of a column that are text."""
+    return column[column.map(lambda cell: isinstance(cell, str))]
+
+
+def thousands_of(texts, decimal):
+    """The sign between the thousands of columns of text, or an empty one."""
+    for sign in SIGNS.get(decimal, ()):
+        form = grouped(sign, decimal)
+        for column in texts:
+            some = strings(column).str.strip()
+            marked = some.map(form.fullmatch).notna()
+            if marked.any() and some[~marked].map(NUMBERS[decimal].fullmatch).all():
+                return sign
+    return ""
+
+
+def refuse_text(column, name):
+    """Say which text stands among the numbers of a column."""
+    if pd.api.types.is_numeric_dtype(column) or column.isna().all():
+        return
+    text = strings(column)
+    bad = text[pd.to_numeric(text, errors="coerce").isna()]
+    if bad.empty and len(text) < column.count():  # all others could be read
+        bad = text
+    if bad.empty:
+        return
+    word, at = str(bad.iloc[0]), bad.index[0]
+    row = int(np.argmax(column.index == at))
+    several = f", and in {len(bad) - 1:,} more rows" if len(bad) > 1 else ""
+    raise ValueError(
+        f"{name} holds {word!r} at {at} (row {row}){several}, which is not a number; "
+        f"{remedy_for(word)}"
+    )
+
+
+def remedy_for(word):
+    """The option that may make a number of a text."""
+    comma = pd.to_numeric(word.replace(",", ".", 1), errors="coerce")
+    commas = "," in word and pd.notna(comma)
+    remedies = ["--decimal , if commas are decimal"] if commas else []
+    for decimal, sign in ((d, sign) for d, signs in SIGNS.items() for sign in signs):
+        if grouped(sign, decimal).fullmatch(word.strip()):
+            option = f"--thousands {sign if sign in ',.' else repr(sign)}"
+            option += " --decimal ," if decimal == "," else ""
+            remedies.insert(0, f"{option} if that stands between thousands")
+            break
+    missing = f"--missing '{word}' if it stands for a missing value"
+    return f"give {' or '.join(remedies or [missing])}"
