@@ -538,6 +538,33 @@ def test_thousands_and_totals_open_with_what_is_proposed(
     assert len(data) == len(record)
 
 
+def test_swapped_columns_are_proposed_the_other_way_round(record, tmp_path):
+    path, out = tmp_path / "plant.csv", tmp_path / "fit.json"
+    names = {"temp_air": "temp_module", "temp_module": "temp_air"}
+    record.rename(columns=names).to_csv(path, index_label="time")
+    asked = call("fit", path, "--guess", "--model", "faiman", "--out", out)
+    words = proposed(asked)
+    assert {"temp_air=temp_module", "temp_module=temp_air"} <= {*words}
+    assert "'temp_air' is taken for the module" in asked.output
+    assert call(*words).exit_code == 0
+    columns = [record[name] for name in NAMES]
+    expected = fem.fit_fem(*columns, model="faiman").coefficients
+    assert fem.FemFit.from_json(out).coefficients == pytest.approx(expected)
+
+
+def test_wind_beside_fahrenheit_is_asked_about(record, tmp_path):
+    """Numbers alone do not tell mph from m/s where it is calm."""
+    path = tmp_path / "plant.csv"
+    warm = record.rename(columns={"wind_speed": "WS"})
+    for name in ("temp_air", "temp_module"):
+        warm[name] = convert_temperature(warm[name], "C", "F")
+    warm.to_csv(path, index_label="time")
+    asked = call("fit", path, "--guess").output
+    assert "temp_module=°F" in asked and "--unit wind_speed=mph" in asked
+    warm.rename(columns={"WS": "WS (m/s)"}).to_csv(path, index_label="time")
+    assert "mph" not in call("fit", path, "--guess").output
+
+
 def test_only_three_digits_stand_after_a_sign_of_thousands(tmp_path):
     """1.5 in a file of decimal commas is neither 15 nor 1.5, but refused."""
     path = tmp_path / "plant.csv"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
-from pvlib_fem.record.units import ForeignUnit
+from pvlib_fem.record.units import ForeignUnit, Swapped
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
 #: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
@@ -187,8 +187,8 @@ class Suspicion:
     what: str
     remedy: str
     right: str = "the unit is"
-    columns: tuple = ()  # those in another unit, one that can be converted
-    unit: str = ""
+    columns: tuple = ()  # those in another unit, or each in the place of the other
+    unit: str = ""  # that can be converted
     why: str = ""
 
     def error(self):
@@ -197,6 +197,8 @@ class Suspicion:
         words = spelled(self.what, ". ", self.remedy, way_round, UNCHECKED)
         if not self.columns:
             return ValueError(words)
+        if not self.unit:
+            return Swapped(words, self.why)
         return ForeignUnit(words, self.columns, self.unit, self.why)
 
 
@@ -238,11 +240,16 @@ def suspicion(inputs, found, limits):
             "that is",
         )
     if slope < -limits.swapped and found.sunny < 0:
+        why = (
+            f"in the sun temp_module is {-found.sunny:.0f} K below temp_air, and falls "
+            "as irradiance grows"
+        )
         return Suspicion(
-            f"temp_air and temp_module look swapped: in the sun temp_module is "
-            f"{-found.sunny:.0f} K below temp_air, and falls as irradiance grows",
+            f"temp_air and temp_module look swapped: {why}",
             "Exchange the columns",
             "they are",
+            ("temp_air", "temp_module"),
+            why=why,
         )
     if bright < 3.0 and slope > 1.0:
         why = f"its largest values are {bright:.2f}"

@@ -23,6 +23,7 @@ from pvlib_fem.record.units import (
     UNITS,
     WHOLE,
     ForeignUnit,
+    Swapped,
     named_unit,
     own_unit,
     unit_of,
@@ -104,6 +105,7 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     in_units(found, data, units)
     if check is not None:
         by_evidence(found, files, how or {}, check)
+    of_wind(found, data)
     return found
 
 
@@ -195,6 +197,8 @@ def by_evidence(found, files, how, check):
         try:
             check(frame(files, found.layouts, found.columns, **how | {"units": told}))
             return
+        except Swapped as odd:
+            exchange(found, odd.why)
         except ForeignUnit as odd:
             if {*odd.columns} <= {*told}:
                 return
@@ -203,6 +207,32 @@ def by_evidence(found, files, how, check):
             found.doubts.append(f"{names} may be in {odd.unit}: {odd.why}")
         except (ValueError, KeyError):
             return
+
+
+def of_wind(found, data):
+    """Ask for mph where the temperatures are in °F and the wind says nothing."""
+    wind = found.columns.get("wind_speed", "wind_speed")
+    told = wind not in data or named_unit("wind_speed", str(wind)) is not None
+    if "°F" in found.units.values() and "wind_speed" not in found.units and not told:
+        found.doubts.append(
+            f"where temperatures are in °F, {wind!r} is mostly in mph: then add --unit "
+            "wind_speed=mph"
+        )
+
+
+def exchange(found, why):
+    """What is told of the air is told of the module, and the other way round."""
+    pair = ("temp_air", "temp_module")
+    columns = [found.columns.get(name, name) for name in pair]
+    found.columns |= dict(zip(pair, columns[::-1]))
+    units = {
+        b: found.units.pop(a) for a, b in zip(pair, pair[::-1]) if a in found.units
+    }
+    found.units |= units
+    found.doubts.append(
+        f"{columns[0]!r} is taken for the module and {columns[1]!r} for the air: the "
+        f"other way round, {why}"
+    )
 
 
 def sunny(left):

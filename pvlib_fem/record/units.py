@@ -100,6 +100,14 @@ class ForeignUnit(ValueError):
         self.columns, self.unit, self.why = columns, unit, why
 
 
+class Swapped(ValueError):
+    """The temperatures of air and module look to be each other's, and ``why``."""
+
+    def __init__(self, message, why=""):
+        super().__init__(message)
+        self.why = why
+
+
 def own_unit(name):
     """The unit in which the package has a column."""
     return next(iter(UNITS[QUANTITIES[name]]))
