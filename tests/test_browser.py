@@ -14,6 +14,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 # it runs in containers, without a card, and asks nobody for updates
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 WIDTHS = {"desktop": (1280, 800), "phone": (390, 844)}
+SMALLEST = 10  # px, of letters in a picture
 READABLE = 4.5  # contrast of text, WCAG 2.1 success criterion 1.4.3
 
 
@@ -120,6 +121,23 @@ def test_every_picture_has_a_size_and_a_caption(shown):
         assert box["width"] > 250
         assert 150 < box["height"] < 1.2 * box["width"]
         assert len(figure.locator("figcaption").inner_text()) > 20
+
+
+def test_letters_of_pictures_are_large_enough(shown):
+    """Without a need to enlarge what is seen, and the whole picture on the screen."""
+    for figure in shown.locator("figure svg").all():
+        sizes = figure.evaluate(LETTERS)
+        assert min(sizes) >= SMALLEST, sizes
+        held, width = figure.bounding_box(), shown.viewport_size["width"]
+        assert held["x"] >= 0 and held["x"] + held["width"] <= width
+
+
+#: sizes of all letters of a picture as they are seen
+LETTERS = """svg => {
+  const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+  return [...svg.querySelectorAll("text")].map(
+    text => scale * parseFloat(getComputedStyle(text).fontSize));
+}"""
 
 
 def test_text_can_be_read(shown):

@@ -158,12 +158,12 @@ def plot_residual_rose(
     ax.grid(False)  # it would lie between the cells
     mesh(ax, pieces, speed, means, limit, FINER)
     ax.set_ylim(0.0, speed[-1])
-    # none at the rim, whose line would run through its words
-    rings = speed[2:-1:2] if len(speed) > 3 else speed[1:2]
+    # none at or beside the rim, whose line would run through its words
+    rings = speed[2:-2:2] if len(speed) > 4 else speed[1:2]
     ax.set_yticks(rings, [f"{s:g} m/s" for s in rings])
     ax.set_rlabel_position(180.0 / SECTORS)
     for text in ax.get_yticklabels():  # they lie on cells, whatever the style is
-        text.set(color="black", size="x-small")
+        text.set(color="black", size="small")
         text.set_bbox(dict(facecolor="white", alpha=0.85, linewidth=0, pad=1))
     return ax
 

@@ -19,7 +19,7 @@ PAGE = {
 }
 
 
-def svg(draw, name, size=(4.8, 3.2), projection=None):
+def svg(draw, name, size=(4.2, 2.9), projection=None):
     """
     A picture for a page: the same text for the same input, and no style of a user's.
 
@@ -30,7 +30,7 @@ def svg(draw, name, size=(4.8, 3.2), projection=None):
     name : str
         One for each picture of a page, of which its identifiers are made.
     size : (float, float)
-        Width and height. [inch]
+        Width and height; so small that letters are still 10 px on a phone. [inch]
     projection : str, optional
         ``"polar"`` for a wind rose.
 

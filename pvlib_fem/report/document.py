@@ -23,29 +23,32 @@ p, li { overflow-wrap: anywhere; max-width: 46rem; }
 .alert { border-left: .3rem solid var(--before); padding: .5rem .8rem;
   background: var(--card); }
 .soft, figcaption { color: var(--soft); font-size: .9rem; }
-/* a shade at an edge beyond which a table goes on; it moves with the table */
-.wide { overflow-x: auto; background:
-  linear-gradient(to right, var(--page) 40%, transparent) 0 0 / 3rem 100% local,
-  linear-gradient(to left, var(--page) 40%, transparent) 100% 0 / 3rem 100% local,
+/* a shade at an edge beyond which more follows; it moves with what is there */
+.wide, pre { --under: var(--page); overflow-x: auto; background:
+  linear-gradient(to right, var(--under) 40%, transparent) 0 0 / 3rem 100% local,
+  linear-gradient(to left, var(--under) 40%, transparent) 100% 0 / 3rem 100% local,
   linear-gradient(to right, var(--shade), transparent) 0 0 / 1.1rem 100% scroll,
   linear-gradient(to left, var(--shade), transparent) 100% 0 / 1.1rem 100% scroll;
   background-repeat: no-repeat; }
+pre { --under: var(--card); }
 table { border-collapse: collapse; font-size: .9rem; }
 th, td { padding: .3rem 1.1rem .3rem 0; text-align: left; vertical-align: top;
   border-bottom: 1px solid var(--line); }
 th { font-weight: 600; }
 th, td { white-space: nowrap; }
 .n { text-align: right; font-variant-numeric: tabular-nums; }
-@media (max-width: 30rem) {
-  th, td { padding-right: .6rem; } ul, ol { padding-left: 1.3rem; } }
 .figures { display: grid; gap: 1rem;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr)); }
 figure { margin: 0; padding: .7rem; background: var(--card); border-radius: .5rem; }
 figcaption { margin-bottom: .4rem; }
 svg { display: block; width: 100%; height: auto; }
 svg text { font-family: system-ui, sans-serif !important; }
-pre { overflow-x: auto; padding: .8rem; background: var(--card); border-radius: .5rem;
+pre { padding: .8rem; background-color: var(--card); border-radius: .5rem;
   font-size: .8rem; line-height: 1.4; }
+@media (max-width: 30rem) {
+  th, td { padding-right: .6rem; } ul, ol { padding-left: 1.3rem; }
+  .figures > * { margin: 0 -.6rem; padding: .7rem .3rem; }
+  figcaption { padding: 0 .4rem; } }
 summary { cursor: pointer; }
 """
 
