@@ -15,6 +15,7 @@ from pvlib.location import Location
 
 from pvlib_fem import (
     DynamicCellTemperature,
+    FemFit,
     __version__,
     cli,
     datasets,
@@ -520,3 +521,28 @@ def test_the_package_is_the_command(monkeypatch, capsys):
     with pytest.raises(SystemExit, match="0"):
         runpy.run_module("pvlib_fem", run_name="__main__")
     assert capsys.readouterr().out == f"pvlib-fem, version {__version__}\n"
+
+
+def test_an_effect_takes_its_settings_at_the_shell(frame, tmp_path):
+    path, out = tmp_path / "plant.csv", tmp_path / "fit.json"
+    humid = frame.assign(relative_humidity=50.0 + 30.0 * np.sin(np.arange(len(frame))))
+    humid.to_csv(path, index_label="time")
+    setting = "sky_radiation.source=humidity, without clouds"
+    effect = ("--effects", "sky_radiation", "--effect-setting", setting)
+    result = call("fit", path, *effect, "--out", out)
+    assert result.exit_code == 0, result.output
+    source = {"name": "sky_radiation", "source": "humidity, without clouds"}
+    columns = [humid[name] for name in COLUMNS]
+    humidity = humid["relative_humidity"]
+    expected = fit_fem(*columns, effects=[source], relative_humidity=humidity)
+    found = FemFit.from_json(out)
+    assert found.effects[0].source == source["source"]
+    assert found.coefficients == pytest.approx(expected.coefficients, rel=1e-6)
+    for given, said in {
+        "sky_radiation.source=nosuch": "unknown source 'nosuch'",
+        "sky_radiation.nosuch=1": "has no setting nosuch",
+        "rain.film=1": "given for rain, which is not among --effects",
+        "sky_radiation=1": "is not NAME.SETTING=VALUE",
+    }.items():
+        refused = call("fit", path, *effect[:2], "--effect-setting", given)
+        assert refused.exit_code != 0 and said in refused.output

@@ -13,6 +13,7 @@ from pvlib_fem.cli.options import (
     plot_option,
     reading_options,
     report_option,
+    settings_of,
     shared_options,
     site_options,
     title_option,
@@ -135,7 +136,8 @@ def write_report(path, result, title, files):
 def prepared(files, options, drivers=False):
     """The frame, and what a fit or a loop takes; all that is wrong is refused here."""
     check_partners(options)
-    effects = effects_of(options.pop("effects"))
+    settings = settings_of(options.pop("settings"))
+    effects = effects_of(options.pop("effects"), settings)
     fixed = held(options.pop("fix"))
     days, told = options.pop("holdout"), options["tz"]
     data = read(files, options, drivers)

@@ -1,5 +1,6 @@
 """Options, and what their texts mean."""
 
+import json
 from pathlib import Path
 
 import click
@@ -165,6 +166,14 @@ shared_options = added(
         help="Physical effects: fit adds these, loop tries no others.",
     ),
     click.option(
+        "--effect-setting",
+        "settings",
+        multiple=True,
+        metavar="NAME.SETTING=VALUE",
+        help="Setting of one of --effects, such as soiling.cleaning=6 or "
+        "sky_radiation.source=humidity; once for each.",
+    ),
+    click.option(
         "--holdout",
         multiple=True,
         metavar="DAY | DAY..DAY",
@@ -281,6 +290,21 @@ def held(texts):
             found[name] = float(value)
         except ValueError as error:
             raise bad(value, "--fix", f"is no number for {name}") from error
+    return found
+
+
+def settings_of(texts):
+    """The settings of --effect-setting by the names of the effects."""
+    form, found = "NAME.SETTING=VALUE", {}
+    for key, text in pairs(texts, "--effect-setting", form).items():
+        name, dot, setting = key.partition(".")
+        if not dot or not setting:
+            raise bad(f"{key}={text}", "--effect-setting", f"is not {form}")
+        try:
+            value = json.loads(text)
+        except ValueError:  # a word, such as a source
+            value = text
+        found.setdefault(name, {})[setting] = value
     return found
 
 

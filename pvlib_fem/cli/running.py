@@ -48,14 +48,19 @@ def fitted(data, effects, site, no_unit_check=False, **options):
     )
 
 
-def effects_of(texts):
-    """The names of --effects, which are those of the catalogue."""
+def effects_of(texts, settings):
+    """The effects of --effects from the catalogue, with their settings."""
     names = [name.strip() for text in texts for name in text.split(",")]
     for name in names:
         find(name)
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"--effects has {twice[0]} twice")
-    return names
+    if strange := [name for name in settings if name not in names]:
+        raise ValueError(
+            f"--effect-setting is given for {strange[0]}, which is not among --effects"
+        )
+    chosen = [{"name": name, **settings.get(name, {})} for name in names]
+    return [find(one).spec for one in chosen]
 
 
 def site_of(index, lat, lon, tilt, azimuth):
