@@ -467,7 +467,8 @@ def test_a_row_without_its_driver_is_not_used(plant):
         ),
         (
             dict(effects=["sky_radiation", "rain"]),
-            "data lack longwave_down, precipitation, which sky_radiation and rain need",
+            "data lack longwave_down, precipitation, which sky_radiation and rain need"
+            "; give them as longwave_down=..., precipitation=..., or drop the effects",
         ),
         (
             dict(effects=["rear_irradiance"]),

@@ -8,12 +8,14 @@ from html.parser import HTMLParser
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
 from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.loop.close import close_loop
+from pvlib_fem.loop.prepare import zone_of_the_sun
 from pvlib_fem.loop.table import Ranking
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
@@ -322,6 +324,26 @@ def test_a_wrong_clock_stands_first(shifted):
     assert page.texts.index(said[0]) < page.texts.index(heading)
     assert str(shifted).splitlines()[1].startswith("CLOCK IS OFF")
     assert "file_shift" not in page.text + str(shifted)
+    assert "(the sun fits Etc/GMT-3)" in said[0]
+
+
+FITTING = [
+    (None, 2.0, "Etc/GMT-3"),
+    (None, -5.1, "Etc/GMT+4"),
+    (None, 0.5, ""),
+    ("UTC", -7.0, "Etc/GMT+7"),
+    ("Asia/Kolkata", -5.5, "Etc/GMT+0"),
+    ("Asia/Kolkata", 2.0, ""),
+    ("UTC", -15.0, ""),
+]
+
+
+@pytest.mark.parametrize("tz, late, zone", FITTING)
+def test_the_zone_that_fits_the_sun_is_named(tz, late, zone):
+    """In whole hours: times without a zone are those of the location, UTC+1."""
+    index = pd.date_range("2023-06-01", periods=3, freq="D", tz=tz)
+    location = Location(49.0, 8.4, tz="Europe/Berlin")
+    assert zone_of_the_sun(index, 3600.0 * late, location) == zone
 
 
 def test_nothing_later_contradicts_a_wrong_clock(shifted):

@@ -3,8 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
+from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
@@ -20,6 +22,7 @@ from pvlib_fem.record.checks import Record, as_record, with_columns
 from pvlib_fem.record.columns import COLUMNS, numeric, usable_drivers, with_aliases
 
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
+NEAR_HOUR = 0.25  # h beside a whole one, as near as a file of half hours shows it
 OFF_THE_SUN = ("file_shift", "file_dst")  # faults with which the sun is elsewhere
 
 
@@ -44,7 +47,9 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
     look, corrections = in_standard_time(data, holdout, look, how)
     faults = look.health.faults
     if "file_shift" in faults:
-        corrections += (shifted(faults["file_shift"], look.health.noon.late),)
+        late = look.health.noon.late
+        zone = zone_of_the_sun(look.whole.index, late, site["location"])
+        corrections += (shifted(faults["file_shift"], late, zone),)
     sun, refused = geometry(look.whole.index, **site), look.refused
     if {*OFF_THE_SUN} & {*faults}:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
@@ -199,11 +204,23 @@ def told_of(summer, fault=""):
     )
 
 
-def shifted(fault, late):
+def zone_of_the_sun(index, late, location):
+    """The zone in which times fit the sun that is late in theirs, or none."""
+    utc = index if index.tz is not None else standard_time(index, location)
+    own = index.tz_localize(None) - utc.tz_convert("UTC").tz_localize(None)
+    hours = own[0] / pd.Timedelta(hours=1) + late / 3600.0
+    whole = round(hours)
+    if own[0] != own[-1] or abs(hours - whole) > NEAR_HOUR or not -12 <= whole <= 14:
+        return ""
+    return f"Etc/GMT{-whole:+d}"  # this zone's sign is reversed
+
+
+def shifted(fault, late, zone=""):
     """What was made of a file whose times do not fit the sun: nothing."""
+    fits = f" (the sun fits {zone})" if zone else ""
     remedy = (
-        "give the times the zone that they are in, or set the location right; until "
-        "then no effect that follows the sun is tried"
+        f"give the times the zone that they are in{fits}, or set the location right; "
+        "until then no effect that follows the sun is tried"
     )
     return Correction(
         fault="file_shift",

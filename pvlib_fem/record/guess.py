@@ -82,9 +82,9 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
         if layout.skip_end == 0 and (end := lines_after(raw, layout)):
             layout = replace(layout, skip_end=end)
             layout, raw = with_cells(file, layout, found.doubts)
-            lines = f"{end} lines" if end > 1 else "line"
+            last = f"each of the last {end} lines" if end > 1 else "the last line"
             found.doubts.append(
-                f"the last {lines} of {file.name} without a time left out"
+                f"{last} holds no time in {file.name} and is left out by --skip-end"
             )
         index = index_of(raw, layout)
         left = raw.drop(columns=time_columns(raw, layout))

@@ -189,8 +189,11 @@ class ThermalModel:
             ]
             place = "; pvlib_fem.drivers.sun finds the sun"
             raise ValueError(
-                f"data lack {', '.join(missing)}, which {' and '.join(using)} needs; "
-                f"give it as {missing[0]}=..., or drop the effect"
+                f"data lack {', '.join(missing)}, which {' and '.join(using)} "
+                f"need{'s' * (len(using) == 1)}; give "
+                f"{'it' if len(missing) == 1 else 'them'} as "
+                f"{', '.join(f'{name}=...' for name in missing)}, or drop the effect"
+                f"{'s' * (len(using) > 1)}"
                 f"{place if 'solar_zenith' in missing else ''}"
             )
         if unused := [name for name in given if name not in self.drivers]:
