@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import COLUMNS
+from pvlib.location import Location
 from test_effects import coefficients, model_with, predicted
 
 import pvlib_fem as fem
@@ -129,6 +130,22 @@ def test_what_lacks_its_column_is_listed_with_the_reason(plant, noise):
     assert notes["electrical_output"] == "no p_dc"
     assert notes["wind_direction"] == "wind_direction is constant"
     assert notes["rain"] == "precipitation holds no value"
+
+
+def test_with_its_place_a_record_is_ranked_for_the_sun_too(plant, noise):
+    """As where the columns of the sun's and the module's place are in the frame."""
+    data = record_with(plant, noise)[[*COLUMNS]]
+    fit, names = base_fit(data), ["incidence_angle", "poa_misalignment"]
+    assert fem.rank_effects(fit, data, names)["note"].str.startswith("no loc").all()
+    location = Location(49.4, 8.7, tz="Etc/GMT-1")
+    place = {"surface_tilt": 35.0, "surface_azimuth": 180.0}
+    found = fem.rank_effects(fit, data, names, location=location, **place)
+    whole = data.assign(**fem.drivers.sun(data.index, location), **place)
+    drawn = fem.rank_effects(fit, whole, names)
+    pd.testing.assert_frame_equal(found, drawn, check_flags=False)
+    assert found["rows"].gt(100).all()
+    with pytest.raises(ValueError, match=r"location is .*; give pvlib\.location"):
+        fem.rank_effects(fit, data, location=(49.4, 8.7), **place)
 
 
 def test_a_copy_of_the_answer_is_no_driver(plant, noise):

@@ -4,8 +4,9 @@ from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
 
-from pvlib_fem.drivers import DERIVED, MODELLED
+from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.fitting.result import FemFit
@@ -26,6 +27,9 @@ def rank_effects(
     data: pd.DataFrame,
     effects: EffectLike | Iterable[EffectLike] | None = None,
     criteria: Criteria | None = None,
+    location: Location | None = None,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
 ) -> pd.DataFrame:
     """
     Rank absent effects by what each would explain on days it has not seen.
@@ -51,6 +55,11 @@ def rank_effects(
         Candidates; by default all, and those columns.
     criteria : Criteria, optional
         Thresholds other than the usual.
+    location : pvlib.location.Location, optional
+        With the two angles it adds the effects that follow the sun, as in
+        :func:`close_loop`.
+    surface_tilt, surface_azimuth : float, optional
+        Of the module, from horizontal and from north. [°]
 
     Returns
     -------
@@ -77,8 +86,9 @@ def rank_effects(
     Raises
     ------
     ValueError
-        If a column lacks or is unusable.
+        If a column lacks or is unusable, or the place is none.
     """
+    place = checked_place(location, surface_tilt, surface_azimuth)
     criteria = criteria or Criteria()
     columns = with_aliases(data)
     usual = as_record(*(columns.pop(name) for name in USUAL))
@@ -87,9 +97,10 @@ def rank_effects(
     taken = (*DERIVED, *MODELLED)
     drivers, refused = usable_drivers(columns, record, criteria.most_missing, taken)
     there = {effect.name for effect in fit.effects}
-    testable, notes = candidates(drivers, refused, effects, there)
+    sun = geometry(record.index, **place)
+    testable, notes = candidates({**drivers, **sun}, refused, effects, there)
     model = fit.thermal_model
-    record = record.only([*USUAL, *drivers])
+    record = with_columns(record.only([*USUAL, *drivers]), sun)
     seen = counted(record.inputs.columns, fit.night)
     seen &= record.known(model.drivers)
     rows = {name: {"note": str(why)} for name, why in notes.items()}
