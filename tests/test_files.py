@@ -542,8 +542,11 @@ def test_swapped_columns_are_proposed_the_other_way_round(record, tmp_path):
     path, out = tmp_path / "plant.csv", tmp_path / "fit.json"
     names = {"temp_air": "temp_module", "temp_module": "temp_air"}
     record.rename(columns=names).to_csv(path, index_label="time")
+    refused = call("fit", path, "--model", "faiman", "--out", out)
+    assert refused.exit_code == 1 and "look swapped" in refused.output
     asked = call("fit", path, "--guess", "--model", "faiman", "--out", out)
     words = proposed(asked)
+    assert proposed(refused) == words
     assert {"temp_air=temp_module", "temp_module=temp_air"} <= {*words}
     assert "'temp_air' is taken for the module" in asked.output
     assert call(*words).exit_code == 0
@@ -559,6 +562,9 @@ def test_wind_beside_fahrenheit_is_asked_about(record, tmp_path):
     for name in ("temp_air", "temp_module"):
         warm[name] = convert_temperature(warm[name], "C", "F")
     warm.to_csv(path, index_label="time")
+    words = proposed(call("fit", path, "--map", "wind_speed=WS"))
+    assert {"temp_air=°F", "temp_module=°F"} <= {*words}
+    assert call(*words).exit_code == 0
     asked = call("fit", path, "--guess").output
     assert "temp_module=°F" in asked and "--unit wind_speed=mph" in asked
     warm.rename(columns={"WS": "WS (m/s)"}).to_csv(path, index_label="time")

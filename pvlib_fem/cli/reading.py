@@ -64,6 +64,8 @@ def read(files, options, drivers=False):
         data = frame(files, layouts, columns, **how)
         check_columns(data)
         datetime_steps(data.index, "the time")
+        if how["check_units"]:  # here the files are at hand for another proposal
+            check_record(data)
     except (ValueError, OSError) as error:
         words = proposal(files, layouts, columns, how, place)
         raise Refused(error, words) from error
