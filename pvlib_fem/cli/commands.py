@@ -18,7 +18,7 @@ from pvlib_fem.cli.options import (
     site_options,
     title_option,
 )
-from pvlib_fem.cli.reading import read
+from pvlib_fem.cli.reading import or_propose, read
 from pvlib_fem.cli.running import (
     check_partners,
     closed,
@@ -59,8 +59,9 @@ def fit(files, out, plot, report, title, **options):
     """
     with plainly():
         check_outputs(files, out=out, plot=plot, report=report)
-        data, options = prepared(files, options)
-        result = fitted(data, **options)
+        data, options, otherwise = prepared(files, options)
+        with or_propose(otherwise):
+            result = fitted(data, **options)
         say(result)
         write(out, result.to_json)
         write(plot, lambda path: picture(result, path))
@@ -93,9 +94,10 @@ def loop(files, report, title, out, **options):
     """
     with plainly():
         check_outputs(files, report=report, out=out)
-        data, options = prepared(files, options, drivers=True)
+        data, options, otherwise = prepared(files, options, drivers=True)
         options["effects"] = options["effects"] or None
-        found = closed(data, **options)
+        with or_propose(otherwise):
+            found = closed(data, **options)
         say(found)
         write(out, found.to_json)
         write_report(report, found, title, files)
@@ -140,7 +142,7 @@ def prepared(files, options, drivers=False):
     effects = effects_of(options.pop("effects"), settings)
     fixed = held(options.pop("fix"))
     days, told = options.pop("holdout"), options["tz"]
-    data = read(files, options, drivers)
+    data, otherwise = read(files, options, drivers)
     place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
     data = in_local_days(data, place["lon"], told)
     options |= {
@@ -149,4 +151,4 @@ def prepared(files, options, drivers=False):
         "holdout": days_of(days, data.index),
         "site": site_of(data.index, **place),
     }
-    return data, options
+    return data, options, otherwise

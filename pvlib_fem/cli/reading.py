@@ -4,6 +4,7 @@ import shlex
 import stat
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import click
 from click.core import ParameterSource
@@ -14,7 +15,7 @@ from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import as_record, datetime_steps
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame
-from pvlib_fem.record.guess import guess
+from pvlib_fem.record.guess import ODD_UNIT, SWAPPED, guess
 from pvlib_fem.record.names import unmapped
 
 COMMANDLINE = ParameterSource.COMMANDLINE
@@ -36,6 +37,11 @@ def read(files, options, drivers=False):
     drivers : bool
         Whether further columns count, so that a likely one is asked about.
 
+    Returns
+    -------
+    DataFrame, callable
+        The frame, and the command that may read the files otherwise.
+
     Raises
     ------
     Refused
@@ -54,8 +60,12 @@ def read(files, options, drivers=False):
     for file in files:
         if stat.S_ISCHR(file.stat().st_mode):
             raise ValueError(f"{file} is a device and no file")
+
+    def otherwise():
+        return proposal(files, layouts, columns, how, place)
+
     if asked:
-        words = proposal(files, layouts, columns, how, place)
+        words = otherwise()
         if not words:
             raise ValueError(f"{files[0].name} holds no table that could be guessed at")
         say(words)
@@ -64,11 +74,8 @@ def read(files, options, drivers=False):
         data = frame(files, layouts, columns, **how)
         check_columns(data)
         datetime_steps(data.index, "the time")
-        if how["check_units"]:  # here the files are at hand for another proposal
-            check_record(data)
     except (ValueError, OSError) as error:
-        words = proposal(files, layouts, columns, how, place)
-        raise Refused(error, words) from error
+        raise Refused(error, otherwise()) from error
     for line in data.attrs.pop("notes"):
         note(line)
     if drivers and (likely := unmapped(data)):
@@ -78,7 +85,18 @@ def read(files, options, drivers=False):
             f"{what}. Under another name a column is only a driver of unknown meaning; "
             f"if it is that, run again with {' '.join(maps)}"
         )
-    return data
+    return data, otherwise
+
+
+@contextmanager
+def or_propose(otherwise):
+    """What a fit refuses since the file says something else, with the proposal."""
+    try:
+        yield
+    except ValueError as error:
+        if ODD_UNIT.match(str(error)) or SWAPPED.match(str(error)):
+            raise Refused(error, otherwise()) from error
+        raise
 
 
 def check_columns(data):
