@@ -4,6 +4,7 @@ import io
 import json
 import re
 import runpy
+import shlex
 import sys
 from pathlib import Path
 
@@ -476,19 +477,23 @@ def test_an_effect_that_follows_the_sun_is_fitted_with_the_place(frame, tmp_path
 
 def test_a_likely_driver_of_another_name_is_asked_about(frame, tmp_path):
     path = tmp_path / "plant.csv"
-    names = {"RH": 50.0, "WR": 180.0, "Rain": 1.0, "Load": 3.0}
+    names = {"RH [%]": 50.0, "WR": 180.0, "Rain": 1.0, "Load": 3.0}
     noise = np.random.default_rng(0).uniform(size=(len(frame), 4))
     extra = pd.DataFrame(noise * list(names.values()), frame.index, list(names))
     frame.join(extra).to_csv(path, index_label="time")
     result = call("loop", path)
     assert result.exit_code == 0
     asked = result.output.splitlines()[0]
-    for option in ("relative_humidity=RH", "wind_direction=WR", "precipitation=Rain"):
-        assert f"--map {option}" in asked
+    for option in (
+        "relative_humidity=RH [%]",
+        "wind_direction=WR",
+        "precipitation=Rain",
+    ):
+        assert option in asked
     assert "Load" not in asked
-    maps = re.findall(r"--map (\S+)", asked)
-    mapped = call("loop", path, *(f"--map={one}" for one in maps))
-    assert "looks like" not in mapped.output
+    maps = shlex.split(asked.partition("run again with ")[2])
+    mapped = call("loop", path, *maps)
+    assert mapped.exit_code == 0 and "looks like" not in mapped.output
 
 
 def test_instants_are_told_in_the_days_of_their_place(frame, tmp_path):

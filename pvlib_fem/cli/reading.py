@@ -79,11 +79,11 @@ def read(files, options, drivers=False):
     for line in data.attrs.pop("notes"):
         note(line)
     if drivers and (likely := unmapped(data)):
-        maps = [f"--map {name}={column}" for name, column in likely.items()]
+        maps = [w for n, c in likely.items() for w in ("--map", f"{n}={c}")]
         what = ", ".join(f"{c!r} looks like {n}" for n, c in likely.items())
         note(
             f"{what}. Under another name a column is only a driver of unknown meaning; "
-            f"if it is that, run again with {' '.join(maps)}"
+            f"if it is that, run again with {quoted(maps)}"
         )
     return data, otherwise
 
@@ -169,8 +169,13 @@ def command(found, lacking, how):
         words += ["--unit", f"{name}={unit}"]
     if found.area and not how["module_area"]:
         words += ["--module-area", "AREA"]
-    quoted = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
     return quoted(words)
+
+
+def quoted(words):
+    """Words as a shell takes them."""
+    join = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
+    return join(words)
 
 
 def spoken(param, value):
