@@ -88,6 +88,68 @@ class Check:
         )
 
 
+class Opinion(StrEnum):
+    """What a witness makes of a finding."""
+
+    AGREES = "agrees"
+    CONTRADICTS = "contradicts"
+    CANNOT_TELL = "cannot tell"
+
+
+@dataclass(frozen=True)
+class Witness:
+    """
+    What a column that sees the same says of a change of an instrument.
+
+    Attributes
+    ----------
+    column : str
+    effect : str
+        The candidate that it was asked about.
+    size, stderr : float
+        By how much it parts from the instrument along the course, and its standard
+        error.
+    expected : float
+        The same if that candidate is the cause. Of another cause it is about 0.
+    opinion : Opinion
+    unit : str
+        ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
+    """
+
+    column: str
+    effect: str
+    size: float
+    stderr: float
+    expected: float
+    opinion: Opinion
+    unit: str = "-"
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The witness of a part of a file."""
+        return cls(
+            column=content.text("column"),
+            effect=content.text("effect"),
+            size=content.number("size"),
+            stderr=content.number("stderr"),
+            expected=content.number("expected"),
+            opinion=Opinion(content.text("opinion")),
+            unit=content.text("unit"),
+        )
+
+    def __str__(self):
+        unit = self.unit.replace("-", "%").replace("/year", " a year")
+        times = 100.0 if "%" in unit else 1.0
+        size, error, needed = (
+            f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
+        )
+        verb = "cannot tell of" if self.opinion is Opinion.CANNOT_TELL else self.opinion
+        return (
+            f"{self.column} {verb} {self.effect}: the two part by {size} ± {error} "
+            f"{unit}, and it would need {needed} {unit}"
+        )
+
+
 @dataclass(frozen=True)
 class Finding:
     """
@@ -117,6 +179,8 @@ class Finding:
         Of unknown structure: from and to of each driver.
     place : str
         Of unknown structure: where it lives, in words.
+    witnesses : tuple of Witness
+        Of a change of an instrument: what other columns say of it.
     """
 
     effect: str
@@ -130,6 +194,7 @@ class Finding:
     kind: Kind = Kind.EFFECT
     where: dict = field(default_factory=dict)
     place: str = ""
+    witnesses: tuple = ()
 
     @property
     def why(self) -> str:
@@ -155,6 +220,9 @@ class Finding:
             "kind": self.kind.name,
             "because": self.because.content(),
             "checks": checks,
+            "witnesses": [
+                {**asdict(one), "opinion": str(one.opinion)} for one in self.witnesses
+            ],
             "why": self.why,
         }
 
@@ -174,11 +242,13 @@ class Finding:
             kind=Kind[content.text("kind")],
             where={name: tuple(ends) for name, ends in where.items()},
             place=content.text("place"),
+            witnesses=tuple(map(Witness.stored, content.parts("witnesses"))),
         )
 
     def __str__(self):
         head = f"{' | '.join(self.candidates)}: {self.verdict}, {self.gain:.2f} K"
-        return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])
+        parts = [self.why, *self.checks, *self.witnesses]
+        return "\n".join([head, *(f"  {part}" for part in parts)])
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ class Reason(Enum):
     COLLINEAR = "the record cannot tell it from the fitted coefficients"
     NOT_A_NUMBER = "it is not a number in all rows whose columns are there"
     BROKEN = "{error}"
+    NO_DATE = "what is left changes with it at no date"
     NO_WINDOW = "what is left follows no obstacle before the sun"
     STAND_IN = "no {columns: or }: only what follows the usual inputs was tried"
     DETECTABLE = "this record shows it from {gain:.2g} K only"
@@ -56,6 +57,10 @@ class Reason(Enum):
     GAINED = (
         "{gain:.2f} K of the error on fitting weeks left out in turn, chance "
         "{chance:.1g}"
+    )
+    WITNESSED = (
+        "{gain:.2f} K of the error on fitting weeks left out in turn; {columns: and } "
+        "part from the sensor along the same course"
     )
     WOULD_DECIDE = "{measurements:; or } would decide"
     TOO_SHORT = "{days} days are too few for a name, of {least}"

@@ -102,7 +102,7 @@ def test_effects_do_not_stand_on_each_other():
     catalogue = [n for n in FILES if n.startswith("effects.catalogue.")]
     for name in catalogue:
         assert not set(own_imports(name)) & {*catalogue}, name
-    assert {n.split(".")[-1] for n in catalogue} == set(pvlib_fem.effects.EFFECTS)
+    assert {n.split(".")[-1] for n in catalogue} == set(pvlib_fem.effects.PHYSICS)
 
 
 def test_the_simulator_and_the_models_share_nothing():

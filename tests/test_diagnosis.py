@@ -9,7 +9,7 @@ from test_effects import coefficients, model_with, predicted
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import PHYSICS as EFFECTS
 
 EFFECTS_ = pytest.mark.parametrize("name", EFFECTS)
 
@@ -34,9 +34,7 @@ def record_with(plant, noise, *names, seed=0, **planted):
 
 
 #: effects with a driver of their own; a drift needs years
-DRIVEN = [
-    n for n, e in EFFECTS.items() if not e.confounder and n != "sensitivity_drift"
-]
+DRIVEN = [n for n, e in EFFECTS.items() if not e.confounder]
 #: sizes that sixty days can show, where those found outdoors need a year
 LARGER = {"soiling": {"per_day": 0.008}}
 

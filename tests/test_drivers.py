@@ -8,7 +8,7 @@ from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
 from pvlib_fem.drivers import DERIVED, completed, memory, needed_for, sky, solar, sun
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import PHYSICS as EFFECTS
 from pvlib_fem.record.checks import read
 from pvlib_fem.record.columns import GEOMETRY
 

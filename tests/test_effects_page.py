@@ -13,7 +13,8 @@ import pytest
 
 import pvlib_fem
 from pvlib_fem.drivers import DERIVED, MEASURED, needed_for
-from pvlib_fem.effects import EFFECTS, find
+from pvlib_fem.effects import CHANGES, CHANNELS, find
+from pvlib_fem.effects import PHYSICS as EFFECTS
 
 DOCS = Path(__file__).parents[1] / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
@@ -83,7 +84,7 @@ def test_an_equation_stands_for_the_column_that_the_terms_add_to(name):
 @every
 def test_what_looks_like_an_effect_by_name_is_another_one(name):
     for other in find(name).confused_with:
-        assert " " in other or other in EFFECTS, other
+        assert " " in other or other in EFFECTS | CHANGES, other
         assert other != name
 
 
@@ -108,7 +109,7 @@ def test_the_first_page_leads_to_all_others():
     first, *others = PAGES
     for path in others:
         assert f"\n   {path.removesuffix('.rst')}\n" in PAGES[first]
-    for name in EFFECTS:
+    for name in [*EFFECTS, *(c.name for c in CHANNELS)]:
         assert PAGES[first].count(f":ref:`{name} <effect-{name}>`") == 1
 
 

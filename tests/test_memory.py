@@ -105,3 +105,16 @@ def test_the_step_of_a_record_is_the_usual_one():
     data = data.drop(data.index[[5, 6, 300]])
     fit = fitted(data, "ewm")
     assert fit.record.inputs.step == 900.0
+
+
+def test_the_least_memory_is_that_of_the_resistance_that_is_found():
+    """A search that starts at another resistance came to rest at its bound."""
+    data = fem.datasets.synthetic(10, 600, seed=5, noise=0)
+    usual = [data[n] for n in ("poa_global", "temp_air", "wind_speed")]
+    own = {"k": 1 / 64, "d": 3.0, "capacity": 200.0 * 64 * np.e, "bias": -3.0}
+    module = fem.heat_balance(*usual, model="wm1", **own)
+    fit = fem.fit_fem(
+        *usual, module, model="wm1", dynamics="balance", check_units=False
+    )
+    assert fit.at_bound == ()
+    assert fit.coefficients == pytest.approx(own, rel=1e-6)

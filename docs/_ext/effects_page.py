@@ -31,6 +31,12 @@ Several look alike, so the loop reports them as a class, with the measurement th
 would decide.
 """,
 }
+CHANGES = """
+What happens to instruments and to the mounting: a channel along a course, as
+``contact_step`` or ``sensitivity_drift``. The loop finds the dates; with
+``{'name': 'contact_step', 'at': '2012-04-01'}`` they are given. Of constant size a
+channel would be in the coefficients of the steady model.
+"""
 DRIVERS = """
 What effects follow: columns that are measured, and what is computed from them.
 """
@@ -59,6 +65,8 @@ def words(function):
 def forms(effect):
     """Functions of the effect's file that have an equation, its own first."""
     own = effect.terms.func if isinstance(effect.terms, partial) else effect.terms
+    if own in [channel.terms for channel in effects.CHANNELS]:
+        return [own]
     module = inspect.getmodule(own)
     others = [
         f
@@ -156,8 +164,9 @@ def described(effect):
     yield from table(header, parameter_rows(effect), "40 30 30", kind="parameters")
     yield from drivers_of(effect)
     yield from settings(effect)
+    known = {*effects.PHYSICS, *(channel.name for channel in effects.CHANNELS)}
     alike = "; ".join(
-        f":ref:`{name} <effect-{name}>`" if name in effects.EFFECTS else name
+        f":ref:`{name} <effect-{name}>`" if name in known else name
         for name in effect.confused_with
     )
     yield f":Looks like: {alike}"
@@ -265,15 +274,39 @@ def measured_table():
 
 def index():
     """Lines of the page that leads to all others."""
-    chosen = effects.EFFECTS.values()
+    chosen = effects.PHYSICS.values()
     header = ("Effect", "What it is", "Needs besides the usual")
     yield from titled("Effects", INTRO)
     for confounder, (group, text) in zip((False, True), GROUPS.items()):
         yield from titled(group, text, "-")
         alike = [effect for effect in chosen if effect.confounder == confounder]
         yield from table(header, overview(alike), "25 45 30", "stacked needs")
+    yield from titled("Instruments and mountings", CHANGES, "-")
+    yield from table(("Channel", "What it is"), channels(), "25 75", "stacked needs")
+    yield from table(("Course", "What it is"), courses(), "25 75", "stacked needs")
     yield from (".. toctree::", "   :hidden:", "")
-    yield from (f"   effects/{name}" for name in (*effects.EFFECTS, "drivers"))
+    yield from (
+        f"   effects/{name}"
+        for name in (*effects.PHYSICS, *names(effects.CHANNELS), "drivers")
+    )
+
+
+def names(chosen):
+    return [effect.name for effect in chosen]
+
+
+def channels():
+    """Rows of what can change."""
+    for channel in effects.CHANNELS:
+        link = f":ref:`{channel.name} <effect-{channel.name}>`"
+        yield link, words(channel.terms)[0].rstrip(".")
+
+
+def courses():
+    """Rows of how it can."""
+    for course in effects.COURSES:
+        given = ", ".join(inspect.signature(course.weight).parameters)
+        yield f"``{course.name}``", f"{words(course.weight)[0]} Dates: ``{given}``."
 
 
 def columns():
@@ -289,8 +322,8 @@ def columns():
 def pages():
     """All pages in reStructuredText, by their paths."""
     found = {"effects": index(), "effects/drivers": columns()}
-    for name, effect in effects.EFFECTS.items():
-        found[f"effects/{name}"] = described(effect)
+    for effect in (*effects.PHYSICS.values(), *effects.CHANNELS):
+        found[f"effects/{effect.name}"] = described(effect)
     return {f"{path}.rst": "\n".join(lines) + "\n" for path, lines in found.items()}
 
 

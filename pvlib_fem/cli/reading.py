@@ -15,8 +15,9 @@ from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import as_record, datetime_steps
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame
-from pvlib_fem.record.guess import ODD_UNIT, SWAPPED, guess
+from pvlib_fem.record.guess import guess
 from pvlib_fem.record.names import unmapped
+from pvlib_fem.record.units import ForeignUnit, Swapped
 
 COMMANDLINE = ParameterSource.COMMANDLINE
 LOOK = "this command may read it; look at it before you run it:"
@@ -93,10 +94,8 @@ def or_propose(otherwise):
     """What a fit refuses since the file says something else, with the proposal."""
     try:
         yield
-    except ValueError as error:
-        if ODD_UNIT.match(str(error)) or SWAPPED.match(str(error)):
-            raise Refused(error, otherwise()) from error
-        raise
+    except (ForeignUnit, Swapped) as error:
+        raise Refused(error, otherwise()) from error
 
 
 def check_columns(data):

@@ -8,7 +8,7 @@ What the function takes after the star are its constants, which can be set.
 import inspect
 from dataclasses import replace
 
-from pvlib_fem.drivers.memory import HOUR, day_angle, elapsed, stored, years
+from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, stored
 from pvlib_fem.drivers.sky import (
     cloud_share,
     sky_deficit,
@@ -65,7 +65,7 @@ DERIVED = {
     "poa_stored_1h": (("poa_global",), stored(HOUR)),
     "poa_stored_3h": (("poa_global",), stored(3.0 * HOUR)),
     "air_stored": (("temp_air",), stored(3.0 * HOUR)),
-    "years": ((), years),
+    "day": ((), day),
     "day_angle": ((), day_angle),
 }
 
@@ -90,6 +90,7 @@ USUAL = ("poa_global", "temp_air", "wind_speed")
 #: modelled columns: what they are, and their unit
 MODELLED = {
     "temp_base": "Temperature of the module by the model without effects. [°C]",
+    "loss_base": "Loss by the model without effects. [W/(m² K)]",
 }
 
 

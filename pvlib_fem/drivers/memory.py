@@ -6,7 +6,6 @@ import pandas as pd
 from pvlib_fem.relaxation import relax
 
 HOUR = 3600.0  # s
-YEAR = 365.2425 * 86400.0  # s
 
 
 def smoothed(column, inputs, memory):
@@ -39,18 +38,23 @@ def elapsed(inputs):
     return inputs.seconds
 
 
-def years(inputs):
-    """Time since the record began. [years]"""
-    seconds = inputs.seconds
-    return (seconds - seconds[0]) / YEAR
+def day(inputs):
+    """Time since 1970-01-01 by the record's own clock. [days]"""
+    times = dated(inputs, "what changes with time")
+    return (times - pd.Timestamp(0)) / pd.Timedelta("1D")
 
 
 def day_angle(inputs):
     """Angle of the year, 0 on the first of January. [rad]"""
+    days = dated(inputs, "the season").day_of_year.to_numpy() - 1.0
+    return 2.0 * np.pi * days / 365.25
+
+
+def dated(inputs, what):
+    """The times of a record on its own clock."""
     if not isinstance(inputs.index, pd.DatetimeIndex):
         raise ValueError(
-            "the season needs the date, and the columns bring no DatetimeIndex; give "
+            f"{what} needs the date, and the columns bring no DatetimeIndex; give "
             "them as Series with one"
         )
-    days = inputs.index.day_of_year.to_numpy() - 1.0
-    return 2.0 * np.pi * days / 365.25
+    return inputs.index.tz_localize(None)

@@ -12,7 +12,6 @@ from pvlib_fem.effects.catalogue.radiative_loss import EFFECT as radiative_loss
 from pvlib_fem.effects.catalogue.rain import EFFECT as rain
 from pvlib_fem.effects.catalogue.rear_irradiance import EFFECT as rear_irradiance
 from pvlib_fem.effects.catalogue.season import EFFECT as season
-from pvlib_fem.effects.catalogue.sensitivity_drift import EFFECT as sensitivity_drift
 from pvlib_fem.effects.catalogue.shading import EFFECT as shading
 from pvlib_fem.effects.catalogue.sky_radiation import EFFECT as sky_radiation
 from pvlib_fem.effects.catalogue.snow import EFFECT as snow
@@ -21,16 +20,18 @@ from pvlib_fem.effects.catalogue.temperature_gain import EFFECT as temperature_g
 from pvlib_fem.effects.catalogue.thermal_storage import EFFECT as thermal_storage
 from pvlib_fem.effects.catalogue.wind_direction import EFFECT as wind_direction
 from pvlib_fem.effects.catalogue.wind_shape import EFFECT as wind_shape
+from pvlib_fem.effects.courses import COURSES, along_all
 from pvlib_fem.effects.effect import Effect
+from pvlib_fem.effects.instruments import CHANNELS
 from pvlib_fem.effects.own import of_column
 
-__all__ = ["EFFECTS", "find"]
+__all__ = ["CHANGES", "CHANNELS", "COURSES", "EFFECTS", "PHYSICS", "find"]
 
 #: a name, a name with its settings, or an effect
 EffectLike = str | Mapping[str, Any] | Effect
 
-#: every effect by its name, those with a driver of their own first
-EFFECTS = {
+#: what acts on a module, by name, those with a driver of their own first
+PHYSICS = {
     effect.name: effect
     for effect in (
         sky_radiation,
@@ -38,7 +39,6 @@ EFFECTS = {
         wind_direction,
         rain,
         soiling,
-        sensitivity_drift,
         snow,
         shading,
         radiative_loss,
@@ -53,6 +53,10 @@ EFFECTS = {
         season,
     )
 }
+#: what happens to instruments and mountings, each channel along each course
+CHANGES = {effect.name: effect for channel in CHANNELS for effect in along_all(channel)}
+#: every effect by its name
+EFFECTS = PHYSICS | CHANGES
 
 
 def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:

@@ -105,6 +105,11 @@ class Effect:
         holds the thresholds.
     scanned_from : Effect, optional
         The wide effect whose tangents the scan needs, if it is not this one.
+    channel : str, optional
+        The instrument, or mounting, of which it is a change along a course.
+    dates : object, optional
+        ``dates.found(sums, column, given, dates, criteria)``: the effect with the
+        dates that sums by the day of ``scanned_from`` show, or None.
     choices : int, default 1
         Forms among which its scan chooses, by which its chance is multiplied.
     """
@@ -124,6 +129,8 @@ class Effect:
     prepare: Callable | None = None
     scan: Callable | None = None
     scanned_from: "Effect | None" = None
+    channel: str = ""
+    dates: Any = None
     choices: int = 1
 
     @property

@@ -11,6 +11,7 @@ from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 from pvlib_fem.statistics.leastsquares import gauss_newton, normal_equations
 from pvlib_fem.thermal.model import MEMORY
 
+TURNS = 3  # of a search whose bounds move with what it finds
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 
 
@@ -77,14 +78,24 @@ def minimise(model, record, rows, start, biased, flat):
 
         return measured_rows - temperature[rows], jacobian
 
-    minimum = gauss_newton(
-        evaluate,
-        [one.seen(max(start[name], one.lower)) for name, one in zip(names, views)],
-        [one.seen(one.lower) for one in views],
-        [one.seen(model.parameters[n].upper) for n, one in zip(names, views)],
-        flat=flat,
-    )
-    return minimum, searched(minimum.x)
+    for _ in range(TURNS):
+        minimum = gauss_newton(
+            evaluate,
+            [one.seen(max(start[name], one.lower)) for name, one in zip(names, views)],
+            [one.seen(one.lower) for one in views],
+            [one.seen(model.parameters[n].upper) for n, one in zip(names, views)],
+            flat=flat,
+        )
+        found = searched(minimum.x)
+        # the least memory that a step shows is one of the resistance, which has moved
+        again = [view(model, record, found, name) for name in names]
+        if not any(
+            stays and one.lower < found[name]
+            for stays, name, one in zip(minimum.at_bound, names, again)
+        ):
+            break
+        start, views = found, again
+    return minimum, found
 
 
 def view(model, record, start, name):

@@ -31,6 +31,7 @@ class Case:
     seen: np.ndarray  # rows of the whole that count
     parts: np.ndarray  # what each row of the whole is for
     drivers: tuple
+    witnesses: tuple  # columns that vouch for instruments
     wanted: tuple  # effects whose drivers are there
     untestable: dict  # name: why
     site: dict  # where the sun can be told from it

@@ -183,7 +183,7 @@ class Search:
             self.tell(f"weighing effects, round {turn + 1}")
             found = self.evidence(step)
             done = {n for finding in self.findings for n in finding.candidates}
-            proposals = Proposals(self.case, found, frozenset(done))
+            proposals = Proposals(self.case, found, frozenset(done), step.coefficients)
             new, self.aside = proposals.run(), proposals.aside
             names = ", ".join(f.effect for f in new if f.added)
             self.tell(f"fitting {names or 'no further effect'}")

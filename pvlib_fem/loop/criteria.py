@@ -181,6 +181,11 @@ class Criteria:
     most_windows : int
         *scan.* Rectangles of which an obstacle, or several, are made; each has to
         take ``hint_gain``. [-]
+    change_chance : float
+        *scan.* Chance that noise shows any date at which a channel changes. [-]
+    change_side : int
+        *scan.* Days with rows that there have to be before a date and after it, and
+        of an episode: fewer cannot be left out in turn. [days]
     sure : float
         *confirming.* Standard errors that a coefficient of the refit has to be
         from nothing. [-]
@@ -256,6 +261,8 @@ class Criteria:
     window_most: float = 1.5
     window_errors: float = 4.0
     most_windows: int = 8
+    change_chance: float = 0.001
+    change_side: int = 21
 
     sure: float = 3.0
     contradiction: float = 1.0

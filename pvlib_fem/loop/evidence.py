@@ -142,7 +142,7 @@ class Evidence:
             own={**self.own, effect.name: tuple(columns)},
             effects={**self.effects, effect.name: effect},
             partial=self.partial | partial,
-            ready={} if partial else found.ready,
+            ready={} if partial else {**found.ready},
         )
 
     def on_rows_of(self, name):

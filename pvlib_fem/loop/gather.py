@@ -58,19 +58,24 @@ def gather(
         criteria=criteria,
     )
     scanned = []
-    for name, (effect, scan, terms) in effects.items():
+    for name, (effect, search, terms) in effects.items():
         known = record.known(needed_for(effect.drivers))[rows]
         own = tangents(slopes, terms)
         if not all(np.isfinite(column[known]).all() for column in own.values()):
             failed[name] = because(Reason.NOT_A_NUMBER)
-        elif scan:
-            scanned.append((effect, scan, own, known))
+        elif search:
+            scanned.append((effect, search, own, known))
         else:
             found = found.with_effect(effect, own, known)
-    for wide, scan, own, known in scanned:
-        effect = narrowed(found, scan, wide, own, known, inputs)
+    for wide, search, own, known in scanned:
+        if search.dates:
+            none = because(Reason.NO_DATE)
+            effect = dated(found, search, wide, own, known)
+        else:
+            none = because(Reason.NO_WINDOW)
+            effect = narrowed(found, search, wide, own, known, inputs)
         if effect is None:
-            failed[wide.name] = because(Reason.NO_WINDOW)
+            failed[wide.name] = none
             continue
         there = replace(model, effects=(effect,)).with_drivers(inputs)
         terms = terms_of(effect, there.columns)
@@ -81,7 +86,7 @@ def gather(
 
 def ready(model, inputs, seen, candidates):
     """
-    Inputs with the drivers of all effects, those with scan and terms, and why not.
+    Inputs with the drivers of all effects, those with search and terms, and why not.
 
     An effect that is scanned enters as the wide one from which its scan takes it.
     """
@@ -92,7 +97,8 @@ def ready(model, inputs, seen, candidates):
                 effect = effect.prepare(inputs.columns, seen)
             wide = effect.scanned_from or effect
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
-            effects[effect.name] = wide, effect.scan, terms_of(wide, inputs.columns)
+            search = effect if effect.scan or effect.dates else None
+            effects[effect.name] = wide, search, terms_of(wide, inputs.columns)
         except Exception as error:  # whatever an effect does, the others go on
             words = f"{type(error).__name__}: {error}"
             failed[effect.name] = because(Reason.BROKEN, error=words)
@@ -122,7 +128,17 @@ def held(terms):
     )
 
 
-def narrowed(found, scan, wide, own, known, inputs):
+def dated(found, search, wide, own, known):
+    """The effect with the dates that sums by the day show, or None."""
+    there = found.with_effect(wide, own, known)
+    given = there.places(there.confounders)
+    sums = there.sums([wide.name])
+    (column,) = [there.order[name] for name in own]
+    given = [place for place in given if place != column]
+    return search.dates.found(sums, column, given, sums.dates, found.criteria)
+
+
+def narrowed(found, search, wide, own, known, inputs):
     """The effect where a scan of what is left shows it, or None."""
     places = {name: inputs[name][found.rows[known]] for name in wide.drivers}
     names, given = list(found.columns), found.places(found.confounders)
@@ -131,7 +147,7 @@ def narrowed(found, scan, wide, own, known, inputs):
         tangents = {key: column[known] for key, column in tangents.items()}
     rest = found.rest(found.confounders)[known]
     weeks = calendar_weeks(found.dates[known])
-    return scan(rest, tangents, places, weeks, found.criteria)
+    return search.scan(rest, tangents, places, weeks, found.criteria)
 
 
 def misfits(temperature, record):

@@ -19,7 +19,14 @@ from pvlib_fem.quality.stuck import stuck
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import Record, as_record, with_columns
-from pvlib_fem.record.columns import COLUMNS, numeric, usable_drivers, with_aliases
+from pvlib_fem.record.columns import (
+    COLUMNS,
+    is_power,
+    numeric,
+    usable_drivers,
+    vouches,
+    with_aliases,
+)
 
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 NEAR_HOUR = 0.25  # h beside a whole one, as near as a file of half hours shows it
@@ -33,6 +40,7 @@ class Look:
     whole: Record  # less what was not measured
     parts: np.ndarray  # what each row is for
     drivers: dict
+    witnesses: tuple  # columns that vouch for others, and drive nothing
     refused: dict  # further columns, and why they are not used
     faults: Faults
     odd: tuple  # what looks odd, in sentences
@@ -62,6 +70,7 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         seen=seen,
         parts=look.parts,
         drivers=tuple(look.drivers),
+        witnesses=(*look.witnesses, *(n for n in look.drivers if is_power(n))),
         wanted=tuple(wanted),
         untestable=untestable,
         site=site if sun else dict.fromkeys(site),
@@ -87,15 +96,17 @@ def looked(data, holdout, site, criteria, check_units):
         with_columns(without_answer(usual, test), numeric(columns)), limits, check_units
     )
     taken = (*DERIVED, *MODELLED)
+    witnesses = tuple(name for name in numeric(columns) if vouches(name))
+    columns = {n: column for n, column in columns.items() if n not in witnesses}
     drivers, refused = usable_drivers(columns, hidden, criteria.most_missing, taken)
-    hidden = hidden.only([*COLUMNS, *drivers])
+    hidden = hidden.only([*COLUMNS, *drivers, *witnesses])
     health = check(hidden, limits=limits, **site)
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
     whole, still = with_answer(hidden, faults, usual, test, limits)
     odd = tuple(oddities(hidden.inputs, limits))
-    return Look(whole, what, drivers, refused, faults, odd, health, still)
+    return Look(whole, what, drivers, witnesses, refused, faults, odd, health, still)
 
 
 def in_standard_time(data, holdout, look, how):
@@ -138,6 +149,11 @@ def notes_of(look, corrections, wanted, site, criteria):
         minutes = health.clock.limit / 60.0
         yield str(because(Reason.COARSE_CLOCK, minutes=minutes))
     yield from (f"{reason}: not used" for reason in look.refused.values())
+    if look.witnesses:
+        yield (
+            f"{', '.join(look.witnesses)} vouch for instruments, and are no drivers: "
+            "power and second sensors see what those should see"
+        )
     yield from gaps(look.whole, look.drivers, wanted)
 
 

@@ -1,5 +1,6 @@
 """What to add next: the effect that explains most, unless something unknown does."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,6 +11,7 @@ from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Check, Finding, Kind, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.evidence import Evidence, Weight
+from pvlib_fem.loop.witness import Hearing, apart, hearing
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.statistics.tables import find_structure
@@ -28,6 +30,7 @@ class Proposals:
     case: Case
     found: Evidence
     done: frozenset  # names that earlier findings hold already
+    coefficients: Mapping  # of the model beside which all are weighed
     new: list = field(default_factory=list)
     aside: dict = field(default_factory=dict)  # what unknown structure explains better
 
@@ -70,12 +73,14 @@ class Proposals:
             if all_pass(checks):
                 ties = found.ties(best, good, given)
                 checks = (*asked[best], *checks)
+                heard = self.heard(found, best, ties, weights, good)
+                name, *others = heard.candidates
                 self.new.append(
-                    proposed(self.case, found, best, weights[best], ties, checks)
+                    proposed(self.case, found, weights[name], heard, checks)
                 )
-                given.append(best)
-                found = found.on_rows_of(best)
-                names = [name for name in names if name not in (best, *ties)]
+                given.append(name)
+                found = found.on_rows_of(name)
+                names = [n for n in names if n not in (name, best, *ties, *others)]
                 continue
             if unknowns == limits.most_structures:
                 break
@@ -84,6 +89,29 @@ class Proposals:
             spill = max(spill, limits.structure_spill * explained)
             found = found.with_column(f"unknown:{unknowns}", table.values)
             given.append(f"unknown:{unknowns}")
+
+    @cached_property
+    def comparisons(self):
+        """What other columns have to say of the instruments."""
+        case = self.case
+        return apart(case.record, case.searched, case.witnesses)
+
+    def heard(self, found, best, ties, weights, good):
+        """The class of the best one, when its witnesses have been heard."""
+        candidates = (best, *ties)
+        if not found.effects[best].channel or not self.comparisons:
+            return Hearing(candidates)
+        least = self.case.criteria.rival * good[best] ** 2
+        rivals = [
+            name
+            for name, gain in good.items()
+            if found.effects[name].channel
+            and name not in candidates
+            and gain**2 >= least
+        ]
+        candidates = [n for n in candidates if found.effects[n].channel]
+        how = (found.effects, weights, self.coefficients)
+        return hearing(self.comparisons, candidates, rivals, *how)
 
 
 def weighed(found, names, given):
@@ -195,9 +223,10 @@ def structure(case, found, given, by, without=()):
     return find_structure(found.rest(given), by.seconds, by.folds, *how)
 
 
-def proposed(case, found, name, weight, ties, checks):
+def proposed(case, found, weight, heard, checks):
     """The finding of an effect that passes all checks."""
-    effects = [found.effects[n] for n in (name, *ties)]
+    name, *ties = heard.candidates
+    effects = [found.effects[n] for n in heard.candidates]
     if not case.enough:
         least = case.criteria.enough_days
         verdict = Verdict.SUGGESTIVE
@@ -211,6 +240,9 @@ def proposed(case, found, name, weight, ties, checks):
     else:
         verdict = Verdict.NAMED
         why = because(Reason.GAINED, gain=weight.gain, chance=found.chance(weight))
+        if heard.agreed:
+            columns = list(dict.fromkeys(one.column for one in heard.witnesses))
+            why = because(Reason.WITNESSED, gain=weight.gain, columns=columns)
     return Finding(
         name,
         (name, *ties),
@@ -221,6 +253,7 @@ def proposed(case, found, name, weight, ties, checks):
         why,
         checks,
         kind_of(effects[0]),
+        witnesses=heard.witnesses,
     )
 
 

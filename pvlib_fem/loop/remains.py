@@ -18,10 +18,13 @@ def hints(case, found, rows, findings, aside):
     """Gains worth a word that were not enough for more."""
     limits, days = case.criteria, case.days
     done = {name for finding in findings for name in finding.candidates}
+    rows = sorted(rows.items(), key=lambda row: -row[1][0].gain if row[1][0] else 0.0)
     floor = material(found, found.confounders, limits)
-    for name, (weight, ties, _) in rows.items():
+    for name, (weight, ties, _) in rows:
         if name in done or weight is None or weight.gain < limits.hint_gain:
             continue
+        if found.effects[name].channel and done.intersection(ties):
+            continue  # another course or channel says the same
         gain, *others = rules(found, weight, floor)
         if not all_pass(others):
             continue
@@ -37,6 +40,7 @@ def hints(case, found, rows, findings, aside):
             least = limits.enough_days
             why = because(Reason.TOO_SHORT, days=days, least=least)
             checks = (*checks, Check("days", "enough_days", days, least))
+        done.update((name, *ties))
         yield Finding(
             name,
             (name, *ties),
@@ -80,7 +84,8 @@ def not_seen(case, found, rows, findings):
     said = {name for finding in findings for name in finding.candidates}
     for name, (weight, _, why) in rows.items():
         if weight is None:
-            yield name, why
+            if why.reason is not Reason.NO_DATE:  # tried, and there is no such change
+                yield name, why
             continue
         effect = found.effects[name]
         if columns := better_sources(effect):

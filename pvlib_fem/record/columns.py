@@ -1,5 +1,6 @@
 """Columns by their names: which are there, and which can be used."""
 
+import re
 import unicodedata
 
 import numpy as np
@@ -36,6 +37,29 @@ GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
 SOME = 20_000  # rows that are enough to compare columns
+
+
+#: names of power that is not for each m² of module, and of a second sensor
+POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
+TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
+
+
+def twin_of(name):
+    """The usual column of which one is a second sensor, by its name, or None."""
+    found = TWIN.fullmatch(str(name))
+    if found is None or name in COLUMNS:
+        return None
+    return "poa_global" if found[1] == "poa" else found[1]
+
+
+def is_power(name):
+    """Whether a column is power, by its name."""
+    return POWER.fullmatch(str(name)) is not None
+
+
+def vouches(name):
+    """Whether a column sees what an instrument should, and drives nothing itself."""
+    return twin_of(name) is not None or (is_power(name) and name != "p_dc")
 
 
 def printable(text, kept=""):

@@ -33,6 +33,7 @@ class ClusterSums:
     rows: int
     folds: np.ndarray  # of each day
     weeks: np.ndarray  # of each day, in order
+    dates: np.ndarray  # of each day, from 1970-01-01
     fewest: int = FEWEST_CLUSTERS
 
     @property
@@ -64,17 +65,18 @@ class ClusterSums:
     def with_column(self, columns, residual, dates, new):
         """The same with one more column, before the residual."""
         size = np.sqrt(np.einsum("i,i->", new, new) / self.rows) or 1.0
-        first, ends = starts(dates)
+        first, _ = starts(dates)
         wide = self.sums.shape[1] + 1
         sums = np.empty((self.days, wide, wide))
         old = [*range(wide - 2), wide - 1]
         sums[:, np.ix_(old, old)[0], np.ix_(old, old)[1]] = self.sums
-        scales = np.append(self.scale, 1.0)
-        for day, (start, end) in enumerate(zip(first, ends)):
-            part = new[start:end] / size
-            products = [c[start:end] @ part for c in (*columns, residual)]
-            sums[day, -2, old] = sums[day, old, -2] = np.array(products) / scales
-            sums[day, -2, -2] = part @ part
+        part = new / size
+        for place, scale, column in zip(
+            old, np.append(self.scale, 1.0), (*columns, residual)
+        ):
+            found = np.add.reduceat(column * part, first) / scale
+            sums[:, -2, place] = sums[:, place, -2] = found
+        sums[:, -2, -2] = np.add.reduceat(part * part, first)
         scale = np.append(self.scale, size)
         return replace(self, sums=sums, scale=scale)
 
@@ -130,7 +132,7 @@ def cluster_sums(columns, residual, dates, folds=FOLDS, fewest=FEWEST_CLUSTERS):
         day_sums = products([*columns, residual], slice(start, end))
         sums[day] = day_sums / np.outer(scales, scales)
     of_day = days_of_folds(days, folds)
-    return ClusterSums(sums, scale, size, of_day, calendar_weeks(days), fewest)
+    return ClusterSums(sums, scale, size, of_day, calendar_weeks(days), days, fewest)
 
 
 def days_of_folds(dates, folds=FOLDS):

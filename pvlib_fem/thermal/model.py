@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pvlib_fem.drivers import behind, completed, needed_for
+from pvlib_fem.drivers import MODELLED, behind, completed, needed_for
 from pvlib_fem.effects.effect import Parameter, Terms, is_there
 from pvlib_fem.quality.limits import possible
 from pvlib_fem.quality.outliers import out_of_range
@@ -33,8 +33,6 @@ MEMORY = {
     "ewm": {"tau": Parameter(TAU, 1.0, 7200.0, "s")},
     "balance": {"capacity": Parameter(12e3, 50.0, 1e6, "J/(m² K)")},
 }
-#: temperature of the module by the model without effects
-BASE = "temp_base"
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
 
 
@@ -99,27 +97,32 @@ class ThermalModel:
 
     def with_drivers(self, inputs):
         """The inputs with what is derived from them for the effects."""
-        if BASE in behind(self.effect_drivers):
-            inputs = self.with_base(inputs)
+        needed = {*MODELLED} & {*behind(self.effect_drivers)}
+        if not needed <= {*inputs.columns}:
+            inputs = self.with_base(inputs, needed)
         return completed(inputs, self.effect_drivers)
 
-    def with_base(self, inputs):
+    def with_base(self, inputs, needed=MODELLED):
         """
-        The inputs with the temperature of the module by the base, once.
+        The inputs with the module's temperature and loss by the base, once.
 
         Effects that grow with the module's own temperature take that without
         effects, at fixed coefficients: so they stay linear in their parameters.
         """
-        if BASE in inputs.columns:
+        if {*needed} <= {*inputs.columns}:
             return inputs
         if self.base is None:
             raise ValueError(
-                f"the effects need {BASE}, and the model has no base; give it the "
-                "coefficients of the model without effects as base="
+                f"the effects need {' and '.join(sorted(needed))}, and the model has "
+                "no base; give it the coefficients of the model without effects as "
+                "base="
             )
         plain = ThermalModel(self.steady_model, self.dynamics)
-        temperature = plain.temperature(inputs, self.completed(self.base))
-        return replace(inputs, columns={**inputs.columns, BASE: temperature})
+        base = self.completed(self.base)
+        own = {name: base[name] for name in self.steady_model.coefficients}
+        loss = 1.0 / self.steady_model.resistance(inputs["wind_speed"], **own)
+        found = dict(zip(MODELLED, (plain.temperature(inputs, base), loss)))
+        return replace(inputs, columns={**inputs.columns, **found})
 
     def completed(self, coefficients):
         """Coefficients with those that have a default."""

@@ -1,0 +1,242 @@
+"""
+How something comes and goes: from a date on, slowly, or for a while.
+
+What happens to an instrument or a mounting is an effect of constant size (its
+*channel*) along a course. A course is written once, and goes with every channel.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.statistics.changes import (
+    Daily,
+    chance_of_episode,
+    chance_of_step,
+)
+
+YEAR = 365.2425  # days
+SHARP = 0.5  # of a step's size, that is there at its date: between a step and a drift
+SURE = 2.0  # standard errors
+UNITS = {"-/year": "1/year"}
+
+
+def number(date):
+    """Days of a date since 1970-01-01."""
+    try:
+        return (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
+    except (TypeError, ValueError) as error:
+        words = f"{date!r} is no date; give one such as '2012-04-01'"
+        raise ValueError(words) from error
+
+
+def written(day):
+    """The date of a number of days since 1970-01-01."""
+    return f"{pd.Timestamp(0) + pd.Timedelta(days=int(day)):%Y-%m-%d}"
+
+
+def step(at, between=None):
+    """From a date on. ``between`` two dates it may as well have begun."""
+    first = number(at)
+    return lambda day: (day >= first).astype(float)
+
+
+def episode(start, end, between=None):
+    """From a date until another, at which it is over."""
+    first, last = number(start), number(end)
+    if not first < last:
+        raise ValueError(f"start = {start!r} is not before end = {end!r}")
+    return lambda day: ((day >= first) & (day < last)).astype(float)
+
+
+def drift(since=None):
+    """Slowly, more by the same from year to year."""
+    first = None if since is None else number(since)
+    return lambda day: (day - (day[0] if first is None else first)) / YEAR
+
+
+def find_step(daily, dates, criteria):
+    """The date from which on a channel is in what is left, or None."""
+    side = criteria.change_side
+    found = daily.step(side) if daily.days > 2 * side else None
+    if found is None:
+        return None
+    edge = side / daily.days
+    if chance_of_step(found.statistic, edge, 1.0 - edge) > criteria.change_chance:
+        return None
+    share, error = daily.sharpness(found.start, dates.astype(float))
+    if share + SURE * error < SHARP:
+        return None  # what grows slowly is no step
+    return {"at": written(dates[found.start]), "between": around(found, dates)}
+
+
+def find_episode(daily, dates, criteria):
+    """The dates between which a channel is in what is left, or None."""
+    side = criteria.change_side
+    found = daily.episode(side, side)
+    if found is None:
+        return None
+    weeks = len(np.unique(daily.weeks))
+    chances = [chance_of_episode(found.statistic, weeks)]
+    if plain := daily.step(side):  # which has one date less
+        more = max(found.gain - plain.gain, 0.0) / found.gain
+        chances.append(chance_of_step(found.statistic * np.sqrt(more), 0.05, 0.95))
+    if max(chances) > criteria.change_chance:
+        return None
+    # over is the day after the last that has it
+    ends = {"start": dates[found.start], "end": dates[found.end - 1] + 1}
+    return {name: written(day) for name, day in ends.items()} | {
+        "between": around(found, dates)
+    }
+
+
+def around(found, dates):
+    """From and to of the date: the days with rows around may not be neighbours."""
+    return [written(dates[max(found.low - 1, 0)] + 1), written(dates[found.high])]
+
+
+def find_drift(daily, dates, criteria):
+    """A drift needs no date but its first."""
+    return {"since": written(dates[0])}
+
+
+@dataclass(frozen=True)
+class Course:
+    """A way to come and go: its weight by day, how its dates are found, its words."""
+
+    name: str
+    weight: Callable  # its dates, to a function of the day
+    find: Callable  # daily products, the days and the criteria to its dates, or None
+    size: str  # what a coefficient is called
+    unit: str = ""
+    most: float = 1.0  # share of the channel's bounds that are its own
+
+    def lacks(self, dates):
+        """Dates that it needs and that are not given."""
+        taken = inspect.signature(self.weight).parameters.values()
+        return [p.name for p in taken if p.default is p.empty and p.name not in dates]
+
+
+COURSES = (
+    Course("step", step, find_step, "change"),
+    Course("drift", drift, find_drift, "per_year", "/year", 0.2),
+    Course("episode", episode, find_episode, "change"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """Terms of a channel, by the weight that its course has on each day."""
+
+    channel: Effect
+    course: Course
+    dates: Mapping
+
+    @property
+    def __doc__(self):
+        return self.channel.terms.__doc__
+
+    @property
+    def __signature__(self):
+        """That of the channel's own terms, with the day and the course's size."""
+        own = inspect.signature(self.channel.terms).parameters.values()
+        size = {next(iter(self.channel.parameters)): self.course.size}
+        day = inspect.Parameter("day", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        return inspect.Signature(
+            [day, *(p.replace(name=size.get(p.name, p.name)) for p in own)]
+        )
+
+    def __call__(self, day, *drivers, **given):
+        if missing := self.course.lacks(self.dates):
+            raise ValueError(
+                f"{self.channel.name}_{self.course.name} has no date; give "
+                f"{' and '.join(missing)}, as {{'name': "
+                f"'{self.channel.name}_{self.course.name}', '{missing[0]}': "
+                "'2012-04-01'}"
+            )
+        weight = self.course.weight(**self.dates)(np.asarray(day, dtype=float))
+        given[next(iter(self.channel.parameters))] = given.pop(self.course.size)
+        return Terms().plus(self.channel.terms(*drivers, **given), weight)
+
+
+@dataclass(frozen=True, eq=False)
+class Dated:
+    """Makes the effect of a channel along a course of its dates."""
+
+    channel: Effect
+    course: Course
+
+    @property
+    def __signature__(self):
+        return inspect.signature(self.course.weight)
+
+    @property
+    def name(self):
+        return f"{self.channel.name}_{self.course.name}"
+
+    def __call__(self, **dates):
+        if not self.course.lacks(dates):
+            self.course.weight(**dates)  # refuses what is no date
+        return replace(
+            self.undated(),
+            terms=Along(self.channel, self.course, dates),
+            settings=dates,
+            source=told(dates),
+            dates=None,
+            scanned_from=None,
+        )
+
+    def undated(self):
+        """The effect as it stands in the registry: its dates are to be found."""
+        channel, course = self.channel, self.course
+        ((_, row),) = channel.parameters.items()
+        bounds = row.lower * course.most, row.upper * course.most
+        size = Parameter(row.start, *bounds, f"{row.unit}{course.unit}")
+        return replace(
+            channel,
+            name=self.name,
+            terms=Along(channel, course, {}),
+            parameters={
+                course.size: replace(size, unit=UNITS.get(size.unit, size.unit))
+            },
+            columns=("day", *channel.drivers),
+            channel=channel.name,
+            make=self,
+            dates=self,
+            scanned_from=replace(channel, name=self.name),
+        )
+
+    def found(self, sums, column, given, dates, criteria):
+        """The effect with the dates that sums by the day show, or None."""
+        daily = Daily.of(sums, column, given)
+        found = self.course.find(daily, dates, criteria)
+        return None if found is None else self(**found)
+
+
+def told(dates):
+    """Dates in words."""
+    if "end" in dates:
+        words = f"{dates['start']} until {dates['end']}"
+    else:
+        words = dates.get("at") or dates.get("since") or ""
+    low, high = dates.get("between") or (None, None)
+    return words + (f" ({low} to {high})" if low != high else "")
+
+
+def weights_of(effect, days):
+    """Weight of each day, from 1970-01-01, of an effect along a course."""
+    return effect.terms.course.weight(**effect.terms.dates)(np.asarray(days) + 0.5)
+
+
+def is_drift(effect):
+    """Whether an effect's course is one that grows from year to year."""
+    return effect.terms.course.name == "drift"
+
+
+def along_all(channel):
+    """A channel along every course, as effects of the registry."""
+    return tuple(Dated(channel, course).undated() for course in COURSES)

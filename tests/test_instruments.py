@@ -1,0 +1,248 @@
+"""Instruments and mountings that change: from a date on, slowly, for a while."""
+
+import json
+import pickle
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS, DRIVERS
+from hypothesis import given
+from hypothesis import strategies as st
+from test_effects import coefficients, model_with
+
+import pvlib_fem as fem
+from pvlib_fem import datasets
+from pvlib_fem.effects import CHANGES, CHANNELS, find
+from pvlib_fem.effects.courses import find_step, number
+from pvlib_fem.statistics.changes import Daily, chance_of_step
+from pvlib_fem.statistics.clusters import cluster_sums
+from pvlib_fem.thermal.model import ThermalModel
+from pvlib_fem.thermal.steady import STEADY_MODELS
+
+#: sizes that are found outdoors
+SIZES = {
+    "sensitivity": 0.1,
+    "contact": -0.15,
+    "mounting": -0.15,
+    "wind_gain": 3.0,
+    "wind_stall": 4.0,
+    "air_offset": 1.0,
+    "air_shelter": 2.0,
+    "module_offset": 1.0,
+}
+#: dates amid the record of ``years``
+DATES = {
+    "step": {"at": "2023-09-15"},
+    "drift": {"since": "2023-06-01"},
+    "episode": {"start": "2023-08-01", "end": "2023-10-20"},
+}
+every = pytest.mark.parametrize("name", CHANGES)
+
+
+def course(name):
+    return name.rsplit("_", 1)[1]
+
+
+def size(name):
+    (row,) = CHANGES[name].parameters.values()
+    return float(
+        np.clip(SIZES[name.rsplit("_", 1)[0]], 0.8 * row.lower, 0.8 * row.upper)
+    )
+
+
+def dated(name, **dates):
+    return find({"name": name, **(dates or DATES[course(name)])})
+
+
+@pytest.fixture(scope="module")
+def half_a_year():
+    """Two hundred days at half an hour, whose sensor has an error of hours."""
+    return datasets.synthetic(200, 1800, seed=3, noise=0).tz_localize(None)
+
+
+def with_change(data, *names, seed=0, noise=0.4, **sizes):
+    """The record whose module answers changes of some names."""
+    effects = tuple(map(dated, names))
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", effects)
+    values = coefficients("balance")
+    for name, effect in zip(names, effects):
+        (key,) = effect.rows()
+        values[key] = sizes.get(name, size(name))
+    module = model.predict(*(data[n] for n in DRIVERS), values)
+    random = np.random.default_rng(seed).normal(0.0, noise, len(data))
+    rest = pd.Series(random, data.index).ewm(halflife=4).mean() * 2.0
+    return data[list(DRIVERS)].assign(temp_module=module + rest), values
+
+
+@every
+def test_before_and_after_its_course_a_change_is_nothing_and_all(half_a_year, name):
+    """An episode of all days is the channel itself; at its start nothing is added."""
+    channel = next(c for c in CHANNELS if name.rsplit("_", 1)[0] == c.name)
+    usual = [half_a_year[n] for n in DRIVERS]
+    plain = model_with("balance").predict(*usual, coefficients("balance"))
+
+    def answer(effect, value):
+        model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
+        (key,) = effect.rows()
+        return model.predict(*usual, {**coefficients("balance"), key: value})
+
+    np.testing.assert_allclose(answer(dated(name), 0.0), plain, rtol=1e-12)
+    found = answer(dated(name), size(name))
+    if course(name) == "drift":
+        year = answer(dated(name, since="2022-06-01"), size(name))
+        whole = answer(channel, size(name))
+        at = pd.Timestamp("2023-06-01 18:00")
+        assert year[at] - plain[at] == pytest.approx(whole[at] - plain[at], rel=0.02)
+        return
+    first = number(next(iter(DATES[course(name)].values())))
+    before = (half_a_year.index - pd.Timestamp(0)) / pd.Timedelta("1D") < first
+    np.testing.assert_allclose(found[before], plain[before], rtol=1e-12)
+    whole = answer(channel, size(name))
+    inside = slice("2023-09-20", "2023-10-15")  # beyond the module's memory
+    np.testing.assert_allclose(found[inside], whole[inside], atol=1e-6)
+
+
+@every
+def test_a_change_of_known_dates_is_fitted(half_a_year, name):
+    data, values = with_change(half_a_year, name)
+    fit = fem.fit_fem(
+        *(data[n] for n in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        night=True,
+        effects=[dated(name)],
+    )
+    (key,) = dated(name).rows()
+    # shares of the fit without effects, which has a part of the change in it
+    part = 0.15 if name.startswith(("contact", "mounting")) else 0.0
+    doubt = 4 * fit.stderr[key] + part * abs(values[key])
+    assert abs(fit.coefficients[key] - values[key]) < doubt
+
+
+@every
+def test_it_is_found_again_by_its_name_and_its_dates(name):
+    effect = dated(name)
+    again = find(json.loads(json.dumps(effect.spec)))
+    assert again.settings == effect.settings and again.rows() == effect.rows()
+    assert pickle.loads(pickle.dumps(effect)).spec == effect.spec
+
+
+@pytest.mark.parametrize(
+    ("spec", "words"),
+    [
+        ({"name": "contact_step", "at": "April"}, "'April' is no date"),
+        ({"name": "contact_step", "on": "2012-04-01"}, "has no setting on"),
+        (
+            {"name": "contact_episode", "start": "2012-04-02", "end": "2012-04-01"},
+            "is not before end",
+        ),
+    ],
+)
+def test_dates_that_are_none_are_refused(spec, words):
+    with pytest.raises(ValueError, match=words):
+        find(spec)
+
+
+def test_a_step_without_its_date_says_how_to_give_it(half_a_year):
+    with pytest.raises(ValueError, match="contact_step has no date; give at, as"):
+        fem.fit_fem(
+            *(half_a_year[n] for n in COLUMNS), model="faiman", effects="contact_step"
+        )
+
+
+def daily(rest, own, dates):
+    """Products by the day beside a constant."""
+    columns = [np.ones(len(rest)), own]
+    return Daily.of(cluster_sums(columns, rest, dates), 1, [0])
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(3, 9), st.integers(2, 5))
+def test_the_best_step_is_that_of_all_fits(seed, days, rows):
+    """Against least squares of every date, row by row."""
+    random = np.random.default_rng(seed)
+    dates = np.repeat(np.arange(days), rows)
+    own, rest = random.normal(size=(2, len(dates)))
+    found = daily(rest, own, dates).step(1)
+    ones, left = np.ones(len(dates)), []
+    for start in range(1, days):
+        both = np.column_stack([ones, own * (dates >= start)])
+        left.append((rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]) ** 2)
+    squares = [one.sum() for one in left]
+    best = ((rest - rest.mean()) ** 2).sum() - min(squares)
+    assert found.gain == pytest.approx(best, rel=1e-5)
+    assert found.start == 1 + int(np.argmin(squares))
+
+
+@pytest.mark.parametrize(
+    ("square", "chance"), [(7.17, 0.1), (8.85, 0.05), (12.35, 0.01)]
+)
+def test_the_chance_of_a_step_is_that_of_the_tables(square, chance):
+    """Andrews (1993), table I, one parameter, 15 % left out at either end."""
+    found = chance_of_step(np.sqrt(square), 0.15, 0.85)
+    assert found == pytest.approx(chance, rel=0.12)
+
+
+def test_noise_that_remembers_weeks_shows_a_step_as_rarely_as_is_stated():
+    """A hundred years of daily noise with a memory of five days: no step."""
+    random, found = np.random.default_rng(1), 0
+    for _ in range(100):
+        noise = pd.Series(random.normal(size=365)).ewm(halflife=5).mean().to_numpy()
+        dates = np.arange(365)
+        best = daily(noise, np.ones(365) + 0.1 * random.normal(size=365), dates)
+        found += find_step(best, dates, fem.Criteria()) is not None
+    assert found <= 1
+
+
+def closed(data, **options):
+    return fem.close_loop(data, check_units=False, **options)
+
+
+@pytest.mark.parametrize("channel", SIZES)
+def test_a_step_is_found_with_its_date(half_a_year, channel):
+    name = f"{channel}_step"
+    data, _ = with_change(half_a_year, name)
+    loop = closed(data)
+    first = loop.findings[0]
+    assert first.added and name in first.candidates
+    assert {n.rsplit("_", 1)[1] for n in first.candidates} <= {"step"}
+    effect = next(e for e in loop.fit.effects if e.name == first.effect)
+    low, high = effect.settings["between"]
+    assert low <= "2023-09-15" <= high
+    assert number(high) - number(low) < 30
+
+
+def test_an_episode_is_no_step(half_a_year):
+    data, _ = with_change(half_a_year, "module_offset_episode")
+    first = closed(data).findings[0]
+    assert first.added and "module_offset_episode" in first.candidates
+    assert "module_offset_step" not in first.candidates
+
+
+def test_a_drift_over_years_is_no_step():
+    data = datasets.synthetic(800, 3600, seed=3, noise=0).tz_localize(None)
+    data, _ = with_change(data, "sensitivity_drift", sensitivity_drift=0.08)
+    first = closed(data).findings[0]
+    assert first.added and "sensitivity_drift" in first.candidates
+    assert "sensitivity_step" not in first.candidates
+
+
+def test_where_nothing_changes_nothing_is_found():
+    """Ten records of noise with a memory of hours: no date in any."""
+    for seed in range(10):
+        data = datasets.synthetic(200, 3600, seed=seed, noise=0).tz_localize(None)
+        data, _ = with_change(data, seed=seed)
+        loop = closed(data)
+        assert not [f for f in loop.findings if f.effect in CHANGES], seed
+
+
+def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
+    """By temperatures alone: 19 % more over-temperature, told as a class."""
+    loop = fem.close_loop(bolzano[list(COLUMNS)])
+    first = loop.findings[0]
+    assert {"contact_step", "mounting_step"} <= {*first.candidates}
+    effect = next(e for e in loop.fit.effects if e.name == first.effect)
+    assert abs(number(effect.settings["at"]) - number("2012-04-01")) < 14
+    (change,) = first.coefficients.values()
+    assert change == pytest.approx(0.18, abs=0.03)
+    assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"]["fem"] - 0.1
