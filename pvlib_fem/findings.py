@@ -260,13 +260,13 @@ class Correction:
     ----------
     fault : str
         ``"clock_shift"``, ``"clock_drift"`` or ``"dst"`` of the module's logger;
-        ``"file_shift"`` or ``"file_dst"`` of the whole file; several of one clock are
-        joined by ``+``.
+        ``"file_shift"``, ``"file_dst"`` or ``"file_jump"`` of the whole file; several
+        of one clock are joined by ``+``.
     columns : tuple of str
         Those that were re-timed; all of them where the whole file was.
     values, stderr : dict
         What the clock is out by: ``late`` [min], ``drift`` [s/day], ``summer``
-        [min].
+        [min]; by a date, how far it was set then [min].
     before, after : float
         Error without and with the correction.
     unit : str

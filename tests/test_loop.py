@@ -354,11 +354,11 @@ def test_a_file_that_keeps_summer_time_is_corrected_and_the_sun_tried():
     assert "shading" in loop.effects
     share = loop.fit.coefficients["shading.share"]
     assert share == pytest.approx(0.8, rel=0.1)
-    # a zone without summer time explains nothing: it is said, and the sun not tried
+    # where the location has a zone without summer time, the one of the place is found
     other = fem.close_loop(wall, **PLACE)
     (clock,) = other.corrections
-    assert not clock.applied and "no daylight saving in this record" in clock.why
-    assert "shading" in other.untestable
+    assert clock.applied and "keeps the clock of Europe/" in clock.why
+    assert "shading" not in other.untestable
 
 
 def test_a_correction_that_the_choosing_weeks_contradict_is_withdrawn():

@@ -30,7 +30,8 @@ from pvlib_fem.record.columns import (
 
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 NEAR_HOUR = 0.25  # h beside a whole one, as near as a file of half hours shows it
-OFF_THE_SUN = ("file_shift", "file_dst")  # faults with which the sun is elsewhere
+#: faults with which the sun is elsewhere
+OFF_THE_SUN = ("file_shift", "file_dst", "file_jump")
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,14 +111,15 @@ def looked(data, holdout, site, criteria, check_units):
 
 
 def in_standard_time(data, holdout, look, how):
-    """The look again where a file keeps summer time, and what was made of that."""
-    fault, (site, criteria, _) = look.health.faults.get("file_dst"), how
-    if fault is None or site["location"] is None:
+    """The look again where a file's clock jumps, and what was made of that."""
+    faults, (site, criteria, _) = look.health.faults, how
+    jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
+    if not jumps or site["location"] is None:
         return look, ()
     place = (look.health.noon, *site.values(), criteria.limits)
     summer = daylight_saving(look.whole["poa_global"], look.whole.index, *place)
     if not summer.explained:
-        return look, (told_of(summer, fault),)
+        return look, (told_of(summer, *jumps),)
     if holdout is not None:
         holdout = summer.corrected(holdout)
     return looked(summer.corrected(data), holdout, *how), (told_of(summer),)
@@ -141,7 +143,7 @@ def notes_of(look, corrections, wanted, site, criteria):
     yield from look.odd
     # doubts are said with the refused, clocks with their correction
     said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
-    said |= {one.fault for one in corrections}
+    said |= {fault for one in corrections for fault in one.fault.split("+")}
     yield from (line for name, line in health.faults.items() if name not in said)
     yield from health.unchecked
     yield from of_the_zone(look.whole.index, site["location"])
@@ -200,16 +202,18 @@ def of_the_zone(index, location):
 
 
 def told_of(summer, fault=""):
-    """What was made of a file that keeps daylight-saving time."""
+    """What was made of a file whose clock jumps."""
     noon = "the day's light beside the sun, root mean square"
     why = because(Reason.CORRECTED, fault=summer.line)
     if not summer.explained:
         why = because(Reason.NOT_CORRECTED, fault=fault, remedy=summer.line)
+    values = {"summer": 60.0} if summer.zone else {}
+    values |= {str(day.date()): by / 60.0 for day, by in summer.jumps}
     check = Check(noon, "", summer.after, summer.before, most=True, unit="min")
     return Correction(
-        fault="file_dst",
+        fault=summer.fault,
         columns=("all",),
-        values={"summer": 60.0} if summer.explained else {},
+        values=values,
         stderr={},
         before=summer.before,
         after=summer.after,

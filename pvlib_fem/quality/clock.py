@@ -13,11 +13,10 @@ import pandas as pd
 from scipy.stats import median_abs_deviation, norm, theilslopes
 from scipy.stats import t as student
 
+from pvlib_fem.quality.hours import day_of, hours_of, listed, offsets
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.quality.onset import DAY, daily_sums, measured_blocks, plain
+from pvlib_fem.quality.onset import DAY, HOUR, daily_sums, measured_blocks, plain
 from pvlib_fem.record.checks import usual_step
-
-HOUR = 3600.0  # s
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,9 +180,9 @@ def judge(origin, seconds, sums, blocks, changes, limits):
         )
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:
-        dates = ", ".join(f"{c / 60:+.0f} min on {d.date()}" for d, c in jumps)
         faults["dst"] = (
-            f"the clock of temp_module jumps by {dates}, as daylight-saving time does"
+            f"the clock of temp_module jumps by {listed(jumps)}, as daylight-saving "
+            "time does"
         )
     blocks["start"] = [day_of(origin, sums.begin(day)) for day in blocks["day"]]
     return Clock(
@@ -199,34 +198,6 @@ def judge(origin, seconds, sums, blocks, changes, limits):
         hours,
         limit,
     )
-
-
-def hours_of(blocks, changes):
-    """From when on [s] the clock is by how many hours [s] off its standard time."""
-    if not changes:
-        return ()
-    hours = [(-np.inf, 0.0)]
-    for change in changes:
-        hours.append((change["seconds"], hours[-1][1] + change["by"]))
-    # standard time is where the clock is least wrong
-    ends = [start for start, _ in hours[1:]] + [np.inf]
-    wrong = [
-        abs(
-            np.mean(
-                [b["late"] for b in blocks if start <= b["seconds"] < end] or np.inf
-            )
-        )
-        for (start, _), end in zip(hours, ends)
-    ]
-    standard = hours[int(np.argmin(wrong))][1]
-    return tuple((start, late - standard) for start, late in hours)
-
-
-def offsets(hours, seconds):
-    late = np.zeros(len(seconds))
-    for start, offset in hours:
-        late[np.asarray(seconds) >= start] = offset
-    return late
 
 
 def line(x, y, stderr, limits):
@@ -259,8 +230,3 @@ def left_open(stderr, limit):
 def sure(rest, limits):
     """Standard errors that are three of a long record, by what was left over."""
     return student.ppf(norm.cdf(limits.sure), max(rest, 2))
-
-
-def day_of(origin, seconds):
-    """The day that begins nearest to a time."""
-    return (origin + pd.Timedelta(seconds=seconds + DAY / 2)).normalize()

@@ -1,32 +1,44 @@
-"""A file that keeps daylight-saving time, brought back to standard time."""
+"""A file whose clock jumps, by daylight saving or by a hand, brought to one clock."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.quality.hours import listed, offsets, span
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.quality.noon import solar_noon_shift
+from pvlib_fem.quality.noon import solar_noon_shift, universal
+from pvlib_fem.quality.onset import DAY
+from pvlib_fem.quality.zones import plain, transitions, zone_offsets, zones_around
 
 
 @dataclass(frozen=True, eq=False)
 class Daylight:
-    """What explains a file's jumps by an hour, from :func:`daylight_saving`."""
+    """What explains the jumps of a file's clock, from :func:`daylight_saving`."""
 
-    zone: str  # that explains them; "" if none does
+    zone: str  # whose daylight saving it keeps; "" if it keeps none
     line: str  # what was found, or why not and the remedy
     index: pd.DatetimeIndex  # standard time of the rows that are kept
     kept: np.ndarray  # rows whose time is known
     before: float = np.nan  # daily noon less the sun's, root mean square [min]
     after: float = np.nan  # the same by the corrected times [min]
-    transitions: tuple = field(default=())  # (time in standard time, seconds)
+    transitions: tuple = ()  # of the zone: (time in standard time, seconds)
+    jumps: tuple = ()  # others that were taken out: (first day after it, seconds)
+    left: tuple = ()  # those that were not
 
     @property
     def explained(self) -> bool:
-        return bool(self.zone)
+        return bool(self.zone or self.jumps)
+
+    @property
+    def fault(self) -> str:
+        """What is corrected, or, where nothing is, what is not."""
+        if self.zone:
+            return "file_dst+file_jump" if self.jumps else "file_dst"
+        return "file_jump"
 
     def corrected(self, data):
-        """A Series or DataFrame of the file by standard time, without lost rows."""
+        """A Series or DataFrame of the file by one clock, without lost rows."""
         return data[self.kept].set_axis(self.index)
 
 
@@ -40,7 +52,7 @@ def daylight_saving(
     limits=None,
 ) -> Daylight:
     """
-    Bring a file that keeps daylight-saving time back to standard time.
+    Bring a file whose clock jumps to one clock, its standard time.
 
     Parameters
     ----------
@@ -52,7 +64,8 @@ def daylight_saving(
     noon : SolarNoon
         From :func:`solar_noon_shift`, with this location.
     location : pvlib.location.Location
-        Its ``tz`` is the zone that is tried.
+        Its ``tz`` is the zone that is tried; where that has no daylight saving, as
+        UTC, all zones of the same standard time are, the nearest place first.
     surface_tilt, surface_azimuth : float, optional
         Of the plane; horizontal where they are not known. [°]
     limits : Limits, optional
@@ -65,97 +78,161 @@ def daylight_saving(
 
     Notes
     -----
-    The zone explains the jumps if there are two at least, each is one of its
-    transitions by sign and date, and no transition lacks that the record could
-    show. One jump alone may be a clock that was set.
+    A zone explains jumps if two at least are its transitions by sign and date, and
+    none of its transitions lacks that the record could show. By its clock an hour is
+    left out in spring: rows that a file has in it have no time. An hour comes twice in
+    autumn: where a file has it twice, the first is summer time; where it has it once,
+    which one is not known. Such rows are left out, and ``line`` counts them.
 
-    By the zone's clock an hour is left out in spring: rows that a file has in it
-    have no time. An hour comes twice in autumn: where a file has it twice, the
-    first is summer time; where it has it once, which one is not known. Such rows
-    are left out, and ``line`` counts them.
+    Any other jump is of a clock that was set. Between two of them the rows move as a
+    whole, to where the clock fits the sun best; those within a day of the night, or
+    the nights, in which it may have been are left out. The light decides whether
+    either step holds: it must move less often, and be nearer to the sun. What still
+    moves is in ``left``.
     """
     limits = limits or Limits()
-    zone = str(location.tz)
-    if reason := unexplained(index, noon, zone, limits):
-        return as_it_is(index, reason)
-    standard, kept = standard_index(index, zone)
+    if reason := untold(index, noon):
+        return as_it_is(index, reason, noon)
     place = (location, surface_tilt, surface_azimuth, limits)
-    then = solar_noon_shift(np.asarray(poa_global)[kept], standard, *place)
-    before, after = (root_mean_square(found.days) / 60 for found in (noon, then))
-    numbers = f"the day's light is {after:.0f} min off the sun, and was {before:.0f}"
-    if then.jumps or not after < before:
-        return as_it_is(index, f"by {zone}, {numbers}: {remedy(zone)}")
+    poa = np.asarray(poa_global)
+    kept, now, words, due = np.ones(len(index), dtype=bool), noon, [], ()
+    times, zone, why = index, *zone_of(index, noon, location, limits)
+    if zone:
+        then, there = standard_index(index, zone)
+        moved = solar_noon_shift(poa[there], then, *place)
+        if better(moved, now):
+            times, kept, now, due = then, there, moved, tuple(transitions(index, zone))
+            words.append(
+                f"keeps the clock of {zone}, {changes(due)}: brought to standard time"
+            )
+        else:
+            zone, why = "", f"by {zone} the day's light is no nearer to the sun"
+    taken = ()
+    if now.jumps:
+        then, there = by_segments(times, now)
+        moved = solar_noon_shift(poa[kept][there], then, *place)
+        if better(moved, now):
+            words.append(
+                f"is {of_segments(now)}, where its clock was set"
+                f"{why and f' ({why})'}: brought to one clock"
+            )
+            taken = tuple(jump for jump in now.jumps if jump not in moved.jumps)
+            times, now = then, moved
+            kept[kept] = there
+    if not words:
+        return as_it_is(index, f"{why or 'no zone fits'}; {REMEDY}", noon)
+    line = told(words, noon, now, int((~kept).sum()))
+    before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
+    return Daylight(zone, line, times, kept, before, after, due, taken, now.jumps)
+
+
+REMEDY = "set the times to one clock, such as standard time"
+
+
+def as_it_is(index, reason, noon):
+    kept = np.ones(len(index), dtype=bool)
+    return Daylight("", reason, index, kept, left=noon.jumps)
+
+
+def better(then, now):
+    """Whether less of the clock's jumps is left, and the light nearer to the sun."""
+    near = root_mean_square(then.days) < root_mean_square(now.days)
+    return len(then.jumps) < len(now.jumps) and near
+
+
+def told(words, noon, now, lost):
+    """The line of what was made of the file."""
+    before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
     line = (
-        f"the file keeps daylight-saving time as {zone} has it; brought to standard "
-        f"time, {numbers} (root mean square)"
+        f"the file {', and '.join(words)}; the day's light is {after:.0f} min off the "
+        f"sun, and was {before:.0f} (root mean square)"
     )
-    if lost := int((~kept).sum()):
-        line += f"; {lost} rows of the hours that it skips or has twice are left out"
-    changes = tuple(transitions(index, zone))
-    return Daylight(zone, line, standard, kept, before, after, changes)
-
-
-def as_it_is(index, reason):
-    return Daylight("", reason, index, np.ones(len(index), dtype=bool))
+    if lost:
+        line += f"; {lost:,} rows around the changes have no sure time and are left out"
+    if now.jumps:
+        line += (
+            f"; it still moves by {listed(now.jumps)}, so that the times from "
+            f"{now.jumps[0][0].date()} on are not sure: {REMEDY}"
+        )
+    return line
 
 
 def root_mean_square(days):
     return float(np.sqrt(np.mean(days.to_numpy() ** 2)))
 
 
-def unexplained(index, noon, zone, limits):
-    """Why the zone does not explain the jumps; "" if it does."""
+def untold(index, noon):
+    """Why the file is left as it is before any zone is asked; "" if it is not."""
     if not noon.jumps:
-        return "no jump by an hour was found: nothing is to be corrected"
+        return "no jump of the light was found: nothing is to be corrected"
     if index.tz is not None and list(transitions(index, str(index.tz))):
         return (
             f"the file's times have the zone {index.tz}, which takes daylight saving "
             "out, and yet the day's light moves by an hour: the file may have kept "
             f"standard time; give its times {standard_zone(index)} instead"
         )
-    due = list(transitions(index, zone))
-    if not due:
-        return (
-            f"{zone} has no daylight saving in this record: give the location the "
-            "zone of the place as its tz, such as Europe/Berlin"
-        )
-    if len(noon.jumps) < 2:
-        return (
-            "one jump alone may be a clock that was set, and is not corrected: "
-            + remedy(zone)
-        )
-    return mismatch(noon, due, zone, limits)
-
-
-def mismatch(noon, due, zone, limits):
-    """Which jump is none of the zone's, or which of those lacks; "" if none."""
-    left = list(due)
-    for (day, by), (earliest, latest) in zip(noon.jumps, noon.within):
-        near = [t for t in left if same(t, by, earliest, latest)]
-        if not near:
-            return (
-                f"the jump by {by / 60:+.0f} min on {day.date()} is none of {zone}, "
-                f"which has {said(due)}: give the location the zone whose clock the "
-                "file keeps as its tz, or set its times to standard time"
-            )
-        left.remove(near[0])
-    if missed := [t for t in left if visible(t[0], noon.days, limits)]:
-        return (
-            f"{zone} has {said(missed)}, and the day's light does not move then: "
-            + remedy(zone)
-        )
     return ""
 
 
-def remedy(zone):
-    return (
-        f"if the file keeps the clock of {zone}, give its times that zone "
-        "(tz_localize, or --tz), or else set them to standard time"
-    )
+def zone_of(index, noon, location, limits):
+    """The zone that explains two jumps or more, or "" and what speaks against one."""
+    own = str(location.tz)
+    if due := list(transitions(index, own)):
+        why = against(due, own, noon, limits)
+        return ("", why) if why else (own, "")
+    origin = universal(index[0], location)
+    offset = (plain(index[0]) - origin).total_seconds()
+    for zone in zones_around(location, origin, offset):
+        if not against(list(transitions(index, zone)), zone, noon, limits):
+            return zone, ""
+    return "", ""
 
 
-def said(changes):
-    return ", ".join(f"{by / 60:+.0f} min on {time.date()}" for time, by in changes)
+def against(due, zone, noon, limits):
+    """What speaks against a zone whose clock moves on these dates; "" if nothing."""
+    left, found = list(due), 0
+    for (_, by), within in zip(noon.jumps, noon.within):
+        for transition in [t for t in left if same(t, by, *within)][:1]:
+            left.remove(transition)
+            found += 1
+    if found < 2:
+        on = "none of its dates" if not found else "one of its dates alone"
+        return f"{zone} has {changes(due)}, and the day's light moves on {on}"
+    if missed := [t for t in left if visible(t[0], noon.days, limits)]:
+        return f"{zone} has {changes(missed)}, and the day's light does not move then"
+    return ""
+
+
+def by_segments(index, noon):
+    """Times with each stretch between two jumps moved as a whole, and sure rows."""
+    seconds = (index - index[0]).total_seconds().to_numpy()
+    kept = np.ones(len(index), dtype=bool)
+    for first, last in noon.unsure:
+        # a day's light is off by an hour by weather, too, now and then
+        kept &= (seconds < first - DAY) | (seconds > last + DAY)
+    late = offsets(noon.hours, seconds[kept])
+    return index[kept] - pd.to_timedelta(late, unit="s"), kept
+
+
+def of_segments(noon, most=4):
+    """How far each stretch was off, in words."""
+    parts, hours = [], noon.hours
+    days = [day.date() for day, _ in noon.jumps]
+    for i, (_, late) in enumerate(hours):
+        if late:
+            way = "late" if late > 0 else "early"
+            since = f" from {days[i - 1]}" if i else ""
+            until = f" until {days[i]}" if i < len(days) else " on"
+            parts.append(f"{abs(late) / 60:.0f} min {way}{since}{until}")
+    if len(parts) > most:
+        worst = max(abs(late) for _, late in hours) / 60
+        return f"off by {worst:.0f} min at most, with jumps {span(noon.jumps)}"
+    return ", ".join(parts)
+
+
+def changes(due, most=4):
+    """The changes of a zone's clock in words."""
+    return listed(due) if len(due) <= most else f"{len(due)} changes {span(due)}"
 
 
 def same(transition, by, earliest, latest):
@@ -176,29 +253,6 @@ def visible(time, days, limits):
     return around[-1] - around[0] <= pd.Timedelta(days=limits.noon_gap)
 
 
-def plain(time):
-    return time.tz_localize(None)
-
-
-def transitions(index, zone):
-    """Times, in standard time, at which a zone's clock moves in a record. [s]"""
-    ends = plain(index[0]), plain(index[-1])
-    # the ends are not in universal time, which is less than a day from theirs
-    day = pd.Timedelta(days=1)
-    hours = pd.date_range(ends[0].floor("h") - day, ends[1] + day, freq="h", tz="UTC")
-    offset = offsets(hours, zone)
-    for at in np.flatnonzero(np.diff(offset)):
-        time = plain(hours[at + 1]) + pd.Timedelta(seconds=float(offset.min()))
-        if ends[0] < time < ends[1]:
-            yield time, float(offset[at + 1] - offset[at])
-
-
-def offsets(utc, zone):
-    """A zone's clock less universal time. [s]"""
-    local = utc.tz_convert(zone).tz_localize(None)
-    return (local - utc.tz_localize(None)).total_seconds().to_numpy()
-
-
 def standard_index(index, zone):
     """Wall times of a zone as standard time, and which rows have one."""
     wall = index.tz_localize(None)
@@ -207,12 +261,12 @@ def standard_index(index, zone):
     sure = wall.tz_localize(zone, ambiguous="NaT", nonexistent="NaT").notna()
     kept = local.notna() & (sure | wall.duplicated(keep=False))
     utc = local[kept].tz_convert("UTC")
-    standard = pd.Timedelta(seconds=float(offsets(utc, zone).min()))
+    standard = pd.Timedelta(seconds=float(zone_offsets(utc, zone).min()))
     times = utc.tz_localize(None) + standard
     return times if index.tz is None else times.tz_localize(index.tz), kept
 
 
 def standard_zone(index):
     """The fixed zone of the same standard time."""
-    hours = offsets(index.tz_convert("UTC"), str(index.tz)).min() / 3600
+    hours = zone_offsets(index.tz_convert("UTC"), str(index.tz)).min() / 3600
     return f"Etc/GMT{-hours:+.0f}" if hours == round(hours) else "that of standard time"

@@ -169,12 +169,15 @@ class Limits:
     whole_day : float
         *noon.* Share of a day's rows that have to be there: what is lost may be its
         first or last light. [-]
+    night_rows : float
+        *noon.* Share of the rows by night up to which a file holds days alone, so that
+        what lacks around them is dark. [-]
     off_noon : float
         *noon.* What a turned plane, a horizon or averages of an hour may do to a
-        noon. [s]
+        noon, and the least jump of it. [s]
     noon_slack : float
-        *noon.* Distance from an hour within which a jump of the noon is of summer
-        time: what clouds leave in the median of ten days. [s]
+        *noon.* Distance from whole hours within which a jump of the noon is by
+        those: what clouds leave in the median of ten days. [s]
     noon_side : int
         *noon.* Days on each side of a jump that are compared. [days]
     shortest_night : float
@@ -280,6 +283,7 @@ class Limits:
     light: float = 20.0
     bright: float = 100.0
     whole_day: float = 0.98
+    night_rows: float = 0.1
     off_noon: float = 1800.0
     noon_slack: float = 900.0
     noon_side: int = 10

@@ -7,9 +7,10 @@ import pandas as pd
 import pvlib
 
 from pvlib_fem.drivers import standard_time
-from pvlib_fem.quality.clock import HOUR, day_of, hours_of, offsets
+from pvlib_fem.quality.hours import day_of, listed, offsets
+from pvlib_fem.quality.jumps import jumps_of, whole_hours
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.quality.onset import DAY, night
+from pvlib_fem.quality.onset import DAY, HOUR, night
 from pvlib_fem.record.checks import instants, usual_step
 
 
@@ -23,6 +24,8 @@ class SolarNoon:
     faults: dict  # name: one line
     why: str = ""  # what was not looked for
     within: tuple = ()  # (earliest, latest) day of each jump
+    unsure: tuple = ()  # (begin, end) of the nights it may be in, from the start [s]
+    hours: tuple = ()  # (from here on [s], late by that [s])
 
 
 def solar_noon_shift(
@@ -51,8 +54,8 @@ def solar_noon_shift(
     Returns
     -------
     SolarNoon
-        ``faults`` may have ``file_dst``, for jumps by 60 ± 15 min from the ten days
-        before to the ten after, and ``file_shift``, for more than half an hour.
+        ``faults`` may have ``file_dst``, for jumps by an hour, ``file_jump``, for one
+        or for others, and ``file_shift``, for more than half an hour.
 
     Notes
     -----
@@ -62,6 +65,10 @@ def solar_noon_shift(
     taken between two rows, so that it does not move by whole steps; where rows are
     further apart than an hour that is too coarse to look for jumps, and ``why``
     says so.
+
+    A jump is of the median from the ten days before to the ten after, by half an hour
+    at least. Within 15 min of whole hours it is those; any other has to hold over 30
+    days. Where a file has no rows by night, what lacks outside its days is dark.
     """
     limits = limits or Limits()
     times = instants(index)
@@ -69,7 +76,8 @@ def solar_noon_shift(
     if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return SolarNoon(np.nan, pd.Series(dtype=float), (), {})
     step, dark = usual_step(index), night(seconds, poa_global)
-    day, middle = middles(seconds - dark, np.asarray(poa_global), step, limits)
+    poa = with_nights(seconds - dark, np.asarray(poa_global, dtype=float), limits)
+    day, middle = middles(seconds - dark, poa, step, limits)
     if location is not None:
         origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
         late = middle - due(
@@ -79,7 +87,7 @@ def solar_noon_shift(
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
     if step <= limits.coarsest_noon:
-        changes = steps_of_an_hour(day, middle, limits)
+        changes = jumps_of(day, middle, limits)
     else:
         why = (
             f"no jump of the whole file by an hour was looked for: rows are "
@@ -87,8 +95,7 @@ def solar_noon_shift(
         )
     for change in changes:
         change["seconds"] = dark + change["day"] * DAY
-    blocks = [dict(seconds=t, late=late) for t, late in zip(when, middle)]
-    hours = hours_of(blocks, changes)
+    hours = levels(when, middle, changes, limits)
     late = np.nan
     if location is not None and len(day):
         late = float(np.median(middle - offsets(hours, when)))
@@ -98,7 +105,22 @@ def solar_noon_shift(
         tuple(day_of(index[0], dark + d * DAY) for d in c["within"]) for c in changes
     )
     faults = noon_faults(late, jumps, step, limits)
-    return SolarNoon(late, days, jumps, faults, why, within)
+    unsure = tuple(tuple(dark + d * DAY for d in c["within"]) for c in changes)
+    return SolarNoon(late, days, jumps, faults, why, within, unsure, hours)
+
+
+def levels(when, middle, changes, limits):
+    """From when on [s] the clock is how far [s] off where it is least wrong."""
+    if not changes:
+        return ()
+    starts = [-np.inf, *(change["seconds"] for change in changes)]
+    parts = np.searchsorted(starts, when, side="right") - 1
+    level = np.array([np.median(middle[parts == i]) for i in range(len(starts))])
+    level -= level[np.argmin(np.abs(level))]
+    # neighbours that differ by what is no jump are one clock, uneven by its sun
+    small = np.abs(level) < limits.off_noon
+    late = [whole_hours(by, limits) or 60.0 * round(by / 60) for by in level]
+    return tuple(zip(starts, np.where(small, 0.0, late)))
 
 
 def noon_faults(late, jumps, step, limits):
@@ -111,16 +133,34 @@ def noon_faults(late, jumps, step, limits):
             "has the wrong sign (times without a zone are read as standard time in the "
             "location's tz, or by its longitude where that is UTC)"
         )
-    if jumps:
-        dates = ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)
-        why = "the file keeps daylight-saving time"
-        if len(jumps) == 1:
-            why += ", or its clock was set"
+    if not jumps:
+        return faults
+    moves = f"the day's light moves by {listed(jumps)}"
+    if sum(abs(by) == HOUR for _, by in jumps) > 1:
         faults["file_dst"] = (
-            f"the day's light moves by {dates}: {why}; give its times that zone "
+            f"{moves}: the file keeps daylight-saving time; give its times that zone "
             "(tz_localize, or --tz), or keep standard time"
         )
+    else:
+        faults["file_jump"] = (
+            f"{moves}: the clock of the file was set then; bring its times to one clock"
+        )
     return faults
+
+
+def with_nights(seconds, poa, limits):
+    """The same with 0 before and after each day's light, in a file of days alone."""
+    deep = np.abs(seconds % DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
+    if not deep.any() or np.isfinite(poa[deep]).mean() > limits.night_rows:
+        return poa
+    day, row = (seconds // DAY).astype(int), np.arange(len(poa))
+    lit = np.flatnonzero(poa > limits.light)
+    first, last = np.full(day.max() + 1, len(poa)), np.full(day.max() + 1, -1)
+    np.minimum.at(first, day[lit], lit)
+    np.maximum.at(last, day[lit], lit)
+    outside = (row < first[day]) | (row > last[day])
+    # a day that is lost as a whole stays so
+    return np.where(outside & np.isnan(poa) & (last[day] >= 0), 0.0, poa)
 
 
 def middles(seconds, poa, step, limits):
@@ -184,46 +224,3 @@ def due(origin, days, location, surface_tilt, surface_azimuth, limits):
     if not len(day):
         return np.full(len(days), np.nan)
     return np.interp(days, day, middle + 300.0 * dark)
-
-
-def steps_of_an_hour(day, middle, limits):
-    """Days at which the middle of the light moves by an hour for good."""
-    fewest = max(limits.noon_side // 2, 1)
-    tried = range(fewest, len(day) - fewest + 1)
-    found = filter(None, (step_at(i, day, middle, limits) for i in tried))
-    # neighbours see the same step; it is where both sides are the most even
-    groups = []
-    for step in found:
-        if groups and step["day"] - groups[-1][-1]["day"] <= limits.noon_side:
-            groups[-1].append(step)
-        else:
-            groups.append([step])
-    return [evenest(group, limits) for group in groups]
-
-
-def step_at(i, day, middle, limits):
-    """A step of an hour before the i-th day, or None."""
-    first, last = max(i - limits.noon_side, 0), i + limits.noon_side
-    sides = middle[first:i], middle[i:last]
-    around = day[first:last]
-    before, after = (np.median(side) for side in sides)
-    if around[-1] - around[0] > limits.noon_gap:
-        return None
-    if abs(abs(after - before) - HOUR) >= limits.noon_slack:
-        return None
-    rough = np.array([np.abs(s - c).mean() for s, c in zip(sides, (before, after))])
-    # of medians of normal deviates: π/2 of a mean deviation over the root of n
-    error = np.pi / 2 * np.hypot(*(rough / np.sqrt([len(side) for side in sides])))
-    if abs(after - before) < limits.sure * error:
-        return None
-    by = float(np.sign(after - before) * HOUR)
-    return dict(day=int(day[i]), before=int(day[i - 1]), by=by, rough=rough.sum())
-
-
-def evenest(group, limits):
-    """The step with the most even sides, and the days that it may be on."""
-    best = min(group, key=lambda step: step["rough"])
-    # where noise has exponential tails, e times less likely for each mean deviation
-    scale = max(best["rough"] / 2, limits.noon_error) / limits.noon_side
-    near = [s for s in group if s["rough"] - best["rough"] <= limits.sure * scale]
-    return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))

@@ -8,7 +8,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.ndimage import uniform_filter1d
 from scipy.optimize import minimize_scalar, nnls
 
-DAY = 86400.0  # s
+DAY, HOUR = 86400.0, 3600.0  # s
 #: a contact sensor answers in 40 s, a thermopile in 8: what is left between them [s]
 SENSOR = 32.0
 DECAYS = np.array([150.0, 300.0, 600.0, 1200.0, 2400.0])  # s, of modules and roofs

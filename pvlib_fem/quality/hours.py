@@ -1,0 +1,53 @@
+"""Days and offsets of a clock that jumps."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.onset import DAY
+
+
+def hours_of(blocks, changes):
+    """From when on [s] the clock is by how many hours [s] off its standard time."""
+    if not changes:
+        return ()
+    hours = [(-np.inf, 0.0)]
+    for change in changes:
+        hours.append((change["seconds"], hours[-1][1] + change["by"]))
+    # standard time is where the clock is least wrong
+    ends = [start for start, _ in hours[1:]] + [np.inf]
+    wrong = [
+        abs(
+            np.mean(
+                [b["late"] for b in blocks if start <= b["seconds"] < end] or np.inf
+            )
+        )
+        for (start, _), end in zip(hours, ends)
+    ]
+    standard = hours[int(np.argmin(wrong))][1]
+    return tuple((start, late - standard) for start, late in hours)
+
+
+def offsets(hours, seconds):
+    """How far the clock is off at times from the record's start. [s]"""
+    late = np.zeros(len(seconds))
+    for start, offset in hours:
+        late[np.asarray(seconds) >= start] = offset
+    return late
+
+
+def day_of(origin, seconds):
+    """The day that begins nearest to a time."""
+    return (origin + pd.Timedelta(seconds=seconds + DAY / 2)).normalize()
+
+
+def listed(jumps, most=4):
+    """Sizes of jumps and their dates in words; of many the first, last and number."""
+    if len(jumps) <= most:
+        return ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)
+    sizes = sorted({abs(by) / 60 for _, by in jumps})
+    ends = f"{sizes[0]:.0f}" + (f" to {sizes[-1]:.0f}" if len(sizes) > 1 else "")
+    return f"{ends} min {len(jumps)} times {span(jumps)}"
+
+
+def span(jumps):
+    return f"from {jumps[0][0].date()} to {jumps[-1][0].date()}"

@@ -1,0 +1,85 @@
+"""Zones by the dates on which their clocks move."""
+
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from zoneinfo import TZPATH
+
+import numpy as np
+import pandas as pd
+
+TABLE = "zone1970.tab"  # of the tz database: a zone's own place, among others
+
+
+def transitions(index, zone):
+    """Times, in standard time, at which a zone's clock moves in a record. [s]"""
+    ends = plain(index[0]), plain(index[-1])
+    # the ends are not in universal time, which is less than a day from theirs
+    day = pd.Timedelta(days=1)
+    days = pd.date_range(
+        ends[0].floor("D") - day, ends[1] + 2 * day, freq="D", tz="UTC"
+    )
+    offset = zone_offsets(days, zone)
+    for at in np.flatnonzero(np.diff(offset)):
+        hours = days[at] + pd.to_timedelta(np.arange(25), unit="h")
+        hour = int(np.argmax(zone_offsets(hours, zone) != offset[at]))
+        time = plain(hours[hour]) + pd.Timedelta(seconds=float(offset.min()))
+        if ends[0] < time < ends[1]:
+            yield time, float(offset[at + 1] - offset[at])
+
+
+def zone_offsets(utc, zone):
+    """A zone's clock less universal time. [s]"""
+    local = utc.tz_convert(zone).tz_localize(None)
+    return (local - utc.tz_localize(None)).total_seconds().to_numpy()
+
+
+def plain(time):
+    return time.tz_localize(None)
+
+
+def zones_around(location, time, offset):
+    """Zones of a standard time that move their clocks, the nearest place first."""
+    year = pd.date_range(f"{time.year}-01-01", periods=12, freq="MS", tz="UTC")
+    near = sorted(places().items(), key=lambda item: distance(location, item[1]))
+    for zone, _ in near:
+        moves = zone_offsets(year, zone)
+        if moves.min() == offset < moves.max():
+            yield zone
+
+
+@cache
+def places():
+    """Latitude and longitude of each zone's own place, in degrees."""
+    found = {}
+    for line in table().splitlines():
+        if line and not line.startswith("#"):
+            _, place, zone = line.split("\t")[:3]
+            cut = max(place.rfind("+"), place.rfind("-"))
+            found[zone] = degrees(place[:cut], 2), degrees(place[cut:], 3)
+    return found
+
+
+def table():
+    """The table of places, of the system or of the package tzdata; or none."""
+    for folder in TZPATH:
+        if (path := Path(folder) / TABLE).is_file():
+            return path.read_text(encoding="utf-8")
+    try:
+        return (files("tzdata.zoneinfo") / TABLE).read_text(encoding="utf-8")
+    except (ModuleNotFoundError, FileNotFoundError):
+        return ""
+
+
+def degrees(text, whole):
+    """±DDMM or ±DDDMMSS as degrees."""
+    sign, digits = (-1 if text[0] == "-" else 1), text[1:]
+    minutes = float(digits[whole : whole + 2]) + float(digits[whole + 2 :] or 0) / 60
+    return sign * (float(digits[:whole]) + minutes / 60)
+
+
+def distance(location, place):
+    """Of two places, in radians."""
+    (a, b), (c, d) = np.radians([(location.latitude, location.longitude), place])
+    cosine = np.sin(a) * np.sin(c) + np.cos(a) * np.cos(c) * np.cos(b - d)
+    return np.arccos(np.clip(cosine, -1.0, 1.0))
