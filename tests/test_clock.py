@@ -5,9 +5,12 @@ import pandas as pd
 import pytest
 from conftest import COLUMNS, measured
 
-from pvlib_fem import datasets, simulator
+from pvlib_fem import close_loop, datasets, ewm, fit_fem, simulator
 from pvlib_fem.quality.clock import clock_shift
+from pvlib_fem.quality.lag import lag
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY
+from pvlib_fem.record.checks import as_record
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 
 
@@ -149,12 +152,13 @@ def test_the_measured_week_has_a_right_clock(week):
 @pytest.mark.parametrize(
     ("days", "step", "reason"),
     [
-        (1, 60.0, "the record is shorter than two days"),
-        (60, 3600.0, "rows are 60 min apart, longer than a response"),
+        (1, "1min", "the record is shorter than two days"),
+        (20, "2h", "rows are 120 min apart, longer than a response"),
     ],
 )
 def test_what_cannot_be_told_is_not_told(days, step, reason):
-    found = clock(PHYSICS, days, step)
+    data = simulator.record(RHINE, PHYSICS, days, 60.0, 7, start="2023-05-01")
+    found = clock_shift(checked(data.resample(step).mean()))
     assert np.isnan(found.late)
     assert not found.fault
     assert reason in found.why
@@ -183,3 +187,123 @@ def test_late_means_that_the_module_is_written_later():
     error = back[middle] - data["temp_module"].to_numpy()[middle]
     assert np.std(error) < 0.1
     assert found.middle == pytest.approx(5 * DAY, rel=1e-3)
+
+
+# hours
+
+
+def late_by(data, hours):
+    """The record with the module's column written so much later."""
+    rows = round(hours * pd.Timedelta("1h") / (data.index[1] - data.index[0]))
+    return data.assign(temp_module=data["temp_module"].shift(rows))
+
+
+def rows_of(data, step, held="means"):
+    """Rows as loggers hold them: means, the ends of steps, or one of each."""
+    mean = data.resample(step, closed="right", label="right").mean()
+    end = data.reindex(mean.index)
+    if held == "means":
+        return mean
+    return end if held == "ends" else mean.assign(temp_module=end["temp_module"])
+
+
+def lag_of(data):
+    columns = (data[n].to_numpy() for n in ("poa_global", "temp_air", "temp_module"))
+    seconds = (data.index - data.index[0]).total_seconds().to_numpy()
+    return lag(seconds, *columns, Limits())
+
+
+@pytest.fixture(scope="module")
+def sites():
+    """A month of each hemisphere in its summer and winter, some with a slow roof."""
+    roof = OUTDOORS | {"thermal_storage": 3.0}
+    south = simulator.Site(-34.0, 151.0, surface_azimuth=0.0)
+    return [
+        simulator.record(site, effects, 30, 300.0, seed, start=start)
+        for seed, (site, effects, start) in enumerate(
+            [
+                (RHINE, OUTDOORS, "2023-12-01"),
+                (RHINE, roof, "2023-06-01"),
+                (ALBUQUERQUE, PHYSICS, "2023-03-01"),
+                (south, roof, "2023-06-01"),
+                (south, OUTDOORS, "2023-12-01"),
+            ]
+        )
+    ]
+
+
+@pytest.mark.parametrize("held", ["means", "ends", "one of each"])
+@pytest.mark.parametrize("step", ["15min", "30min", "1h"])
+def test_hours_are_found_by_coarse_rows(sites, step, held):
+    for data in sites:
+        rows = rows_of(data, step, held)
+        assert lag_of(rows).late == 0
+        for hours in (-11, -7, -2, 3, 7, 12):
+            assert lag_of(late_by(rows, hours)).late / 3600 == hours
+
+
+def test_a_slow_roof_of_hours_is_no_clock(sites):
+    """Its time constant is as long as a row, which beside hours is all it can hide."""
+    for data in sites:
+        over = data["temp_module"] - data["temp_air"]
+        slow = data["temp_air"] + ewm(over.to_numpy(), 3600.0, step=300)
+        rows = rows_of(data.assign(temp_module=slow), "1h")
+        assert lag_of(rows).late == 0
+        assert abs(lag_of(late_by(rows, 7)).late - 7 * 3600) <= 3600
+
+
+@pytest.mark.parametrize("step", [300.0, 3600.0])
+@pytest.mark.parametrize("hours", [7, -5])
+def test_a_clock_that_is_off_by_hours_is_told_and_corrected(hours, step):
+    data = simulator.record(RHINE, OUTDOORS, 30, step, 7, start="2023-05-01")
+    record = as_record(*(late_by(data, hours)[name] for name in COLUMNS))
+    found = clock_shift(record)
+    assert list(found.faults) == ["clock_shift"]
+    assert found.late / 3600 == pytest.approx(hours, abs=0.1)
+    back = found.corrected(record.inputs.seconds, record["temp_module"])
+    middle = slice(round(86400 / step), -round(86400 / step))
+    error = back[middle] - data["temp_module"].to_numpy()[middle]
+    assert np.std(error) < 0.5
+
+
+def test_a_logger_in_summer_time_is_found_by_rows_of_an_hour():
+    effects = OUTDOORS | {"dst": 1.0}
+    data = simulator.record(RHINE, effects, 365, 1800.0, 4, start="2023-01-01")
+    record = checked(rows_of(data, "1h"))
+    found = clock_shift(record)
+    assert list(found.faults) == ["dst"]
+    for (day, by), (date, due) in zip(
+        found.jumps, [("2023-03-26", 3600.0), ("2023-10-29", -3600.0)], strict=True
+    ):
+        assert abs(day.tz_localize(None) - pd.Timestamp(date)) <= pd.Timedelta("2D")
+        assert by == due
+    winter, summer = found.at(record.inputs.seconds[[500, 4500]])
+    assert (winter, summer) == (0.0, 3600.0)
+
+
+def test_a_module_that_does_not_follow_the_light_has_no_clock(sites):
+    data = rows_of(sites[0], "1h")
+    noise = np.random.default_rng(0).normal(20.0, 5.0, len(data))
+    assert lag_of(data.assign(temp_module=noise)).late == 0
+
+
+def test_hours_are_found_before_units_are_judged(sites):
+    """7 h late looks like °F, in which over-temperature is large and negative."""
+    data = late_by(rows_of(sites[4], "1h"), 7)
+    columns = [data[name] for name in COLUMNS]
+    with pytest.raises(ValueError, match="7 h too late beside poa_global"):
+        fit_fem(*columns)
+    (clock,) = close_loop(data[list(COLUMNS)]).corrections
+    assert clock.applied and clock.fault == "clock_shift"
+    assert clock.values == {"late": 7 * 60.0}
+    assert clock.after < 0.3 * clock.before
+    hot = data.assign(temp_module=1.8 * data["temp_module"] + 32.0)
+    with pytest.raises(ValueError, match="to be in °F"):
+        close_loop(hot[list(COLUMNS)])
+
+
+def test_the_measured_week_has_a_right_clock_by_any_rows(week):
+    for step in ("15min", "30min", "1h"):
+        rows = rows_of(week, step)
+        assert lag_of(rows).late == 0
+        assert lag_of(late_by(rows, 7)).late == 7 * 3600

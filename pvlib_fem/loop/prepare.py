@@ -94,7 +94,10 @@ def looked(data, holdout, site, criteria, check_units):
     what = parts(usual, counting(usual), holdout, criteria)
     test = what == Part.TEST
     hidden, faults = alone(
-        with_columns(without_answer(usual, test), numeric(columns)), limits, check_units
+        with_columns(without_answer(usual, test), numeric(columns)),
+        limits,
+        check_units,
+        late=True,
     )
     taken = (*DERIVED, *MODELLED)
     witnesses = tuple(name for name in numeric(columns) if vouches(name))
@@ -106,8 +109,14 @@ def looked(data, holdout, site, criteria, check_units):
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
     whole, still = with_answer(hidden, faults, usual, test, limits)
-    odd = tuple(oddities(hidden.inputs, limits))
+    odd = tuple(oddities(in_time(hidden, health.clock).inputs, limits))
     return Look(whole, what, drivers, witnesses, refused, faults, odd, health, still)
+
+
+def in_time(record, clock):
+    """The record with the module's column by the clock of the irradiance."""
+    module = clock.corrected(record.inputs.seconds, record["temp_module"])
+    return record.having({"temp_module": module})
 
 
 def in_standard_time(data, holdout, look, how):

@@ -5,7 +5,7 @@ move, a file whose noon is at one o'clock (`noon`), a module that answers before
 sun asks (`clock`), a driver in another unit (`units`).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.noon import SolarNoon, solar_noon_shift
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import refuse_frozen, stuck, stuck_line
-from pvlib_fem.quality.units import doubtful
+from pvlib_fem.quality.units import doubtful, in_step, module_lag
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +54,17 @@ def unusable(frozen):
     return np.any([frozen[name] for name in POSSIBLE], axis=0)
 
 
+def frozen_in(record, limits):
+    """Rows of sensors that stand still while what moves them does, by one clock."""
+    frozen = stuck(record, limits)
+    # what moves them is told beside the module's column, which may be off by hours
+    others = any(rows.any() for n, rows in frozen.items() if n != "temp_module")
+    if not others or (off := module_lag(record.inputs, limits)) is None:
+        return frozen
+    in_time = stuck(replace(record, inputs=in_step(record.inputs, off)), limits)
+    return in_time | {"temp_module": frozen["temp_module"]}
+
+
 def check(
     record, location=None, surface_tilt=None, surface_azimuth=None, limits=None
 ) -> Health:
@@ -86,7 +97,7 @@ def check(
     """
     limits = limits or Limits()
     refuse_stray(record.index, limits)
-    frozen = stuck(record, limits)
+    frozen = frozen_in(record, limits)
     refuse_frozen(record, frozen)
     clock = clock_shift(record, unusable(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)

@@ -7,6 +7,7 @@ the module answers is free, as long as it is a sum of decays that all begin at o
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from scipy.stats import median_abs_deviation, norm, theilslopes
 from scipy.stats import t as student
 
 from pvlib_fem.quality.hours import day_of, hours_of, listed, offsets
+from pvlib_fem.quality.lag import lag, retimed
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, HOUR, daily_sums, measured_blocks, plain
 from pvlib_fem.record.checks import usual_step
@@ -75,8 +77,7 @@ class Clock:
         values = np.asarray(values, dtype=float)
         if not self.fault:
             return values.copy()
-        asked = seconds + self.at(seconds)
-        return np.interp(asked, seconds, values, left=np.nan, right=np.nan)
+        return retimed(seconds, values, self.at(seconds))
 
 
 def clock_shift(record, skip=None, limits=None) -> Clock:
@@ -86,7 +87,7 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     Parameters
     ----------
     record : Record
-        From ``records.measured``; its rows are 15 min apart at most.
+        From ``records.measured``; its rows are an hour apart at most.
     skip : array of bool, optional
         Rows that are not to be used, as those of a stuck sensor.
     limits : Limits, optional
@@ -96,7 +97,8 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     Clock
         ``late`` [s] with its ``stderr``, ``drift`` [s/day], ``jumps`` of an hour,
         and ``blocks`` of some days each. ``late`` is NaN, and ``why`` says so,
-        where the record is too short, too coarse or too clear to tell.
+        where the record is too short, too coarse or too clear to tell. By rows more
+        than 15 min apart it is whole steps.
 
     Notes
     -----
@@ -105,6 +107,10 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     decays, each with a weight that is not negative, seen by a contact sensor
     (40 s) and held over each step; the time at which it begins is fitted. Errors
     leave days whole, since clouds of one day are not independent.
+
+    Which hours of the day belong together is asked first, by :func:`.lag.lag`: over
+    half a day either way and on rows up to an hour apart. By rows of 15 min or less
+    the onset is then looked for around that.
 
     A clock is at fault if it is out by more than one sample and half a minute:
     whether a row holds its step's mean or end moves it by half a sample, and
@@ -120,18 +126,56 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     seconds = record.inputs.seconds
     if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return unknown("the record is shorter than two days")
-    if (base := usual_step(record.index)) > limits.coarsest_clock:
+    if (base := usual_step(record.index)) > limits.coarsest_lag:
         return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:
         module = np.where(skip, np.nan, module)
+    found = lag(seconds, poa, record["temp_air"], module, limits)
+    if base > limits.coarsest_clock:
+        if found is None:
+            return unknown("hardly any light moves it")
+        return by_hours(record.index[0], found) if found.hours else by_rows(found)
+    far = found.late if found and abs(found.late) > HOUR else 0.0
+    if far:
+        module = retimed(seconds, module, far)
     sums = daily_sums(seconds, base, poa, module, limits)
     blocks = measured_blocks(sums, [], limits)
     if changes := jumps_between(sums, blocks, limits):
         blocks = measured_blocks(sums, [change["day"] for change in changes], limits)
+    if not blocks and far:
+        return by_rows(found)
     if not blocks:
         return unknown("too little broken cloud, whose edges show where it begins")
-    return judge(record.index[0], seconds, sums, blocks, changes, limits)
+    return judge(record.index[0], seconds, sums, blocks, changes, limits, far)
+
+
+def by_hours(origin, found):
+    """The clock where the step in which an answer begins changes."""
+    (_, first), *rest = found.hours
+    hours = ((-np.inf, first), *rest)
+    moves = [late - before for (_, before), (_, late) in pairwise(hours)]
+    jumps = tuple((day_of(origin, at), by) for (at, _), by in zip(rest, moves))
+    line = f"the clock of temp_module jumps by {listed(jumps)}"
+    if len(jumps) > 1 and all(abs(by) == HOUR for by in moves):
+        line += ", as daylight-saving time does"
+    faults = {"dst": line}
+    return Clock(
+        0.0, 0.0, jumps=jumps, faults=faults, why=line, hours=hours, limit=found.step
+    )
+
+
+def by_rows(found):
+    """The clock as far as whole steps tell."""
+    if not found.late:
+        return Clock(late=0.0, stderr=0.0, limit=found.step)
+    way = "late" if found.late > 0 else "early"
+    line = (
+        f"the clock of temp_module is {abs(found.late) / HOUR:.3g} h {way} beside that "
+        f"of poa_global, by whole steps of {found.step / 60:.0f} min"
+    )
+    faults = {"clock_shift": line}
+    return Clock(found.late, 0.0, faults=faults, why=line, limit=found.step)
 
 
 def unknown(reason):
@@ -155,10 +199,11 @@ def jumps_between(sums, blocks, limits):
     return found
 
 
-def judge(origin, seconds, sums, blocks, changes, limits):
+def judge(origin, seconds, sums, blocks, changes, limits, far=0.0):
     """The line through the blocks, hours apart, and what is wrong with it."""
     hours = hours_of(blocks, changes)
     blocks, middle = pd.DataFrame(blocks), float(seconds[-1] / 2)
+    blocks["late"] += far
     late = blocks["late"] - offsets(hours, blocks["seconds"])
     days = (blocks["seconds"] - middle) / DAY
     points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())

@@ -135,8 +135,19 @@ class Limits:
     coarsest_clock : float
         *clock.* Step of the rows above which the onset of an answer does not show,
         since it is half over within it. [s]
+    coarsest_lag : float
+        *clock.* Step of the rows up to which the step shows in which an answer
+        begins. [s]
+    lag_left, lag_next : float
+        *clock.* Share of what no lag leaves of the changes from row to row, below
+        which another lag's has to be, and one that is but a step off: that may be by
+        half where rows hold means of one column and ends of the other. [-]
+    lag_share : float
+        *clock.* Share of those changes that has to be told at it: what irradiance
+        hardly moves is no module. [-]
     farthest_clock : float
-        *clock.* Time up to which a clock is looked for: two zones. [s]
+        *clock.* Time around such a lag, or none, within which the onset is looked
+        for: two zones. [s]
     sensor_slack : float
         *clock.* Time beyond one sample by which contact sensors and averaging may
         differ: contact sensors answer within 10 to 60 s. [s]
@@ -268,6 +279,10 @@ class Limits:
 
     shortest_record: float = 129600.0
     coarsest_clock: float = 900.0
+    coarsest_lag: float = 3600.0
+    lag_left: float = 0.8
+    lag_next: float = 0.5
+    lag_share: float = 0.3
     farthest_clock: float = 7200.0
     sensor_slack: float = 30.0
     hour_slack: float = 300.0

@@ -142,16 +142,17 @@ def without_frozen(clean, found, frozen):
     return clean.lacking(frozen), found
 
 
-def alone(record, limits, check_units=True, names=None):
+def alone(record, limits, check_units=True, names=None, late=False):
     """
     The same but for sensors that stand still, for which others have to be asked.
 
-    ``names`` are those columns that are asked, by default all.
+    ``names`` are those columns that are asked, by default all. ``late`` has a module
+    pass whose clock is off by hours.
     """
     clean, found = ruled(record, Faults(record), limits, ("fill value",), names)
     refuse_empty(found, clean)
     if check_units:
-        refuse_units(clean.inputs, limits)
+        refuse_units(clean.inputs, limits, late)
     clean, found = ruled(clean, found, limits, LATER, names)
     refuse_impossible(found, limits)
     return with_nights(clean, found)

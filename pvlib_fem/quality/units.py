@@ -1,10 +1,12 @@
 """Columns in another unit, or not what their name says."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pvlib_fem.quality.lag import lag, retimed
 from pvlib_fem.quality.limits import POSSIBLE, Limits
+from pvlib_fem.quality.onset import HOUR
 from pvlib_fem.record.units import ForeignUnit, Swapped
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
@@ -215,17 +217,56 @@ def foreign(unit, why, *columns):
     )
 
 
-def refuse_units(inputs, limits=None):
+def refuse_units(inputs, limits=None, late=False):
     """
     Refuse a column that looks to be in another unit, or not what its name says.
+
+    ``late`` has a module whose clock is off by hours pass, where its units are right.
 
     The thermal laws tie the columns together: over-temperature follows
     irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
     of the air, and wind changes the resistance by 4 to 20 % per m/s.
     """
+    odd, off = suspected(inputs, limits or Limits())
+    if odd or (off and not late):
+        raise (odd or of_hours(off)).error()
+
+
+def suspected(inputs, limits):
+    """What looks wrong by one clock, and how far the module's is off for that."""
     found = signs(inputs)
-    if odd := found and suspicion(inputs, found, limits or Limits()):
-        raise odd.error()
+    if not (odd := found and suspicion(inputs, found, limits)):
+        return None, None
+    if (off := module_lag(inputs, limits)) is None:
+        return odd, None
+    retimed_inputs = in_step(inputs, off)
+    found = signs(retimed_inputs)
+    return found and suspicion(retimed_inputs, found, limits), off
+
+
+def of_hours(off):
+    """The suspicion that the module's clock is off by hours."""
+    hours, way = f"{abs(off.late) / HOUR:.3g} h", "late" if off.late > 0 else "early"
+    fix = "Subtract" if off.late > 0 else "Add"
+    return Suspicion(
+        f"temp_module is written {hours} too {way} beside poa_global",
+        f"{fix} {hours} {'from' if off.late > 0 else 'to'} its times, or give the "
+        "record to close_loop, which does",
+        "that is",
+    )
+
+
+def module_lag(inputs, limits):
+    """By how many steps the module's clock is off, or None where it is not."""
+    columns = (inputs[name] for name in ("poa_global", "temp_air", "temp_module"))
+    found = lag(inputs.seconds, *columns, limits)
+    return found if found and found.late else None
+
+
+def in_step(inputs, off):
+    """The same with the module by the clock of the irradiance."""
+    module = retimed(inputs.seconds, inputs["temp_module"], off.late)
+    return replace(inputs, columns={**inputs.columns, "temp_module": module})
 
 
 def suspicion(inputs, found, limits):
@@ -295,7 +336,8 @@ def oddities(inputs, limits=None):
     limits, found = limits or Limits(), signs(inputs)
     if found is None:
         return
-    if odd := suspicion(inputs, found, limits):
+    odd, off = suspected(inputs, limits)
+    if odd := odd or (off and of_hours(off)):
         yield odd.what
         return
     if found.hot > limits.hot_air:

@@ -1,0 +1,223 @@
+"""How many steps a module's record is off: its warmth against the light, over a day.
+
+Rows that are an hour apart do not show when an answer begins, but they show in which
+step it does. At each lag of half a day the changes of over-temperature are regressed on
+those of irradiance, as a sum of decays that begin there; the air is by the clock of the
+irradiance. The lag that leaves least is the module's, if that holds day after day.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.stats import norm
+from scipy.stats import t as student
+
+from pvlib_fem.quality.onset import DAY, HOUR, decays, night
+
+ANSWER = 3 * HOUR  # s, in which a module's answer is over
+
+
+@dataclass(frozen=True)
+class Lag:
+    """By how many whole steps a record is late, and how sure that is."""
+
+    late: float  # [s]; 0 where no other step fits better
+    step: float  # [s]
+    sure: float  # standard errors between the days by which it fits better than none
+    share: float  # of the changes that are told at it
+    left: float  # of what none leaves
+    best: int  # rows by which it fits best, whether that is sure or not
+    answer: np.ndarray  # there, change by change
+    hours: tuple = ()  # (from here on [s], late by that [s]), where that changes
+
+
+def lag(seconds, poa, air, module, limits) -> Lag | None:
+    """
+    By how many steps a module is late against irradiance, up to half a day.
+
+    Parameters
+    ----------
+    seconds : array
+        Times since the record's first row. [s]
+    poa, air, module : array
+        ``poa_global`` [W/m²], ``temp_air`` and ``temp_module`` [°C].
+    limits : Limits
+
+    Returns
+    -------
+    Lag or None
+        None where the record is too short or too dark, or its rows too far apart.
+    """
+    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+        return None
+    base = float(np.median(np.diff(seconds)))
+    if not 0 < base <= limits.coarsest_lag:
+        return None
+    step = base * max(1, round(limits.coarsest_clock / base))
+    count = round(DAY / step)
+    front = -night(seconds, poa)
+    even = map(changes, grid(seconds + front, (poa, air, module), step, count))
+    sums = Products(*even, count, round(ANSWER / step))
+    if not sums.told:
+        return None
+    found = weighed(sums, step, limits)
+    if base <= limits.coarsest_clock:  # whose onset is looked for
+        return found
+    day = np.unique(np.floor((seconds + front) / DAY))
+    begin = [
+        (day[at] * DAY - front, rows) for at, rows in hours_by_days(sums, found, limits)
+    ]
+    hours = tuple((float(at), rows * step) for at, rows in begin)
+    return replace(found, hours=hours if len(hours) > 1 else ())
+
+
+def retimed(seconds, values, late):
+    """What was written so much later, at each time; NaN beyond the ends. [s]"""
+    return np.interp(seconds + late, seconds, values, left=np.nan, right=np.nan)
+
+
+def grid(seconds, columns, step, count):
+    """Means of columns over even steps of whole days; days without rows lack."""
+    row = np.round(seconds / step - 1e-6).astype(np.int64)
+    number = row // count
+    day = np.cumsum(np.diff(number, prepend=number[:1]) > 0)
+    place = day * count + row % count
+    size = (day[-1] + 1) * count
+    for values in columns:
+        there = np.isfinite(values)
+        many = np.bincount(place, there, size)
+        total = np.bincount(place, np.where(there, values, 0.0), size)
+        yield np.divide(total, many, out=np.full(size, np.nan), where=many > 0)
+
+
+def changes(values):
+    """Changes from row to row; 0 beside one that lacks."""
+    change = np.diff(values, prepend=values[:1])
+    return np.where(np.isfinite(change), change, 0.0)
+
+
+class Products:
+    """Products of the changes of irradiance, air and module, lag by lag."""
+
+    def __init__(self, poa, air, module, count, length):
+        self.poa, self.air, self.module = poa, air, module
+        self.count, self.length, self.reach = count, length, count // 2
+        self.seen = self.of(module, module).astype(bool)
+        self.own = np.array([self.whole(poa, poa, j) for j in range(length)])
+        self.of_air = np.array([self.whole(poa, air, j) for j in range(length)])
+
+    def part(self, first, end):
+        """The same of some days."""
+        rows = slice(first * self.count, end * self.count)
+        columns = (self.poa[rows], self.air[rows], self.module[rows])
+        return Products(*columns, self.count, self.length)
+
+    @property
+    def told(self):
+        """Whether there is anything to tell."""
+        return self.seen.sum() > 1 and self.own[0] > 0
+
+    def whole(self, one, other, lag):
+        """One with the other so many rows later, in all."""
+        end = len(one)
+        if lag < 0:
+            return other[: end + lag] @ one[-lag:]
+        return one[: end - lag] @ other[lag:]
+
+    def of(self, one, other, lag=0):
+        """The same by the day of the one."""
+        later = np.zeros_like(other)
+        end = len(other)
+        later[max(-lag, 0) : end - max(lag, 0)] = other[max(lag, 0) : end + min(lag, 0)]
+        return (one * later).reshape(-1, self.count).sum(axis=1)
+
+    def at(self, lag):
+        """What an answer from a lag on has to tell: with irradiance, and by itself."""
+        ahead = range(lag, lag + self.length)
+        told = np.array([self.whole(self.poa, self.module, j) for j in ahead])
+        square = self.module @ self.module + self.air @ self.air
+        return told - self.of_air, square - 2 * self.whole(self.air, self.module, lag)
+
+    def left(self, lag, answer):
+        """What is left of each day by an answer that begins at a lag."""
+        own = np.correlate(answer, answer, "full")[len(answer) - 1 :].copy()
+        own[1:] *= 2
+        left = self.of(self.module, self.module) + self.of(self.air, self.air)
+        left -= 2 * self.of(self.air, self.module, lag)
+        for j in range(self.length):
+            left -= 2 * answer[j] * self.of(self.poa, self.module, lag + j)
+            left += 2 * answer[j] * self.of(self.poa, self.air, j)
+            left += own[j] * self.of(self.poa, self.poa, j)
+        return left
+
+
+def weighed(sums, step, limits):
+    """The lag that leaves least, and how sure it is that it leaves less than none."""
+    lags = np.arange(sums.length)
+    normal = sums.own[np.abs(lags[:, None] - lags)]
+    shapes = decays(lags, step, 0.0)
+    root = np.linalg.cholesky(stable(shapes.T @ normal @ shapes))
+
+    def answer(lag):
+        """The answer that begins at a lag, and what it leaves."""
+        target, square = sums.at(lag)
+        right = np.linalg.solve(root, shapes.T @ target)
+        weights, rest = nnls(root.T, right)
+        return shapes @ weights, square + rest**2 - right @ right
+
+    tried = {lag: answer(lag) for lag in range(-sums.reach, sums.reach + 1)}
+    best = min(tried, key=lambda lag: tried[lag][1])
+    # rows that hold means in one column and ends in the other are half a step apart
+    near = [lag for lag in (-1, 0, 1) if abs(best) > 1 or not lag]
+    none = min(near, key=lambda lag: tried[lag][1])
+    there, usual = (sums.left(lag, tried[lag][0]) for lag in (best, none))
+    seen = sums.seen
+    # each day alike, but those that hardly move; what a day leaves has a part of the
+    # next in it, and may be below nothing
+    both = (usual + there)[seen]
+    fall = (usual - there)[seen] / np.maximum(both, np.median(np.abs(both)) / 2)
+    fall = np.clip(fall, -1.0, 1.0)
+    error = fall.std(ddof=1) / np.sqrt(fall.size)
+    sure = float(fall.mean() / error) if error > 0 else 0.0
+    asked = student.ppf(norm.cdf(limits.sure), fall.size - 1)
+    left = tried[best][1] / tried[none][1]
+    changed = sums.module @ sums.module + sums.air @ sums.air
+    share = float(1 - tried[best][1] / changed)
+    most = limits.lag_left if abs(best) > 1 else limits.lag_next
+    holds = sure > asked and left < most and share > limits.lag_share
+    late = best * step if holds else 0.0
+    return Lag(late, step, sure, share, float(left), best, tried[best][0])
+
+
+def hours_by_days(sums, found, limits):
+    """From which day on the module is how many rows late; one pair if it is so always.
+
+    Stretches are of months, since a few weeks of one sky may be an accident.
+    """
+    days = len(sums.seen)
+    parts = np.linspace(0, days, max(2, round(days / (2 * limits.longest_block)) + 1))
+    runs = []
+    for first, end in pairwise(parts.astype(int)):
+        part = sums.part(first, end)
+        one = weighed(part, found.step, limits) if part.told else None
+        if one is None or one.share < limits.lag_share or (one.best and not one.late):
+            continue
+        if not runs or runs[-1][-1][0] != one.best:
+            runs.append([])
+        runs[-1].append((one.best, first, end))
+    runs = [run for run in runs if len(run) > 1]
+    hours = [(0, runs[0][0][0])] if runs else []
+    for one, other in pairwise(runs):
+        if (lag := other[0][0]) != hours[-1][1]:
+            first, end = one[-1][1], other[0][2]
+            part = sums.part(first, end)
+            gain = part.left(hours[-1][1], found.answer) - part.left(lag, found.answer)
+            at = first + int(np.argmin(np.cumsum(np.append(0.0, gain))))
+            hours.append((at, lag))
+    return hours
+
+
+def stable(square):
+    return square + 1e-10 * max(np.trace(square), 1e-30) * np.eye(len(square))
