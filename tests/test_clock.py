@@ -302,6 +302,15 @@ def test_hours_are_found_before_units_are_judged(sites):
         close_loop(hot[list(COLUMNS)])
 
 
+def test_a_second_irradiance_by_another_clock_is_noted(sites):
+    data = rows_of(sites[4], "1h")[list(COLUMNS)]
+    for hours, noted in ((0, 0), (1, 1)):
+        other = data.assign(poa_global_2=0.9 * data["poa_global"].shift(hours))
+        notes = close_loop(other, effects=[]).notes
+        lines = [n for n in notes if n.startswith("the clock of poa_global_2 is ")]
+        assert len(lines) == noted
+
+
 def test_the_measured_week_has_a_right_clock_by_any_rows(week):
     for step in ("15min", "30min", "1h"):
         rows = rows_of(week, step)

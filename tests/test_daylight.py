@@ -9,6 +9,7 @@ from pvlib.location import Location
 from pvlib_fem import simulator
 from pvlib_fem.quality.daylight import daylight_saving
 from pvlib_fem.quality.noon import solar_noon_shift
+from pvlib_fem.quality.twin import twin_clock
 from pvlib_fem.simulator import RHINE, Site
 
 SYDNEY = Site(-33.9, 151.2, surface_azimuth=0.0)
@@ -316,3 +317,31 @@ def test_other_times_that_go_back_are_to_be_sorted(years, moved):
     assert "is not sorted" in refused(data.iloc[order])
     aware = data.tz_localize(RHINE.tz).iloc[order]
     assert "use data.sort_index()" in refused(aware)
+
+
+# a second irradiance
+
+
+@pytest.mark.parametrize("minutes", [0, 35, -120])
+def test_a_second_irradiance_has_its_own_clock(years, minutes):
+    """Whatever its plane: a horizontal one and a tilted one see the same day."""
+    data = years["Europe/Berlin"][:"2023-04-30"]
+    late = data["ghi"] if "ghi" in data else 0.8 * data["poa_global"]
+    shifted = np.interp(
+        np.arange(len(data)) - minutes / 10, np.arange(len(data)), late.to_numpy()
+    )
+    found = twin_clock(data["poa_global"].to_numpy(), shifted, data.index)
+    assert found.late / 60 == pytest.approx(minutes, abs=8)
+    assert found.jumps == ()
+    assert bool(found.line) == (abs(minutes) > 30)
+
+
+def test_one_of_two_clocks_that_was_set_is_told(years):
+    data = years["Europe/Berlin"][:"2023-06-30"]
+    other = data["poa_global"].to_numpy().copy()
+    at = data.index.searchsorted(pd.Timestamp("2023-04-10"))
+    other[at:] = np.roll(other, 6)[at:]
+    found = twin_clock(data["poa_global"].to_numpy(), other, data.index)
+    ((day, by),) = found.jumps
+    assert by == 3600 and abs(day - pd.Timestamp("2023-04-10")) <= pd.Timedelta("2D")
+    assert "moves by +60 min on 2023-04" in found.line

@@ -16,6 +16,7 @@ from pvlib_fem.quality.daylight import daylight_saving
 from pvlib_fem.quality.screen import Faults, alone
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import stuck
+from pvlib_fem.quality.twin import twin_clock
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import Record, as_record, with_columns
@@ -155,6 +156,7 @@ def notes_of(look, corrections, wanted, site, criteria):
     said |= {fault for one in corrections for fault in one.fault.split("+")}
     yield from (line for name, line in health.faults.items() if name not in said)
     yield from health.unchecked
+    yield from twins(look, criteria.limits)
     yield from of_the_zone(look.whole.index, site["location"])
     if health.clock.limit > criteria.unseen_clock and not health.clock.fault:
         minutes = health.clock.limit / 60.0
@@ -166,6 +168,16 @@ def notes_of(look, corrections, wanted, site, criteria):
             "power and second sensors see what those should see"
         )
     yield from gaps(look.whole, look.drivers, wanted)
+
+
+def twins(look, limits):
+    """Further irradiances whose clock is another than that of poa_global."""
+    whole = look.whole
+    for name in look.drivers:
+        if name == "ghi" or name.startswith("poa_global_"):
+            both = (whole["poa_global"], whole[name])
+            if line := twin_clock(*both, whole.index, limits).line:
+                yield f"the clock of {name} {line}"
 
 
 def with_answer(hidden, faults, usual, test, limits):

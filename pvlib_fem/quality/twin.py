@@ -1,0 +1,71 @@
+"""The clock of a second irradiance beside the first: whose light comes when."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.hours import day_of, listed
+from pvlib_fem.quality.jumps import change, jumps_of
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.noon import middles, with_nights
+from pvlib_fem.quality.onset import DAY, night
+from pvlib_fem.record.checks import instants, usual_step
+
+
+@dataclass(frozen=True, eq=False)
+class TwinClock:
+    """How late a second irradiance is beside the first, from :func:`twin_clock`."""
+
+    late: float  # median of the days; NaN where no day has both [s]
+    stderr: float  # [s]
+    days: pd.Series  # by the day [s]
+    jumps: tuple = ()  # (first day after it, seconds)
+    line: str = ""  # what is wrong with it; "" where nothing is
+
+
+def twin_clock(poa_global, other, index, limits=None) -> TwinClock:
+    """
+    How late one irradiance is written beside another, by the middle of their light.
+
+    Parameters
+    ----------
+    poa_global, other : array
+        Irradiance of two sensors, in any planes. [W/m²]
+    index : DatetimeIndex
+    limits : Limits, optional
+
+    Returns
+    -------
+    TwinClock
+        ``line`` speaks of half an hour and more, which no plane does to the edges of
+        the light, and of jumps by as much: there the two have not one clock.
+    """
+    limits = limits or Limits()
+    times = instants(index)
+    seconds = (times - times[0]) / np.timedelta64(1, "s")
+    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+        return TwinClock(np.nan, np.nan, pd.Series(dtype=float))
+    step, dark = usual_step(index), night(seconds, poa_global)
+    noons = []
+    for one in (poa_global, other):
+        light = with_nights(seconds - dark, np.asarray(one, dtype=float), limits)
+        day, middle = middles(seconds - dark, light, step, limits)
+        noons.append(pd.Series(middle, day))
+    apart = (noons[1] - noons[0]).dropna()
+    if len(apart) < limits.noon_side:
+        return TwinClock(np.nan, np.nan, pd.Series(dtype=float))
+    number, middle = apart.index.to_numpy(), apart.to_numpy()
+    found = jumps_of(number, middle, limits) if step <= limits.coarsest_noon else []
+    dates = [day_of(index[0], dark + day * DAY) for day in number]
+    jumps = tuple((dates[jump["at"]], jump["by"]) for jump in found)
+    days = pd.Series(middle, dates)
+    late, stderr, _ = change(np.zeros(1), days.to_numpy())
+    parts = []
+    if abs(late) > limits.off_noon:
+        way = "late" if late > 0 else "early"
+        parts.append(f"is {abs(late) / 60:.0f} ± {max(stderr / 60, 1):.0f} min {way}")
+    if jumps:
+        parts.append(f"moves by {listed(jumps)}")
+    line = f"{' and '.join(parts)} beside that of poa_global" if parts else ""
+    return TwinClock(float(late), float(stderr), days, jumps, line)
