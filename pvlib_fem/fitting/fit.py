@@ -8,9 +8,10 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.effects import EffectLike, find, several
+from pvlib_fem.fitting.daily import daily_sums, errors
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.fitting.search import errors, minimise, natural, possible
+from pvlib_fem.fitting.search import minimise, natural, possible
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.limits import Limits
@@ -156,7 +157,7 @@ def fit_fem(
     if method == "paper":
         stages = paper_stages(target, record, train, ~out, calm_wind, offset, notes)
         stderr = dict.fromkeys(stages["fem"][1], np.nan)
-        at_bound, converged = (), True
+        at_bound, converged, daily = (), True, None
         notes.append("no errors: the paper's recipe gives none")
     else:
         target, record, stages, minimum = least_squares_stages(
@@ -165,7 +166,8 @@ def fit_fem(
         at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
         converged = minimum.converged
         found = last(stages)[1]
-        stderr = errors(target, record, train, found, at_bound, notes)
+        daily = daily_sums(target, record, train, found, at_bound)
+        stderr = errors(target, daily, at_bound, notes)
         days = len(np.unique(record.days[train]))
         notes += memory_notes(record, target, found, stderr, at_bound, days)
         if not converged:
@@ -184,6 +186,7 @@ def fit_fem(
         notes=tuple(notes),
         method=method,
         night=night,
+        daily=daily,
     )
 
 

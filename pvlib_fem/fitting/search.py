@@ -1,4 +1,4 @@
-"""Least squares of one thermal model on some rows of a record, and its errors."""
+"""Least squares of one thermal model on some rows of a record."""
 
 from dataclasses import replace
 
@@ -7,12 +7,10 @@ import numpy as np
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
 from pvlib_fem.spelling import FIXED, Spelled, refusal
-from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
-from pvlib_fem.statistics.leastsquares import gauss_newton, normal_equations
+from pvlib_fem.statistics.leastsquares import gauss_newton
 from pvlib_fem.thermal.model import MEMORY
 
 TURNS = 3  # of a search whose bounds move with what it finds
-UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 
 
 def possible(model, fixed):
@@ -140,44 +138,3 @@ def natural(model, searched):
 def held(model):
     """Those coefficients of a model that are held; it may yet lack the others."""
     return {n: value for n, value in model.held.items() if n in model.parameters}
-
-
-def errors(target, record, train, coefficients, at_bound, notes):
-    """Standard errors by the day, NaN with a note where there are none."""
-    names = [name for name in target.free if name not in at_bound]
-    stderr = {
-        **dict.fromkeys(target.parameters, np.nan),
-        **dict.fromkeys(held(target), 0.0),
-    }
-    if at_bound:
-        notes.append(
-            f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
-            "others hold it fixed"
-        )
-    if not names:
-        return stderr
-    days = record.days[train]
-    if len(np.unique(days)) < FEWEST_DAYS:
-        notes.append(
-            f"errors are NaN: the spread between days needs {FEWEST_DAYS} training "
-            f"days, and there are {len(np.unique(days))}"
-        )
-        return stderr
-    temperature, slopes = target.slopes(record.inputs, coefficients)
-    rows = np.flatnonzero(train)
-    columns = [slopes[name][rows] for name in names]
-    residual = record["temp_module"][rows] - temperature[rows]
-    normal, _ = normal_equations(columns, residual)
-    size = np.sqrt(np.diag(normal))
-    size[size == 0] = 1.0
-    normal = normal / np.outer(size, size)
-    values, vectors = np.linalg.eigh(normal)
-    if not values[0] > UNKNOWN * values[-1]:
-        tied = [n for n, v in zip(names, np.abs(vectors[:, 0])) if v > 0.1]
-        notes.append(
-            f"errors are NaN: the record does not determine {' and '.join(tied)} "
-            "(does wind_speed vary?)"
-        )
-        return stderr
-    covariance = day_errors(columns, residual, days)
-    return {**stderr, **dict(zip(names, np.sqrt(np.diag(covariance)).tolist()))}

@@ -10,8 +10,8 @@ from pvlib.location import Location
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED, Verdict
+from pvlib_fem.fitting.daily import daily_sums, errors
 from pvlib_fem.fitting.fit import finished
-from pvlib_fem.fitting.search import errors
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
@@ -258,7 +258,8 @@ class Search:
         record, tabled = self.fits.prepared(case.whole, last.model)
         rows = case.fitting & record.known(last.model.drivers)
         at_bound = last.at_bound
-        stderr = errors(tabled, record, rows, last.coefficients, at_bound, notes)
+        daily = daily_sums(tabled, record, rows, last.coefficients, at_bound)
+        stderr = errors(tabled, daily, at_bound, notes)
         table = error_table(case, self.steps)
         fit = finished(
             last.model,
@@ -270,6 +271,7 @@ class Search:
             notes=tuple(notes),
             method="least_squares",
             night=True,
+            daily=daily,
         )
         findings = [with_errors(f, last, stderr) for f in self.findings]
         findings += self.vetoed.values()

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.fitting.search import errors, minimise, natural, possible, tables
+from pvlib_fem.fitting.daily import daily_sums, errors
+from pvlib_fem.fitting.search import minimise, natural, possible, tables
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.record.columns import DAYLIGHT
@@ -129,7 +130,8 @@ class Fits:
         record, tabled = self.prepared(self.case.record, step.model)
         found = natural(step.model, step.coarse)[0]
         rows = self.case.searched & record.known(step.model.drivers)
-        return errors(tabled, record, rows, found, step.at_bound, [])
+        daily = daily_sums(tabled, record, rows, found, step.at_bound)
+        return errors(tabled, daily, step.at_bound, [])
 
     def prepared(self, record, model):
         """A record with a model's drivers, and the model's effects as tables."""

@@ -56,6 +56,11 @@ class ClusterSums:
             return self.sums
         return np.add.reduceat(self.sums, first, axis=0)
 
+    def on(self, days):
+        """Those of some days alone, by their places."""
+        picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
+        return replace(self, sums=self.sums[days], **picked)
+
     def of(self, kept):
         """Those of some columns alone."""
         both = [*kept, self.sums.shape[1] - 1]
@@ -106,6 +111,13 @@ class ClusterSums:
         inverse = np.linalg.inv(whole + ridge(whole))
         scores = sums[:, kept, -1] - normals @ self.solve(kept)
         return days_left_out(normals, scores, inverse)
+
+    def by_day(self):
+        """Covariance of a minimum of all columns from leaving out each day in turn."""
+        normals, scores = self.sums[:, :-1, :-1], self.sums[:, :-1, -1]
+        inverse = np.linalg.inv(normals.sum(axis=0))
+        covariance = days_left_out(normals, scores, inverse)
+        return covariance / np.outer(self.scale, self.scale)
 
     def given(self, column, kept):
         """Root mean square of a column that the kept ones do not explain."""
@@ -172,11 +184,7 @@ def days_left_out(normals, scores, inverse):
 
 def day_errors(columns, residual, days):
     """Covariance of a minimum that survives autocorrelation within a day."""
-    sums = cluster_sums(columns, residual, days)
-    normals, scores = sums.sums[:, :-1, :-1], sums.sums[:, :-1, -1]
-    inverse = np.linalg.inv(normals.sum(axis=0))
-    covariance = days_left_out(normals, scores, inverse)
-    return covariance / np.outer(sums.scale, sums.scale)
+    return cluster_sums(columns, residual, days).by_day()
 
 
 def ridged(normal, right):

@@ -1,0 +1,82 @@
+"""What a fit keeps of every day: sums about its minimum, of which errors are made."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums, cluster_sums
+
+UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
+TIED = 0.1  # of an unknown direction: what a coefficient has part in it
+
+
+@dataclass(frozen=True, eq=False)
+class DailySums:
+    """Products of a fit's tangents and its residual, by the day of its rows."""
+
+    names: tuple  # coefficients, one for each tangent
+    sums: ClusterSums
+    dates: np.ndarray  # of each day, from 1970-01-01
+    winds: tuple  # mean wind and its spread, where the sun is [m/s]
+
+
+def daily_sums(target, record, train, coefficients, at_bound):
+    """The sums of a minimum, from one pass over the rows that were fitted."""
+    names = tuple(name for name in target.free if name not in at_bound)
+    temperature, slopes = target.slopes(record.inputs, coefficients)
+    rows = np.flatnonzero(train)
+    columns = [slopes[name][rows] for name in names]
+    residual = record["temp_module"][rows] - temperature[rows]
+    dates = record.dates[rows]
+    wind, weight = record["wind_speed"][rows], record["poa_global"][rows] ** 2
+    total = max(weight.sum(), np.finfo(float).tiny)
+    mean = weight @ wind / total
+    winds = float(mean), float(np.sqrt(weight @ (wind - mean) ** 2 / total))
+    sums = cluster_sums(columns, residual, dates)
+    return DailySums(names, sums, np.unique(dates), winds)
+
+
+def errors(target, daily, at_bound, notes):
+    """Standard errors by the day, NaN with a note where there are none."""
+    stderr = {
+        **dict.fromkeys(target.parameters, np.nan),
+        **{name: 0.0 for name in target.held if name in target.parameters},
+    }
+    if at_bound:
+        notes.append(
+            f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
+            "others hold it fixed"
+        )
+    if not daily.names:
+        return stderr
+    if daily.sums.days < FEWEST_DAYS:
+        notes.append(
+            f"errors are NaN: the spread between days needs {FEWEST_DAYS} training "
+            f"days, and there are {daily.sums.days}"
+        )
+        return stderr
+    _, unknown = directions(daily.sums.whole[:-1, :-1])
+    if tied := tied_names(daily.names, unknown):
+        notes.append(
+            f"errors are NaN: the record does not determine {' and '.join(tied)} "
+            "(does wind_speed vary?)"
+        )
+        return stderr
+    error = np.sqrt(np.diag(daily.sums.by_day()))
+    return {**stderr, **dict(zip(daily.names, error.tolist()))}
+
+
+def directions(normal):
+    """The inverse of a normal matrix, and the directions in which it has none."""
+    size = np.sqrt(np.diag(normal))
+    size = np.where(size == 0, 1.0, size)
+    values, vectors = np.linalg.eigh(normal / np.outer(size, size))
+    known = values > UNKNOWN * values[-1]
+    part = vectors[:, known]
+    inverse = part / values[known] @ part.T / np.outer(size, size)
+    return inverse, vectors[:, ~known]
+
+
+def tied_names(names, unknown):
+    """Those of which only a mixture is known."""
+    return [n for n, row in zip(names, np.abs(unknown)) if (row > TIED).any()]

@@ -1,0 +1,162 @@
+"""Coefficients by the month or any other period, from what a fit keeps of its days."""
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from pvlib_fem.effects import several
+from pvlib_fem.fitting.daily import directions, tied_names
+from pvlib_fem.fitting.memory import lag
+from pvlib_fem.fitting.shift import R_EQ, Minimum, in_time, moved
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, days_left_out
+from pvlib_fem.thermal.model import MEMORY
+
+LEVEL = 0.95  # of the intervals
+NUMBERS = ("value", "stderr", "lower", "upper")
+DAY = pd.Timedelta(days=1)
+
+
+def through_time(fit, freq, coefficients):
+    """The table of :meth:`FemFit.through_time`."""
+    minimum = minimum_of(fit, coefficients)
+    zone = fit.record.index.tz
+    parts = [
+        (start, in_period(minimum, days))
+        for start, days in periods(minimum.daily.dates, freq, zone)
+    ]
+    names, starts = list(minimum.told), [start for start, _ in parts]
+    # in the order of a fit, which is not that of letters
+    index = pd.MultiIndex(
+        levels=[names, starts],
+        codes=np.indices((len(names), len(starts))).reshape(2, -1),
+        names=["coefficient", "start"],
+    )
+    rows = [found[name] for name in names for _, found in parts]
+    return pd.DataFrame(rows, index)
+
+
+def minimum_of(fit, coefficients):
+    """What a fit keeps, if it keeps it, and what is asked of it."""
+    if fit.daily is None:
+        why = "was read from a file, which holds none"
+        if fit.method == "paper":
+            why = "is by the paper's recipe, which makes none"
+        raise ValueError(
+            "coefficients through time need a fit's sums by the day, and this fit "
+            f"{why}; fit the record with method='least_squares'"
+        )
+    model, daily = fit.thermal_model, fit.daily
+    found = model.completed(fit.coefficients)
+    return Minimum(
+        model,
+        found,
+        daily,
+        names_of(model, daily.names, coefficients),
+        lag(fit.record, model, found) if MEMORY[model.dynamics] else None,
+        fit.record.inputs.step,
+    )
+
+
+def names_of(model, fitted, wanted):
+    """The coefficients that vary: those of the model without effects, or as asked."""
+    if wanted is None:
+        own = [*model.steady_model.parameters, *MEMORY[model.dynamics], "bias"]
+        names = [name for name in fitted if name in own]
+    else:
+        wanted = list(several(wanted))
+        if unknown := [name for name in wanted if name not in fitted]:
+            raise ValueError(
+                f"{', '.join(map(str, unknown))} was not fitted and has no course; "
+                f"there are {', '.join(fitted) or 'none'}"
+            )
+        names = [name for name in fitted if name in wanted]
+    if not names:
+        raise ValueError(
+            "no coefficient is left that varies: those of the model are held or at a "
+            f"bound, and there are {', '.join(fitted) or 'no others'}"
+        )
+    return names
+
+
+def periods(dates, freq, zone):
+    """Start of each period from the first day to the last, and its days' places."""
+    first = pd.Timestamp(2001, 1, 1)
+    try:
+        offset = pd.tseries.frequencies.to_offset(freq)
+        length = first + offset - first
+    except (ValueError, TypeError) as error:
+        raise ValueError(
+            f"freq = {freq!r} is no period of pandas ({error}); take 'MS' for months, "
+            "'QS' for quarters, 'W-MON' for weeks or '14D'"
+        ) from error
+    if length % DAY or length < DAY:
+        raise ValueError(
+            f"freq = {freq!r} is no whole number of days; take such as '14D'"
+        )
+    days = pd.DatetimeIndex(dates.astype("datetime64[D]").astype("datetime64[ns]"))
+    places = pd.Series(np.arange(len(days)), days)
+    for start, part in places.resample(offset, closed="left", label="left"):
+        # midnight may be lacking, or be there twice, where the clock changes
+        there = dict(ambiguous=True, nonexistent="shift_forward")
+        yield start.tz_localize(zone, **there) if zone else start, part.to_numpy()
+
+
+def in_period(minimum, days):
+    """What each coefficient is by some days alone, or why that is not known."""
+    units = minimum.told
+    numbers, tied = np.full((4, len(units)), np.nan), []
+    if len(days) >= FEWEST_DAYS:
+        numbers, tied = estimates(minimum, days)
+    return {
+        name: {
+            **dict(zip(NUMBERS, own.tolist())),
+            "unit": unit,
+            "days": len(days),
+            "why": reason(minimum, len(days), name in tied and tied, own),
+        }
+        for (name, unit), own in zip(units.items(), numbers.T)
+    }
+
+
+def reason(minimum, days, tied, numbers):
+    """Why a number lacks; empty where none does."""
+    value, error, *_ = numbers
+    if days < FEWEST_DAYS:
+        return f"fitted days: {days}, and an error needs {FEWEST_DAYS}"
+    if tied:
+        return f"the period does not determine {' and '.join(tied)}"
+    if np.isnan(value):
+        return "so far from the whole fit that no coefficients have it"
+    if np.isnan(error):
+        return f"steps of {minimum.step:g} s do not tell it from none in this period"
+    return ""
+
+
+def estimates(minimum, days):
+    """Values, errors and intervals of a period, and which of them it leaves open."""
+    shift, covariance, clusters, tied = solution(minimum, days)
+    value, slopes, gain = moved(minimum, shift)
+    error = np.sqrt(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))
+    reach = student.ppf(0.5 + LEVEL / 2, clusters - 1) * error
+    numbers = np.stack([value, error, value - reach, value + reach])
+    for name in minimum.memory:
+        place = list(minimum.told).index(name)
+        numbers[:, place] = in_time(minimum, *numbers[:, place], gain)
+    lost = np.array([name in tied for name in minimum.told])
+    return np.where(lost, np.nan, numbers), tied
+
+
+def solution(minimum, days):
+    """Shifts from the fit's minimum, their covariance (CR3), and what is unknown."""
+    kept = [minimum.daily.names.index(name) for name in minimum.names]
+    daily = minimum.daily.sums.on(days)
+    clusters, scale = daily.by_cluster, daily.scale[kept]
+    normals = clusters[:, kept][:, :, kept]
+    inverse, unknown = directions(normals.sum(axis=0))
+    shift = inverse @ clusters[:, kept, -1].sum(axis=0)
+    scores = clusters[:, kept, -1] - normals @ shift
+    covariance = days_left_out(normals, scores, inverse) / np.outer(scale, scale)
+    tied = tied_names(minimum.names, unknown)
+    if {*tied} & {*minimum.steady}:
+        tied.append(R_EQ)
+    return shift / scale, covariance, len(clusters), tied
