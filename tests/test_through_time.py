@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import DRIVERS
+from matplotlib.figure import Figure
 
 import pvlib_fem as fem
-from pvlib_fem import datasets
+from pvlib_fem import datasets, plotting
 from pvlib_fem.relaxation import relax, respond
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -280,3 +281,29 @@ def test_an_effect_can_vary_too():
     course = fit.through_time(coefficients=["u0", "u1", name]).loc[name]
     assert abs(course["value"].iloc[0]) < 4.0 * course["stderr"].iloc[0] + 0.01
     assert abs(course["value"].iloc[-1]) > 10.0 * course["stderr"].iloc[-1]
+
+
+def test_the_picture_has_the_numbers_and_the_changes():
+    data, _ = world(150, 1800, gain=step_of(1.2))
+    fit = fitted(data)
+    table = fit.through_time()
+    names = [*table.index.unique("coefficient")]
+    given = Figure(layout="constrained").subplots()
+    ax = plotting.plot_through_time(fit, given, changes=["2023-07-15"])
+    assert ax is given and len(ax.figure.axes) == len(names)
+    for name, panel in zip(names, ax.figure.axes):
+        drawn = panel.containers[0].lines[0].get_ydata()
+        np.testing.assert_array_equal(drawn, table.loc[name, "value"])
+        dashed = [line for line in panel.lines if line.get_linestyle() == "--"]
+        assert [line.get_xdata()[0] for line in dashed] == [pd.Timestamp("2023-07-15")]
+        assert name in panel.get_ylabel()
+    quarter = plotting.plot_through_time(fit.through_time("QS", "u0"))
+    assert len(quarter.figure.axes) == 2
+    with pytest.raises(ValueError, match="no date"):
+        plotting.plot_through_time(fit, changes=["some day"])
+
+
+@pytest.mark.parametrize(("days", "drawn"), [(100, False), (130, True)])
+def test_the_page_of_a_long_record_has_its_months(days, drawn):
+    data, _ = world(days, 3600)
+    assert ("Coefficients by the month" in fitted(data).to_html()) is drawn

@@ -26,6 +26,7 @@ from pvlib_fem.plotting.residuals import (
     plot_residual_rose,
 )
 from pvlib_fem.plotting.steps import plot_steps, plot_waterfall
+from pvlib_fem.plotting.through_time import plot_through_time
 
 __all__ = [
     "AFTER",
@@ -48,6 +49,7 @@ __all__ = [
     "plot_steps",
     "plot_tau_bins",
     "plot_tau_by_wind",
+    "plot_through_time",
     "plot_waterfall",
     "tau_by_wind",
 ]

@@ -15,6 +15,7 @@ from pvlib_fem.plotting.look import (
     ink,
     label,
     new_axes,
+    panels,
 )
 
 TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
@@ -50,7 +51,7 @@ def plot_fit(fit: Any, ax: Any = None, when: str | slice | None = None) -> Any:
     """
     span = Span(fit, when)
     ax = new_axes(ax)
-    below = panel_below(ax)
+    ax, below = panels(ax, [1.0 - LOWER, LOWER])
     span.reading(ax)
     span.modelled(ax, fit.residual, f"{fit.model}, {fit.dynamics}", AFTER, "--")
     span.dressed(ax)
@@ -230,17 +231,6 @@ def chosen(index, when):
             "its zone"
         )
     return np.asarray(rows)
-
-
-def panel_below(ax):
-    """Axes in the lower part of where the given ones were, which keep the upper."""
-    if place := ax.get_subplotspec():
-        rows = place.subgridspec(2, 1, height_ratios=[1 - LOWER, LOWER], hspace=0.06)
-        ax.set_subplotspec(rows[0])
-        return ax.figure.add_subplot(rows[1], sharex=ax)
-    x, y, width, height = ax.get_position().bounds
-    ax.set_position([x, y + LOWER * height, width, (1 - LOWER) * height])
-    return ax.figure.add_axes([x, y, width, 0.9 * LOWER * height], sharex=ax)
 
 
 def room_for_legend(ax, ncols):

@@ -1,5 +1,7 @@
 """What all pictures share: colours, axes, and names with their units."""
 
+import numpy as np
+
 from pvlib_fem.record.columns import UNITS
 
 # colours of Okabe and Ito, which the colour-blind can tell apart
@@ -11,8 +13,8 @@ FAINT = 0.14  # opacity of what stands behind: light on white, dark on black
 LONGEST = 24  # characters of a name in a picture
 
 
-def new_axes(ax, projection=None):
-    """The axes as given, or those of a new figure."""
+def new_axes(ax, projection=None, height=4.0):
+    """The axes as given, or those of a new figure of that height. [inch]"""
     if ax is not None:
         return ax
     try:
@@ -22,9 +24,29 @@ def new_axes(ax, projection=None):
             "pictures need matplotlib: pip install 'pvlib_fem[plot]'"
         ) from error
 
-    size = (8, 4) if projection is None else (6, 5)
+    size = (8, height) if projection is None else (6, 5)
     kind = {"projection": projection}
     return plt.subplots(figsize=size, layout="constrained", subplot_kw=kind)[1]
+
+
+def panels(ax, heights, gap=0.06):
+    """The given axes and others below them, which share its place and its x axis."""
+    count, share = len(heights), np.array(heights) / sum(heights)
+    if place := ax.get_subplotspec():
+        rows = place.subgridspec(count, 1, height_ratios=heights, hspace=gap)
+        ax.set_subplotspec(rows[0])
+        below = [ax.figure.add_subplot(row, sharex=ax) for row in list(rows)[1:]]
+        return [ax, *below]
+    x, y, width, height = ax.get_position().bounds
+    bottom = y + height * (1.0 - np.cumsum(share))
+    ax.set_position([x, bottom[0], width, share[0] * height])
+    return [
+        ax,
+        *(
+            ax.figure.add_axes([x, low, width, 0.9 * part * height], sharex=ax)
+            for low, part in zip(bottom[1:], share[1:])
+        ),
+    ]
 
 
 def check_format(path):

@@ -8,6 +8,7 @@ from pvlib_fem.plotting.residuals import by_hour_and_month, by_sector, largest
 from pvlib_fem.plotting.vector import svg
 from pvlib_fem.record.columns import DAYLIGHT
 
+LONG = 120  # days of a record from which its months are drawn
 #: of the map by month and hour: its means, its picture, what it shows
 MAP = (
     by_hour_and_month,
@@ -58,6 +59,7 @@ def pictures(loop):
         found.append(
             draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
         )
+    found += by_month(loop.fit)
     return [*found, *by_wind(loop.fit, both, last, known)]
 
 
@@ -80,9 +82,33 @@ def pictures_of_fit(fit):
     words = f"The most variable of the {which} days, {Span(fit).date}"
     return [
         draw("day", lambda ax: plotting.plot_fit(fit, ax), words),
+        *by_month(fit),
         *on_one_scale("map", left, *MAP),
         *by_wind(fit, left, left, known),
     ]
+
+
+def by_month(fit):
+    """Coefficients through time, of a record that is long enough to have a course."""
+    record = fit.summary
+    if fit.daily is None or record.end - record.start <= pd.Timedelta(days=LONG):
+        return
+    try:
+        table = fit.through_time()
+    except ValueError:  # all of the model's are held or at a bound
+        return
+    words = (
+        "Coefficients by the month, from its fitted days, with 95 % intervals; the "
+        "line is the whole fit, r_eq the over-temperature per irradiance at the mean "
+        "wind"
+    )
+    height = 0.6 + 0.9 * len(table.index.unique("coefficient"))
+    yield draw(
+        "months",
+        lambda ax: plotting.plot_through_time(fit, ax),
+        words,
+        size=(4.8, height),
+    )
 
 
 def by_wind(fit, both, last, known):
@@ -113,9 +139,9 @@ def by_wind(fit, both, last, known):
         )
 
 
-def draw(name, picture, words, projection=None):
+def draw(name, picture, words, projection=None, **size):
     """A picture and what it shows."""
-    return svg(picture, name, projection=projection), words
+    return svg(picture, name, projection=projection, **size), words
 
 
 def on_one_scale(kind, residuals, means, plot, words, projection=None):

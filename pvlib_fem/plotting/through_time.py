@@ -1,0 +1,102 @@
+"""Coefficients by the month: where a module, or what measures it, has changed."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, label, new_axes, panels
+
+WIDE = 5.0  # usual intervals: a wider one runs out of the picture
+ROOM = 1.5  # usual intervals on either side of the values
+
+
+def plot_through_time(
+    fit: Any,
+    ax: Any = None,
+    changes: Sequence[Any] = (),
+) -> Any:
+    """
+    Each coefficient by the month, with its 95 % interval.
+
+    An interval much wider than the others runs out of its panel.
+
+    Parameters
+    ----------
+    fit : FemFit or DataFrame
+        A fit, whose months are drawn, with a line at the value of the whole record;
+        or the table of :meth:`~pvlib_fem.FemFit.through_time` for other periods.
+    ax : matplotlib Axes, optional
+        Where to draw, all panels inside; a new figure without it.
+    changes : sequence of dates, optional
+        Where to draw an upright line, such as ``["2012-04-01"]``.
+
+    Returns
+    -------
+    matplotlib Axes
+        The upper panel. Those below share its x axis.
+
+    Raises
+    ------
+    ValueError
+        If the fit keeps no sums by the day, or a change is no date.
+
+    Examples
+    --------
+    >>> from pvlib_fem import datasets, fit_fem
+    >>> data = datasets.synthetic(days=120, step=900)
+    >>> names = ["poa_global", "temp_air", "wind_speed", "temp_module"]
+    >>> fit = fit_fem(*(data[name] for name in names), model="faiman")
+    >>> ax = plot_through_time(fit, changes=["2023-08-01"])
+    >>> [axes.get_ylabel() for axes in ax.figure.axes][:2]
+    ['r_eq\\n[K m²/W]', 'u0\\n[W/(m² K)]']
+    """
+    table, whole = fit, {}
+    if not isinstance(fit, pd.DataFrame):
+        table, whole = fit.through_time(), fit.coefficients
+    dates = [date_of(change) for change in changes]
+    names = list(table.index.unique("coefficient"))
+    axes = panels(new_axes(ax, height=1.3 * len(names) + 0.6), [1.0] * len(names))
+    for name, panel in zip(names, axes):
+        rows = table.loc[name]
+        course(panel, rows)
+        panel.set_ylabel(f"{label(name)}\n[{rows['unit'].iloc[0]}]")
+        if name in whole:
+            panel.axhline(whole[name], color=OTHER, linewidth=0.8, zorder=0)
+        for date in dates:
+            panel.axvline(date, color=BEFORE, linestyle="--", linewidth=1.2)
+        panel.tick_params(axis="x", labelbottom=panel is axes[-1])
+    for date in dates:
+        words = dict(xytext=(3, -3), textcoords="offset points", va="top")
+        place = dict(xy=(date, 1.0), xycoords=("data", "axes fraction"))
+        axes[0].annotate(f"{date:%Y-%m-%d}", **place, **words, color=BEFORE)
+    return axes[0]
+
+
+def date_of(change):
+    """A date as the axis has it: of the record's own clock."""
+    try:
+        return pd.Timestamp(change).tz_localize(None)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"changes hold {change!r}, which is no date ({error}); give dates such as "
+            "['2012-04-01']"
+        ) from error
+
+
+def course(ax, rows):
+    """Values in the middle of their periods, with intervals."""
+    starts = rows.index.tz_localize(None)
+    length = np.median(np.diff(starts)) if len(starts) > 1 else pd.Timedelta(0)
+    middle = starts + pd.Timedelta(length) / 2
+    value = rows["value"].to_numpy()
+    below, above = value - rows["lower"], rows["upper"] - value
+    reach = np.stack([below, above]).clip(min=0.0)
+    look = dict(color=AFTER, linewidth=1.0, elinewidth=1.0, markersize=3.5)
+    ax.errorbar(middle, value, reach, marker="o", **look)
+    usual = np.nanmedian(reach.max(axis=0)) if np.isfinite(value).any() else np.nan
+    told = value[reach.max(axis=0) <= WIDE * usual]
+    if len(told):
+        room = ROOM * usual or 1e-3 * np.abs(told).max()
+        ax.set_ylim(told.min() - room, told.max() + room)
