@@ -68,6 +68,14 @@ def truth_of(model, dynamics):
     return {**COEFFICIENTS[model], **memory, "bias": -2.5}
 
 
+def test_a_steady_model_that_is_held_leaves_the_memory(drivers):
+    truth = {**COEFFICIENTS["faiman"], "tau": 500.0, "bias": -2.0}
+    module = fem.fem_temperature(*drivers, model="faiman", **truth)
+    held = COEFFICIENTS["faiman"]
+    fit = fem.fit_fem(*drivers, module, model="faiman", fixed=held)
+    assert fit.coefficients == pytest.approx(truth, rel=1e-5)
+
+
 @models
 @dynamics_
 def test_every_model_finds_itself_without_noise(drivers, model, dynamics):

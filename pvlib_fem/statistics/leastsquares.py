@@ -35,8 +35,8 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
     x = np.clip(np.asarray(start, float), lower, upper)
     residual, jacobian = evaluate(x)
     cost = squares(residual)
-    converged = False
-    for _ in range(steps):
+    converged = not len(x)  # with nothing to vary it is there
+    for _ in range(0 if converged else steps):
         step = bounded_step(jacobian, residual, lower - x, upper - x)
         for halving in range(HALVINGS):
             new = np.clip(x + step / 2**halving, lower, upper)
