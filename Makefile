@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study sweep coverage clean
+.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study sweep coverage periods clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -63,6 +63,10 @@ sweep: $(VENV)/.installed
 # how often the intervals of a fit hold the truth
 coverage: $(VENV)/.installed
 	$(BIN)/python tests/study_coverage.py --records 300 --out docs/coverage.md
+
+# the same by the month, where a coefficient changes, for docs/guide/fitting.md
+periods: $(VENV)/.installed
+	$(BIN)/python tests/study_periods.py --records 200
 
 clean:
 	rm -rf $(VENV) $(VENV)-quality dist .pytest_cache .ruff_cache .mypy_cache .hypothesis docs/_build docs/gallery docs/generated

@@ -122,6 +122,17 @@ def test_it_has_every_finding_and_what_is_not_testable(closed, page):
         assert note in page.text
 
 
+def test_it_has_the_months_of_a_long_record(closed, page):
+    assert "Coefficients by the month" in page.text
+    table = closed.fit.through_time()
+    own = closed.fit.thermal_model
+    names = ["r_eq", *own.steady_model.parameters, "tau", "bias"]
+    assert [*table.index.unique("coefficient")] == names
+    for name in names[1:]:  # months lie about the whole
+        rows = table.loc[name].dropna(subset="value")
+        assert rows["lower"].min() < closed.fit.coefficients[name] < rows["upper"].max()
+
+
 def test_it_has_every_coefficient(closed, page):
     rows = {row[0]: row for row in page.rows}
     for name, value in closed.fit.coefficients.items():
