@@ -96,7 +96,8 @@ def daylight_saving(
     place = (location, surface_tilt, surface_azimuth, limits)
     poa = np.asarray(poa_global)
     kept, now, words, due = np.ones(len(index), dtype=bool), noon, [], ()
-    times, zone, why = index, *zone_of(index, noon, location, limits)
+    times = index
+    zone, why = zone_of(index, noon, location, limits)
     if zone:
         then, there = standard_index(index, zone)
         moved = solar_noon_shift(poa[there], then, *place)

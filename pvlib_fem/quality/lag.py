@@ -58,8 +58,9 @@ def lag(seconds, poa, air, module, limits) -> Lag | None:
     step = base * max(1, round(limits.coarsest_clock / base))
     count = round(DAY / step)
     front = -night(seconds, poa)
-    even = map(changes, grid(seconds + front, (poa, air, module), step, count))
-    sums = Products(*even, count, round(ANSWER / step))
+    even = grid(seconds + front, (poa, air, module), step, count)
+    poa, air, module = map(changes, even)
+    sums = Products(poa, air, module, count, round(ANSWER / step))
     if not sums.told:
         return None
     found = weighed(sums, step, limits)
