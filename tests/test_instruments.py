@@ -205,7 +205,8 @@ def test_a_step_is_found_with_its_date(half_a_year, channel):
     loop = closed(data)
     first = loop.findings[0]
     assert first.added and name in first.candidates
-    assert {n.rsplit("_", 1)[1] for n in first.candidates} <= {"step"}
+    changes = [n for n in first.candidates if n in CHANGES]
+    assert {course(n) for n in changes} == {"step"}
     effect = next(e for e in loop.fit.effects if e.name == first.effect)
     low, high = effect.settings["between"]
     assert low <= "2023-09-15" <= high

@@ -107,6 +107,8 @@ class Effect:
         The wide effect whose tangents the scan needs, if it is not this one.
     channel : str, optional
         The instrument, or mounting, of which it is a change along a course.
+    kin : tuple of str, optional
+        Channels that one record cannot tell from it, unless a witness does.
     dates : object, optional
         ``dates.found(sums, column, given, dates, criteria)``: the effect with the
         dates that sums by the day of ``scanned_from`` show, or None.
@@ -130,6 +132,7 @@ class Effect:
     scan: Callable | None = None
     scanned_from: "Effect | None" = None
     channel: str = ""
+    kin: tuple = ()
     dates: Any = None
     choices: int = 1
 

@@ -138,11 +138,17 @@ def module_offset(temp_air, *, change):
     return Terms(offset=change + 0.0 * temp_air)
 
 
+#: what one record cannot tell apart but for its model's shape, which is not exact
+GAINS = ("sensitivity", "contact", "mounting")
+OFFSETS = ("air_offset", "module_offset")
+WINDS = ("wind_gain", "wind_stall")
+
 CHANNELS = (
     Effect(
         "sensitivity",
         sensitivity,
         {"change": Parameter(0.0, -0.5, 1.0, "-")},
+        kin=GAINS,
         decided_by="a recalibration of the irradiance sensor, or power and a clear sky "
         "beside it",
         confused_with=(
@@ -157,6 +163,7 @@ CHANNELS = (
         "contact",
         contact,
         {"change": Parameter(0.0, -0.95, 1.0, "-")},
+        kin=GAINS,
         decided_by="an inspection of the sensor at the module's back",
         confused_with=("sensitivity", "mounting", "season", "a module that ages"),
     ),
@@ -164,6 +171,7 @@ CHANNELS = (
         "mounting",
         mounting,
         {"change": Parameter(0.0, -0.6, 1.5, "-")},
+        kin=GAINS,
         decided_by="an inspection of the mounting, and what was built or grew around",
         confused_with=("sensitivity", "contact", "season", "a module that ages"),
     ),
@@ -171,6 +179,7 @@ CHANNELS = (
         "wind_gain",
         wind_gain,
         {"change": Parameter(0.0, -10.0, 40.0, "W s/(m³ K)")},
+        kin=WINDS,
         decided_by="a second anemometer",
         confused_with=("wind_direction", "wind_shape"),
     ),
@@ -178,6 +187,7 @@ CHANNELS = (
         "wind_stall",
         wind_stall,
         {"change": Parameter(0.0, 0.0, 40.0, "W s/(m³ K)")},
+        kin=WINDS,
         decided_by="a second anemometer",
         confused_with=("wind_shape", "natural_convection"),
     ),
@@ -185,6 +195,7 @@ CHANNELS = (
         "air_offset",
         air_offset,
         {"change": Parameter(0.0, -10.0, 10.0, "K")},
+        kin=OFFSETS,
         decided_by="a second thermometer in the air",
         confused_with=("an offset of the module's thermometer",),
     ),
@@ -199,6 +210,7 @@ CHANNELS = (
         "module_offset",
         module_offset,
         {"change": Parameter(0.0, -10.0, 10.0, "K")},
+        kin=OFFSETS,
         decided_by="a second thermometer at the module",
         confused_with=("an offset of the air's thermometer",),
     ),

@@ -7,6 +7,7 @@ import numpy as np
 
 from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.evidence import Family
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.clock import Clock
@@ -38,7 +39,7 @@ class Case:
     place: dict  # as it was given
     clock: Clock
     criteria: Criteria
-    family: int = 1  # hypotheses, counted before the first look
+    family: Family  # hypotheses, counted before the first look
     fixed: dict = field(default_factory=dict)  # coefficients that are held
     notes: tuple = ()
     corrections: tuple = ()  # of the whole file

@@ -293,7 +293,7 @@ class Search:
             weeks=pd.Series(named(case.parts), record.index, name="weeks"),
             plain=(self.steps[base].model, start.coefficients),
             criteria=case.criteria,
-            family=case.family,
+            family=case.family.physics,
             weighed=found is not None,
         )
 

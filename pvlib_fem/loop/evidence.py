@@ -25,6 +25,30 @@ class Weight:
     possible: bool  # whether the coefficients are within the effect's bounds
     minimum_detectable: float  # minimum detectable gain [K]
     rows: int  # on which its drivers are there
+    family: int = 1  # hypotheses among which its chance is counted
+
+
+@dataclass(frozen=True)
+class Family:
+    """
+    Hypotheses among which a chance is counted: of physics, and of instruments.
+
+    Each has its own, so that one is not seen the less for the other being asked; a
+    change of an instrument has the chance of its date before it besides.
+    """
+
+    physics: int = 1
+    changes: int = 1
+
+    @classmethod
+    def counted(cls, effects, rounds=1):
+        """Those of some effects, in so many rounds."""
+        changes = sum(bool(effect.channel) for effect in effects)
+        physics = len(effects) - changes
+        return cls(rounds * max(1, physics), rounds * max(1, changes))
+
+    def of(self, effect):
+        return self.changes if effect.channel else self.physics
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +79,8 @@ class Evidence:
         Effects that could not be weighed.
     partial : dict of array
         Of effects whose drivers lack somewhere: which of the rows are known.
-    family : int
-        Number of hypotheses among which a chance is counted.
+    family : Family
+        Numbers of hypotheses among which a chance is counted.
     criteria : Criteria
     """
 
@@ -70,7 +94,7 @@ class Evidence:
     effects: dict = field(default_factory=dict)
     failed: dict = field(default_factory=dict)
     partial: dict = field(default_factory=dict)
-    family: int = 1
+    family: Family = field(default_factory=Family)
     criteria: Criteria = field(default_factory=Criteria)
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
@@ -191,6 +215,7 @@ class Evidence:
         chance = float(fisher.sf(statistic, len(own), freedom))
         share = np.sqrt(sums.rows / len(self.rows))
         keys, scale = self.effects[name].rows(), sums.scale[own]
+        family = self.family.of(self.effects[name])
         coefficients = dict(zip(keys, (step / scale).tolist()))
         stderr = dict(zip(keys, (error / scale).tolist()))
         return Weight(
@@ -200,9 +225,10 @@ class Evidence:
             stderr=stderr,
             possible=self.possible(keys, coefficients, stderr),
             minimum_detectable=float(
-                share * self.visible(freedom) * (error * beyond).max()
+                share * self.visible(freedom, family) * (error * beyond).max()
             ),
             rows=sums.rows,
+            family=family,
         )
 
     def possible(self, keys, coefficients, stderr):
@@ -219,14 +245,14 @@ class Evidence:
             for key, row in keys.items()
         )
 
-    def visible(self, freedom):
+    def visible(self, freedom, family):
         """Standard errors that an effect needs to be seen, with the stated power."""
-        seen = 1.0 - self.criteria.chance / self.family / 2.0
+        seen = 1.0 - self.criteria.chance / family / 2.0
         return sum(student.ppf([seen, self.criteria.power], freedom))
 
     def chance(self, weight):
-        """Chance that any of the family looks as good by accident."""
-        return min(1.0, weight.p_value * self.family)
+        """Chance that any of its family looks as good by accident."""
+        return min(1.0, weight.p_value * weight.family)
 
     def ties(self, name, gains, given=()):
         """Rivals given which an effect has nothing left to explain."""

@@ -30,7 +30,7 @@ def gather(
         Rows that count. Where a driver lacks they do not count for its effect.
     candidates : sequence of Effect
     criteria : Criteria
-    family : int
+    family : Family
         Number of hypotheses.
     fixed : sequence of str
         Coefficients that are held, or at a bound, where they stay.

@@ -10,6 +10,7 @@ from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
+from pvlib_fem.loop.evidence import Family
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
@@ -79,7 +80,7 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         place=site,
         clock=look.health.clock,
         criteria=criteria,
-        family=criteria.rounds * max(1, len(wanted)),
+        family=Family.counted(wanted, criteria.rounds),
         fixed=dict(fixed or {}),
         notes=tuple(notes_of(look, corrections, wanted, site, criteria)),
         corrections=corrections,

@@ -8,6 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects.courses import is_drift
 from pvlib_fem.findings import Check, Finding, Kind, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.evidence import Evidence, Weight
@@ -40,7 +41,9 @@ class Proposals:
         driven = [n for n, effect in effects.items() if not effect.confounder]
         others = [n for n, effect in effects.items() if effect.confounder]
         self.select(driven, self.found.confounders)
-        self.select(others, [finding.effect for finding in self.new])
+        # what changes slowly may look like a season, and is not to be lost beside it
+        slow = [n for n in driven if effects[n].channel and is_drift(effects[n])]
+        self.select(others, [finding.effect for finding in self.new], slow)
         return self.new
 
     @cached_property
@@ -48,8 +51,8 @@ class Proposals:
         """All ways to sort the rows, found once a round."""
         return sorting(self.case, self.found, self.found.confounders)
 
-    def select(self, names, given):
-        """Add findings of some names, one after the other."""
+    def select(self, names, given, alike=()):
+        """Add findings of some names, one after the other; others may look alike."""
         limits, found = self.case.criteria, self.found
         given, unknowns, spill = list(given), 0, 0.0
         # what cannot be told from a finding is no finding of its own
@@ -71,7 +74,8 @@ class Proposals:
             table = structure(self.case, found, given, self.sorting, without)
             checks, explained = against(found, best, given, table, floor, limits)
             if all_pass(checks):
-                ties = found.ties(best, good, given)
+                rivals = good | self.rivals(found, alike, given)
+                ties = found.ties(best, rivals, given)
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
@@ -90,6 +94,13 @@ class Proposals:
             found = found.with_column(f"unknown:{unknowns}", table.values)
             given.append(f"unknown:{unknowns}")
 
+    def rivals(self, found, names, given):
+        """Gains of those names that are open and possible, as of a class."""
+        taken = {n for finding in self.new for n in finding.candidates}
+        names = [name for name in names if name not in {*self.done, *taken}]
+        weights = weighed(found, names, given)
+        return {n: w.gain for n, w in weights.items() if w.gain > 0 and w.possible}
+
     @cached_property
     def comparisons(self):
         """What other columns have to say of the instruments."""
@@ -99,7 +110,10 @@ class Proposals:
     def heard(self, found, best, ties, weights, good):
         """The class of the best one, when its witnesses have been heard."""
         candidates = (best, *ties)
-        if not found.effects[best].channel or not self.comparisons:
+        if not found.effects[best].channel:
+            return Hearing(candidates)
+        candidates = tuple(dict.fromkeys([*candidates, *self.kin(found, candidates)]))
+        if not self.comparisons:
             return Hearing(candidates)
         least = self.case.criteria.rival * good[best] ** 2
         rivals = [
@@ -109,9 +123,22 @@ class Proposals:
             and name not in candidates
             and gain**2 >= least
         ]
-        candidates = [n for n in candidates if found.effects[n].channel]
         how = (found.effects, weights, self.coefficients)
         return hearing(self.comparisons, candidates, rivals, *how)
+
+    def kin(self, found, candidates):
+        """
+        Changes that no record by itself tells from those of a class.
+
+        Channels that a better model would tell apart, along the same course, and
+        effects that could not be tried for want of a column.
+        """
+        changes = (found.effects[name] for name in candidates)
+        for effect in (effect for effect in changes if effect.channel):
+            course = effect.name.removeprefix(effect.channel)
+            names = [f"{channel}{course}" for channel in effect.kin]
+            names += [n for n in effect.confused_with if n in self.case.untestable]
+            yield from (name for name in names if name not in self.done)
 
 
 def weighed(found, names, given):
@@ -132,7 +159,7 @@ def rules(found, weight, floor):
     return (
         Check("gain", name, weight.gain, float(np.sqrt(floor)), unit="K"),
         Check(
-            f"chance among {found.family} hypotheses",
+            f"chance among {weight.family} hypotheses",
             "chance",
             found.chance(weight),
             limits.chance,
@@ -226,13 +253,13 @@ def structure(case, found, given, by, without=()):
 def proposed(case, found, weight, heard, checks):
     """The finding of an effect that passes all checks."""
     name, *ties = heard.candidates
-    effects = [found.effects[n] for n in heard.candidates]
+    effects = [found.effects[n] for n in heard.candidates if n in found.effects]
     if not case.enough:
         least = case.criteria.enough_days
         verdict = Verdict.SUGGESTIVE
         why = because(Reason.TOO_SHORT, days=case.days, least=least)
         checks = (*checks, Check("days", "enough_days", case.days, least))
-    elif effects[0].confounder or ties:
+    elif effects[0].confounder or ties or (effects[0].channel and not heard.agreed):
         words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
         verdict = Verdict.CLASS
         measurements = list(words) or ["a driver of its own"]
@@ -268,6 +295,8 @@ def renamed(finding, found, name, given=()):
     """A class by another of its candidates, or None where that has no weight."""
     if name == finding.effect:
         return finding
+    if name not in found.effects:  # it stands in the class, and could not be tried
+        return None
     weight = found.weigh(name, given)
     if not isinstance(weight, Weight):
         return None

@@ -11,7 +11,7 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.evidence import Weight
+from pvlib_fem.loop.evidence import Family, Weight
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.paper.filters import counted
@@ -110,7 +110,7 @@ def rank_effects(
         rows |= {effect.name: {"note": few} for effect in testable}
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
-        family = max(1, len(testable))
+        family = Family.counted(testable)
         found = gather(
             model,
             coefficients,

@@ -142,8 +142,10 @@ class Apart:
     def of(self, effect, coefficient, stderr, coefficients):
         """What it says of an effect of that size, or None."""
         shows = self.comparison.shows.get(effect.channel)
+        if shows is None:
+            return None
         weights = weights_of(effect, self.days)
-        if shows is None or not np.ptp(weights) > 0:
+        if not np.ptp(weights) > 0:
             return None
         size, error, _ = self.along(weights)
         with np.errstate(invalid="ignore"):
@@ -208,8 +210,9 @@ def hearing(comparisons, candidates, rivals, effects, weights, coefficients):
     are left. ``rivals`` are further ones that explain less, as another course of the
     same channel, and come in where a witness agrees with them.
     """
-    said = {}
-    for name in (*candidates, *rivals):
+    said = dict.fromkeys(candidates, ())
+    changes = [n for n in (*candidates, *rivals) if n in weights and effects[n].channel]
+    for name in changes:
         (size,), (error,) = (
             part.values() for part in (weights[name].coefficients, weights[name].stderr)
         )
@@ -230,9 +233,13 @@ def hearing(comparisons, candidates, rivals, effects, weights, coefficients):
         ]
         kept = asked = (*best, *others)
     else:
-        kept, asked = tuple(n for n in candidates if n not in against), candidates
+        asked = candidates
+        kept = [name for name in candidates if name not in against]
+        if not any(name in weights for name in kept):  # none that could be added
+            kept = candidates
+        kept = sorted(kept, key=lambda name: name not in weights)
     witnesses = tuple(one for name in asked for one in said[name])
-    return Hearing(kept or tuple(candidates), witnesses, bool(agreed))
+    return Hearing(tuple(kept), witnesses, bool(agreed))
 
 
 def courses(comparisons, agreed, effects):

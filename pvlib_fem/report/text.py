@@ -13,7 +13,8 @@ NEVER = (
     "absorptance, irradiance gain, mean rear irradiance: all are k",
     "sensor height, mean shelter: both are the wind's coefficient",
     "offsets of either thermometer, mean sky: all are the bias",
-    "drifts of sensor gain, absorptance, contact at the back: sensitivity_drift by day",
+    "a change of irradiance gain, contact at the back or mounting: power or a second "
+    "sensor tells which",
 )
 
 

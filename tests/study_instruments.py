@@ -1,0 +1,204 @@
+"""
+Instruments that change among physics, and what the loop says of them.
+
+The change is made in the columns, after the simulator: no model of the package has a
+part in it. Run as ``python tests/study_instruments.py [--records 100] [--seed 0]
+[--processes 2] [--out docs/study_instruments.md]``.
+"""
+
+import argparse
+import multiprocessing
+import os
+from concurrent.futures import ProcessPoolExecutor
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from study_worlds import World, site
+
+from pvlib_fem import close_loop, simulator
+from pvlib_fem.effects import CHANGES
+
+COURSES = ("step", "drift", "episode")
+#: sizes from which one is drawn, either way where that can be
+SIZES = {
+    "sensitivity": (0.06, 0.15),
+    "contact": (0.08, 0.25),
+    "wind_gain": (0.25, 0.6),  # of the wind that is lost
+    "wind_stall": (1.2, 2.0),  # m/s, below which the cups stand
+    "air_offset": (0.8, 2.0),  # K
+    "module_offset": (0.8, 2.0),  # K
+    "none": (0.0, 0.0),
+}
+ODDS = [0.18, 0.18, 0.1, 0.08, 0.13, 0.13, 0.2]
+#: what one record cannot tell from each other is one truth
+SAME = {"contact": ("contact", "mounting"), "module_offset": ("module_offset",)}
+
+
+def changed(data, channel, size, weight):
+    """The record whose sensor has changed, by the weight of each row."""
+    data, air = data.copy(), data["temp_air"]
+    if channel == "sensitivity":
+        data["poa_global"] *= 1.0 - size * weight
+    elif channel == "contact":
+        over = data["temp_module"] - air
+        data["temp_module"] = air + over * (1.0 - size * weight)
+    elif channel == "wind_gain":
+        data["wind_speed"] *= 1.0 - size * weight
+    elif channel == "wind_stall":
+        stalls = data["wind_speed"] < size * weight
+        data["wind_speed"] = data["wind_speed"].where(~stalls, 0.0)
+    elif channel in ("air_offset", "module_offset"):
+        data[f"temp_{channel.removesuffix('_offset')}"] += size * weight
+    return data
+
+
+def drawn(seed):
+    """A world, and what happens to which instrument when."""
+    random = np.random.default_rng([seed, 12])
+    days = int(random.choice([365, 730]))
+    world = World(site(70_000 + seed), 70_000 + seed, days=days, step=900.0)
+    channel = str(random.choice(list(SIZES), p=ODDS))
+    course = str(random.choice(COURSES, p=[0.5, 0.25, 0.25]))
+    low, high = SIZES[channel]
+    size = float(random.uniform(low, high))
+    if channel != "wind_gain" and channel != "wind_stall":
+        size *= random.choice([-1.0, 1.0])
+    at = np.sort(random.uniform(0.15, 0.85, 2)) * days
+    if at[1] - at[0] < 40:
+        at = at[0], min(at[0] + 60.0, 0.9 * days)
+    if course == "drift":
+        size *= 365.0 / days * 1.5
+    return world, channel, course, size, at, bool(random.random() < 0.5)
+
+
+def looked(seed):
+    """What the loop says of one record."""
+    world, channel, course, size, at, power = drawn(seed)
+    how = (world.days, world.step, world.seed, world.start)
+    (data,) = simulator.records(world.site, [simulator.OUTDOORS], *how)
+    data.attrs = {}
+    day = (data.index - data.index[0]) / pd.Timedelta("1D")
+    weight = {
+        "step": day >= at[0],
+        "drift": day / 365.0,
+        "episode": (day >= at[0]) & (day < at[1]),
+    }[course]
+    data = changed(data, channel, size, np.asarray(weight, dtype=float))
+    if not power:
+        data = data.drop(columns="p_dc")
+    loop = close_loop(data, check_units=False, **world.place)
+    added = [f for f in loop.findings if f.added]
+    truths = {f"{name}_{course}" for name in SAME.get(channel, (channel,))}
+    told = [f for f in added if {*f.candidates} & {*CHANGES}]
+    right = [f for f in added if truths & {*f.candidates}]
+    wrong = [f.effect for f in told if f.verdict == "named" and f.effect not in truths]
+    misled = ["|".join(f.candidates) for f in told if not truths & {*f.candidates}]
+    row = dict(seed=seed, channel=channel, course=course, size=size, power=power)
+    row |= dict(days=world.days, found=bool(right), wrong=wrong, misled=misled)
+    row["verdict"] = str(right[0].verdict) if right else ""
+    row["first"] = bool(right) and right[0] is added[0]
+    row["findings"] = "; ".join(
+        f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f})" for f in loop.findings
+    )
+    row["dates"] = dated(loop, right, world, course, at)
+    row["before"], row["after"] = (
+        float(loop.table["rmse_test"].loc[name]) for name in (loop.base, loop.last)
+    )
+    return row
+
+
+def dated(loop, right, world, course, at):
+    """Whether the day is within its interval, and how far the told one is off. [d]"""
+    if not right or course == "drift":
+        return None
+    effects = {e.name: e for e in loop.fit.effects}
+    settings = effects[right[0].effect].settings
+    if "between" not in settings:
+        return None
+    begin = pd.Timestamp(world.start) + pd.Timedelta(days=at[0])
+    low, high = map(pd.Timestamp, settings["between"])
+    told = pd.Timestamp(settings.get("at", settings.get("start")))
+    inside = low <= begin.ceil("D") and begin.floor("D") <= high
+    return bool(inside), abs((told - begin) / pd.Timedelta("1D"))
+
+
+def run(records, first, processes):
+    """A row for each record, in order."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[name] = "1"  # before a worker loads its numpy
+    context = multiprocessing.get_context("spawn")
+    rows = []
+    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        for row in pool.map(looked, range(first, first + records)):
+            rows.append(row)
+            print(
+                row["seed"],
+                row["channel"],
+                row["course"],
+                f"{row['size']:.2f}",
+                "power" if row["power"] else "",
+                "OK" if row["found"] else "-",
+                row["dates"],
+                row["findings"][:400],
+                flush=True,
+            )
+    return pd.DataFrame(rows)
+
+
+def page(table, first):
+    """Lines of the page."""
+    there = table[table["channel"] != "none"]
+    none = table[table["channel"] == "none"]
+    dates = [d for d in there["dates"] if d is not None]
+    yield "# Instruments that change, and what is said of them"
+    yield ""
+    yield (
+        f"Written by `tests/study_instruments.py` on {date.today()}: {len(table)} "
+        f"simulated records of one or two years at 15 min from seed {first} on, with "
+        "full physics. One instrument changes at a date, slowly or for a while, or "
+        "none does. The change is made in the columns. Half have power."
+    )
+    yield ""
+    yield "| what | share |"
+    yield "|---|---|"
+    yield f"| the change named, or in its class | {share(there['found'])} |"
+    yield f"| the same, first of all findings | {share(there['first'])} |"
+    wrong, misled = (table[name].map(bool) for name in ("wrong", "misled"))
+    yield f"| wrong names of a change | {share(wrong)} |"
+    yield f"| classes of changes without the truth | {share(misled)} |"
+    alarms = share((wrong | misled)[none.index])
+    yield f"| a change told where there is none | {alarms} |"
+    yield f"| the day within its interval | {share(pd.Series([d[0] for d in dates]))} |"
+    yield ""
+    if dates:
+        middle = np.median([d[1] for d in dates])
+        yield f"Half of the days are told within {middle:.1f} days."
+        yield ""
+    yield "| channel | course | records | found | first | named |"
+    yield "|---|---|---|---|---|---|"
+    for (channel, course), part in there.groupby(["channel", "course"]):
+        named = (part["verdict"] == "named").sum()
+        yield (
+            f"| {channel} | {course} | {len(part)} | {part['found'].sum()} | "
+            f"{part['first'].sum()} | {named} |"
+        )
+
+
+def share(flags):
+    return f"{int(flags.sum())} of {len(flags)}"
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--records", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--out", type=Path)
+    given = parser.parse_args()
+    found = run(given.records, given.seed, given.processes)
+    text = "\n".join(page(found, given.seed)) + "\n"
+    print(text)
+    if given.out:
+        given.out.write_text(text, encoding="utf-8")
