@@ -96,6 +96,13 @@ class Opinion(StrEnum):
     CANNOT_TELL = "cannot tell"
 
 
+VERBS = {
+    Opinion.AGREES: "agrees with",
+    Opinion.CONTRADICTS: "contradicts",
+    Opinion.CANNOT_TELL: "cannot tell of",
+}
+
+
 @dataclass(frozen=True)
 class Witness:
     """
@@ -143,7 +150,7 @@ class Witness:
         size, error, needed = (
             f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
         )
-        verb = "cannot tell of" if self.opinion is Opinion.CANNOT_TELL else self.opinion
+        verb = VERBS[self.opinion]
         return (
             f"{self.column} {verb} {self.effect}: the two part by {size} ± {error} "
             f"{unit}, and it would need {needed} {unit}"

@@ -31,6 +31,7 @@ class Reason(Enum):
         "less than {minutes:.2g} min does not show"
     )
     OFF_THE_SUN = "the clock of the file does not fit the sun at the location"
+    ESTIMATED = "the angles of the plane are estimated: give them"
     ADDS_NOTHING = "it adds nothing in this record's weather"
     COLLINEAR = "the record cannot tell it from the fitted coefficients"
     NOT_A_NUMBER = "it is not a number in all rows whose columns are there"

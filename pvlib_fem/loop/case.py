@@ -7,7 +7,7 @@ import numpy as np
 
 from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.evidence import Family
+from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.clock import Clock

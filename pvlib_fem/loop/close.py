@@ -72,7 +72,8 @@ def close_loop(
     location : pvlib.location.Location, optional
         With both angles below, effects that follow the sun can be tested.
     surface_tilt, surface_azimuth : float, optional
-        Of the module; azimuth from north, clockwise. [°]
+        Of the module; azimuth from north, clockwise. Where a location is given and
+        neither of them, they are estimated from the light of clear days. [°]
     holdout : Series of bool, optional
         The test rows. By default every fifth week, or every other day of a record
         below five weeks.

@@ -8,6 +8,7 @@ from scipy.stats import f as fisher
 from scipy.stats import t as student
 
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.family import Family
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
 
@@ -26,29 +27,6 @@ class Weight:
     minimum_detectable: float  # minimum detectable gain [K]
     rows: int  # on which its drivers are there
     family: int = 1  # hypotheses among which its chance is counted
-
-
-@dataclass(frozen=True)
-class Family:
-    """
-    Hypotheses among which a chance is counted: of physics, and of instruments.
-
-    Each has its own, so that one is not seen the less for the other being asked; a
-    change of an instrument has the chance of its date before it besides.
-    """
-
-    physics: int = 1
-    changes: int = 1
-
-    @classmethod
-    def counted(cls, effects, rounds=1):
-        """Those of some effects, in so many rounds."""
-        changes = sum(bool(effect.channel) for effect in effects)
-        physics = len(effects) - changes
-        return cls(rounds * max(1, physics), rounds * max(1, changes))
-
-    def of(self, effect):
-        return self.changes if effect.channel else self.physics
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,11 @@ from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
-from pvlib_fem.loop.evidence import Family
+from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
+from pvlib_fem.quality.plane import plane_of
 from pvlib_fem.quality.screen import Faults, alone
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import stuck
@@ -23,6 +24,7 @@ from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import Record, as_record, with_columns
 from pvlib_fem.record.columns import (
     COLUMNS,
+    GEOMETRY,
     is_power,
     numeric,
     usable_drivers,
@@ -61,11 +63,19 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         late = look.health.noon.late
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
         corrections += (shifted(faults["file_shift"], late, zone),)
-    sun, refused = geometry(look.whole.index, **site), look.refused
-    if {*OFF_THE_SUN} & {*faults}:
+    off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
+    plane = None if off else estimated(look, site)
+    if plane is not None:
+        site = site | plane.angles
+    sun = geometry(look.whole.index, **site)
+    if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
     wanted, untestable = candidates({**look.drivers, **sun}, refused, effects)
+    if plane is not None:  # an obstacle has no place beside a plane that is not known
+        scans = [effect for effect in wanted if {*GEOMETRY[:2]} & {*effect.drivers}]
+        untestable |= {e.name: because(Reason.ESTIMATED) for e in scans if e.scan}
+        wanted = [effect for effect in wanted if effect.name not in untestable]
     whole, seen = used(look, sun)
     case = Case(
         whole=whole,
@@ -82,10 +92,23 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         criteria=criteria,
         family=Family.counted(wanted, criteria.rounds),
         fixed=dict(fixed or {}),
-        notes=tuple(notes_of(look, corrections, wanted, site, criteria)),
+        notes=(
+            *([] if plane is None else [f"the module's plane is estimated: {plane}"]),
+            *notes_of(look, corrections, wanted, site, criteria),
+        ),
         corrections=corrections,
     )
     return divided(whole, case)
+
+
+def estimated(look, site):
+    """The module's plane by the light of clear days, where neither angle is given."""
+    given = [value for name, value in site.items() if name != "location"]
+    if site["location"] is None or any(value is not None for value in given):
+        return None
+    late, whole = look.health.noon.late, look.whole
+    late = late if np.isfinite(late) else 0.0
+    return plane_of(whole["poa_global"], whole.index, site["location"], late)
 
 
 def looked(data, holdout, site, criteria, check_units):

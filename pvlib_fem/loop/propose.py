@@ -40,11 +40,19 @@ class Proposals:
         effects = self.found.effects
         driven = [n for n, effect in effects.items() if not effect.confounder]
         others = [n for n, effect in effects.items() if effect.confounder]
-        self.select(driven, self.found.confounders)
+        changes = [n for n in driven if effects[n].channel]
+        self.select([n for n in driven if n not in changes], self.found.confounders)
+        # weather comes in stretches, too: what follows a column comes before a date
+        self.select(changes, [*self.found.confounders, *self.names])
         # what changes slowly may look like a season, and is not to be lost beside it
-        slow = [n for n in driven if effects[n].channel and is_drift(effects[n])]
-        self.select(others, [finding.effect for finding in self.new], slow)
+        slow = [name for name in changes if is_drift(effects[name])]
+        self.select(others, self.names, slow)
         return self.new
+
+    @property
+    def names(self):
+        """Those of the new findings."""
+        return [finding.effect for finding in self.new]
 
     @cached_property
     def sorting(self):

@@ -11,7 +11,8 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.evidence import Family, Weight
+from pvlib_fem.loop.evidence import Weight
+from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.paper.filters import counted

@@ -57,7 +57,7 @@ class Loop:
     notes : tuple of str
         The state of the record, and what was done about it.
     place : dict
-        ``location``, ``surface_tilt`` and ``surface_azimuth`` as given.
+        ``location``, ``surface_tilt`` and ``surface_azimuth`` as given, or estimated.
     residual_before : Series or None
         Measured minus modelled temperature before anything was added. None, as
         ``weeks``, in a loop that was read from a file, which holds no rows. [K]

@@ -1,0 +1,230 @@
+"""The plane of an irradiance sensor, from its clearest days."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+import pvlib
+from pvlib.location import Location
+from scipy.optimize import least_squares
+
+from pvlib_fem.drivers import sun
+
+FEWEST_DAYS = 60  # of a record
+CLEAREST = 0.1  # share of each month's days that may be clear
+KEPT = 0.5  # share of those of which the shape is kept
+LOWEST = 80.0  # ° from the vertical, beyond which the horizon may hide the sun
+TURBIDITY = 3.0  # Linke's, of a clear day in the mean; the scale of each year is free
+ALBEDO = 0.2
+WHOLE = 0.9  # share of a day's light rows that are there
+GROUPS = 10  # of days, each left out in turn
+LEAST_ERROR = 3.0  # °, of a clear sky that is no more than a model
+MOST_ERROR = 8.0  # °, above which the angles are not known
+MOST_LEFT = 0.12  # of the clear irradiance, root mean square
+STARTS = [(tilt, turn) for tilt in (10.0, 35.0, 60.0) for turn in range(0, 360, 45)]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Angles of a plane, from :func:`plane_of`. [°]"""
+
+    surface_tilt: float
+    surface_azimuth: float
+    tilt_error: float
+    azimuth_error: float
+    days: int  # clear days of which they are
+
+    @property
+    def angles(self):
+        """Both by their names."""
+        names = ("surface_tilt", "surface_azimuth")
+        return {name: getattr(self, name) for name in names}
+
+    def __str__(self):
+        return (
+            f"tilt {self.surface_tilt:.0f} ± {self.tilt_error:.0f}°, azimuth "
+            f"{self.surface_azimuth:.0f} ± {self.azimuth_error:.0f}° clockwise from "
+            f"north, by the light of {self.days} clear days"
+        )
+
+
+def plane_of(
+    poa_global, index: pd.DatetimeIndex, location: Location, late: float = 0.0
+) -> Plane | None:
+    """
+    Tilt and azimuth that the irradiance of clear days has.
+
+    Parameters
+    ----------
+    poa_global : array
+        [W/m²]
+    index : DatetimeIndex
+        Without a zone in standard time at the location.
+    location : pvlib.location.Location
+    late : float
+        By how much the rows' times are late, as the middle of the light has it. [s]
+
+    Returns
+    -------
+    Plane or None
+        None where the record is too short, or its clear days leave the angles open by
+        more than 8°.
+
+    Notes
+    -----
+    Of each month the tenth of the days with most light is compared with a clear sky
+    (Ineichen and Perez [1]_) in any plane, and the half of these that has its shape is
+    kept. The scale of that sky is free, once from year to year and once from day to
+    day; the angles are the mean of both, and half of the difference is their error,
+    unless leaving out a tenth of the days in turn moves them by more. Of a file whose
+    rows are means to another edge it knows nothing: half an hour turns the plane by 7°
+    and more.
+
+    References
+    ----------
+    .. [1] P. Ineichen and R. Perez, "A new airmass independent formulation for the
+       Linke turbidity coefficient", Solar Energy 73, 151-157, 2002, as in
+       :func:`pvlib.clearsky.ineichen`. :doi:`10.1016/S0038-092X(02)00045-2`
+    """
+    poa, seconds = np.asarray(poa_global, dtype=float), pd.Timedelta(seconds=late)
+    place = sun(index - seconds, location)
+    zenith, azimuth = (place[name].to_numpy() for name in place.columns)
+    local = index.tz_localize(None)
+    up = zenith < LOWEST
+    light, there = up & np.isfinite(poa), np.asarray(local.normalize())
+    days = clearest(poa, zenith, up, light, there, np.asarray(local.month))
+    if days is None:
+        return None
+    rows = light & np.isin(there, days)
+    sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], there[rows], location)
+    # the scale of a clear day, free by the year or by the day: by the year the sun's
+    # way through the seasons counts, and what its air does; by the day its shape alone
+    both = [sky.scaled_by(by[rows]).plane() for by in (np.asarray(local.year), there)]
+    angles, errors, left = (np.array(part) for part in zip(*both))
+    apart = turned(angles[1] - angles[0])
+    tilt, turn = (angles[0] + apart / 2.0).tolist()
+    errors = np.maximum(errors.max(axis=0), np.abs(apart) / 2.0)
+    errors = np.maximum(errors, LEAST_ERROR).tolist()
+    steep = max(np.sin(np.radians(tilt)), 0.1)  # a flat plane has no azimuth
+    if max(errors[0], errors[1] * steep) > MOST_ERROR or left.max() > MOST_LEFT:
+        return None
+    return Plane(tilt, turn % 360.0, errors[0], errors[1], len(days))
+
+
+def turned(angles):
+    """Differences of tilt and azimuth, the short way round."""
+    tilt, turn = angles.T
+    return np.array([tilt, (turn + 180.0) % 360.0 - 180.0]).T
+
+
+def clearest(poa, zenith, up, light, there, months):
+    """The days with most light of each month, beside the sun's height, or None."""
+    frame = pd.DataFrame(
+        {
+            "day": there,
+            "month": months,
+            "up": up,
+            "light": light,
+            "poa": np.where(light, poa, 0.0),
+            "high": np.where(up, np.cos(np.radians(zenith)), 0.0),
+        }
+    )
+    sums = frame.groupby("day").agg(
+        {"month": "first", "up": "sum", "light": "sum", "poa": "sum", "high": "sum"}
+    )
+    sums = sums[(sums["light"] >= WHOLE * sums["up"]) & (sums["high"] > 0)]
+    if len(sums) < FEWEST_DAYS:
+        return None
+    ratio = sums["poa"] / sums["high"]
+    rank = ratio.groupby(sums["month"]).rank(ascending=False, pct=True)
+    least = ratio.groupby(sums["month"]).rank(ascending=False) <= 2
+    return sums.index[(rank <= CLEAREST) | least].to_numpy()
+
+
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """A clear sky over some rows, and what was measured."""
+
+    poa: np.ndarray
+    beam: np.ndarray  # normal
+    sky: np.ndarray
+    ground: np.ndarray
+    zenith: np.ndarray  # [rad]
+    azimuth: np.ndarray  # [rad]
+    day: np.ndarray  # number of each row's day
+    scale: np.ndarray  # number of each row's scale
+
+    @classmethod
+    def of(cls, poa, zenith, azimuth, day, location):
+        """The clear sky of some rows."""
+        air = pvlib.atmosphere.get_relative_airmass(zenith)
+        pressure = pvlib.atmosphere.alt2pres(location.altitude)
+        air = pvlib.atmosphere.get_absolute_airmass(air, pressure)
+        clear = pvlib.clearsky.ineichen(zenith, air, TURBIDITY, location.altitude)
+        day = np.unique(day, return_inverse=True)[1]
+        return cls(
+            poa,
+            np.asarray(clear["dni"]),
+            np.asarray(clear["dhi"]),
+            ALBEDO * np.asarray(clear["ghi"]),
+            np.radians(zenith),
+            np.radians(azimuth),
+            day,
+            day,
+        )
+
+    def scaled_by(self, groups):
+        """The same with a scale for each group of rows."""
+        return replace(self, scale=np.unique(groups, return_inverse=True)[1])
+
+    def plane(self):
+        """The angles, their errors, and what they leave of the mean irradiance."""
+        best = self.best()
+        sky = self.rows(np.isin(self.day, self.nearest(best)))
+        found = sky.search(best)
+        folds = sky.day % GROUPS
+        others = [sky.rows(folds != fold).search(found) for fold in range(GROUPS)]
+        apart = turned(np.array(others) - found)
+        errors = np.sqrt((GROUPS - 1) / GROUPS * (apart**2).sum(axis=0))
+        return found, errors, np.sqrt(np.mean(sky.left(found) ** 2))
+
+    def rows(self, kept):
+        """The same of some rows."""
+        return Sky(*(column[kept] for column in vars(self).values()))
+
+    def left(self, angles):
+        """What a plane leaves of each row, as a share of the mean irradiance."""
+        tilt, turn = np.radians(angles)
+        ahead = np.cos(self.zenith) * np.cos(tilt) + np.sin(self.zenith) * np.sin(
+            tilt
+        ) * np.cos(self.azimuth - turn)
+        view = (1.0 + np.cos(tilt)) / 2.0
+        modelled = self.beam * np.maximum(ahead, 0.0)
+        modelled = modelled + self.sky * view + self.ground * (1.0 - view)
+        squares = np.bincount(self.scale, modelled**2)
+        times = np.bincount(self.scale, modelled * self.poa) / np.maximum(squares, 1e-9)
+        return (self.poa - times[self.scale] * modelled) / self.poa.mean()
+
+    def search(self, start):
+        """The angles that leave least, from some on. [°]"""
+        found = least_squares(
+            self.left,
+            start,
+            bounds=([0.0, -np.inf], [90.0, np.inf]),
+            loss="soft_l1",
+            f_scale=0.05,
+            x_scale=[10.0, 10.0],
+        )
+        return found.x
+
+    def best(self):
+        """The angles that leave least of all."""
+        starts = sorted(STARTS, key=lambda one: float(np.abs(self.left(one)).mean()))
+        ends = [self.search(start) for start in starts[:3]]
+        return min(ends, key=lambda one: float(np.abs(self.left(one)).mean()))
+
+    def nearest(self, angles):
+        """Days whose shape is that of a clear sky in the plane."""
+        left = self.left(angles)
+        by_day = np.bincount(self.day, left**2) / np.bincount(self.day)
+        return np.argsort(by_day, kind="stable")[: max(int(KEPT * len(by_day)), 20)]
