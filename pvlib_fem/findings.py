@@ -185,7 +185,7 @@ class Finding:
     where : dict
         Of unknown structure: from and to of each driver.
     place : str
-        Of unknown structure: where it lives, in words.
+        Of unknown structure where it lives, of a change its dates, in words.
     witnesses : tuple of Witness
         Of a change of an instrument: what other columns say of it.
     """
@@ -207,6 +207,13 @@ class Finding:
     def why(self) -> str:
         """The reason for the verdict, in one line."""
         return str(self.because)
+
+    @property
+    def heard(self) -> tuple:
+        """The witnesses that have an opinion."""
+        return tuple(
+            one for one in self.witnesses if one.opinion is not Opinion.CANNOT_TELL
+        )
 
     @property
     def failed(self) -> Check | None:

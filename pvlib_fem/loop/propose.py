@@ -288,8 +288,14 @@ def proposed(case, found, weight, heard, checks):
         why,
         checks,
         kind_of(effects[0]),
+        place=dated(effects[0]),
         witnesses=heard.witnesses,
     )
+
+
+def dated(effect):
+    """The dates of a change in words, and of other effects nothing."""
+    return effect.source if effect.channel else ""
 
 
 def kind_of(effect):
@@ -314,4 +320,5 @@ def renamed(finding, found, name, given=()):
         candidates=(name, *(n for n in finding.candidates if n != name)),
         coefficients=weight.coefficients,
         stderr=weight.stderr,
+        place=dated(found.effects[name]),
     )

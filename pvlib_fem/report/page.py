@@ -200,8 +200,10 @@ def worth(finding):
 
 def gained(finding):
     what = meaning(finding.effect) or f"{finding.why}. "
+    since = f"From {finding.place}. " if finding.place else ""
     gain = f"{finding.gain:.2f} K of the error on days left out"
-    return f"{what}{gain}; {worth(finding)}"
+    heard = "".join(f"; {witness}" for witness in finding.heard)
+    return f"{what}{since}{gain}; {worth(finding)}{heard}"
 
 
 def meaning(name):

@@ -97,6 +97,9 @@ def by_month(fit):
         table = fit.through_time()
     except ValueError:  # all of the model's are held or at a bound
         return
+    given = [effect.settings for effect in fit.effects if effect.channel]
+    names = ("at", "start", "end")
+    dates = [dates[name] for dates in given for name in names if name in dates]
     words = (
         "Coefficients by the month, from its fitted days, with 95 % intervals; the "
         "line is the whole fit, r_eq the over-temperature per irradiance at the mean "
@@ -105,7 +108,7 @@ def by_month(fit):
     height = 0.6 + 0.9 * len(table.index.unique("coefficient"))
     yield draw(
         "months",
-        lambda ax: plotting.plot_through_time(fit, ax),
+        lambda ax: plotting.plot_through_time(fit, ax, dates),
         words,
         size=(4.8, height),
     )

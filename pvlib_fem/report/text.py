@@ -4,7 +4,7 @@ from textwrap import TextWrapper
 
 import numpy as np
 
-from pvlib_fem.findings import CORRECTED, Kind, Opinion, Verdict
+from pvlib_fem.findings import CORRECTED, Kind, Verdict
 from pvlib_fem.plotting.steps import BASES
 from pvlib_fem.report.document import rounded, with_error
 from pvlib_fem.report.page import by_reason
@@ -96,9 +96,7 @@ def told(loop):
             rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
             yield TITLES[finding.verdict], f"{words}{rule}"
     for finding in loop.findings:
-        for witness in finding.witnesses:
-            if witness.opinion is not Opinion.CANNOT_TELL:
-                yield "witness", str(witness)
+        yield from (("witness", str(witness)) for witness in finding.heard)
     for why, names in by_reason(loop.untestable).items():
         yield "not testable", f"{', '.join(names)} ({why})"
     for i, words in enumerate(NEVER):
