@@ -114,6 +114,7 @@ class Course:
     size: str  # what a coefficient is called
     unit: str = ""
     most: float = 1.0  # share of the channel's bounds that are its own
+    alike: tuple = ()  # effects that come and go so, and need a column to be told
 
     def lacks(self, dates):
         """Dates that it needs and that are not given."""
@@ -123,8 +124,14 @@ class Course:
 
 COURSES = (
     Course("step", step, find_step, "change"),
-    Course("drift", drift, find_drift, "per_year", "/year", 0.2),
-    Course("episode", episode, find_episode, "change"),
+    Course("drift", drift, find_drift, "per_year", "/year", 0.2, ("soiling",)),
+    Course(
+        "episode",
+        episode,
+        find_episode,
+        "change",
+        alike=("electrical_output", "snow", "soiling"),
+    ),
 )
 
 
@@ -230,6 +237,11 @@ def told(dates):
 def weights_of(effect, days):
     """Weight of each day, from 1970-01-01, of an effect along a course."""
     return effect.terms.course.weight(**effect.terms.dates)(np.asarray(days) + 0.5)
+
+
+def alike(effect):
+    """Effects that come and go along such a course."""
+    return effect.terms.course.alike
 
 
 def is_drift(effect):

@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects.courses import is_drift
+from pvlib_fem.effects.courses import alike, is_drift
 from pvlib_fem.findings import Check, Finding, Kind, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.evidence import Evidence, Weight
@@ -145,7 +145,7 @@ class Proposals:
         for effect in (effect for effect in changes if effect.channel):
             course = effect.name.removeprefix(effect.channel)
             names = [f"{channel}{course}" for channel in effect.kin]
-            names += [n for n in effect.confused_with if n in self.case.untestable]
+            names += [n for n in alike(effect) if n in self.case.untestable]
             yield from (name for name in names if name not in self.done)
 
 
