@@ -246,8 +246,8 @@ if data is not None:
 # *Errors on test weeks, every fifth week, at which no decision looked. Left by step of
 # the loop, right by the quarter: measured minus modelled in sun, before anything was
 # added and after.* The gain is by day; by night the error is not smaller than that of
-# the paper's form. And 2013 and 2014 are still warmer than the years after them, by up
-# to 1 K: something with a calendar that no effect took.
+# the paper's form. And 2013 and 2014 are still warmer than the years after them, by
+# about 1 K: something with a calendar that no effect took.
 #
 # What remains
 # ------------

@@ -3,11 +3,9 @@
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
 from test_instruments import closed, half_a_year, with_change  # noqa: F401
 
-import pvlib_fem as fem
 from pvlib_fem.findings import Finding, Opinion, Verdict
 from pvlib_fem.record.columns import is_power, twin_of, vouches
 from pvlib_fem.stored import Stored
@@ -111,24 +109,3 @@ def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
 def test_a_name_says_what_a_column_vouches_for(name, usual, power):
     assert twin_of(name) == usual and is_power(name) == power
     assert vouches(name) == (usual is not None or (power and name != "p_dc"))
-
-
-def test_at_bolzano_power_speaks_for_the_irradiance_sensor(bolzano):
-    loop = fem.close_loop(bolzano)
-    first = next(f for f in loop.findings if f.witnesses)
-    assert "sensitivity_step" not in first.candidates
-    assert {"contact_step", "mounting_step"} <= {*first.candidates}
-    said = {(one.column, one.opinion) for one in first.witnesses}
-    assert said == {(n, Opinion.CONTRADICTS) for n in ("power_dc", "power_ac")}
-
-
-def test_at_golden_the_irradiance_sensor_is_named(golden):
-    """By 1.5 to 2.1 % a year, or at once: power and a second plane agree."""
-    loop = fem.close_loop(golden)
-    first = loop.findings[0]
-    assert {n.rsplit("_", 1)[0] for n in first.candidates} == {"sensitivity"}
-    assert first.effect == "sensitivity_drift"
-    (rate,) = first.coefficients.values()
-    assert 0.015 < rate < 0.021
-    agreeing = {o.column for o in first.witnesses if o.opinion is Opinion.AGREES}
-    assert "power_ac" in agreeing and isinstance(loop.residual_before, pd.Series)

@@ -1,0 +1,138 @@
+"""What the loop finds in two measured records of years, and the pages that tell it."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pvlib
+import pytest
+from pvlib.location import Location
+
+import pvlib_fem as fem
+from pvlib_fem.findings import Opinion, Verdict
+
+ROOT = Path(__file__).parents[1]
+
+
+def closed(data):
+    site = [data.attrs[name] for name in ("latitude", "longitude", "tz")]
+    return fem.close_loop(data, location=Location(*site))
+
+
+@pytest.fixture(scope="module")
+def at_bolzano(bolzano):
+    return closed(bolzano)
+
+
+@pytest.fixture(scope="module")
+def at_golden(golden):
+    return closed(golden)
+
+
+def words(path):
+    """The text of a file, each run of white space one blank."""
+    return " ".join((ROOT / path).read_text(encoding="utf-8").split())
+
+
+def question(page):
+    """What stands above a page of the gallery."""
+    return words(f"gallery/{page}.py").split('"""')[1]
+
+
+def over_temperature(data):
+    """Measured over modelled by pvlib's defaults, in sun."""
+    sunny = data[data["poa_global"] > 300.0]
+    usual = [sunny[name] for name in ("poa_global", "temp_air", "wind_speed")]
+    expected = pvlib.temperature.faiman(*usual) - sunny["temp_air"]
+    return (sunny["temp_module"] - sunny["temp_air"]) / expected
+
+
+def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
+    first = at_bolzano.findings[0]
+    assert "sensitivity_step" not in first.candidates
+    assert {"contact_step", "mounting_step"} <= {*first.candidates}
+    said = {(one.column, one.opinion) for one in first.witnesses}
+    assert said == {(n, Opinion.CONTRADICTS) for n in ("power_dc", "power_ac")}
+
+
+def test_at_golden_the_irradiance_sensor_is_named(at_golden):
+    """By 1.5 to 2.1 % a year, or at once: power and a modelled irradiance agree."""
+    first = at_golden.findings[0]
+    assert {n.rsplit("_", 1)[0] for n in first.candidates} == {"sensitivity"}
+    assert first.effect == "sensitivity_drift"
+    (rate,) = first.coefficients.values()
+    assert 0.015 < rate < 0.021
+    agreeing = {o.column for o in first.witnesses if o.opinion is Opinion.AGREES}
+    assert agreeing == {"power_ac", "poa_modelled"}
+    assert isinstance(at_golden.residual_before, pd.Series)
+
+
+def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano):
+    text = words("README.md")
+    (clock,) = at_bolzano.corrections
+    assert "16 changes" in clock.why and "changes 16 times with summer time" in text
+    assert "from 2018-06-21 until 2018-07-01" in clock.why
+    step, wind = at_bolzano.findings[:2]
+    its = next(e for e in at_bolzano.fit.effects if e.name == step.effect).settings
+    low, high = its["between"]
+    assert f"From {its['at']} ({low} to {high}) over-temperature per irradiance" in text
+    share = over_temperature(bolzano)
+    before, after = share["2011-04":"2012-03"], share["2012-04":"2013-03"]
+    assert after.median() / before.median() == pytest.approx(1.2, abs=0.02)
+    (witness,) = (one for one in step.witnesses if one.column == "power_dc")
+    size, needed = re.findall(r"by (.+? %), and it would need (.+? %)", str(witness))[0]
+    assert f"the two part by {size} where it would need {needed}." in text
+    kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
+    assert step.verdict is Verdict.CLASS
+    assert kinds == {"contact", "mounting", "wind_gain", "air_shelter"}
+    assert (wind.effect, wind.verdict) == ("wind_direction", Verdict.NAMED)
+    errors = at_bolzano.table.loc[["fem", at_bolzano.last]].round(2)
+    before, after = errors["rmse_test"]
+    told = f"falls from {before:.2f} K by the paper's form to {after:.2f} K, by day"
+    assert told in text
+    before, after = errors["rmse_test_day"]
+    assert f"by day from {before:.2f} K to {after:.2f} K." in text
+    study = words("docs/study_measured.md")
+    for name in (step.effect, wind.effect):
+        assert f"| `{name}` | 10 | 10 | 10 |" in study
+    assert "come back in ten draws of ten" in text
+
+
+def test_the_page_of_bolzano_has_the_numbers_of_the_loop(at_bolzano, bolzano):
+    text = question("16_eight_years_at_bolzano")
+    before, after = at_bolzano.table["rmse_test"].loc[["fem", at_bolzano.last]]
+    assert f"from {before:.2f} K to {after:.2f} K" in text
+    assert "On 29 March 2012" in text
+    page = words("gallery/16_eight_years_at_bolzano.py")
+    share = over_temperature(bolzano)
+    parts = share["2011-04":"2012-03"].median(), share["2012-04":"2013-03"].median()
+    assert f"are near {parts[0]:.2f}, the year" in page
+    assert f"on is near {parts[1]:.2f}." in page
+
+
+def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
+    text = question("17_a_pyranometer_that_fades")
+    first = at_golden.findings[0]
+    (rate,), (error,) = first.coefficients.values(), first.stderr.values()
+    assert f"{100 * rate:.1f} ± {100 * error:.1f} % a year" in text
+    drifts = {
+        one.column: f"{100 * one.size:.1f}"
+        for one in first.witnesses
+        if one.effect == first.effect
+    }
+    told = "power by {power_ac}, a modelled irradiance by {poa_modelled} and a second "
+    assert told.format(**drifts) + f"plane by {drifts['poa_global_2']} %" in text
+    before, after = at_golden.table["rmse_test"].loc[["fem", at_golden.last]]
+    assert f"from {before:.2f} K to {after:.2f} K" in text
+    page, share = (
+        words("gallery/17_a_pyranometer_that_fades.py"),
+        over_temperature(golden),
+    )
+    days = [
+        share[f"{year}-04-14" : f"{year}-05-20"].median() for year in (2012, 2013, 2014)
+    ]
+    assert days[1] / np.mean(days[::2]) == pytest.approx(7 / 6, abs=0.02)
+    assert "heats the modules, by about a sixth" in page
+    calm = golden.loc["2017-05-09":"2017-05-31", "wind_speed"]
+    assert (calm.dropna() == 0.0).all() and calm.notna().sum() > 300
