@@ -220,7 +220,7 @@ if data is not None:
     plt.show()
 
 # %%
-# *What is left, by date and by hour and month.* 2 K in summer and 4 to 6 K in winter,
+# *What is left, by date and by hour and month.* 2 K in summer and 3 to 7 K in winter,
 # much of it on single days, as snow on the modules would leave it; the file has no snow
 # depth. Mornings are colder and forenoons of summer warmer than modelled, as where the
 # sensor's sun and the module's are not the same. Tilt and azimuth are not stated, and
