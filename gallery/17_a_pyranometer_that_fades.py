@@ -62,11 +62,14 @@ if data is not None:
 
 # %%
 # *Measured over-temperature in sun over that of pvlib's default coefficients, by the
-# month.* It rises from 1.1 to 1.2. From 14 April to 20 May 2013 the plant fed nothing:
-# what is not taken off as power heats the modules, by about a sixth. The loop does not
-# try that here, since the area of the plant is not stated (``p_dc`` is power per area).
+# month.* It rises from 1.1 to 1.2. From 14 April to 20 May 2013 the plant fed next to
+# nothing: what is not taken off as power heats the modules, by about a sixth. The loop
+# does not try that here, since the area of the plant is not stated (``p_dc`` is power
+# per area). When other weeks are left out it may find those days, to the day, and then
+# takes them for an episode of anemometer or contact (:doc:`/study_measured`), wrongly.
+#
 # In May 2017 the anemometer says 0.0 m/s for three weeks, which neither screen nor loop
-# takes for a fault: an hour without wind is possible, so many are not.
+# takes for a fault: an hour without wind is possible, three weeks are not.
 #
 # The clock
 # ---------

@@ -134,5 +134,7 @@ def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
     ]
     assert days[1] / np.mean(days[::2]) == pytest.approx(7 / 6, abs=0.02)
     assert "heats the modules, by about a sixth" in page
+    fed = golden["power_ac"] > 0.0
+    assert fed["2013-04-14":"2013-05-20"].mean() < 0.02 < fed["2012"].mean()
     calm = golden.loc["2017-05-09":"2017-05-31", "wind_speed"]
     assert (calm.dropna() == 0.0).all() and calm.notna().sum() > 300
