@@ -40,6 +40,7 @@ def ax():
         plotting.plot_before_after,
         plotting.plot_contributions,
         plotting.plot_steps,
+        plotting.plot_budget,
         lambda loop, ax=None: plotting.plot_fit(loop.fit, ax=ax),
         lambda loop, ax=None: plotting.plot_residual_map(loop.residual_before, ax),
         lambda loop, ax=None: loop.plot(ax),

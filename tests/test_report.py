@@ -206,7 +206,7 @@ def test_a_record_too_short_says_so(week):
     page = Page(loop.to_html())
     assert "The record is too short to weigh any effect." in page.texts
     assert "nan" not in page.text
-    assert page.tags.count("figure") == 4  # no effect, and no wind direction
+    assert page.tags.count("figure") == 5  # no effect, and no wind direction
 
 
 def test_without_an_effect_there_is_no_before():
@@ -240,6 +240,7 @@ SECTIONS = (
     "Coefficients",
     "What the record cannot tell",
     "What is left unexplained",
+    "Where in time it lives",
     "What to measure next",
     "Not testable",
     "The state of the data",
@@ -437,7 +438,7 @@ def test_a_fit_has_a_page_as_a_loop_has(fit, tmp_path):
     assert float(rows["this fit"][1]) > 0
     assert str(fit) in page.texts and fit.summary.sha256 in page.text
     titles = [title for title in SECTIONS if title in page.texts]
-    assert titles == [SECTIONS[i] for i in (0, 1, 2, 7, 8)]
+    assert titles == [SECTIONS[i] for i in (0, 1, 2, 8, 9)]
     assert not {"script", "link", "iframe"} & {*page.tags}
 
 

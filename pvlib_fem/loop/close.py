@@ -12,6 +12,7 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.fitting.daily import daily_sums, errors
 from pvlib_fem.fitting.fit import finished
+from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
@@ -22,7 +23,7 @@ from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, unexplained
 from pvlib_fem.loop.result import Loop
-from pvlib_fem.loop.steps import SCORES, Fits, error_table
+from pvlib_fem.loop.steps import BASES, SCORES, Fits, error_table
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.weeks import Part, named
@@ -279,6 +280,10 @@ class Search:
         ranking, more = self.left_over(found, findings)
         raw = self.steps[base]
         before = pd.Series(raw.measured - raw.temperature, record.index)
+        stretches = episodes_of(case, last)
+        # of the two dynamics the loop went on with one
+        path = [n for n in self.steps if n not in BASES or n in ("steady", base)]
+        budget = budget_of(case, self.steps, path, table, more, stretches)
         return Loop(
             findings=tuple(more),
             corrections=tuple(self.corrections),
@@ -296,6 +301,8 @@ class Search:
             criteria=case.criteria,
             family=case.family.physics,
             weighed=found is not None,
+            budget=budget,
+            episodes=stretches,
         )
 
     def left_over(self, found, findings):

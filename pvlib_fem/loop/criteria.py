@@ -109,6 +109,10 @@ class Criteria:
         afterwards, since a table does not say all of the unknown. [-]
     most_structures : int
         *structure.* Tables that are set aside, or told, in one round. [-]
+    episode_chance : float
+        *structure.* Chance that noise shows any day or stretch of days that stands
+        out of the others, if its tails are as heavy as exponential ones at most.
+        [-]
     cell_time : float
         *structure.* Time over which rows share a cell of a table. [s]
     driver_bins : int
@@ -232,6 +236,7 @@ class Criteria:
     structure_left: float = 0.4
     structure_spill: float = 0.1
     most_structures: int = 3
+    episode_chance: float = 0.01
     cell_time: float = 900.0
     driver_bins: int = 10
     cell_weight: float = 43200.0

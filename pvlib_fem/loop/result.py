@@ -13,6 +13,12 @@ from pvlib_fem.drivers import geometry
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Correction, Finding, Kind
 from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.loop.budget import (
+    budget_from,
+    budget_rows,
+    episode_rows,
+    episodes_from,
+)
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
 from pvlib_fem.modelchain import LOOP, DynamicCellTemperature
@@ -63,6 +69,21 @@ class Loop:
         ``weeks``, in a loop that was read from a file, which holds no rows. [K]
     weeks : Series of category or None
         What each row was for: ``fitting``, ``choosing`` or ``test``.
+    budget : DataFrame
+        Where the mean square of the steady model went, on the test weeks (on the
+        fitting weeks where there are none). Of the rows by ``kind``, those ``taken``
+        by a step and ``left`` add up to the ``start``, and the time ``scale`` rows to
+        what is left: means of weeks, of days about their week's, of hours about their
+        day's and rows about their hour's, each less the part of white noise, which
+        is ``from row to row``. Those ``of which`` are contained in the scales and
+        may overlap: the episodes below, and each table of unknown structure by what
+        it takes off fitting weeks left out in turn. ``mean_square`` [K²], its root
+        with sign ``error`` [K], its ``share`` of the start, and the ``weeks``.
+    episodes : DataFrame
+        Days that stand out of those around them, the largest share first: ``start``
+        and ``end``, the last of its ``days``; mean residual by ``day`` and by
+        ``night`` [K]; ``share`` of the mean square. Of all weeks, the test weeks
+        too: they are told, and decide nothing.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.
     criteria : Criteria
@@ -87,6 +108,8 @@ class Loop:
     place: dict
     residual_before: pd.Series | None = field(repr=False)
     weeks: pd.Series | None = field(repr=False)
+    budget: pd.DataFrame = field(repr=False)
+    episodes: pd.DataFrame = field(repr=False)
     plain: tuple = field(repr=False)
     criteria: Criteria = field(repr=False)
     family: int = 1
@@ -291,6 +314,8 @@ class Loop:
             "last": self.last,
             "untestable": {n: why.content() for n, why in self.untestable.items()},
             "ranking": ranking_rows(self.ranking),
+            "budget": budget_rows(self.budget),
+            "episodes": episode_rows(self.episodes),
             "notes": self.notes,
             "place": placed(self.place),
             "weeks": self.week_rows,
@@ -350,6 +375,8 @@ class Loop:
             untestable={n: Because.stored(why[n]) for n in why.content},
             ranking=ranking_from(content.part("ranking")),
             fit=FemFit.stored(content.part("fit"), own),
+            budget=budget_from(content.parts("budget")),
+            episodes=episodes_from(content.parts("episodes")),
             notes=content.texts("notes"),
             place=place_from(content.part("place")),
             residual_before=None,

@@ -6,6 +6,7 @@ follow matplotlib's style, light or dark; what a colour tells, a line style, a m
 or a sign tells as well.
 """
 
+from pvlib_fem.plotting.budget import plot_budget
 from pvlib_fem.plotting.comparisons import (
     plot_comparison,
     plot_energy_error,
@@ -34,6 +35,7 @@ __all__ = [
     "COLOURS",
     "OTHER",
     "plot_before_after",
+    "plot_budget",
     "plot_comparison",
     "plot_contributions",
     "plot_energy_error",

@@ -105,7 +105,7 @@ def path(fit):
 
 
 def signed(change):
-    """A change in K, with a true minus."""
+    """A change to two decimals, with a true minus."""
     if abs(change) < NOTHING:
         return "±0.00"
     return f"{change:+.2f}".replace("-", "−")

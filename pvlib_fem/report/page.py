@@ -8,7 +8,7 @@ import pandas as pd
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.reasons import Reason
-from pvlib_fem.report import advice
+from pvlib_fem.report import advice, budget
 from pvlib_fem.report.document import (
     document,
     figures,
@@ -76,6 +76,7 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         section("Coefficients", coefficients(fit, loop.corrections)),
         section("What the record cannot tell", undecided(loop)),
         section("What is left unexplained", unexplained(loop)),
+        section("Where in time it lives", in_time(loop)),
         section("Which rules decided", rules(loop)),
         section("What to measure next", next_measurements(loop)),
         section("Not testable", untestable(loop, never)),
@@ -165,6 +166,8 @@ def verdict(loop):
         body.append(paragraph(f"Hints that were not added: {names}."))
     if left := loop.unexplained:
         body.append(paragraph(f"Of unknown cause: {'; '.join(map(lives, left))}."))
+    if days := [f"{span} ({words})" for span, words in budget.dates(loop)]:
+        body.append(paragraph(f"Days to look up in the site's log: {'; '.join(days)}."))
     return "\n".join(body)
 
 
@@ -305,6 +308,22 @@ def unexplained(loop):
             "months or the columns of the record."
         )
     return listed((lives(f), f"{beside(f)}; {WITHOUT_CAUSE}") for f in left)
+
+
+def in_time(loop):
+    """Time scales of what is left, days that stand out, and the budget."""
+    body = [paragraph(f"{words}.")] if (words := budget.in_time(loop)) else []
+    if len(loop.episodes):
+        days = "Days that stand out of those around them; the site's log may know why:"
+        body += [paragraph(days), listed(budget.dates(loop, most=None))]
+    head = ("part", "#K²", "#K", "#%", "weeks")
+    words = (
+        "What the steps took and what is left add up to the steady model's mean "
+        "square, and the time scales to what is left. What is contained in it may "
+        "overlap: days that stand out, looked for in all weeks, and tables of unknown "
+        "structure by what they take off fitting weeks left out in turn."
+    )
+    return "\n".join([*body, table(head, budget.cells(loop), words)])
 
 
 def beside(finding):

@@ -43,6 +43,13 @@ def pictures(loop):
             f"RMSE on the {which} days, step by step",
         ),
         draw(
+            "budget",
+            lambda ax: plotting.plot_budget(loop, ax),
+            "Mean square of the steady model: what each step took of it, what is left, "
+            "and on which time scales that lives",
+            size=(4.8, 0.7 + 0.27 * len(loop.budget)),
+        ),
+        draw(
             "day",
             lambda ax: plotting.plot_before_after(loop, ax),
             f"The most variable of the {which} days, {day}",

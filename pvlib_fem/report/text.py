@@ -6,6 +6,7 @@ import numpy as np
 
 from pvlib_fem.findings import CORRECTED, Kind, Verdict
 from pvlib_fem.plotting.steps import BASES
+from pvlib_fem.report import budget
 from pvlib_fem.report.document import rounded, with_error
 from pvlib_fem.report.page import by_reason
 
@@ -84,6 +85,12 @@ def rows(loop):
 
 def told(loop):
     """What is left, open, not testable and never to be had, and the notes."""
+    if words := budget.in_time(loop):
+        yield "left in time", words
+    for days, words in budget.dates(loop):
+        yield "see the site's log", f"{days}: {words}"
+    if words := budget.more(loop):
+        yield "", words
     for finding in loop.unexplained:
         yield "left", finding.why
     for finding in loop.findings:

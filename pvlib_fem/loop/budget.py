@@ -1,0 +1,172 @@
+"""Where the error went, and where in time the rest of it lives."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.findings import Kind
+from pvlib_fem.record.columns import DAYLIGHT
+from pvlib_fem.statistics.episodes import episodes
+from pvlib_fem.statistics.scales import by_scale
+
+ENDINGS = {"test": "rmse_test", "fitting": "rmse_train"}
+COLUMNS = ["kind", "mean_square", "error", "share", "weeks"]
+#: columns of the episodes that are numbers
+NUMBERS = ["day", "night", "share"]
+
+
+def episodes_of(case, step):
+    """
+    Days on which a step's residual is not what it is around them, as rows.
+
+    All weeks are looked at: episodes are told, and decide nothing.
+    """
+    residual = step.measured - step.temperature
+    rows = case.seen & np.isfinite(residual)
+    residual, dates = residual[rows], case.whole.dates[rows]
+    sunny = case.whole["poa_global"][rows] > DAYLIGHT
+    total, found = residual @ residual, []
+    for first, last in episodes(residual, dates, sunny, case.criteria.episode_chance):
+        within = (dates >= first) & (dates <= last)
+        mine = residual[within]
+        found.append(
+            {
+                "start": written(first),
+                "end": written(last),
+                "days": last - first + 1,
+                "day": mean(residual[within & sunny]),
+                "night": mean(residual[within & ~sunny]),
+                "share": float(mine @ mine / total),
+            }
+        )
+    return episode_table(sorted(found, key=lambda row: -row["share"]))
+
+
+def mean(values):
+    return float(values.mean()) if len(values) else np.nan
+
+
+def written(date):
+    return str(np.datetime64(int(date), "D"))
+
+
+def episode_table(rows):
+    """Episodes of a record or a file as a table."""
+    names = ["start", "end", "days", *NUMBERS]
+    table = pd.DataFrame(rows, columns=names)
+    dates = {name: pd.to_datetime(table[name]) for name in names[:2]}
+    kinds = {"days": int, **dict.fromkeys(NUMBERS, float)}
+    return table.assign(**dates).astype(kinds)
+
+
+def episode_rows(table):
+    """The same for a file."""
+    dates = {name: table[name].dt.strftime("%Y-%m-%d") for name in ("start", "end")}
+    return table.assign(**dates).to_dict(orient="records")
+
+
+def episodes_from(parts):
+    """Episodes of parts of a file."""
+    return episode_table(
+        [
+            {
+                **{name: part.text(name) for name in ("start", "end")},
+                "days": part.count("days"),
+                **{name: part.number(name, unknown=True) for name in NUMBERS},
+            }
+            for part in parts
+        ]
+    )
+
+
+def budget_of(case, steps, path, table, findings, stretches):
+    """
+    Mean square of the steady model: what steps took of it, and what is left in time.
+
+    Of the test weeks, on the rows that all steps know; of the fitting weeks where
+    there are no test weeks. What the steps of the path took, and the scales of what
+    is left, add up.
+    """
+    weeks, residual, rows = told_rows(case, steps, steps[path[-1]])
+    squares = table.loc[path, ENDINGS[weeks]] ** 2
+    scales = left_by_scale(case.whole, residual, rows)
+    steady, left = squares.iloc[0], sum(scales.values())
+    taken = -squares.diff().iloc[1:]
+    budget = [
+        ("steady", "start", steady, weeks),
+        *((name, "taken", square, weeks) for name, square in taken.items()),
+        ("left", "left", left, weeks),
+        *((name, "scale", square, weeks) for name, square in scales.items()),
+    ]
+    if len(stretches):
+        held = within(case.whole.dates[rows], stretches)
+        inside = residual[rows][held]
+        square = inside @ inside / max(rows.sum(), 1)
+        budget.append(("episodes", "of which", square, weeks))
+    budget += [
+        (f"table of {f.effect}", "of which", f.gain**2, "fitting")
+        for f in findings
+        if f.kind is Kind.STRUCTURE
+    ]
+    return budget_table(
+        [
+            {"part": part, "kind": kind, "mean_square": float(square), "weeks": weeks}
+            for part, kind, square, weeks in budget
+        ]
+    )
+
+
+def told_rows(case, steps, last):
+    """The weeks that are told, the last residual, and the rows of both."""
+    everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
+    residual = last.measured - last.temperature
+    everywhere &= np.isfinite(residual)
+    weeks = "test" if (case.test & everywhere).any() else "fitting"
+    return (
+        weeks,
+        residual,
+        everywhere & (case.test if weeks == "test" else case.fitting),
+    )
+
+
+def left_by_scale(record, residual, rows):
+    """Mean square of what is left, by time scale."""
+    local = record.index.tz_localize(None)
+    hours = local.hour.to_numpy()[rows]
+    times = record.inputs.seconds[rows], record.inputs.step
+    return by_scale(residual[rows], record.dates[rows], hours, *times)
+
+
+def within(dates, stretches):
+    """Rows of some days."""
+    held = np.zeros(len(dates), dtype=bool)
+    for start, end in zip(stretches["start"], stretches["end"]):
+        first, last = (np.datetime64(day, "D").astype(int) for day in (start, end))
+        held |= (dates >= first) & (dates <= last)
+    return held
+
+
+def budget_table(rows):
+    """A budget of a record or a file as a table."""
+    table = pd.DataFrame(rows).set_index("part")
+    square = table["mean_square"]
+    error = np.sign(square) * np.sqrt(square.abs())
+    return table.assign(error=error, share=square / square.iloc[0])[COLUMNS]
+
+
+def budget_rows(table):
+    """The same for a file; what follows from it is made again."""
+    return table[["kind", "mean_square", "weeks"]].reset_index().to_dict("records")
+
+
+def budget_from(parts):
+    """The budget of parts of a file."""
+    texts = ("part", "kind", "weeks")
+    return budget_table(
+        [
+            {
+                **{name: part.text(name) for name in texts},
+                "mean_square": part.number("mean_square", unknown=True),
+            }
+            for part in parts
+        ]
+    )
