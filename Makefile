@@ -3,7 +3,8 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured sweep coverage periods clean
+.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments
+.PHONY: sweep coverage periods episodes clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -57,6 +58,9 @@ study: $(VENV)/.installed
 	$(BIN)/python tests/study.py --shift 610000 --out docs/study.md
 
 # what it says of the two measured records of years when their weeks are drawn anew
+study-instruments: $(VENV)/.installed
+	$(BIN)/python tests/study_instruments.py --out docs/study_instruments.md
+
 study-measured: $(VENV)/.installed
 	$(BIN)/python tests/study_measured.py --out docs/study_measured.md
 
@@ -71,6 +75,10 @@ coverage: $(VENV)/.installed
 # the same by the month, where a coefficient changes, for docs/guide/fitting.md
 periods: $(VENV)/.installed
 	$(BIN)/python tests/study_periods.py --records 200
+
+# how often noise shows days that stand out, for docs/guide/honesty.md
+episodes: $(VENV)/.installed
+	$(BIN)/python tests/study_episodes.py
 
 clean:
 	rm -rf $(VENV) $(VENV)-quality dist .pytest_cache .ruff_cache .mypy_cache .hypothesis docs/_build docs/gallery docs/generated

@@ -28,10 +28,11 @@ def world(seed=0, **changed):
 
 
 def adds_up(budget):
-    """What steps took and what is left, and the scales of that."""
+    """What steps took and what is left; days that stand out, and all others' scales."""
     by = budget.groupby("kind")["mean_square"].sum()
     assert by["taken"] + by["left"] == pytest.approx(by["start"], rel=1e-12)
-    assert by["scale"] == pytest.approx(by["left"], rel=1e-12)
+    in_time = by["scale"] + by.get("episodes", 0.0)
+    assert in_time == pytest.approx(by["left"], rel=1e-12)
     assert (budget["mean_square"][budget["kind"] == "scale"] >= 0.0).all()
     return True
 
@@ -74,7 +75,13 @@ def test_a_covered_week_is_told_by_its_dates(covered):
     assert row["share"] == pytest.approx(share, rel=0.01) and share > 0.3
     text = " ".join(str(covered).split())
     assert f"2023-06-05 to 2023-06-11: {row['day']:.1f} K warmer by day" in text
+    assert "most of it should be in the site's log" in text
     assert "2023-06-05 to 2023-06-11" in covered.to_html()
+    test = covered.weeks[residual.index] == "test"
+    rows = (covered.fit.holdout & covered.fit.residual.notna()).sum()
+    square = (residual[test] ** 2).sum() / rows
+    apart = covered.budget["mean_square"]["on days that stand out"]
+    assert apart == pytest.approx(square, rel=0.01) and square > 1.0
 
 
 def test_an_error_above_one_kelvin_has_a_line_on_its_time(covered):

@@ -83,29 +83,32 @@ def budget_of(case, steps, path, table, findings, stretches):
     Mean square of the steady model: what steps took of it, and what is left in time.
 
     Of the test weeks, on the rows that all steps know; of the fitting weeks where
-    there are no test weeks. What the steps of the path took, and the scales of what
-    is left, add up.
+    there are no test weeks. What the steps of the path took, what is on days that
+    stand out, and the time scales of all other days add up.
     """
     weeks, residual, rows = told_rows(case, steps, steps[path[-1]])
     squares = table.loc[path, ENDINGS[weeks]] ** 2
-    scales = left_by_scale(case.whole, residual, rows)
-    steady, left = squares.iloc[0], sum(scales.values())
+    out = rows & within(case.whole.dates, stretches)
+    apart = residual[out] @ residual[out] / max(rows.sum(), 1)
+    usual = (rows & ~out).sum() / max(rows.sum(), 1)
+    scales = left_by_scale(case.whole, residual, rows & ~out)
+    scales = {name: usual * square for name, square in scales.items()}
+    steady, left = squares.iloc[0], apart + sum(scales.values())
     taken = -squares.diff().iloc[1:]
     budget = [
         ("steady", "start", steady, weeks),
         *((name, "taken", square, weeks) for name, square in taken.items()),
         ("left", "left", left, weeks),
+        *(
+            [("on days that stand out", "episodes", apart, weeks)]
+            * bool(len(stretches))
+        ),
         *((name, "scale", square, weeks) for name, square in scales.items()),
-    ]
-    if len(stretches):
-        held = within(case.whole.dates[rows], stretches)
-        inside = residual[rows][held]
-        square = inside @ inside / max(rows.sum(), 1)
-        budget.append(("episodes", "of which", square, weeks))
-    budget += [
-        (f"table of {f.effect}", "of which", f.gain**2, "fitting")
-        for f in findings
-        if f.kind is Kind.STRUCTURE
+        *(
+            (f"table of {f.effect}", "of which", f.gain**2, "fitting")
+            for f in findings
+            if f.kind is Kind.STRUCTURE
+        ),
     ]
     return budget_table(
         [

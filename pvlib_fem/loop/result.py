@@ -72,13 +72,14 @@ class Loop:
     budget : DataFrame
         Where the mean square of the steady model went, on the test weeks (on the
         fitting weeks where there are none). Of the rows by ``kind``, those ``taken``
-        by a step and ``left`` add up to the ``start``, and the time ``scale`` rows to
-        what is left: means of weeks, of days about their week's, of hours about their
-        day's and rows about their hour's, each less the part of white noise, which
-        is ``from row to row``. Those ``of which`` are contained in the scales and
-        may overlap: the episodes below, and each table of unknown structure by what
-        it takes off fitting weeks left out in turn. ``mean_square`` [K²], its root
-        with sign ``error`` [K], its ``share`` of the start, and the ``weeks``.
+        by a step and ``left`` add up to the ``start``; the ``episodes`` below and,
+        of all other days, the time ``scale`` rows add up to what is left: means of
+        weeks, of days about their week's, of hours about their day's and rows about
+        their hour's, each less the part of white noise, which is ``from row to row``.
+        Those ``of which`` are contained in what is left and may overlap: tables of
+        unknown structure, by what each takes off fitting weeks left out in turn.
+        ``mean_square`` [K²], its root with sign ``error`` [K], its ``share`` of the
+        start, and the ``weeks``.
     episodes : DataFrame
         Days that stand out of those around them, the largest share first: ``start``
         and ``end``, the last of its ``days``; mean residual by ``day`` and by

@@ -6,7 +6,13 @@ from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, ink, new_axes
 from pvlib_fem.plotting.steps import one_line_each, signed
 
 #: colours of the kinds of rows; what rises is told by its hatching, too
-LOOKS = {"start": OTHER, "taken": AFTER, "left": OTHER, "scale": BEFORE}
+LOOKS = {
+    "start": OTHER,
+    "taken": AFTER,
+    "left": OTHER,
+    "episodes": BEFORE,
+    "scale": BEFORE,
+}
 
 
 def plot_budget(loop: Any, ax: Any = None) -> Any:

@@ -4,6 +4,7 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.report import budget
 
 #: what is lacking where the sun's place is
 PLACE = "location, surface_tilt and surface_azimuth (to give, not to measure)"
@@ -15,9 +16,9 @@ def to_measure(loop):
     What would settle what is open, the most useful first.
 
     First what would decide a tie or a hint or name unknown structure, by how much
-    of the error that is; then columns that the record has not, by the number of
-    effects that each would make testable; then more days. Of a record in which
-    nothing could be weighed more days come first.
+    of the error that is; then days to look up in the site's log; then columns that the
+    record has not, by the number of effects that each would make testable; then more
+    days. Of a record in which nothing could be weighed more days come first.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ def to_measure(loop):
     """
     if not loop.weighed:
         return [*longer(loop), *lacking(loop)]
-    return [*settling(loop), *lacking(loop), *longer(loop)]
+    return [*settling(loop), *logs(loop), *lacking(loop), *longer(loop)]
 
 
 def settling(loop):
@@ -50,6 +51,15 @@ def settling(loop):
                 items.append((finding.gain, what, why))
     items.sort(key=lambda item: -item[0])
     return [(what, why) for _, what, why in items]
+
+
+def logs(loop):
+    """What was done on the days that stand out."""
+    for days, words in budget.dates(loop):
+        yield (
+            f"what the site's log has of {days} (to look up)",
+            f"would explain {words}",
+        )
 
 
 def lacking(loop):

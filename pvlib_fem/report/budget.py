@@ -11,25 +11,27 @@ PARTS = {
     "start": "{} model",
     "taken": "taken by {}",
     "left": "what is left",
+    "episodes": "left {}",
     "scale": "left {}",
     "of which": "of which {}",
 }
-#: what is known to change on a scale
+#: what is known to change so
 CAUSES = {
     "from week to week": "has a slow cause, such as a season, soiling, what grows "
     "around, an instrument that drifts",
     "from day to day": "has a cause with a calendar, such as rain, snow or work on the "
     "site, or comes with the weather of whole days",
-    "within the day": "follows the hour, the sun's place, wind or clouds",
+    "within the day": "comes and goes with the hour, the sun, wind or clouds",
+    "on days that stand out": "should be in the site's log",
     "within the hour": "is as fast as clouds and gusts",
     "from row to row": "is noise of sensors and loggers, which no model takes",
 }
 
 
 def scales(loop):
-    """Mean squares of what is left by time scale, the largest first."""
+    """Mean squares of what is left in time, the largest first."""
     budget = loop.budget
-    parts = budget.loc[budget["kind"] == "scale", "mean_square"]
+    parts = budget.loc[budget["kind"].isin(["episodes", "scale"]), "mean_square"]
     return parts.sort_values(ascending=False, kind="stable")
 
 

@@ -319,9 +319,10 @@ def in_time(loop):
     head = ("part", "#K²", "#K", "#%", "weeks")
     words = (
         "What the steps took and what is left add up to the steady model's mean "
-        "square, and the time scales to what is left. What is contained in it may "
-        "overlap: days that stand out, looked for in all weeks, and tables of unknown "
-        "structure by what they take off fitting weeks left out in turn."
+        "square; days that stand out and the time scales of all others add up to what "
+        "is left. Tables of unknown structure are contained in that, by what they take "
+        "off fitting weeks left out in turn. Days that stand out are looked for in all "
+        "weeks, and decide nothing."
     )
     return "\n".join([*body, table(head, budget.cells(loop), words)])
 

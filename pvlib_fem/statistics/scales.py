@@ -47,6 +47,8 @@ def by_scale(residual, dates, hours, seconds, step):
         stands by half and more.
     """
     rows = len(residual)
+    if rows == 0:
+        return dict.fromkeys(SCALES, 0.0)
     dates = np.asarray(dates, dtype=np.int64)
     blocks = (calendar_weeks(dates), dates, dates * HOURS + hours)
     means = [blocked(residual, block) for block in blocks]
