@@ -111,8 +111,9 @@ class Criteria:
         *structure.* Tables that are set aside, or told, in one round. [-]
     episode_chance : float
         *structure.* Chance that noise shows any day or stretch of days that stands
-        out of the others, if its tails are as heavy as exponential ones at most.
-        [-]
+        out, if its tails are as heavy as exponential ones at most: of 7200 series of
+        normal noise with a memory of 0 to 95 % from day to day (60 days to 8 years)
+        5 showed one. [-]
     cell_time : float
         *structure.* Time over which rows share a cell of a table. [s]
     driver_bins : int

@@ -10,7 +10,7 @@ PRESENT = 0.5  # of the usual rows, from which a day counts
 HALF = 0.5  # of a stretch's mean, from which a day at its edge is part of it
 GAP = 3  # days between two that are of one stretch
 TINY = 1e-12  # K, of a residual that is none
-MOST = 50  # stretches of a series
+MOST = 50  # stretches of a series at once, and times that it is looked at
 #: exponents of a tail that falls as exp(−x^k): exponential, and normal between the
 #: median and the 90 % quantile
 TAILS = (1.0, 1.345)
@@ -26,7 +26,8 @@ def episodes(residual, dates, sunny, chance):
     usual for that many days in this record, whatever memory it has: against a tail
     through the median and the 90 % quantile of single days, as heavy as an exponential
     one at most, at a chance that counts all sums. A stretch then grows as far as days
-    have half of its mean.
+    have half of its mean. The days that are left are looked at anew, until they show
+    none: where there are many, they hide each other. That chance is of the first look.
 
     Parameters
     ----------
@@ -62,7 +63,23 @@ def daily_means(residual, dates):
 
 
 def stretches(values, days, chance):
-    """From and to (exclusive) of each stretch of a series, the strongest first."""
+    """From and to (exclusive) of each stretch of a series."""
+    found, left = [], np.arange(len(values))
+    for _ in range(MOST):
+        if len(left) < FEWEST:
+            break
+        new = at_once(values[left], days[left], chance)
+        if not new:
+            break
+        found += [(int(left[start]), int(left[end - 1]) + 1) for start, end in new]
+        # what is usual is so of the other days, which are looked at anew
+        gone = np.concatenate([np.arange(start, end) for start, end in new])
+        left = np.delete(left, gone)
+    return found
+
+
+def at_once(values, days, chance):
+    """Stretches beside what is usual of all these days."""
     around = {"size": 2 * AROUND + 1, "mode": "reflect"}
     apart = values - median_filter(values, **around)
     # some weeks of the year have more weather than others
