@@ -57,10 +57,11 @@ energy: $(VENV)/.installed
 study: $(VENV)/.installed
 	$(BIN)/python tests/study.py --shift 610000 --out docs/study.md
 
-# what it says of the two measured records of years when their weeks are drawn anew
+# what it says of instruments that change among physics
 study-instruments: $(VENV)/.installed
 	$(BIN)/python tests/study_instruments.py --out docs/study_instruments.md
 
+# what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
 	$(BIN)/python tests/study_measured.py --out docs/study_measured.md
 
