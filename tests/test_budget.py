@@ -119,6 +119,7 @@ def test_they_come_back_from_a_file_to_the_bit(covered, tmp_path):
 def test_a_record_of_days_without_test_weeks_has_one_too():
     loop = fem.close_loop(world(days=1), effects=[])
     assert loop.fit.test_days == 0 and loop.episodes.empty
+    assert "too few days to tell which stand out, of 30" in " ".join(str(loop).split())
     assert adds_up(loop.budget) and set(loop.budget["weeks"]) == {"fitting"}
 
 
@@ -220,6 +221,13 @@ def test_eight_measured_years_say_where_in_time_it_lives(bolzano):
     loop = fem.close_loop(bolzano, effects=["wind_direction"])
     assert loop.table["rmse_test"][loop.last] > 1.0 and adds_up(loop.budget)
     assert "left in time" in str(loop)
+
+
+def test_days_that_stand_out_at_golden_are_of_winter(golden):
+    """Snow on the modules, which the record has no column for."""
+    told = fem.close_loop(golden, effects=[]).episodes
+    assert len(told) >= 3 and (told["day"] < -8.0).all()
+    assert set(told["start"].dt.month) <= {10, 11, 12, 1, 2, 3, 4}
 
 
 def test_a_covered_week_of_a_measured_year_is_told(bolzano):

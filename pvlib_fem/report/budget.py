@@ -3,6 +3,7 @@
 import numpy as np
 
 from pvlib_fem.report.document import number
+from pvlib_fem.statistics.episodes import FEWEST
 
 MOST = 3  # episodes that are told one by one
 SMALL = 0.005  # K or K²: nothing in two decimals
@@ -49,6 +50,8 @@ def in_time(loop):
         words += f": {', '.join(told)}"
     if parts.iloc[0] > 0.5 * left:
         words += f"; most of it {CAUSES[parts.index[0]]}"
+    if loop.fit.summary.days < FEWEST:
+        return f"{words}; too few days to tell which stand out, of {FEWEST}"
     return words + ("" if len(loop.episodes) else "; no days stand out by date")
 
 
