@@ -27,6 +27,7 @@ from pvlib_fem.record.columns import (
     GEOMETRY,
     is_power,
     numeric,
+    twin_of,
     usable_drivers,
     vouches,
     with_aliases,
@@ -197,8 +198,8 @@ def notes_of(look, corrections, wanted, site, criteria):
 def twins(look, limits):
     """Further irradiances whose clock is another than that of poa_global."""
     whole = look.whole
-    for name in look.drivers:
-        if name == "ghi" or name.startswith("poa_global_"):
+    for name in (*look.drivers, *look.witnesses):
+        if name == "ghi" or twin_of(name) == "poa_global":
             both = (whole["poa_global"], whole[name])
             if line := twin_clock(*both, whole.index, limits).line:
                 yield f"the clock of {name} {line}"
