@@ -13,11 +13,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.statistics.changes import (
-    Daily,
-    chance_of_episode,
-    chance_of_step,
-)
+from pvlib_fem.statistics.changes import chance_of_episode, chance_of_step
 
 YEAR = 365.2425  # days
 SHARP = 0.5  # of a step's size, that is there at its date: between a step and a drift
@@ -59,7 +55,7 @@ def drift(since=None):
     return lambda day: (day - (day[0] if first is None else first)) / YEAR
 
 
-def find_step(daily, dates, criteria):
+def find_step(daily, criteria):
     """The date from which on a channel is in what is left, or None."""
     side = criteria.change_side
     found = daily.step(side) if daily.days > 2 * side else None
@@ -68,13 +64,14 @@ def find_step(daily, dates, criteria):
     edge = side / daily.days
     if chance_of_step(found.statistic, edge, 1.0 - edge) > criteria.change_chance:
         return None
-    share, error = daily.sharpness(found.start, dates.astype(float))
+    share, error = daily.sharpness(found.start)
     if share + SURE * error < SHARP:
         return None  # what grows slowly is no step
-    return {"at": written(dates[found.start]), "between": around(found, dates)}
+    at = written(daily.dates[found.start])
+    return {"at": at, "between": around(found, daily.dates)}
 
 
-def find_episode(daily, dates, criteria):
+def find_episode(daily, criteria):
     """The dates between which a channel is in what is left, or None."""
     side = criteria.change_side
     found = daily.episode(side, side)
@@ -88,6 +85,7 @@ def find_episode(daily, dates, criteria):
     if max(chances) > criteria.change_chance:
         return None
     # over is the day after the last that has it
+    dates = daily.dates
     ends = {"start": dates[found.start], "end": dates[found.end - 1] + 1}
     return {name: written(day) for name, day in ends.items()} | {
         "between": around(found, dates)
@@ -99,9 +97,9 @@ def around(found, dates):
     return [written(dates[max(found.low - 1, 0)] + 1), written(dates[found.high])]
 
 
-def find_drift(daily, dates, criteria):
+def find_drift(daily, criteria):
     """A drift needs no date but its first."""
-    return {"since": written(dates[0])}
+    return {"since": written(daily.dates[0])}
 
 
 @dataclass(frozen=True)
@@ -110,7 +108,7 @@ class Course:
 
     name: str
     weight: Callable  # its dates, to a function of the day
-    find: Callable  # daily products, the days and the criteria to its dates, or None
+    find: Callable  # products by the day and the criteria to its dates, or None
     size: str  # what a coefficient is called
     unit: str = ""
     most: float = 1.0  # share of the channel's bounds that are its own
@@ -217,10 +215,9 @@ class Dated:
             scanned_from=replace(channel, name=self.name),
         )
 
-    def found(self, sums, column, given, dates, criteria):
-        """The effect with the dates that sums by the day show, or None."""
-        daily = Daily.of(sums, column, given)
-        found = self.course.find(daily, dates, criteria)
+    def found(self, daily, criteria):
+        """The effect with the dates that products by the day show, or None."""
+        found = self.course.find(daily, criteria)
         return None if found is None else self(**found)
 
 

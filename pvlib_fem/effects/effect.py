@@ -110,8 +110,8 @@ class Effect:
     kin : tuple of str, optional
         Channels that one record cannot tell from it, unless a witness does.
     dates : object, optional
-        ``dates.found(sums, column, given, dates, criteria)``: the effect with the
-        dates that sums by the day of ``scanned_from`` show, or None.
+        ``dates.found(daily, criteria)``: the effect with the dates that products by
+        the day of the tangent of ``scanned_from`` show, or None.
     choices : int, default 1
         Forms among which its scan chooses, by which its chance is multiplied.
     """

@@ -147,6 +147,19 @@ class Evidence:
             ready={} if partial else {**found.ready},
         )
 
+    def beside(self, effect, columns, known):
+        """Sums by the day with the one column of an effect, its place, and the rest."""
+        if not known.all():
+            there = self.with_effect(effect, columns, known)
+            (name,) = columns
+            given = there.places(there.confounders)
+            return there.sums([effect.name]), there.order[name], given
+        ((_, column),) = columns.items()
+        others = list(self.columns.values())
+        others = [np.nan_to_num(c) for c in others] if self.partial else others
+        sums = self.sums([]).with_column(others, self.residual, self.dates, column)
+        return sums, len(others), self.places(self.confounders)
+
     def on_rows_of(self, name):
         """The same on the rows on which an effect is known."""
         if name not in self.partial:

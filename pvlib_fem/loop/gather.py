@@ -10,6 +10,7 @@ from pvlib_fem.effects.effect import Terms
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.relaxation import relax
+from pvlib_fem.statistics.changes import Daily
 from pvlib_fem.statistics.clusters import calendar_weeks
 
 
@@ -67,10 +68,13 @@ def gather(
             scanned.append((effect, search, own, known))
         else:
             found = found.with_effect(effect, own, known)
+    daily = {}  # products by the day of a channel
     for wide, search, own, known in scanned:
         if search.dates:
             none = because(Reason.NO_DATE)
-            effect = dated(found, search, wide, own, known)
+            if search.channel not in daily:  # all courses of it share them
+                daily[search.channel] = Daily.of(*found.beside(wide, own, known))
+            effect = search.dates.found(daily[search.channel], criteria)
         else:
             none = because(Reason.NO_WINDOW)
             effect = narrowed(found, search, wide, own, known, inputs)
@@ -126,16 +130,6 @@ def held(terms):
             for column in columns
         )
     )
-
-
-def dated(found, search, wide, own, known):
-    """The effect with the dates that sums by the day show, or None."""
-    there = found.with_effect(wide, own, known)
-    given = there.places(there.confounders)
-    sums = there.sums([wide.name])
-    (column,) = [there.order[name] for name in own]
-    given = [place for place in given if place != column]
-    return search.dates.found(sums, column, given, sums.dates, found.criteria)
 
 
 def narrowed(found, search, wide, own, known, inputs):

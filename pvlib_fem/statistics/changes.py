@@ -45,6 +45,7 @@ class Daily:
     fitted: np.ndarray  # days, columns
     sums: np.ndarray  # days, columns + 2 twice: fitted, the column, the residual
     weeks: np.ndarray
+    dates: np.ndarray  # of each day, from 1970-01-01
 
     @classmethod
     def of(cls, sums, column, given):
@@ -56,9 +57,8 @@ class Daily:
         turn[: len(given), : len(given)] = root
         turn[-1, : len(given)] = -sums.solve(given)
         daily = turn @ sums.sums[:, kept][:, :, kept] @ turn.T
-        return cls(
-            daily[:, -2, -2], daily[:, -2, -1], daily[:, -2, :-2], daily, sums.weeks
-        )
+        own, rest, fitted = daily[:, -2, -2], daily[:, -2, -1], daily[:, -2, :-2]
+        return cls(own, rest, fitted, daily, sums.weeks, sums.dates)
 
     @property
     def days(self):
@@ -110,7 +110,7 @@ class Daily:
             start, end, float(gains[start]), float(statistic), near[0], near[-1]
         )
 
-    def sharpness(self, start, times):
+    def sharpness(self, start):
         """
         Share of a step's size that is there at its date, and its standard error.
 
@@ -118,7 +118,7 @@ class Daily:
         grows slowly nothing.
         """
         late = np.arange(self.days) >= start
-        slow = times - times[start]
+        slow = (self.dates - self.dates[start]).astype(float)
         weights = np.array([late, slow, late * slow], dtype=float)
         known = weights @ self.fitted
         normal = (weights * self.own) @ weights.T - known @ known.T
