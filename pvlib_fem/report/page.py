@@ -5,7 +5,7 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import CHANGES, EFFECTS
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.reasons import Reason
 from pvlib_fem.report import advice, budget
@@ -349,7 +349,14 @@ def by_reason(reasons):
         if why.reason is Reason.DETECTABLE:
             name, words = f"{name} below {why.values['gain']:.2g} K", NOT_SHOWN
         groups.setdefault(words, []).append(name)
-    return groups
+    return {words: shortened(names) for words, names in groups.items()}
+
+
+def shortened(names):
+    """Names, those of all changes of instruments as one."""
+    if not {*CHANGES} <= {*names}:
+        return names
+    return [*(n for n in names if n not in CHANGES), "changes of instruments"]
 
 
 def untestable(loop, never):
