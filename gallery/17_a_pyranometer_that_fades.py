@@ -66,7 +66,8 @@ if data is not None:
 # nothing: what is not taken off as power heats the modules, by about a sixth. The loop
 # does not try that here, since the area of the plant is not stated (``p_dc`` is power
 # per area). When other weeks are left out it may find those days, to the day, and then
-# takes them for an episode of anemometer or contact (:doc:`/study_measured`), wrongly.
+# has them as an episode of one of several causes, power not taken off among them
+# (:doc:`/study_measured`).
 #
 # In May 2017 the anemometer says 0.0 m/s for three weeks, which neither screen nor loop
 # takes for a fault: an hour without wind is possible, three weeks are not.
