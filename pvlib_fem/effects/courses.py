@@ -18,7 +18,6 @@ from pvlib_fem.statistics.changes import chance_of_episode, chance_of_step
 YEAR = 365.2425  # days
 SHARP = 0.5  # of a step's size, that is there at its date: between a step and a drift
 SURE = 2.0  # standard errors
-UNITS = {"-/year": "1/year"}
 
 
 def number(date):
@@ -114,6 +113,10 @@ class Course:
     most: float = 1.0  # share of the channel's bounds that are its own
     alike: tuple = ()  # effects that come and go so, and need a column to be told
 
+    def name_of(self, channel):
+        """The name of a channel's change along it."""
+        return f"{channel.name}_{self.name}"
+
     def lacks(self, dates):
         """Dates that it needs and that are not given."""
         taken = inspect.signature(self.weight).parameters.values()
@@ -157,11 +160,10 @@ class Along:
 
     def __call__(self, day, *drivers, **given):
         if missing := self.course.lacks(self.dates):
+            name = self.course.name_of(self.channel)
             raise ValueError(
-                f"{self.channel.name}_{self.course.name} has no date; give "
-                f"{' and '.join(missing)}, as {{'name': "
-                f"'{self.channel.name}_{self.course.name}', '{missing[0]}': "
-                "'2012-04-01'}"
+                f"{name} has no date; give {' and '.join(missing)}, as {{'name': "
+                f"'{name}', '{missing[0]}': '2012-04-01'}}"
             )
         weight = self.course.weight(**self.dates)(np.asarray(day, dtype=float))
         given[next(iter(self.channel.parameters))] = given.pop(self.course.size)
@@ -179,10 +181,6 @@ class Dated:
     def __signature__(self):
         return inspect.signature(self.course.weight)
 
-    @property
-    def name(self):
-        return f"{self.channel.name}_{self.course.name}"
-
     def __call__(self, **dates):
         if not self.course.lacks(dates):
             self.course.weight(**dates)  # refuses what is no date
@@ -198,21 +196,19 @@ class Dated:
     def undated(self):
         """The effect as it stands in the registry: its dates are to be found."""
         channel, course = self.channel, self.course
-        ((_, row),) = channel.parameters.items()
+        (row,), name = channel.parameters.values(), course.name_of(channel)
         bounds = row.lower * course.most, row.upper * course.most
-        size = Parameter(row.start, *bounds, f"{row.unit}{course.unit}")
+        unit = f"{row.unit}{course.unit}".replace("-/", "1/")
         return replace(
             channel,
-            name=self.name,
+            name=name,
             terms=Along(channel, course, {}),
-            parameters={
-                course.size: replace(size, unit=UNITS.get(size.unit, size.unit))
-            },
+            parameters={course.size: Parameter(row.start, *bounds, unit)},
             columns=("day", *channel.drivers),
             channel=channel.name,
             make=self,
             dates=self,
-            scanned_from=replace(channel, name=self.name),
+            scanned_from=replace(channel, name=name),
         )
 
     def found(self, daily, criteria):

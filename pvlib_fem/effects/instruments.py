@@ -64,8 +64,8 @@ def contact(temp_base, temp_air, *, change):
 
     References
     ----------
-    .. [1] IEC 61724-1:2021, annex B: how sensors are to be attached, and that they
-       come loose.
+    .. [1] IEC 61724-1, annex B: how temperature sensors at a module's back are to be
+       chosen and attached.
     """
     return Terms(offset=change * (temp_base - temp_air))
 

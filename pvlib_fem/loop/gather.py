@@ -68,16 +68,9 @@ def gather(
             scanned.append((effect, search, own, known))
         else:
             found = found.with_effect(effect, own, known)
-    daily = {}  # products by the day of a channel
+    daily = {}  # products by the day of a channel, which all its courses share
     for wide, search, own, known in scanned:
-        if search.dates:
-            none = because(Reason.NO_DATE)
-            if search.channel not in daily:  # all courses of it share them
-                daily[search.channel] = Daily.of(*found.beside(wide, own, known))
-            effect = search.dates.found(daily[search.channel], criteria)
-        else:
-            none = because(Reason.NO_WINDOW)
-            effect = narrowed(found, search, wide, own, known, inputs)
+        effect, none = settled(found, search, wide, own, known, inputs, daily)
         if effect is None:
             failed[wide.name] = none
             continue
@@ -130,6 +123,17 @@ def held(terms):
             for column in columns
         )
     )
+
+
+def settled(found, search, wide, own, known, inputs, daily):
+    """The effect with settings that what is left shows, or None, and why then."""
+    if search.scan:
+        effect = narrowed(found, search, wide, own, known, inputs)
+        return effect, because(Reason.NO_WINDOW)
+    if search.channel not in daily:
+        daily[search.channel] = Daily.of(*found.beside(wide, own, known))
+    effect = search.dates.found(daily[search.channel], found.criteria)
+    return effect, because(Reason.NO_DATE)
 
 
 def narrowed(found, search, wide, own, known, inputs):
