@@ -16,7 +16,6 @@ class DailySums:
 
     names: tuple  # coefficients, one for each tangent
     sums: ClusterSums
-    dates: np.ndarray  # of each day, from 1970-01-01
     winds: tuple  # mean wind and its spread, where the sun is [m/s]
 
 
@@ -27,13 +26,12 @@ def daily_sums(target, record, train, coefficients, at_bound):
     rows = np.flatnonzero(train)
     columns = [slopes[name][rows] for name in names]
     residual = record["temp_module"][rows] - temperature[rows]
-    dates = record.dates[rows]
     wind, weight = record["wind_speed"][rows], record["poa_global"][rows] ** 2
     total = max(weight.sum(), np.finfo(float).tiny)
     mean = weight @ wind / total
     winds = float(mean), float(np.sqrt(weight @ (wind - mean) ** 2 / total))
-    sums = cluster_sums(columns, residual, dates)
-    return DailySums(names, sums, np.unique(dates), winds)
+    sums = cluster_sums(columns, residual, record.dates[rows])
+    return DailySums(names, sums, winds)
 
 
 def errors(target, daily, at_bound, notes):

@@ -22,7 +22,7 @@ def through_time(fit, freq, coefficients):
     zone = fit.record.index.tz
     parts = [
         (start, in_period(minimum, days))
-        for start, days in periods(minimum.daily.dates, freq, zone)
+        for start, days in periods(minimum.daily.sums.dates, freq, zone)
     ]
     names, starts = list(minimum.told), [start for start, _ in parts]
     # in the order of a fit, which is not that of letters
