@@ -225,20 +225,6 @@ def weighted_mean(target, steps, tau):
     return solve(band, target.copy()) / solve(band, np.ones(len(target)))
 
 
-@over_nan
-def relax_slope(target, steps, tau):
-    """Response to ``target`` and its slope by a constant ``tau``, in two rows."""
-    decay = decays(steps, tau, len(target))
-    band = banded(decay)
-    result, slope = both = np.empty((2, len(target)))
-    np.multiply(1.0 - decay, target, out=result)
-    solve(band, result)
-    np.multiply(before(result) - target, decay, out=slope)
-    slope *= steps / tau**2
-    solve(band, slope)
-    return both
-
-
 def decays(steps, tau, rows):
     """Share of the past left at each row: ``exp(-steps/tau)``, 0 where it starts."""
     decay = np.exp(np.broadcast_to(-steps / tau, rows))
@@ -249,26 +235,40 @@ def decays(steps, tau, rows):
     return decay
 
 
-def before(values):
-    """Each row's predecessor; the first row has none and stands for itself."""
-    return np.concatenate((values[:1], values[:-1]))
+def gap_limit(steps, tau, usual=None):
+    """
+    Step beyond which the past is forgotten; None if no step is that long.
 
-
-def gap_limit(steps, tau):
-    """Step beyond which the past is forgotten; None if no step is that long."""
+    ``usual`` is the median step of the record, where these are a part of it.
+    """
     limit = FORGOTTEN * tau
     if np.ndim(steps) == 0 or not (steps.max() > np.min(limit)):
         return None
-    if len(steps) < 2:
-        return limit
     # a record whose every step is that long has no gaps: it is merely slow
-    return np.maximum(limit, 2.0 * np.median(steps[1:]))
+    return np.maximum(limit, 2.0 * (median_step(steps) if usual is None else usual))
+
+
+def median_step(steps):
+    """Median of the steps between rows, of which the first has none before it."""
+    return float(np.median(steps[1:])) if len(steps) > 1 else 0.0
+
+
+def usual_step(columns, steps):
+    """Median step between the rows of a record on which all of some columns are."""
+    there = np.all([np.isfinite(column) for column in columns], axis=0)
+    missing = len(there) - np.count_nonzero(there)
+    # where steps are even, more than half of the others have to end a gap to move it
+    if np.ndim(steps) == 0 and missing <= len(there) / 3:
+        return float(steps)
+    if not missing:
+        return median_step(steps)
+    return median_step(across(steps, np.flatnonzero(there)))
 
 
 def across(steps, valid):
     """Steps between the ``valid`` rows, over those left out."""
-    if np.ndim(steps) == 0:
-        return np.diff(valid, prepend=-1) * steps
+    if np.ndim(steps) == 0 or not len(valid):
+        return np.diff(valid, prepend=-1) * (steps if np.ndim(steps) == 0 else 0.0)
     first = np.concatenate(([0], valid[:-1] + 1))
     return np.add.reduceat(steps[: valid[-1] + 1], first)
 

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 
 import pvlib_fem as fem
 from pvlib_fem import layers, scores
-from pvlib_fem.statistics.leastsquares import gauss_newton
+from pvlib_fem.statistics.leastsquares import gauss_newton, normal
 
 #: over-temperature per irradiance, as pvlib and the paper write it
 LAWS = {
@@ -394,7 +394,7 @@ def test_a_linear_search_is_the_best_of_all_faces_of_its_box(seed, size, room):
     lower, upper = np.full(size, -room), np.full(size, 0.5 * room)
     assume(room > 0.01)
     found = gauss_newton(
-        lambda x: (target - matrix @ x, matrix), 0 * lower, lower, upper
+        lambda x: normal(target - matrix @ x, matrix), 0 * lower, lower, upper
     )
     best = math.inf
     for face in itertools.product(("low", "free", "high"), repeat=size):

@@ -53,6 +53,11 @@ class Terms:
             *(own + times * more if is_there(more) else own for own, more in pairs)
         )
 
+    def part(self, rows: slice) -> "Terms":
+        """The same on a slice of the rows."""
+        columns = (getattr(self, column.name) for column in fields(Terms))
+        return Terms(*(c[rows] if np.ndim(c) else c for c in columns))
+
 
 def is_there(column):
     """Whether a column of terms is more than the number 0."""
@@ -279,6 +284,43 @@ class Tabled:
 
     def slopes(self, columns, coefficients):
         return self.units
+
+    def on(self, rows):
+        """The same on a slice of the rows."""
+        return Tabled(
+            self.effect, {n: unit.part(rows) for n, unit in self.units.items()}
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """An effect at some coefficients, by its terms and their slopes on a record."""
+
+    effect: Effect
+    terms: Terms
+    units: Mapping
+
+    def __getattr__(self, name):
+        return getattr(self.effect, name)
+
+    def at(self, columns, coefficients):
+        return self.terms
+
+    def slopes(self, columns, coefficients):
+        return self.units
+
+    def on(self, rows):
+        """The same on a slice of the rows."""
+        units = {name: unit.part(rows) for name, unit in self.units.items()}
+        return Known(self.effect, self.terms.part(rows), units)
+
+
+def known(effect, columns, coefficients, wanted=True):
+    """The effect as it is known on columns, with its slopes where ``wanted``."""
+    if isinstance(effect, (Tabled, Known)):
+        return effect
+    slopes = effect.slopes(columns, coefficients) if wanted else {}
+    return Known(effect, effect.at(columns, coefficients), slopes)
 
 
 def tabled(effect, columns):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums, cluster_sums
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums
 
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 TIED = 0.1  # of an unknown direction: what a coefficient has part in it
@@ -17,21 +17,6 @@ class DailySums:
     names: tuple  # coefficients, one for each tangent
     sums: ClusterSums
     winds: tuple  # mean wind and its spread, where the sun is [m/s]
-
-
-def daily_sums(target, record, train, coefficients, at_bound):
-    """The sums of a minimum, from one pass over the rows that were fitted."""
-    names = tuple(name for name in target.free if name not in at_bound)
-    temperature, slopes = target.slopes(record.inputs, coefficients)
-    rows = np.flatnonzero(train)
-    columns = [slopes[name][rows] for name in names]
-    residual = record["temp_module"][rows] - temperature[rows]
-    wind, weight = record["wind_speed"][rows], record["poa_global"][rows] ** 2
-    total = max(weight.sum(), np.finfo(float).tiny)
-    mean = weight @ wind / total
-    winds = float(mean), float(np.sqrt(weight @ (wind - mean) ** 2 / total))
-    sums = cluster_sums(columns, residual, record.dates[rows])
-    return DailySums(names, sums, winds)
 
 
 def errors(target, daily, at_bound, notes):

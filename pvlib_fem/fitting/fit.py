@@ -8,10 +8,11 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.effects import EffectLike, find, several
-from pvlib_fem.fitting.daily import daily_sums, errors
+from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.fitting.search import minimise, natural, possible
+from pvlib_fem.fitting.rows import Rows, daily_sums
+from pvlib_fem.fitting.search import minimise, natural, possible, with_tables
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.limits import Limits
@@ -163,13 +164,14 @@ def fit_fem(
         target, record, stages, minimum = least_squares_stages(
             target, record, train, ~out
         )
+        source = Rows(record, train)
         at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
         converged = minimum.converged
         found = last(stages)[1]
-        daily = daily_sums(target, record, train, found, at_bound)
+        daily = daily_sums(target, found, source, at_bound)
         stderr = errors(target, daily, at_bound, notes)
         days = len(np.unique(record.days[train]))
-        notes += memory_notes(record, target, found, stderr, at_bound, days)
+        notes += memory_notes(source, target, found, stderr, at_bound, days)
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
     modelled = {
@@ -290,7 +292,8 @@ def least_squares_stages(target, record, train, not_held_out):
         # what a later step starts from need not be as flat as the last
         flat = FLAT if name == steps[-1][0] else ROUGH
         model = replace(model, base=target.base)
-        minimum, start = minimise(model, record, rows, start, biased, flat)
+        source, tabled = Rows(record, rows), with_tables(model, record)
+        minimum, start = minimise(tabled, source, start, biased, flat)
         stages[name] = (model, natural(model, start)[0])
         if name == "fem" and target.effects:
             target = replace(target, base=public(model, stages[name][1]))

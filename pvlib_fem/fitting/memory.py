@@ -51,25 +51,23 @@ class Lag:
         return self.told(age) ** 2 / (age * (age + self.step))
 
 
-def lag(record, model, coefficients):
-    """How a search varies the memory of a model that has one."""
+def lag(model, coefficients, step, wind):
+    """How a search varies the memory of a model that has one. [s, m/s]"""
     ((name, row),) = MEMORY[model.dynamics].items()
-    step = record.inputs.step
     if name == "capacity":  # whose time constant is that times the resistance
-        own = {n: coefficients[n] for n in model.steady_model.coefficients}
-        wind = np.nanmean(record["wind_speed"])
-        step = step / float(model.steady_model.resistance(wind, **own))
+        law = model.steady_model
+        step = step / float(law.resistance(wind, **model.own(coefficients)))
     return Lag(step, max(row.lower, step / FAINT))
 
 
-def memory_notes(record, model, coefficients, stderr, at_bound, days):
+def memory_notes(source, model, coefficients, stderr, at_bound, days):
     """What the record's step leaves open of the fitted memory, in sentences."""
     known = [n for n in MEMORY[model.dynamics] if n not in model.held]
     if not known:
         return
-    (name,), seen = known, lag(record, model, coefficients)
+    (name,), seen = known, lag(model, coefficients, source.step, source.wind)
     value, unit = coefficients[name], model.parameters[name].unit
-    step, age = f"steps of {record.inputs.step:g} s", seen.seen(value)
+    step, age = f"steps of {source.step:g} s", seen.seen(value)
     known = student.ppf(0.975, max(days - 1, 1)) * stderr[name] / seen.slope(age)
     if name in at_bound and age < seen.seen(model.parameters[name].start):
         yield (

@@ -6,6 +6,7 @@ import numpy as np
 
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
+from pvlib_fem.fitting.rows import normal_sums
 from pvlib_fem.spelling import FIXED, Spelled, refusal
 from pvlib_fem.statistics.leastsquares import gauss_newton
 from pvlib_fem.thermal.model import MEMORY
@@ -45,14 +46,11 @@ def possible(model, fixed):
     return held
 
 
-def minimise(model, record, rows, start, biased, flat):
+def minimise(model, source, start, biased, flat):
     """Least squares of one stage, over its parameters as the search sees them."""
     names = [name for name in model.free if biased or name != "bias"]
     places = [list(model.parameters).index(name) for name in names]
-    model = replace(model, effects=tables(model.effects, record))
-    views = [view(model, record, start, name) for name in names]
-    rows = np.flatnonzero(rows)
-    measured_rows = record["temp_module"][rows]
+    views = [view(model, source, start, name) for name in names]
 
     def searched(x):
         told = (one.told(value) for one, value in zip(views, x.tolist()))
@@ -61,20 +59,9 @@ def minimise(model, record, rows, start, biased, flat):
     def evaluate(x):
         coefficients, chain = natural(model, searched(x))
         chain[:, places] *= [one.slope(value) for one, value in zip(views, x)]
-        temperature = model.temperature(record.inputs, coefficients)
-
-        def jacobian():
-            slopes = model.slopes(record.inputs, coefficients)[1]
-            columns = [slopes[name][rows] for name in names]
-            return [
-                columns[i]
-                if own[i] == 1.0 and len(own.nonzero()[0]) == 1
-                # a share moves with the whole that it is of, a memory with its lag
-                else sum(columns[j] * own[j] for j in np.flatnonzero(own))
-                for i, own in enumerate(chain[np.ix_(places, places)].T)
-            ]
-
-        return measured_rows - temperature[rows], jacobian
+        # a share moves with the whole that it is of, a memory with its lag
+        found = normal_sums(model, coefficients, source, names)
+        return found.by(chain[np.ix_(places, places)])
 
     for _ in range(TURNS):
         minimum = gauss_newton(
@@ -86,7 +73,7 @@ def minimise(model, record, rows, start, biased, flat):
         )
         found = searched(minimum.x)
         # the least memory that a step shows is one of the resistance, which has moved
-        again = [view(model, record, found, name) for name in names]
+        again = [view(model, source, found, name) for name in names]
         if not any(
             stays and one.lower < found[name]
             for stays, name, one in zip(minimum.at_bound, names, again)
@@ -96,12 +83,12 @@ def minimise(model, record, rows, start, biased, flat):
     return minimum, found
 
 
-def view(model, record, start, name):
+def view(model, source, start, name):
     """How the search varies a coefficient, and the least that it can be."""
     lower = max(model.parameters[name].lower, least(model, name))
     if name not in MEMORY[model.dynamics]:
         return AsItIs(lower)
-    return lag(record, model, natural(model, start)[0])
+    return lag(model, natural(model, start)[0], source.step, source.wind)
 
 
 def least(model, name):
@@ -119,6 +106,11 @@ def least(model, name):
 def tables(effects, record):
     """The effects by their slopes on a record, where those say all."""
     return tuple(tabled(effect, record.inputs.columns) for effect in effects)
+
+
+def with_tables(model, record):
+    """The model with its effects by their slopes on a record."""
+    return replace(model, effects=tables(model.effects, record))
 
 
 def natural(model, searched):

@@ -10,8 +10,9 @@ from pvlib.location import Location
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED, Verdict
-from pvlib_fem.fitting.daily import daily_sums, errors
+from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
+from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
@@ -260,7 +261,8 @@ class Search:
         record, tabled = self.fits.prepared(case.whole, last.model)
         rows = case.fitting & record.known(last.model.drivers)
         at_bound = last.at_bound
-        daily = daily_sums(tabled, record, rows, last.coefficients, at_bound)
+        source = Rows(record, rows)
+        daily = daily_sums(tabled, last.coefficients, source, at_bound)
         stderr = errors(tabled, daily, at_bound, notes)
         table = error_table(case, self.steps)
         fit = finished(

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.fitting.daily import daily_sums, errors
+from pvlib_fem.fitting.daily import errors
+from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import minimise, natural, possible, tables
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.gather import gather
@@ -100,7 +101,7 @@ class Fits:
         tried = tabled.temperature(record.inputs, natural(model, {**at, **start})[0])
         if np.isfinite(tried[rows]).all():
             at = {**at, **start}
-        minimum, at = minimise(tabled, record, rows, at, biased, ROUGH)
+        minimum, at = minimise(tabled, Rows(record, rows), at, biased, ROUGH)
         coarse = at
         if case.record is not case.whole:
             if before:
@@ -109,7 +110,8 @@ class Fits:
             record, tabled = self.prepared(case.whole, model)
             if whole:
                 rows = case.fitting & record.known(model.drivers)
-                minimum, at = minimise(tabled, record, rows, at, biased, CLOSE)
+                source = Rows(record, rows)
+                minimum, at = minimise(tabled, source, at, biased, CLOSE)
         names = model.free[: len(minimum.x)]
         coefficients = natural(model, at)[0]
         temperature = tabled.temperature(record.inputs, coefficients)
@@ -130,7 +132,7 @@ class Fits:
         record, tabled = self.prepared(self.case.record, step.model)
         found = natural(step.model, step.coarse)[0]
         rows = self.case.searched & record.known(step.model.drivers)
-        daily = daily_sums(tabled, record, rows, found, step.at_bound)
+        daily = daily_sums(tabled, found, Rows(record, rows), step.at_bound)
         return errors(tabled, daily, step.at_bound, [])
 
     def prepared(self, record, model):

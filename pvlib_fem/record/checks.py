@@ -56,6 +56,12 @@ class Inputs:
         steps[0] = 0.0
         return np.cumsum(steps) * self.unit
 
+    def part(self, rows):
+        """The inputs of a slice of the rows."""
+        steps = self.steps if np.ndim(self.steps) == 0 else self.steps[rows]
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
+
     def restore(self, values, name=None):
         """Give values back in the form the input came in."""
         return pd.Series(values, self.index, name=name) if self.is_series else values

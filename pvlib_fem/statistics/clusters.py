@@ -133,18 +133,38 @@ def cluster_sums(columns, residual, dates, folds=FOLDS, fewest=FEWEST_CLUSTERS):
     ``columns`` are arrays of the rows; they are put side by side a day at a time,
     so that a long record needs no second copy of them.
     """
-    size = len(residual)
-    scale = np.array([np.sqrt(np.einsum("i,i->", c, c) / size) for c in columns])
+    by_day = sums_by_day([([*columns, residual], dates)])
+    return cluster_sums_of(by_day, folds, fewest)
+
+
+def cluster_sums_of(by_day, folds=FOLDS, fewest=FEWEST_CLUSTERS):
+    """The same from what :func:`sums_by_day` gives."""
+    days, rows, sums = by_day
+    scale = np.sqrt(np.einsum("dii->i", sums)[:-1] / rows)
     scale[scale == 0] = 1.0
-    first, ends = starts(dates)
-    days = dates[first]
-    sums = np.empty((len(days), len(columns) + 1, len(columns) + 1))
     scales = np.append(scale, 1.0)
-    for day, (start, end) in enumerate(zip(first, ends)):
-        day_sums = products([*columns, residual], slice(start, end))
-        sums[day] = day_sums / np.outer(scales, scales)
+    sums /= np.outer(scales, scales)
     of_day = days_of_folds(days, folds)
-    return ClusterSums(sums, scale, size, of_day, calendar_weeks(days), days, fewest)
+    return ClusterSums(sums, scale, rows, of_day, calendar_weeks(days), days, fewest)
+
+
+def sums_by_day(blocks):
+    """
+    Products of columns summed over each date: the dates, the rows in all, the sums.
+
+    ``blocks`` are columns and dates of rows that follow each other, block by block.
+    """
+    days, sums, rows = [], [], 0
+    for columns, dates in blocks:
+        rows += len(dates)
+        for start, end in zip(*starts(dates)):
+            found = products(columns, slice(start, end))
+            if days and days[-1] == dates[start]:
+                sums[-1] += found
+            else:
+                days.append(dates[start])
+                sums.append(found)
+    return np.array(days), rows, np.array(sums)
 
 
 def days_of_folds(dates, folds=FOLDS):
@@ -155,7 +175,10 @@ def days_of_folds(dates, folds=FOLDS):
 
 def starts(dates):
     """First row of each date, and the row after its last."""
-    first = np.unique(dates, return_index=True)[1]
+    if not len(dates):
+        return [], []
+    # an hour that comes twice at midnight stays with the day that has begun
+    first = np.flatnonzero(np.diff(dates, prepend=dates[0] - 1) > 0)
     return first, [*first[1:], len(dates)]
 
 

@@ -21,36 +21,65 @@ class Minimum:
     at_bound: np.ndarray  # booleans
 
 
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Sums about a place of a search, of J the slopes and r what is left."""
+
+    squares: float  # r'r
+    normal: np.ndarray  # J'J
+    gradient: np.ndarray  # J'r
+
+    @classmethod
+    def of(cls, total):
+        """From the products of all slopes, and of what is left as the last."""
+        return cls(float(total[-1, -1]), total[:-1, :-1], total[:-1, -1])
+
+    def by(self, chain):
+        """The same by other variables, whose slopes are mixed by a matrix."""
+        normal = chain.T @ self.normal @ chain
+        return Normal(self.squares, normal, chain.T @ self.gradient)
+
+    def fall(self, step):
+        """What the sum of squares loses by a step, were the slopes to stay."""
+        return float(2.0 * self.gradient @ step - step @ self.normal @ step)
+
+
+def normal(residual, jacobian):
+    """Those sums of a residual and the matrix of its slopes."""
+    return Normal.of(products([*jacobian.T, residual]))
+
+
 def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
     """
-    Minimise the sum of squares of ``evaluate(x) -> (residual, jacobian)``.
+    Minimise the sum of squares of ``evaluate(x)``, which gives :class:`Normal`.
 
     Every step solves the bounded linear problem on the square root of the
     small normal matrix, so a long record costs one pass a step. The residual
-    is measured minus modelled; the Jacobian that of the model, a matrix or a
-    function that makes its columns, called only where a step begins. ``flat`` is
-    the relative fall of the cost that ends the search.
+    is measured minus modelled; the slopes are those of the model. ``flat`` is
+    the relative fall of the cost that ends the search: a last step that promises
+    no more than that is taken unseen.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
-    residual, jacobian = evaluate(x)
-    cost = squares(residual)
     converged = not len(x)  # with nothing to vary it is there
+    at = None if converged else evaluate(x)
     for _ in range(0 if converged else steps):
-        step = bounded_step(jacobian, residual, lower - x, upper - x)
+        step = bounded_step(at, lower - x, upper - x)
+        if 0.0 <= at.fall(step) <= flat * at.squares:
+            x, converged = np.clip(x + step, lower, upper), True
+            break
         for halving in range(HALVINGS):
             new = np.clip(x + step / 2**halving, lower, upper)
-            new_residual, new_jacobian = evaluate(new)
-            new_cost = squares(new_residual)
-            if new_cost <= cost:
+            there = evaluate(new)
+            if there.squares <= at.squares:
                 break
         else:
             # no shorter step is better either: at a minimum only rounding is left
-            converged = new_cost <= cost * (1.0 + DONE)
+            converged = there.squares <= at.squares * (1.0 + DONE)
             break
         small = np.abs(new - x) <= DONE * (np.abs(x) + 1e-3 * (upper - lower))
-        converged = small.all() or cost - new_cost <= flat * cost
-        x, residual, jacobian, cost = new, new_residual, new_jacobian, new_cost
+        converged = small.all() or at.squares - there.squares <= flat * at.squares
+        x, at = new, there
         if converged:
             break
     margin = 1e-6 * (upper - lower)
@@ -58,19 +87,16 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
     return Minimum(x, bool(converged), at_bound)
 
 
-def bounded_step(jacobian, residual, lower, upper):
+def bounded_step(at, lower, upper):
     """Best linear step within bounds, from the scaled normal matrix."""
-    if callable(jacobian):
-        jacobian = jacobian()
-    normal, gradient = normal_equations(jacobian, residual)
-    scale = np.sqrt(np.diag(normal))
+    scale = np.sqrt(np.diag(at.normal))
     scale[scale == 0] = 1.0
-    values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(at.normal / np.outer(scale, scale))
     # directions that the record does not determine are left where they are
     known = values > 1e-12 * values[-1]
     root = np.sqrt(values[known])
     matrix = root[:, None] * vectors[:, known].T
-    right = vectors[:, known].T @ (gradient / scale) / root
+    right = vectors[:, known].T @ (at.gradient / scale) / root
     low, high = lower * scale, upper * scale
     free = high > low
     step = np.zeros(len(scale))
@@ -78,17 +104,6 @@ def bounded_step(jacobian, residual, lower, upper):
         bounds = (np.minimum(low, 0.0)[free], np.maximum(high, 0.0)[free])
         step[free] = lsq_linear(matrix[:, free], right, bounds, method="bvls").x
     return step / scale
-
-
-def squares(residual):
-    return np.einsum("i,i->", residual, residual)
-
-
-def normal_equations(jacobian, residual):
-    """J'J and J'r of a matrix or of columns."""
-    columns = list(jacobian.T) if isinstance(jacobian, np.ndarray) else jacobian
-    both = products([*columns, residual])
-    return both[:-1, :-1], both[:-1, -1]
 
 
 def products(columns, rows=slice(None)):

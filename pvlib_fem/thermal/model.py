@@ -7,23 +7,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pvlib_fem.drivers import MODELLED, behind, completed, needed_for
-from pvlib_fem.effects.effect import Parameter, Terms, is_there
+from pvlib_fem.effects.effect import Parameter, Terms, known
 from pvlib_fem.quality.limits import possible
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time, read
-from pvlib_fem.record.columns import ALIASES
-from pvlib_fem.relaxation import (
-    across,
-    banded,
-    before,
-    decays,
-    relax,
-    relax_slope,
-    solve,
-)
+from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.relaxation import usual_step
+from pvlib_fem.thermal.dynamics import balanced, smoothed, steady
+from pvlib_fem.thermal.response import Past
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem.thermal.temperature import TAU, losing
 
+BLOCK = 1 << 13  # rows that are answered at a time: their columns stay in the cache
 #: time constant that stands for a steady model: shorter than any logger's step
 INSTANT = 1e-9  # s
 
@@ -119,8 +114,8 @@ class ThermalModel:
             )
         plain = ThermalModel(self.steady_model, self.dynamics)
         base = self.completed(self.base)
-        own = {name: base[name] for name in self.steady_model.coefficients}
-        loss = 1.0 / self.steady_model.resistance(inputs["wind_speed"], **own)
+        wind, own = inputs["wind_speed"], self.own(base)
+        loss = 1.0 / self.steady_model.resistance(wind, **own)
         found = dict(zip(MODELLED, (plain.temperature(inputs, base), loss)))
         return replace(inputs, columns={**inputs.columns, **found})
 
@@ -175,8 +170,7 @@ class ThermalModel:
         # without a base its own coefficients are those of the model without effects
         based = self if self.base else replace(self, base=coefficients)
         inputs = based.with_drivers(inputs)
-        own = {n: coefficients[n] for n in self.steady_model.coefficients}
-        losing(self.steady_model, inputs["wind_speed"], own)
+        losing(self.steady_model, inputs["wind_speed"], self.own(coefficients))
         found = self.temperature(inputs, coefficients)
         # what follows from a gap in a driver may be a number, and is not known
         known = np.all([np.isfinite(inputs[name]) for name in columns], axis=0)
@@ -214,12 +208,60 @@ class ThermalModel:
         Module temperature and its slope by each parameter, where ``wanted``.
 
         ``also`` holds slopes of terms by name, of effects that add nothing yet;
-        they are answered along.
+        they are answered along. A record is answered in blocks of rows, whose
+        temporaries stay in the cache.
+        """
+        rows = len(inputs.index)
+        temperature, slopes = np.empty(rows), {}
+        model, past = self.knowing(inputs, coefficients, wanted), self.past(inputs)
+        for block in blocks(rows):
+            part, more = inputs.part(block), also and parts(also, block)
+            here = model.on(block)
+            found = here.answer(part, coefficients, past, wanted, more)
+            temperature[block] = found[0]
+            for name, slope in found[1].items():
+                if name not in slopes:
+                    slopes[name] = np.empty(rows)
+                slopes[name][block] = slope
+        return temperature, slopes
+
+    def knowing(self, inputs, coefficients, wanted=True):
+        """The model whose effects know their terms on the columns of a record."""
+        given = inputs.columns, coefficients, wanted
+        effects = tuple(known(effect, *given) for effect in self.effects)
+        return replace(self, effects=effects) if effects else self
+
+    def on(self, rows):
+        """The model whose effects, known on a record, are those of a slice of it."""
+        effects = tuple(effect.on(rows) for effect in self.effects)
+        return replace(self, effects=effects) if effects else self
+
+    def past(self, inputs):
+        """What is before the first row of a record."""
+        columns = (*COLUMNS[:3], *self.drivers)
+        return Past(usual_step([inputs[name] for name in columns], inputs.steps))
+
+    def answer(self, inputs, coefficients, past, wanted=True, also=None):
+        """
+        Temperature and slopes of a block of rows, carried on from those before it.
 
         Everything that is known adds to the four columns of the equation, and
         so do the slopes of what is known: the dynamics answers both alike. The
         slopes obey the recursion of the temperature itself, with another
         right-hand side, so each costs one more solve.
+
+        Parameters
+        ----------
+        inputs : Inputs
+            The block's; its first step is that from the last row before it.
+        coefficients : dict
+            All of them.
+        past : Past
+            What the blocks before have left; it is brought to the end of this one.
+        wanted : bool
+            Whether slopes by the parameters are.
+        also : dict of Terms, optional
+            Further slopes of terms to be answered along.
         """
         added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
         slopes = {"bias": Terms(offset=1.0)} if wanted else {}
@@ -228,25 +270,32 @@ class ThermalModel:
             added = added.plus(effect.at(inputs.columns, coefficients))
             if wanted:
                 slopes |= effect.slopes(inputs.columns, coefficients)
-        own = {n: coefficients[n] for n in self.steady_model.coefficients}
+        law, own = self.steady_model, self.own(coefficients)
         if self.dynamics == "steady":
-            temperature, slopes = steady(self.steady_model, own, inputs, added, slopes)
+            temperature, slopes = steady(law, own, inputs, added, slopes)
         elif self.dynamics == "ewm":
-            tau = coefficients["tau"]
-            temperature, slopes = smoothed(
-                self.steady_model, own, inputs, added, slopes, tau
-            )
+            given = added, slopes, coefficients["tau"], past
+            temperature, slopes = smoothed(law, own, inputs, *given)
         else:
             added = added.plus(Terms(capacity=coefficients["capacity"]))
             if wanted:
                 slopes["capacity"] = Terms(capacity=1.0)
-            temperature, slopes = balanced(
-                self.steady_model, own, inputs, added, slopes
-            )
-        rows = len(temperature)
-        return temperature + added.offset, {
-            name: np.broadcast_to(slope, rows) for name, slope in slopes.items()
-        }
+            temperature, slopes = balanced(law, own, inputs, added, slopes, past)
+        return temperature + added.offset, slopes
+
+    def own(self, coefficients):
+        """Those coefficients that are the steady model's."""
+        return {name: coefficients[name] for name in self.steady_model.coefficients}
+
+
+def blocks(rows):
+    """Slices of some rows, each small enough that its columns stay in the cache."""
+    return [slice(start, min(start + BLOCK, rows)) for start in range(0, rows, BLOCK)]
+
+
+def parts(terms, rows):
+    """Terms by name on a slice of rows."""
+    return {name: column.part(rows) for name, column in terms.items()}
 
 
 def as_in_a_fit(inputs):
@@ -280,128 +329,3 @@ def thermal_model(model, dynamics, effects=(), base=None, held=None):
             "coefficients of other models"
         )
     return ThermalModel(steady_model(model), dynamics, tuple(effects), base, held or {})
-
-
-def resistance(steady_model, own, wind, loss):
-    """Resistance with further losses, and the share that they leave of the model's."""
-    r_steady = steady_model.resistance(wind, **own)
-    if not is_there(loss):
-        return r_steady, 1.0
-    # 1/(1/r + loss); where a loss would be negative there is no temperature
-    share = 1.0 / (1.0 + loss * r_steady)
-    share = np.where(share > 0, share, np.nan)
-    return r_steady * share, share
-
-
-def resistance_slopes(steady_model, own, wind, r_eq, share):
-    """Slopes of a resistance: by the model's parameters and wind, by further losses."""
-    slopes = steady_model.slopes(wind, **own)
-    if is_there(share - 1.0):
-        slopes = {name: slope * share**2 for name, slope in slopes.items()}
-    return slopes, -(r_eq**2)
-
-
-def steady(steady_model, own, inputs, added, slopes):
-    """T = T_air + heat·r_eq."""
-    wind = inputs["wind_speed"]
-    r_eq, share = resistance(steady_model, own, wind, added.loss)
-    temperature = inputs["temp_air"] + added.heat * r_eq
-    if not slopes:
-        return temperature, {}
-    by_steady, by_loss = resistance_slopes(steady_model, own, wind, r_eq, share)
-    found = {name: added.heat * by_steady[name] for name in steady_model.parameters}
-    for name, slope in slopes.items():
-        found[name] = slope.offset
-        if is_there(slope.heat):
-            found[name] = found[name] + slope.heat * r_eq
-        if is_there(slope.loss):
-            found[name] = found[name] + added.heat * by_loss * slope.loss
-    return temperature, found
-
-
-def smoothed(steady_model, own, inputs, added, slopes, tau):
-    """The paper's form: the steady model on smoothed heat and wind."""
-    tau = tau / inputs.unit
-
-    def smooth(column, whole=0.0):
-        """A column and its slope by tau; a part has the gaps of the whole."""
-        if np.ndim(column) == 0:
-            return column, 0.0
-        if not slopes:
-            return relax(column, inputs.steps, tau), 0.0
-        return relax_slope(column + 0.0 * whole, inputs.steps, tau)
-
-    heat, heat_by_tau = smooth(added.heat)
-    wind, wind_by_tau = smooth(inputs["wind_speed"])
-    loss, loss_by_tau = smooth(added.loss)
-    r_eq, share = resistance(steady_model, own, wind, loss)
-    temperature = inputs["temp_air"] + heat * r_eq
-    if not slopes:
-        return temperature, {}
-    by_steady, by_loss = resistance_slopes(steady_model, own, wind, r_eq, share)
-    found = {name: heat * by_steady[name] for name in steady_model.parameters}
-    r_by_tau = by_steady["wind_speed"] * wind_by_tau
-    if is_there(loss):
-        r_by_tau = r_by_tau + by_loss * loss_by_tau
-    found["tau"] = (heat_by_tau * r_eq + heat * r_by_tau) / inputs.unit
-    for name, slope in slopes.items():
-        found[name] = slope.offset
-        if is_there(slope.heat):
-            found[name] = found[name] + smooth(slope.heat, added.heat)[0] * r_eq
-        if is_there(slope.loss):
-            part = smooth(slope.loss, added.loss)[0]
-            found[name] = found[name] + heat * by_loss * part
-    return temperature, found
-
-
-def balanced(steady_model, own, inputs, added, slopes):
-    """The exact heat balance, whose time constant is capacity·r_eq."""
-    wind = inputs["wind_speed"]
-    r_eq, share = resistance(steady_model, own, wind, added.loss)
-    target = inputs["temp_air"] + added.heat * r_eq
-    tau = added.capacity / inputs.unit * r_eq
-    valid = np.flatnonzero(~np.isnan(target))
-    rows, steps = len(target), inputs.steps
-    if len(valid) < rows:
-        steps = across(steps, valid)
-
-    def there(column):
-        """The valid rows of a column, or the number that serves all."""
-        return column if np.ndim(column) == 0 or len(valid) == rows else column[valid]
-
-    def spread(column):
-        if len(valid) == rows:
-            return column
-        result = np.full(rows, np.nan)
-        result[valid] = column
-        return result
-
-    target, tau, r_eq = there(target), there(tau), there(r_eq)
-    decay = decays(steps, tau, len(target))
-    band, rise = banded(decay), 1.0 - decay
-    temperature = solve(band, rise * target)
-    if not slopes:
-        return spread(temperature), {}
-    if len(valid) < rows:
-        wind, share = there(wind), there(share)
-    by_steady, by_loss = resistance_slopes(steady_model, own, wind, r_eq, share)
-    # slope of the decay by ln(tau), times what of the past is left to decay
-    fading = (before(temperature) - target) * decay * (steps / tau)
-    by_r = rise * there(added.heat) + fading / r_eq  # what r_eq moves, in all
-
-    found = {
-        name: spread(solve(band, by_r * by_steady[name]))
-        for name in steady_model.parameters
-    }
-    for name, slope in slopes.items():
-        found[name] = slope.offset
-        source = 0.0
-        if is_there(slope.heat):
-            source = source + rise * r_eq * there(slope.heat)
-        if is_there(slope.loss):
-            source = source + by_r * by_loss * there(slope.loss)
-        if is_there(slope.capacity):
-            source = source + fading * there(slope.capacity / added.capacity)
-        if np.ndim(source):
-            found[name] = found[name] + spread(solve(band, source))
-    return spread(temperature), found

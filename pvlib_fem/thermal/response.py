@@ -1,0 +1,109 @@
+"""First-order responses of a block of rows, carried on from the rows before it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pvlib_fem.relaxation import across, banded, gap_limit, median_step, part, solve
+
+
+@dataclass(eq=False)
+class Past:
+    """What the rows before a block leave to it: nothing, if it is the first."""
+
+    usual: float = np.nan  # median step of the whole record, in units; NaN: its block's
+    since: dict = field(default_factory=dict)  # time since each recursion's last row
+    last: dict = field(default_factory=dict)  # value of each of its columns there
+
+
+class Response:
+    """
+    Responses that share their rows, steps and time constant, over one block.
+
+    ``whole`` is NaN where a row is missing: then the next counts for the whole step.
+    What is left at the end of the block goes to ``past``, under ``name``.
+    """
+
+    def __init__(self, name, whole, steps, tau, past):
+        self.name, self.past, self.rows, self.was = name, past, len(whole), {}
+        self.valid = None
+        if np.isnan(whole.sum()):  # one fast pass; infinities are refused before
+            self.valid = np.flatnonzero(~np.isnan(whole))
+        started, since = name in past.since, past.since.get(name, 0.0)
+        self.count = self.rows if self.valid is None else len(self.valid)
+        if not self.count:
+            if started:
+                past.since[name] = since + total(steps, self.rows)
+            self.tau = self.steps = self.decay = self.rise = np.empty(0)
+            return
+        past.since[name] = 0.0
+        if self.valid is not None:
+            after = self.rows - 1 - self.valid[-1]
+            past.since[name] = total(steps, after)
+            steps = across(steps, self.valid)
+        if since:
+            steps = np.array(np.broadcast_to(steps, self.count), dtype=float)
+            steps[0] += since
+        self.steps, self.tau = steps, self.there(tau)
+        self.decay = fading(steps, self.tau, self.count, past)
+        if not started:
+            self.decay[0] = 0.0
+        self.rise = 1.0 - self.decay
+        self.band = banded(self.decay)
+
+    def there(self, column):
+        """The rows of a column that are there, or the number that serves all."""
+        return column if self.valid is None else part(column, self.valid)
+
+    def spread(self, column):
+        """Values of the rows that are there on all rows of the block."""
+        if self.valid is None or np.ndim(column) == 0:
+            return column
+        result = np.full(self.rows, np.nan)
+        result[self.valid] = column
+        return result
+
+    def solve(self, column, source):
+        """The response to a source in the rows that are there, in its place."""
+        key = self.name, column
+        state = self.was[column] = self.past.last.get(key, 0.0)
+        if self.count:
+            source[0] += self.decay[0] * state
+            source = solve(self.band, source)
+            self.past.last[key] = source[-1]
+        return source
+
+    def mean(self, column, values):
+        """Response to values in the rows that are there."""
+        return self.solve(column, self.rise * values)
+
+    def fall(self, column, values, target):
+        """Slope of each row's answer by the logarithm of the time constant."""
+        fall = np.empty(self.count)
+        fall[:1] = self.was[column]
+        fall[1:] = values[:-1]
+        fall -= target
+        fall *= self.decay
+        fall *= self.steps / self.tau
+        return fall
+
+
+def total(steps, rows):
+    """Time of the last of some rows, by their steps or the one that serves all."""
+    if np.ndim(steps) == 0:
+        return float(steps * rows)
+    return float(np.sum(steps[len(steps) - rows :]))
+
+
+def fading(steps, tau, rows, past):
+    """Share of the past left at each row: ``exp(-steps/tau)``, 0 after a gap."""
+    decay = np.exp(-steps / tau)
+    if np.ndim(decay) == 0:
+        return np.full(rows, decay)
+    if np.ndim(steps):
+        if np.isnan(past.usual):
+            past.usual = median_step(steps)
+        limit = gap_limit(steps, tau, past.usual)
+        if limit is not None:
+            decay[steps > limit] = 0.0
+    return decay

@@ -1,0 +1,98 @@
+"""A record answered block by block is the record answered as a whole."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS
+from hypothesis import given
+from hypothesis import strategies as st
+
+import pvlib_fem as fem
+from pvlib_fem.effects import find
+from pvlib_fem.fitting.rows import Rows, daily_sums, normal_sums
+from pvlib_fem.fitting.search import with_tables
+from pvlib_fem.record.checks import as_record
+from pvlib_fem.statistics.clusters import cluster_sums
+from pvlib_fem.statistics.leastsquares import normal
+from pvlib_fem.thermal import model as thermal
+
+DAYS = fem.datasets.synthetic(6, 600, seed=4)
+EFFECTS = ("temperature_gain", "wind_shape")
+
+
+def record(kind, seed=0):
+    """Six days at 10 min: as they are, with gaps, with missing values, uneven."""
+    random, data = np.random.default_rng(seed), DAYS.copy()
+    if "missing" in kind:
+        data = data.mask(random.random(data.shape) < 0.1)
+        data.iloc[:30, 0] = data.iloc[200:330, 2] = np.nan
+    if "gaps" in kind:
+        data = data[
+            (random.random(len(data)) < 0.9) & (np.arange(len(data)) // 99 != 4)
+        ]
+    if "uneven" in kind:
+        late = random.integers(0, 200, len(data))
+        data.index = data.index + pd.to_timedelta(late, unit="s")
+    return as_record(*(data[name] for name in COLUMNS))
+
+
+def model_of(law, dynamics, effects):
+    """A model with effects, its coefficients, and those without."""
+    model = thermal.thermal_model(law, dynamics, map(find, effects))
+    values = {name: row.start for name, row in model.parameters.items()}
+    base = {**values, "bias": -1.0}
+    inside = {
+        name: 0.02 * model.parameters[name].upper for name in values if "." in name
+    }
+    return replace(model, base=base), {**base, **inside}
+
+
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+@pytest.mark.parametrize("effects", [(), EFFECTS])
+@given(
+    kind=st.sampled_from(["", "missing", "gaps", "uneven missing gaps"]),
+    law=st.sampled_from(["faiman", "wm1", "ross"]),
+    rows=st.integers(1, 400),
+    seed=st.integers(0, 3),
+)
+def test_blocks_are_the_whole(dynamics, effects, kind, law, rows, seed):
+    """Whatever their size: states, slopes and the time over gaps are carried on."""
+    model, values = model_of(law, dynamics, effects)
+    inputs = model.with_drivers(record(kind, seed).inputs)
+    whole, slopes = model.answer(inputs, values, model.past(inputs))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(thermal, "BLOCK", rows)
+        found, parts = model.slopes(inputs, values)
+    close = dict(rtol=1e-12, atol=1e-12, equal_nan=True)
+    np.testing.assert_allclose(found, whole, **close)
+    assert list(parts) == list(slopes)
+    for name, part in parts.items():
+        size = max(np.nanmax(np.abs(slopes[name])), 1e-300)
+        np.testing.assert_allclose(part / size, slopes[name] / size, **close)
+
+
+@pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch):
+    """Normal matrix and sums by the day, from blocks and from whole columns."""
+    whole = record(kind)
+    model, values = model_of("faiman", dynamics, EFFECTS)
+    inputs = model.with_drivers(whole.inputs)
+    whole = replace(whole, inputs=inputs)
+    counts = whole.known([*COLUMNS, *model.drivers]) & (whole["poa_global"] > 20)
+    temperature, slopes = model.answer(inputs, values, model.past(inputs))
+    columns = [np.broadcast_to(slopes[n], len(counts))[counts] for n in model.free]
+    rest = (whole["temp_module"] - temperature)[counts]
+    monkeypatch.setattr(thermal, "BLOCK", 50)
+    source, tabled = Rows(whole, counts), with_tables(model, whole)
+    found = normal_sums(tabled, values, source, model.free)
+    theirs = normal(rest, np.column_stack(columns))
+    for ours, other in zip(vars(found).values(), vars(theirs).values()):
+        np.testing.assert_allclose(ours, other, rtol=1e-9)
+    daily = daily_sums(tabled, values, source, ()).sums
+    theirs = cluster_sums(columns, rest, whole.dates[counts])
+    np.testing.assert_allclose(daily.sums, theirs.sums, rtol=1e-9, atol=1e-9)
+    assert daily.dates.tolist() == theirs.dates.tolist()
+    assert daily.rows == theirs.rows == counts.sum()
