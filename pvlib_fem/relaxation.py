@@ -255,6 +255,8 @@ def median_step(steps):
 
 def usual_step(columns, steps):
     """Median step between the rows of a record on which all of some columns are."""
+    if np.ndim(steps) == 0 and np.isfinite(sum(column.sum() for column in columns)):
+        return float(steps)
     there = np.all([np.isfinite(column) for column in columns], axis=0)
     missing = len(there) - np.count_nonzero(there)
     # where steps are even, more than half of the others have to end a gap to move it

@@ -72,6 +72,17 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
     return mean_of(difference(measured, modelled))
 
 
+def all_three(error: np.ndarray) -> dict[str, float]:
+    """RMSE, MAE and MBE by name of measured less modelled temperatures. [K]"""
+    there = error[np.isfinite(error)]
+    size = np.abs(there)
+    return {
+        "rmse": float(np.sqrt(mean_of(there**2))),
+        "mae": mean_of(size),
+        "mbe": mean_of(there),
+    }
+
+
 def difference(measured, modelled):
     columns = {"measured": measured, "modelled": modelled}
     same_rows(columns)

@@ -73,6 +73,21 @@ def test_blocks_are_the_whole(dynamics, effects, kind, law, rows, seed):
         np.testing.assert_allclose(part / size, slopes[name] / size, **close)
 
 
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+def test_terms_that_add_nothing_yet_are_answered_along(dynamics, monkeypatch):
+    """As the slopes of the effect itself, where it is there and adds nothing."""
+    model, values = model_of("faiman", dynamics, ("wind_shape",))
+    values |= dict.fromkeys(["wind_shape.root", "wind_shape.stall"], 0.0)
+    inputs = model.with_drivers(record("uneven gaps").inputs)
+    (effect,) = model.effects
+    also = effect.slopes(inputs.columns, effect.start)
+    theirs = model.slopes(inputs, values)[1]
+    monkeypatch.setattr(thermal, "BLOCK", 70)
+    found = replace(model, effects=()).slopes(inputs, values, also=also)[1]
+    for name in also:
+        np.testing.assert_allclose(found[name], theirs[name], rtol=1e-9, atol=1e-12)
+
+
 @pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
 @pytest.mark.parametrize("dynamics", thermal.MEMORY)
 def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch):

@@ -27,7 +27,7 @@ from pvlib_fem.thermal.model import INSTANT, thermal_model
 
 METHODS = ("least_squares", "paper")
 MEMORIES = ("tau", "capacity")  # of which each dynamics has one
-ROUGH = 1e-7  # relative fall of the cost that ends a step before the last
+ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
 
 
 def fit_fem(
@@ -174,17 +174,15 @@ def fit_fem(
         notes += memory_notes(source, target, found, stderr, at_bound, days)
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
-    modelled = {
-        name: m.temperature(record.inputs, c) for name, (m, c) in stages.items()
-    }
     test = filtered & out
+    table, temperature = score_table(record, stages, train, test)
     return finished(
         target,
         record,
-        last(modelled),
+        temperature,
         (train, test, out),
         (last(stages)[1], stderr, at_bound, converged),
-        scores=score_table(record, modelled, train, test),
+        scores=table,
         notes=tuple(notes),
         method=method,
         night=night,
@@ -251,7 +249,7 @@ def held_out(record, filtered, holdout, notes):
     if holdout is not None:
         out = record.rows(holdout)
     else:
-        weekend = np.asarray(index.day_of_week >= 5)
+        weekend = (record.dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
         weeks = calendar_weeks(record.dates)
         two = len(np.unique(weeks[weekend & filtered])) >= 2
         out = weekend if two else record.days % 2 == 1
@@ -287,12 +285,19 @@ def least_squares_stages(target, record, train, not_held_out):
     for i, added in enumerate(target.effects, start=1):
         larger = replace(plain, effects=target.effects[:i])
         steps.append((f"+ {added.name}", larger, train, True))
-    stages = {}
+    stages, thin, source = {}, start, None
     for name, model, rows, biased in steps:
         # what a later step starts from need not be as flat as the last
         flat = FLAT if name == steps[-1][0] else ROUGH
         model = replace(model, base=target.base)
-        source, tabled = Rows(record, rows), with_tables(model, record)
+        if source is None or source.record is not record or source.counts is not rows:
+            source = Rows(record, rows)
+            some = source.thinned()
+        tabled = with_tables(model, record)
+        if some and not model.effects:
+            # what a stage changes is nearly the same on a part of the rows
+            before, (_, thin) = thin, minimise(tabled, some, thin, biased, ROUGH)
+            start = {n: value + thin[n] - before[n] for n, value in start.items()}
         minimum, start = minimise(tabled, source, start, biased, flat)
         stages[name] = (model, natural(model, start)[0])
         if name == "fem" and target.effects:
@@ -317,15 +322,15 @@ def public(model, coefficients):
     return values
 
 
-def score_table(record, modelled, train, test):
-    """RMSE, MAE and MBE of every stage on training and held-out rows."""
+def score_table(record, stages, train, test):
+    """RMSE, MAE and MBE of every stage, and the temperature of the last."""
     table = {}
-    for name, temperature in modelled.items():
+    for name, (model, coefficients) in stages.items():
+        temperature = model.temperature(record.inputs, coefficients)
+        error = record["temp_module"] - temperature
         table[name] = {
-            f"{score.__name__}_{part}": score(
-                record["temp_module"][rows], temperature[rows]
-            )
+            f"{score}_{part}": value
             for part, rows in (("train", train), ("test", test))
-            for score in (scores.rmse, scores.mae, scores.mbe)
+            for score, value in scores.all_three(error[rows]).items()
         }
-    return pd.DataFrame.from_dict(table, orient="index")
+    return pd.DataFrame.from_dict(table, orient="index"), temperature

@@ -1,7 +1,7 @@
 """The rows of a record that a search looks at, answered block by block."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,9 @@ from pvlib_fem.record.checks import Record
 from pvlib_fem.statistics.clusters import cluster_sums_of, sums_by_day
 from pvlib_fem.statistics.leastsquares import Normal, products
 from pvlib_fem.thermal.model import blocks
+from pvlib_fem.thermal.response import Past
+
+EVERY, FEWEST = 8, 6  # a search begins on each eighth block, where there are six such
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +47,9 @@ class Rows:
 
     record: Record
     counts: np.ndarray  # booleans
+    every: int = 1  # of how many blocks it has one
     parts: list = field(default_factory=list, repr=False)
+    usual: dict = field(default_factory=dict, repr=False)  # step, by the drivers
 
     @cached_property
     def step(self):
@@ -67,19 +72,31 @@ class Rows:
 
     def answers(self, model, coefficients, wanted=True) -> Iterator[Answer]:
         """What a model says of the rows that count, carried on over all others."""
-        inputs = self.record.inputs
-        known, past = model.knowing(inputs, coefficients, wanted), model.past(inputs)
+        inputs, drivers = self.record.inputs, tuple(model.drivers)
+        if drivers not in self.usual:
+            self.usual[drivers] = model.past(inputs).usual
+        known, past = model.knowing(inputs, coefficients, wanted), None
         for block, part, rows, measured, dates in self.divided():
+            if past is None or self.every > 1:
+                past = Past(self.usual[drivers])
             here = known.on(block)
             temperature, slopes = here.answer(part, coefficients, past, wanted)
             slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
             yield Answer(measured, temperature[rows], slopes, dates)
 
+    def thinned(self):
+        """Some of the blocks, where a search of many may begin, or None of few."""
+        parts = blocks(len(self.record.index))[::EVERY]
+        share = sum(np.count_nonzero(self.counts[rows]) for rows in parts)
+        if len(parts) < FEWEST or 2 * EVERY * share < np.count_nonzero(self.counts):
+            return None
+        return replace(self, every=EVERY, parts=[])
+
     def divided(self):
         """The blocks with what is the same in every pass."""
         if not self.parts:
             record = self.record
-            for block in blocks(len(record.index)):
+            for block in blocks(len(record.index))[:: self.every]:
                 rows = np.flatnonzero(self.counts[block])
                 measured = record["temp_module"][block][rows]
                 part, dates = record.inputs.part(block), record.dates[block][rows]

@@ -184,12 +184,10 @@ def error_table(case, steps):
     rows = {}
     for name, step in steps.items():
         module, modelled = step.measured, step.temperature
-        parts = (("train", fitting), ("test", test))
-        seen = {part: (module[at], modelled[at]) for part, at in parts}
         row = {
-            f"{score.__name__}_{part}": score(*both)
-            for part, both in seen.items()
-            for score in (scores.rmse, scores.mae, scores.mbe)
+            f"{score}_{part}": value
+            for part, at in (("train", fitting), ("test", test))
+            for score, value in scores.all_three(module[at] - modelled[at]).items()
         }
         row["rmse_test_day"] = step.error(test & sunny)
         row["rmse_test_night"] = step.error(test & ~sunny)

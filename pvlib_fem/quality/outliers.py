@@ -118,7 +118,7 @@ def negative_by_day(poa, index, limits):
     return found
 
 
-def spikes(name, values, seconds, limits):
+def spikes(name, values, inputs, limits):
     """
     Rows of values that jump and return faster than what is measured can.
 
@@ -132,13 +132,13 @@ def spikes(name, values, seconds, limits):
             short = time <= limits.still_air
             return np.where(short, np.minimum(fast, limits.spike_air_most), np.inf)
 
-        return jumps(values, seconds, most, limits.spike_rows)
+        return jumps(values, inputs.seconds, most, limits.spike_rows)
     if name == "temp_module":
 
         def most(time):  # half of it there, half of it back
             return limits.spike_module + limits.spike_module_rate * time / 2.0
 
-        return jumps(values, seconds, most, limits.spike_rows)
+        return jumps(values, inputs.seconds, most, limits.spike_rows)
     if possible(name) is not None:
         return np.zeros(len(values), dtype=bool)
     return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)
@@ -148,23 +148,20 @@ def jumps(values, seconds, most, longest):
     """
     Rows that lie on one side of those before and after by more than can be.
 
-    ``most`` gives what can be, from the time between those two.
+    ``most`` gives what can be, from the time between those two: the longer, the more.
     """
-    there = np.flatnonzero(np.isfinite(values))
-    x, t = values[there], seconds[there]
-    found = np.zeros(len(x), dtype=bool)
-    for rows in range(1, longest + 1):
-        if len(x) < rows + 2:
-            break
-        first, last = x[: -rows - 1], x[rows + 1 :]
-        limit = most(t[rows + 1 :] - t[: -rows - 1])
-        inner = [x[1 + i : len(x) - rows + i] for i in range(rows)]
-        least, largest = np.minimum.reduce(inner), np.maximum.reduce(inner)
-        up = least - np.maximum(first, last) > limit
-        down = np.minimum(first, last) - largest > limit
-        at = np.flatnonzero(up | down)
-        for i in range(rows):
-            found[at + 1 + i] = True
     result = np.zeros(len(values), dtype=bool)
-    result[there[found]] = True
+    there = np.flatnonzero(np.isfinite(values))
+    x = values[there]
+    # no jump there and back without one there, of which there are few
+    begin = np.flatnonzero(np.abs(np.diff(x)) > most(0.0))
+    for rows in range(1, longest + 1):
+        begin = begin[begin + rows + 1 < len(x)]
+        first, end = x[begin], begin + rows + 1
+        limit = most(seconds[there[end]] - seconds[there[begin]])
+        inner = x[begin[:, None] + np.arange(1, rows + 1)]
+        up = inner.min(axis=1) - np.maximum(first, x[end]) > limit
+        down = np.minimum(first, x[end]) - inner.max(axis=1) > limit
+        for i in range(rows):
+            result[there[begin[up | down] + 1 + i]] = True
     return result

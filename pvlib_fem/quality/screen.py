@@ -191,7 +191,7 @@ RULES = {
     ),
     "out of range": lambda name, record, limits: out_of_range(name, record[name]),
     "spike": lambda name, record, limits: spikes(
-        name, record[name], record.inputs.seconds, limits
+        name, record[name], record.inputs, limits
     ),
 }
 #: those that take no column in another unit

@@ -8,6 +8,8 @@ import pandas as pd
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.relaxation import ewm
 
+FEW = 1000  # rows
+
 
 @dataclass(frozen=True, eq=False)
 class Runs:
@@ -82,14 +84,17 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     limits = limits or Limits()
     seconds = record.inputs.seconds
     columns = {name: record[name] for name in POSSIBLE}
-    columns |= {"felt": felt(record, limits), "seconds": seconds}
+    columns["seconds"] = seconds
     found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
     for name, still in STILL.items():
         values = columns[name]
-        there = np.isfinite(values)
         repeated = runs(values, seconds, limits)
+        if not len(repeated.first):
+            continue
+        if name == "temp_module":
+            columns["felt"] = felt(record, limits)
         kept = still(repeated, columns, limits)
-        found[name] = repeated.rows(kept, len(values)) & there
+        found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
         # a module that stands still is no witness of what moves it
         columns[name] = np.where(found[name], np.nan, values)
     for name in [name for name in DRIVERS if name in record.inputs.columns]:
@@ -171,15 +176,14 @@ STILL = {
 
 def runs(values, seconds, limits):
     """Repetitions of one value; a NaN ends one, unless there is no other value."""
-    there = np.isfinite(values)
     if never_moves(values):
-        values = np.full(len(values), values[there][0])
-    starts = np.concatenate(([True], values[1:] != values[:-1]))
-    first = np.flatnonzero(starts)
-    last = np.append(first[1:], len(values)) - 1
+        values = np.full(len(values), values[np.isfinite(values)][0])
+    same = np.zeros(len(values) + 1, dtype=np.int8)  # as the row before
+    np.equal(values[1:], values[:-1], out=same[1:-1].view(bool))
+    edge = np.diff(same)
+    first, last = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
     time = seconds[last] - seconds[first]
     long = (last - first >= limits.still_rows) & (time > limits.still_time)
-    long &= np.isfinite(values[first])
     first, last = first[long], last[long]
     return Runs(values[first], first, last, time[long])
 
@@ -193,8 +197,11 @@ def resolution(values):
 
 def never_moves(values):
     """Whether a column has one value only, whatever is missing."""
-    seen = values[np.isfinite(values)]
-    return len(seen) > 0 and np.ptp(seen) == 0
+    for some in (values[:FEW], values):  # of most columns a few rows tell
+        seen = some[np.isfinite(some)]
+        if len(seen) and np.ptp(seen) > 0:
+            return False
+    return len(seen) > 0
 
 
 def refuse_frozen(record, frozen):

@@ -43,8 +43,10 @@ def doubtful(columns, limits=None) -> dict[str, str]:
     columns = {name: np.asarray(values, float) for name, values in columns.items()}
     found = {}
     for name, values in columns.items():
+        if name in POSSIBLE:
+            continue
         seen = values[np.isfinite(values)]
-        if name in POSSIBLE or not len(seen):
+        if not len(seen):
             continue
         kind = "temp_" if name.startswith("temp_") else name
         reason = DOUBTS[kind](seen, limits) if kind in DOUBTS else ""
@@ -227,14 +229,13 @@ def refuse_units(inputs, limits=None, late=False):
     irradiance with 10 to 60 mK/(W/m²), a module at night is within some kelvin
     of the air, and wind changes the resistance by 4 to 20 % per m/s.
     """
-    odd, off = suspected(inputs, limits or Limits())
+    odd, off = suspected(inputs, signs(inputs), limits or Limits())
     if odd or (off and not late):
         raise (odd or of_hours(off)).error()
 
 
-def suspected(inputs, limits):
+def suspected(inputs, found, limits):
     """What looks wrong by one clock, and how far the module's is off for that."""
-    found = signs(inputs)
     if not (odd := found and suspicion(inputs, found, limits)):
         return None, None
     if (off := module_lag(inputs, limits)) is None:
@@ -336,7 +337,7 @@ def oddities(inputs, limits=None):
     limits, found = limits or Limits(), signs(inputs)
     if found is None:
         return
-    odd, off = suspected(inputs, limits)
+    odd, off = suspected(inputs, found, limits)
     if odd := odd or (off and of_hours(off)):
         yield odd.what
         return

@@ -49,7 +49,7 @@ class Inputs:
             else np.nan
         )
 
-    @property
+    @cached_property
     def seconds(self):
         """Time of each row since the first. [s]"""
         steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)

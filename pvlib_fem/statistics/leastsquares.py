@@ -9,7 +9,7 @@ STEPS = 60  # Gauss-Newton steps before it gives up
 HALVINGS = 12
 BLOCK = 200_000  # multiplications of a product below which BLAS has one thread
 DONE = 1e-9  # relative step that ends it
-FLAT = 1e-10  # relative fall of the cost that ends it: far below any error of x
+FLAT = 1e-13  # relative fall of the cost that ends it: nine digits of x
 
 
 @dataclass(frozen=True)

@@ -48,9 +48,9 @@ class Smooth:
 
     def __init__(self, name, whole, steps, tau, past, wanted):
         self.value, self.by_tau, self.whole = whole, 0.0, whole
+        self.name, self.given = name, (steps, tau, past)
         if np.ndim(whole) == 0:
             return
-        self.name, self.given = name, (steps, tau, past)
         self.answer = answer = Response(name, whole, steps, tau, past)
         there = answer.there(whole)
         smooth = answer.mean("value", there)
