@@ -21,8 +21,9 @@ import pvlib_fem as fem
 # Write it
 # --------
 # The package solves one equation,
-# ``capacity · dT/dt = heat − loss · (T − T_air)``, ``measured = T + offset``.
-# An :py:class:`~pvlib_fem.Effect` adds to its four columns. Of its function, drivers
+# ``capacity · dT/dt = heat − loss · (T − T_air)``, of which a sensor reads
+# ``measured = T + gain · (T − T_air) + offset``.
+# An :py:class:`~pvlib_fem.Effect` adds to its five columns. Of its function, drivers
 # stand before the star and what is to be fitted after it; the table has start, bounds
 # and unit. At the start it must add nothing.
 

@@ -13,8 +13,9 @@ from pvlib_fem.record.columns import GEOMETRY
 
 INTRO = """
 What the model can lack, one effect a page. All add to the columns of one equation,
-``capacity · dT/dt = heat − loss · (T − T_air)`` and ``measured = T + offset``:
-``heat`` [W/m²], ``loss`` [W/(m² K)], ``capacity`` [J/(m² K)], ``offset`` [K].
+``capacity · dT/dt = heat − loss · (T − T_air)``, of which a sensor reads
+``measured = T + gain · (T − T_air) + offset``: ``heat`` [W/m²], ``loss`` [W/(m² K)],
+``capacity`` [J/(m² K)], ``offset`` [K], ``gain`` [-].
 Names in the equations are those of the columns and the parameters. All parameters
 are 0 where a fit starts, and then an effect adds nothing; a fit does not leave their
 range. What their drivers are made of is in :doc:`effects/drivers`, how often each is

@@ -32,15 +32,17 @@ class Parameter:
 @dataclass(frozen=True, eq=False)
 class Terms:
     """
-    What something adds to the four columns of the equation.
+    What something adds to the five columns of the equation.
 
-    ``capacity · dT/dt = heat − loss · (T − T_air)``, ``measured = T + offset``.
+    ``capacity · dT/dt = heat − loss · (T − T_air)``,
+    ``measured = T + gain · (T − T_air) + offset``.
     """
 
     heat: np.ndarray | float = 0.0  # [W/m²]
     loss: np.ndarray | float = 0.0  # [W/(m² K)]
     capacity: np.ndarray | float = 0.0  # [J/(m² K)]
     offset: np.ndarray | float = 0.0  # [K]
+    gain: np.ndarray | float = 0.0  # of the over-temperature that is read [-]
 
     def plus(self, other: "Terms", times: float = 1.0) -> "Terms":
         """The sum with another, ``times`` over."""

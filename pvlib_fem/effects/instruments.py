@@ -38,7 +38,8 @@ def mounting(loss_base, *, change):
         \mathrm{loss} = \mathrm{change} \cdot \mathrm{loss\_base}
 
     Negative where the module is mounted closer, its cavity is closed, or plants or
-    walls shelter it; ``loss_base`` is the loss by the model without effects.
+    walls shelter it; ``loss_base`` is the loss by the model's own coefficients, as
+    before the change.
 
     References
     ----------
@@ -50,14 +51,13 @@ def mounting(loss_base, *, change):
     return Terms(loss=change * loss_base)
 
 
-def contact(temp_base, temp_air, *, change):
+def contact(temp_air, *, change):
     r"""
     Share of the over-temperature that a sensor reads more than before [1]_.
 
     .. math::
 
-        \mathrm{offset} = \mathrm{change}
-        \cdot (\mathrm{temp\_base} - \mathrm{temp\_air})
+        \mathrm{gain} = \mathrm{change}
 
     Negative where the sensor comes off the back of the module and reads air in part;
     positive where it is mounted anew, or insulated.
@@ -67,7 +67,7 @@ def contact(temp_base, temp_air, *, change):
     .. [1] IEC 61724-1, annex B: how temperature sensors at a module's back are to be
        chosen and attached.
     """
-    return Terms(offset=change * (temp_base - temp_air))
+    return Terms(gain=change + 0.0 * temp_air)
 
 
 def wind_gain(wind_speed, *, change):
@@ -107,8 +107,8 @@ def air_offset(loss_base, *, change):
 
         \mathrm{heat} = \mathrm{change} \cdot \mathrm{loss\_base}
 
-    The module is in the air that there is; ``loss_base`` is the loss by the model
-    without effects.
+    The module is in the air that there is; ``loss_base`` is the loss by the model's
+    own coefficients.
     """
     return Terms(heat=change * loss_base)
 

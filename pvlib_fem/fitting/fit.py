@@ -282,28 +282,41 @@ def least_squares_stages(target, record, train, not_held_out):
         ("ewm", plain, train, False),
         ("fem", plain, train, True),
     ]
-    for i, added in enumerate(target.effects, start=1):
-        larger = replace(plain, effects=target.effects[:i])
-        steps.append((f"+ {added.name}", larger, train, True))
     stages, thin, source = {}, start, None
     for name, model, rows, biased in steps:
         # what a later step starts from need not be as flat as the last
-        flat = FLAT if name == steps[-1][0] else ROUGH
-        model = replace(model, base=target.base)
-        if source is None or source.record is not record or source.counts is not rows:
+        flat = ROUGH if target.effects or name != "fem" else FLAT
+        if source is None or source.counts is not rows:
             source = Rows(record, rows)
             some = source.thinned()
-        tabled = with_tables(model, record)
-        if some and not model.effects:
+        if some:
             # what a stage changes is nearly the same on a part of the rows
-            before, (_, thin) = thin, minimise(tabled, some, thin, biased, ROUGH)
+            before, (_, thin) = thin, minimise(model, some, thin, biased, ROUGH)
             start = {n: value + thin[n] - before[n] for n, value in start.items()}
-        minimum, start = minimise(tabled, source, start, biased, flat)
+        minimum, start = minimise(model, source, start, biased, flat)
         stages[name] = (model, natural(model, start)[0])
-        if name == "fem" and target.effects:
-            target = replace(target, base=public(model, stages[name][1]))
-            record = replace(record, inputs=target.with_drivers(record.inputs))
-    return target, record, stages, minimum
+    if not target.effects:
+        return target, record, stages, minimum
+    target = replace(target, base=public(plain, last(stages)[1]))
+    found = effect_stages(target, record, train, start)
+    own = target.rebased(public(target, last(found[1])[1]))
+    if own is not target:
+        found = effect_stages(own, record, train, start)
+    record, more, minimum = found
+    return own, record, stages | more, minimum
+
+
+def effect_stages(target, record, train, start):
+    """The record with the effects' drivers, the steps that add each, the minimum."""
+    record = replace(record, inputs=target.with_drivers(record.inputs))
+    stages, source = {}, Rows(record, train)
+    for i, added in enumerate(target.effects, start=1):
+        model = replace(target, effects=target.effects[:i])
+        flat = FLAT if i == len(target.effects) else ROUGH
+        tabled = with_tables(model, record)
+        minimum, start = minimise(tabled, source, start, True, flat)
+        stages[f"+ {added.name}"] = (model, natural(model, start)[0])
+    return record, stages, minimum
 
 
 def last(stages):

@@ -74,7 +74,8 @@ class FemFit:
         Whether night rows count, too.
     base : dict or None
         Coefficients of the step before the effects, by which effects know the
-        temperature of the module; None without effects.
+        temperature of the module and its loss, or the fit's own where an effect is a
+        share of that; None without effects.
     fixed : dict
         Coefficients that were held and not fitted; their error is 0.
     cell : dict

@@ -198,9 +198,10 @@ class Search:
         return self.result(step, start, base, found)
 
     def on_own_steps(self, step):
-        """The last step, fitted to the record's own steps."""
-        if self.case.record is not self.case.whole:
-            step = self.fits.fitted(step.model, step, step.coarse)
+        """The last step, fitted to the record's own steps, and with its own base."""
+        model = step.model.rebased(step.coefficients)
+        if self.case.record is not self.case.whole or model is not step.model:
+            step = self.fits.fitted(model, step, step.coarse)
             self.steps[list(self.steps)[-1]] = step
         return step
 

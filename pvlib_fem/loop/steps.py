@@ -138,12 +138,14 @@ class Fits:
     def prepared(self, record, model):
         """A record with a model's drivers, and the model's effects as tables."""
         place = "coarse" if record is self.case.record else "whole"
-        larger, tabled = self.ready.get(place, (record, {}))
+        base, larger, tabled = self.ready.get(place, (None, record, {}))
+        if base is not model.base:
+            larger, tabled = record, {}
         larger = replace(larger, inputs=model.with_drivers(larger.inputs))
         for effect in model.effects:
             if effect.name not in tabled or tabled[effect.name][0] is not effect:
                 tabled[effect.name] = (effect, *tables((effect,), larger))
-        self.ready[place] = (larger, tabled)
+        self.ready[place] = (model.base, larger, tabled)
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 

@@ -35,7 +35,7 @@ def steady(steady_model, own, inputs, added, slopes):
     by_steady, by_loss = resistance_slopes(steady_model, own, wind, r_eq, share)
     found = {name: added.heat * by_steady[name] for name in steady_model.parameters}
     for name, slope in slopes.items():
-        found[name] = slope.offset
+        found[name] = 0.0
         if is_there(slope.heat):
             found[name] = found[name] + slope.heat * r_eq
         if is_there(slope.loss):
@@ -88,7 +88,7 @@ def smoothed(steady_model, own, inputs, added, slopes, tau, past):
         r_by_tau = r_by_tau + by_loss * loss.by_tau
     found["tau"] = (heat.by_tau * r_eq + heat.value * r_by_tau) / inputs.unit
     for name, slope in slopes.items():
-        found[name] = slope.offset
+        found[name] = 0.0
         if is_there(slope.heat):
             found[name] = found[name] + heat.part(name, slope.heat) * r_eq
         if is_there(slope.loss):
@@ -122,7 +122,7 @@ def balanced(steady_model, own, inputs, added, slopes, past):
         name: solved(name, by_r * by_steady[name]) for name in steady_model.parameters
     }
     for name, slope in slopes.items():
-        found[name] = slope.offset
+        found[name] = 0.0
         source = 0.0
         if is_there(slope.heat):
             source = source + answer.rise * r_eq * there(slope.heat)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from pvlib_fem.drivers import MODELLED, behind, completed, needed_for
-from pvlib_fem.effects.effect import Parameter, Terms, known
+from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
 from pvlib_fem.quality.limits import possible
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time, read
@@ -43,7 +43,7 @@ class ThermalModel:
     effects : tuple of Effect
     base : dict, optional
         Coefficients of the model without effects, with which it gives the effects
-        the temperature of the module, ``temp_base``.
+        the temperature of the module, ``temp_base``, and its loss, ``loss_base``.
     held : dict
         Coefficients that a fit leaves as they are.
     """
@@ -118,6 +118,18 @@ class ThermalModel:
         loss = 1.0 / self.steady_model.resistance(wind, **own)
         found = dict(zip(MODELLED, (plain.temperature(inputs, base), loss)))
         return replace(inputs, columns={**inputs.columns, **found})
+
+    def rebased(self, coefficients):
+        """
+        The same with a base of its own coefficients, where a share of that is fitted.
+
+        The fit without effects has a part of a change in it, so that a share of its
+        loss is told too small. Physics needs no more than the module's temperature,
+        which that fit knows best.
+        """
+        if not any(is_share(effect) for effect in self.effects):
+            return self
+        return replace(self, base={name: coefficients[name] for name in self.base})
 
     def completed(self, coefficients):
         """Coefficients with those that have a default."""
@@ -245,7 +257,7 @@ class ThermalModel:
         """
         Temperature and slopes of a block of rows, carried on from those before it.
 
-        Everything that is known adds to the four columns of the equation, and
+        Everything that is known adds to the five columns of the equation, and
         so do the slopes of what is known: the dynamics answers both alike. The
         slopes obey the recursion of the temperature itself, with another
         right-hand side, so each costs one more solve.
@@ -272,16 +284,20 @@ class ThermalModel:
                 slopes |= effect.slopes(inputs.columns, coefficients)
         law, own = self.steady_model, self.own(coefficients)
         if self.dynamics == "steady":
-            temperature, slopes = steady(law, own, inputs, added, slopes)
+            temperature, answers = steady(law, own, inputs, added, slopes)
         elif self.dynamics == "ewm":
             given = added, slopes, coefficients["tau"], past
-            temperature, slopes = smoothed(law, own, inputs, *given)
+            temperature, answers = smoothed(law, own, inputs, *given)
         else:
             added = added.plus(Terms(capacity=coefficients["capacity"]))
             if wanted:
                 slopes["capacity"] = Terms(capacity=1.0)
-            temperature, slopes = balanced(law, own, inputs, added, slopes, past)
-        return temperature + added.offset, slopes
+            temperature, answers = balanced(law, own, inputs, added, slopes, past)
+        over = temperature - inputs["temp_air"]
+        return temperature + added.gain * over + added.offset, {
+            name: as_read(answer, slopes.get(name), added.gain, over)
+            for name, answer in answers.items()
+        }
 
     def own(self, coefficients):
         """Those coefficients that are the steady model's."""
@@ -296,6 +312,22 @@ def blocks(rows):
 def parts(terms, rows):
     """Terms by name on a slice of rows."""
     return {name: column.part(rows) for name, column in terms.items()}
+
+
+def as_read(answer, slope, gain, over):
+    """What a sensor reads of the answer to a slope of the terms."""
+    if is_there(gain):
+        answer = answer + gain * answer
+    if slope is not None:
+        answer = answer + slope.offset
+        if is_there(slope.gain):
+            answer = answer + slope.gain * over
+    return answer
+
+
+def is_share(effect):
+    """Whether an effect is a share of the loss that the model has without it."""
+    return bool(effect.channel and "loss_base" in behind(effect.drivers))
 
 
 def as_in_a_fit(inputs):
