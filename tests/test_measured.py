@@ -87,7 +87,7 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     assert step.verdict is Verdict.CLASS
     assert kinds == {"contact", "mounting", "wind_gain", "wind_stall", "air_shelter"}
     place = at_bolzano.place
-    angles = [f"{place[n]:.0f} ± 3°" for n in ("surface_tilt", "surface_azimuth")]
+    angles = [f"{place[n]:.0f} ± 5°" for n in ("surface_tilt", "surface_azimuth")]
     assert f"clear days have them at {angles[0]} and {angles[1]}" in text
     assert (wind.effect, wind.verdict) == ("wind_direction", Verdict.NAMED)
     errors = at_bolzano.table.loc[["fem", at_bolzano.last]].round(2)

@@ -32,7 +32,7 @@ def test_a_plane_is_found_within_its_error(tilt, azimuth, latitude, seed):
     found = plane_of(data["poa_global"], data.index, place)
     assert abs(found.surface_tilt - tilt) < 2.0 * found.tilt_error
     assert apart(found.surface_azimuth, azimuth) < 2.0 * found.azimuth_error
-    assert 3.0 <= found.tilt_error <= 8.0
+    assert 5.0 <= found.tilt_error <= 8.0
 
 
 def test_south_of_the_equator_it_faces_north():
@@ -72,11 +72,21 @@ def test_the_loop_says_that_its_plane_is_estimated_and_names_no_obstacle():
     assert not any("estimated" in note for note in given.notes)
 
 
+@pytest.mark.parametrize(
+    ("column", "tilt"), [("poa_global", 10), ("poa_global_2", 40), ("poa_modelled", 10)]
+)
+def test_planes_of_which_the_source_has_the_tilt_are_found(golden, column, tilt):
+    """Two pyranometers, and a model of the plane of one."""
+    place = Location(39.742, -105.172, altitude=1829, tz="Etc/GMT+7")
+    found = plane_of(golden[column], golden.index, place)
+    assert abs(found.surface_tilt - tilt) < 2.0 * found.tilt_error
+
+
 def test_bolzano_faces_the_south(bolzano):
     loop = fem.close_loop(
         bolzano, location=Location(46.458, 11.329, altitude=260, tz="Europe/Rome")
     )
-    assert 25.0 < loop.place["surface_tilt"] < 45.0
+    assert 25.0 < loop.place["surface_tilt"] < 40.0
     assert apart(loop.place["surface_azimuth"], 185.0) < 8.0
     rmse = loop.table["rmse_test"]
     assert rmse["fem"] == pytest.approx(1.49, abs=0.03)

@@ -13,12 +13,13 @@ from pvlib_fem.drivers import sun
 FEWEST_DAYS = 60  # of a record
 CLEAREST = 0.1  # share of each month's days that may be clear
 KEPT = 0.5  # share of those of which the shape is kept
-LOWEST = 80.0  # ° from the vertical, beyond which the horizon may hide the sun
+LOWEST = 70.0  # ° from the vertical, beyond which hills may hide the sun
 TURBIDITY = 3.0  # Linke's, of a clear day in the mean; the scale of each year is free
 ALBEDO = 0.2
+ABOVE = 1361.0  # W/m², of the sun above the air
 WHOLE = 0.9  # share of a day's light rows that are there
 GROUPS = 10  # of days, each left out in turn
-LEAST_ERROR = 3.0  # °, of a clear sky that is no more than a model
+LEAST_ERROR = 5.0  # °, of a clear sky and a transposition that are no more than models
 MOST_ERROR = 8.0  # °, above which the angles are not known
 MOST_LEFT = 0.12  # of the clear irradiance, root mean square
 STARTS = [(tilt, turn) for tilt in (10.0, 35.0, 60.0) for turn in range(0, 360, 45)]
@@ -73,18 +74,22 @@ def plane_of(
     Notes
     -----
     Of each month the tenth of the days with most light is compared with a clear sky
-    (Ineichen and Perez [1]_) in any plane, and the half of these that has its shape is
-    kept. The scale of that sky is free, once from year to year and once from day to
-    day; the angles are the mean of both, and half of the difference is their error,
-    unless leaving out a tenth of the days in turn moves them by more. Of a file whose
-    rows are means to another edge it knows nothing: half an hour turns the plane by 7°
-    and more.
+    (Ineichen and Perez [1]_) on any plane (Hay and Davies [2]_), and the half of these
+    that has its shape is kept. The scale of that sky is free, once from year to year
+    and once from day to day: air that is more turbid makes the plane steeper by the
+    year and flatter by the day. The angles are the mean of both, and half of the
+    difference is their error, unless leaving out a tenth of the days in turn moves them
+    by more, and 5° at least. Of a file whose rows are means to another edge it knows
+    nothing: half an hour turns the plane by 7° and more.
 
     References
     ----------
     .. [1] P. Ineichen and R. Perez, "A new airmass independent formulation for the
        Linke turbidity coefficient", Solar Energy 73, 151-157, 2002, as in
        :func:`pvlib.clearsky.ineichen`. :doi:`10.1016/S0038-092X(02)00045-2`
+    .. [2] J. E. Hay and J. A. Davies, "Calculations of the solar radiation incident on
+       an inclined surface", Proc. First Canadian Solar Radiation Data Workshop, 59,
+       1980, as in :func:`pvlib.irradiance.haydavies`.
     """
     poa, seconds = np.asarray(poa_global, dtype=float), pd.Timedelta(seconds=late)
     place = sun(index - seconds, location)
@@ -198,9 +203,10 @@ class Sky:
         ahead = np.cos(self.zenith) * np.cos(tilt) + np.sin(self.zenith) * np.sin(
             tilt
         ) * np.cos(self.azimuth - turn)
-        view = (1.0 + np.cos(tilt)) / 2.0
-        modelled = self.beam * np.maximum(ahead, 0.0)
-        modelled = modelled + self.sky * view + self.ground * (1.0 - view)
+        ahead, view = np.maximum(ahead, 0.0), (1.0 + np.cos(tilt)) / 2.0
+        around = self.beam / ABOVE  # share of the sky's light that is near the sun
+        lit = around * ahead / np.cos(self.zenith) + (1.0 - around) * view
+        modelled = self.beam * ahead + self.sky * lit + self.ground * (1.0 - view)
         squares = np.bincount(self.scale, modelled**2)
         times = np.bincount(self.scale, modelled * self.poa) / np.maximum(squares, 1e-9)
         return (self.poa - times[self.scale] * modelled) / self.poa.mean()
