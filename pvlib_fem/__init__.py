@@ -23,6 +23,8 @@ from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.quality.screen import Screening, screen
 from pvlib_fem.record.files import read_file
+from pvlib_fem.recovery.recover import recover
+from pvlib_fem.recovery.result import Recovery
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.thermal.temperature import fem_temperature, heat_balance, wm1, wm2
 from pvlib_fem.translate import translate, translation_mismatch
@@ -40,6 +42,7 @@ __all__ = [
     "Finding",
     "Loop",
     "Parameter",
+    "Recovery",
     "Screening",
     "Terms",
     "close_loop",
@@ -56,6 +59,7 @@ __all__ = [
     "plotting",
     "rank_effects",
     "read_file",
+    "recover",
     "scores",
     "screen",
     "simulator",

@@ -13,6 +13,7 @@ PACKAGE = Path(pvlib_fem.__file__).parent
 ORDER = (
     "types",
     "spelling",
+    "parallel",
     "simulator",
     "layers",
     "reasons",
@@ -34,6 +35,7 @@ ORDER = (
     "report",
     "fitting",
     "loop",
+    "recovery",
     "cli",
     "__main__",
 )

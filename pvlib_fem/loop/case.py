@@ -43,6 +43,7 @@ class Case:
     fixed: dict = field(default_factory=dict)  # coefficients that are held
     notes: tuple = ()
     corrections: tuple = ()  # of the whole file
+    kept: np.ndarray | None = None  # rows of the file that the whole has
 
     def rows(self, part):
         """Rows of the whole that count for a part."""

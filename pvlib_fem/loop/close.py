@@ -28,6 +28,7 @@ from pvlib_fem.loop.steps import BASES, SCORES, Fits, error_table
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.weeks import Part, named
+from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.steady import steady_model
@@ -133,18 +134,25 @@ def close_loop(
     criteria = criteria or Criteria()
     if min_gain is not None:
         criteria = replace(criteria, min_gain=min_gain)
-    site = checked_place(location, surface_tilt, surface_azimuth)
+    place = (location, surface_tilt, surface_azimuth)
+    how: dict[str, Any] = dict(
+        holdout=holdout, effects=effects, check_units=check_units
+    )
+    how |= {"fixed": fixed, "criteria": criteria}
+    return searched(data, model, place, progress, **how)[1]
+
+
+def searched(data, model, place, progress, **how):
+    """A search that is done, and the loop that came of it."""
+    site = checked_place(*place)
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:
         tell("checking the record")
-        case = prepared(data, site, holdout, effects, criteria, check_units, fixed)
-        found = Search(Fits(case), tell).run(steady_model(model))
-    given: dict[str, Any] = dict(
-        holdout=holdout, effects=effects, check_units=check_units
-    )
-    given |= {"fixed": fixed, "criteria": criteria}
-    return replace(found, given={name: said_of(value) for name, value in given.items()})
+        search = Search(Fits(prepared(data, site, **how)), tell)
+        found = search.run(steady_model(model))
+    given = {name: said_of(value) for name, value in how.items()}
+    return search, replace(found, given=given)
 
 
 @dataclass(eq=False)
@@ -159,6 +167,7 @@ class Search:
     corrections: list = field(default_factory=list)
     untestable: dict = field(default_factory=dict)
     aside: dict = field(default_factory=dict)  # checks of what waits, by name
+    clock: Clock = field(default_factory=Clock)  # by which the module's was set right
 
     @property
     def case(self):
@@ -174,10 +183,11 @@ class Search:
         step = raw = self.steps[base] = self.steps[base].as_base()
         if self.case.clock.fault:
             self.tell("correcting the clock")
-            fits = (self.case, self.fits, raw, Fits)
-            self.fits, step, correction = module_clock(*fits)
+            case = self.case
+            self.fits, step, correction = module_clock(case, self.fits, raw, Fits)
             self.corrections.append(correction)
             if correction.applied:
+                self.clock = case.clock
                 self.steps[CORRECTED] = step
         start = step
         self.leave_out_leaks(step)

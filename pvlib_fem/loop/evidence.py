@@ -129,6 +129,15 @@ class Evidence:
             ready = {frozenset(): self.sums([]).with_column(old, *rest, values)}
         return replace(self, columns=columns, ready=ready)
 
+    def adding(self, coefficients):
+        """The same of a residual that has so much of some columns more than it has."""
+        residual = self.residual.copy()
+        for name, value in coefficients.items():
+            residual += value * np.nan_to_num(self.columns[name])
+        columns = {self.order[name]: value for name, value in coefficients.items()}
+        ready = {key: sums.adding(columns) for key, sums in self.ready.items()}
+        return replace(self, residual=residual, ready=ready)
+
     def with_effect(self, effect, columns, known):
         """The same with the tangents of one more effect, on the rows it is known."""
         partial = {} if known.all() else {effect.name: known}

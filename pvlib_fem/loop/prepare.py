@@ -52,6 +52,7 @@ class Look:
     odd: tuple  # what looks odd, in sentences
     health: Health
     still: np.ndarray  # test rows of sensors that stand still
+    kept: np.ndarray  # rows of the file that have a sure time
 
 
 def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=None):
@@ -93,6 +94,7 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         criteria=criteria,
         family=Family.counted(wanted, criteria.rounds),
         fixed=dict(fixed or {}),
+        kept=look.kept,
         notes=(
             *([] if plane is None else [f"the module's plane is estimated: {plane}"]),
             *notes_of(look, corrections, wanted, site, criteria),
@@ -136,7 +138,8 @@ def looked(data, holdout, site, criteria, check_units):
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
     whole, still = with_answer(hidden, faults, usual, test, limits)
     odd = tuple(oddities(in_time(hidden, health.clock).inputs, limits))
-    return Look(whole, what, drivers, witnesses, refused, faults, odd, health, still)
+    told = (drivers, witnesses, refused, faults, odd, health, still)
+    return Look(whole, what, *told, kept=np.ones(len(what), dtype=bool))
 
 
 def in_time(record, clock):
@@ -157,7 +160,8 @@ def in_standard_time(data, holdout, look, how):
         return look, (told_of(summer, *jumps),)
     if holdout is not None:
         holdout = summer.corrected(holdout)
-    return looked(summer.corrected(data), holdout, *how), (told_of(summer),)
+    look = looked(summer.corrected(data), holdout, *how)
+    return replace(look, kept=np.asarray(summer.kept)), (told_of(summer),)
 
 
 def used(look, sun):

@@ -33,3 +33,17 @@ def telling(progress=None):
                 progress(words)
 
         yield tell
+
+
+@contextmanager
+def counting(whole, done=0, shown=True):
+    """A function that is told each thing that is done, of so many; with a bar."""
+    bar = tqdm(total=whole, initial=done, disable=not shown)
+    with bar:
+
+        def tell(words):
+            LOG.info("%s, %d of %d", words, bar.n, whole)
+            bar.set_postfix_str(words, refresh=False)
+            bar.update()
+
+        yield tell

@@ -38,6 +38,7 @@ class Comparison:
     parts: Callable  # record and the column to two columns, whose sums are compared
     differ: Callable  # those sums by the day to how far the two are apart
     shows: dict  # channel: its change and the fit's coefficients to what is shown
+    moved: Callable | None  # the column and what is shown to one that shows it
     unit: str = "-"
     ages: bool = False  # whether it fades by itself
 
@@ -89,6 +90,20 @@ def logs(one, other):
         return np.log(one / other)
 
 
+def times(values, shown, record):
+    """A column that is by so much the logarithm larger."""
+    return values * np.exp(shown)
+
+
+def plus(values, shown, record):
+    return values + shown
+
+
+def plus_sun(values, shown, record):
+    """A column that is by so much warmer for each 1000 W/m²."""
+    return values + shown * np.nan_to_num(record["poa_global"]) / 1000.0
+
+
 def of_wind(change, coefficients):
     """The share that wind is read less, where each m/s of it has so much more loss."""
     return np.log1p(change / coefficients.get("u1", np.inf))
@@ -101,12 +116,13 @@ SHELTER = {"air_shelter": lambda change, _: -change}
 CONTACT = {"contact": lambda change, _: -np.log1p(change)}
 
 COMPARISONS = (
-    Comparison(is_power, bright, power, logs, LIGHT, ages=True),
-    Comparison(twin("poa_global"), bright, beside("poa_global"), logs, LIGHT),
-    Comparison(twin("wind_speed"), windy, beside("wind_speed"), logs, WIND),
-    Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, "K"),
-    Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, "K"),
-    Comparison(twin("temp_module"), bright, over, logs, CONTACT),
+    Comparison(is_power, bright, power, logs, LIGHT, times, ages=True),
+    Comparison(twin("poa_global"), bright, beside("poa_global"), logs, LIGHT, times),
+    Comparison(twin("wind_speed"), windy, beside("wind_speed"), logs, WIND, times),
+    Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, plus, "K"),
+    Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, plus_sun, "K"),
+    # where the module's own sensor changes, a second one stays
+    Comparison(twin("temp_module"), bright, over, logs, CONTACT, None),
 )
 
 
@@ -166,6 +182,37 @@ class Apart:
         unit = self.comparison.unit + ("/year" if is_drift(effect) else "")
         sizes = (size, error, float(expected))
         return Witness(self.column, effect.name, *sizes, opinion, unit)
+
+
+def showing(record, columns, effect, change, coefficients):
+    """
+    Columns that see an instrument, as they are where it changes by so much.
+
+    Parameters
+    ----------
+    record : Record
+    columns : dict of array
+        Those that vouch for instruments, on the rows of the record.
+    effect : Effect
+    change : float
+        Its coefficient.
+    coefficients : dict
+        Of the fit.
+
+    Returns
+    -------
+    dict of array
+        Those that are others.
+    """
+    found = {}
+    for comparison in COMPARISONS:
+        shows = comparison.shows.get(effect.channel)
+        if shows is None or comparison.moved is None:
+            continue
+        shown = shows(change * weights_of(effect, record.dates), coefficients)
+        for name in filter(comparison.serves, columns):
+            found[name] = comparison.moved(columns[name], shown, record)
+    return found
 
 
 def apart(record, rows, names):

@@ -21,6 +21,7 @@ from pvlib_fem.plotting.estimators import (
 )
 from pvlib_fem.plotting.look import AFTER, BEFORE, COLOURS, OTHER
 from pvlib_fem.plotting.memory import plot_step_response, plot_tau_by_wind, tau_by_wind
+from pvlib_fem.plotting.recovery import plot_recovery
 from pvlib_fem.plotting.residuals import (
     plot_residual_by,
     plot_residual_map,
@@ -41,6 +42,7 @@ __all__ = [
     "plot_energy_error",
     "plot_fit",
     "plot_k_w",
+    "plot_recovery",
     "plot_residual_by",
     "plot_residual_map",
     "plot_residual_rose",

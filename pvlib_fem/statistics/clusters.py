@@ -61,6 +61,13 @@ class ClusterSums:
         picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
         return replace(self, sums=self.sums[days], **picked)
 
+    def adding(self, columns):
+        """Those of a residual to which columns are added, so many times each."""
+        turn = np.eye(self.sums.shape[1])
+        for place, times in columns.items():
+            turn[-1, place] = times * self.scale[place]
+        return replace(self, sums=turn @ self.sums @ turn.T)
+
     def of(self, kept):
         """Those of some columns alone."""
         both = [*kept, self.sums.shape[1] - 1]

@@ -1,0 +1,85 @@
+"""Work spread over processes: the same results in the same order for any number."""
+
+import os
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import get_context
+
+#: one thread each, since processes share the cores
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+WORK = []  # of a process: the function, and what all its tasks share
+
+
+def spread(function, tasks, processes=None, shared=()):
+    """
+    What a function makes of each task, as it is done and in the order of the tasks.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module, ``function(*shared, *task)``.
+    tasks : iterable of tuple
+    processes : int, optional
+        By default as many as there are cores. With 1 all runs in this process.
+    shared : tuple
+        What is the same in all tasks, and goes to each process once.
+
+    Yields
+    ------
+    object
+
+    Raises
+    ------
+    RuntimeError
+        If a process ends before its work is done.
+    """
+    tasks = list(tasks)
+    processes = min(processes or cores(), max(len(tasks), 1))
+    if processes == 1:
+        yield from (function(*shared, *task) for task in tasks)
+        return
+    how = dict(mp_context=get_context("spawn"), initializer=begin)
+    with (
+        one_thread_each(),
+        ProcessPoolExecutor(processes, initargs=(function, shared), **how) as pool,
+    ):
+        try:
+            yield from pool.map(work, tasks)
+        except BrokenProcessPool as error:
+            raise RuntimeError(
+                "a process ended before its work was done. A script has to call this "
+                "under `if __name__ == '__main__':`, since each process reads the "
+                "script anew; where memory is short give fewer processes, and "
+                "processes=1 needs none"
+            ) from error
+
+
+def cores():
+    """Cores that this process may use."""
+    usable = getattr(os, "process_cpu_count", os.cpu_count)
+    return usable() or 1
+
+
+@contextmanager
+def one_thread_each():
+    """Processes that begin meanwhile run their BLAS on one thread."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def begin(function, shared):
+    WORK[:] = [function, shared]
+
+
+def work(task):
+    function, shared = WORK
+    return function(*shared, *task)

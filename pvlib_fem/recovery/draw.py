@@ -1,0 +1,215 @@
+"""What is put into a record: which effects, when, and which way."""
+
+import zlib
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from pvlib_fem.effects import EFFECTS, find, several
+from pvlib_fem.effects.courses import COURSES, told, written
+from pvlib_fem.effects.effect import Effect
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.stored import Stored
+
+EDGE = 0.1  # share of the days before the first date that is drawn, and after the last
+LONGEST = 0.25  # share of the days that an episode lasts at most
+
+
+@dataclass(frozen=True)
+class Injection:
+    """
+    An effect of known size that is put into a record.
+
+    Attributes
+    ----------
+    effect : str
+    draw : int
+        Number of its dates and of the way it goes.
+    settings : dict
+        Its dates, or what else the effect was made with.
+    coefficients : dict
+        By the name that each has in a model.
+    size : float
+        Root of the sum of their squares: of one coefficient its size.
+    predicted : float
+        Size from which it should be found; NaN where no possible size is.
+    own : float
+        What the record itself has of it by the same weighing, the same way. Each
+        coefficient that is found has it in it.
+    """
+
+    effect: str
+    draw: int
+    settings: dict
+    coefficients: dict
+    size: float
+    predicted: float
+    own: float
+
+    @property
+    def key(self) -> str:
+        """What tells it from all others, to the bit."""
+        return repr((self.effect, self.settings, self.coefficients))
+
+    @property
+    def dates(self) -> str:
+        """Its dates in words."""
+        return told(self.settings)
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The injection of a part of a file."""
+        return cls(
+            content.text("effect"),
+            content.count("draw"),
+            content.part("settings").content,
+            content.numbers("coefficients"),
+            content.number("size"),
+            content.number("predicted", unknown=True),
+            content.number("own"),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """An effect with its dates, and the way in which its coefficients go."""
+
+    effect: Effect
+    number: int
+    way: dict = field(default_factory=dict)  # of length 1
+
+    def of_size(self, size, predicted, own):
+        """So much of it."""
+        coefficients = {name: size * part for name, part in self.way.items()}
+        return Injection(
+            self.effect.name,
+            self.number,
+            dict(self.effect.settings),
+            coefficients,
+            float(size),
+            float(predicted),
+            float(own),
+        )
+
+    @property
+    def most(self):
+        """The largest size that its bounds allow."""
+        rows = self.effect.rows()
+        ends = {n: rows[n].upper if part > 0 else rows[n].lower for n, part in self}
+        return min(ends[name] / part for name, part in self)
+
+    def __iter__(self):
+        return ((name, part) for name, part in self.way.items() if part)
+
+
+def chosen(case, loop, effects):
+    """Effects that can be put into a record, and for the others the reason why not."""
+    wanted = {effect.name: effect for effect in case.wanted}
+    there = {name for f in loop.findings if f.added for name in f.candidates}
+    if effects is None:
+        names = [name for name in wanted if name in EFFECTS]
+    else:
+        names = [find(effect).name for effect in several(effects)]
+    found, notes = [], dict(case.untestable) if effects is None else {}
+    for name in names:
+        if name not in wanted:
+            notes[name] = case.untestable.get(name, f"the loop does not try {name}")
+        elif name in there:
+            notes[name] = "the record itself shows it, or cannot tell it from what is"
+        elif wanted[name].scan:
+            notes[name] = "it has a place in the sky, which is not drawn"
+        else:
+            found.append(wanted[name])
+    return found, {name: str(why) for name, why in notes.items()}
+
+
+def drawn(effect, days, side, draws, seed):
+    """
+    An effect by dates and number, without its ways, or why there is no date.
+
+    Parameters
+    ----------
+    effect : Effect
+    days : array of int
+        Those of the fitting weeks that have rows, from 1970-01-01.
+    side : int
+        Days that there have to be on either side of a date.
+    draws, seed : int
+
+    Returns
+    -------
+    list of Draw, Because or None
+    """
+    random = generator(effect, seed)
+    if not effect.channel:
+        return [Draw(effect, number) for number in range(draws)], None
+    course = course_of(effect)
+    dates = [DATES[course.name](days, side, random) for _ in range(draws)]
+    if None in dates:
+        return [], because(Reason.NO_DATE)
+    return [Draw(effect.make(**one), number) for number, one in enumerate(dates)], None
+
+
+def generator(effect, seed):
+    """Random numbers of an effect, whichever others there are."""
+    return np.random.default_rng([seed, zlib.crc32(effect.name.encode())])
+
+
+def course_of(effect):
+    """The course of a change of an instrument."""
+    return next(one for one in COURSES if effect.name == f"{effect.channel}_{one.name}")
+
+
+def step(days, side, random):
+    """A date with enough days on either side."""
+    edge = max(side, int(EDGE * len(days)))
+    if len(days) <= 2 * edge:
+        return None
+    return {"at": written(days[random.integers(edge, len(days) - edge)])}
+
+
+def episode(days, side, random):
+    """A stretch of any length, short ones as often as long ones."""
+    most = int(LONGEST * len(days))
+    if most <= 2 * side:
+        return None
+    length = int(np.exp(random.uniform(np.log(2 * side), np.log(most))))
+    start = random.integers(side, len(days) - side - length)
+    return {"start": written(days[start]), "end": written(days[start + length])}
+
+
+def drift(days, side, random):
+    """From the first day on."""
+    return {"since": written(days[0])}
+
+
+DATES = {"step": step, "episode": episode, "drift": drift}
+
+
+def with_ways(draws, errors, seed):
+    """
+    The draws with the way in which their coefficients go, each other one once.
+
+    A way is by chance, each coefficient in its standard errors; one that cannot be
+    negative is not.
+    """
+    found, seen = [], set()
+    for draw, error in zip(draws, errors):
+        random = generator(draw.effect, seed + 1 + draw.number)
+        rows = draw.effect.rows()
+        signs = {n: -1.0 if random.random() < 0.5 else 1.0 for n in rows}
+        if len(rows) > 1:
+            signs = {name: random.standard_normal() for name in rows}
+        for name, row in rows.items():
+            if row.lower >= row.start or row.upper <= row.start:
+                sign = 1.0 if row.upper > row.start else -1.0
+                signs[name] = sign * abs(signs[name])
+        way = {name: signs[name] * error[name] for name in rows}
+        length = np.sqrt(sum(part**2 for part in way.values()))
+        way = {name: float(part / length) for name, part in way.items()}
+        key = (str(draw.effect.settings), *(way.items()))
+        if key not in seen:
+            seen.add(key)
+            found.append(replace(draw, way=way))
+    return found

@@ -1,0 +1,224 @@
+"""What would be found on my plant, and from what size?"""
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from pvlib.location import Location
+
+from pvlib_fem.effects import EffectLike
+from pvlib_fem.loop.close import searched
+from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.progress import counting, telling
+from pvlib_fem.loop.threads import one_blas_thread
+from pvlib_fem.parallel import spread
+from pvlib_fem.recovery.draw import chosen
+from pvlib_fem.recovery.inject import Injector
+from pvlib_fem.recovery.judge import recovered
+from pvlib_fem.recovery.predict import predictions
+from pvlib_fem.recovery.result import Recovery
+from pvlib_fem.report.page import said_of
+from pvlib_fem.types import FilePath
+
+#: multiples of the predicted size
+SIZES = (0.5, 1.0, 1.5, 2.0, 3.0)
+
+
+def recover(
+    data: pd.DataFrame,
+    effects: EffectLike | Iterable[EffectLike] | None = None,
+    sizes: Sequence[float] | Mapping[str, Sequence[float]] = SIZES,
+    draws: int = 3,
+    seed: int = 0,
+    model: str = "faiman",
+    location: Location | None = None,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
+    holdout: pd.Series | None = None,
+    tried: EffectLike | Iterable[EffectLike] | None = None,
+    check_units: bool = True,
+    criteria: Criteria | None = None,
+    fixed: Mapping[str, float] | None = None,
+    processes: int | None = None,
+    path: FilePath | None = None,
+    progress: bool = True,
+) -> Recovery:
+    """
+    Put effects of known size into a measured record, and see what the loop finds.
+
+    The loop is closed on the record once: what it finds is the *baseline*, and its
+    last model the one whose response to an effect is added to ``temp_module``, on
+    the record's own steps, so that memory and wind act as they do. Columns that see
+    an instrument (power, second sensors) see its change. Then the loop runs again
+    with the same arguments and does not know.
+
+    Parameters
+    ----------
+    data : DataFrame
+        As in :func:`close_loop`.
+    effects : str, Effect, or sequence of these, optional
+        Effects to put in; by default all of the catalogue that the record has the
+        columns for, each instrument along each course. What the baseline shows
+        already is left out, and said to be.
+    sizes : sequence of float, or dict of these, default (0.5, 1, 1.5, 2, 3)
+        Multiples of the size from which each should be found, as predicted; or, by
+        effect, sizes of its coefficient in its own unit (of several coefficients the
+        root of the sum of their squares).
+    draws : int, default 3
+        Dates, signs and directions that are drawn for each effect. What has neither
+        date nor sign is the same in all, and there once.
+    seed : int, default 0
+    model, location, surface_tilt, surface_azimuth, holdout : optional
+        As in :func:`close_loop`.
+    tried : str, Effect, or sequence of these, optional
+        Effects that the loop tries, its ``effects``; by default all.
+    check_units, criteria, fixed : optional
+        As in :func:`close_loop`.
+    processes : int, optional
+        How many run side by side, by default as many as there are cores; the result
+        is the same for any number. A script needs ``if __name__ == "__main__":``.
+    path : str or path-like, optional
+        JSON file that holds what is done after each injection. Where it is there and
+        is of the same record, arguments and version, only the rest is done.
+    progress : bool, default True
+        Show how many are done.
+
+    Returns
+    -------
+    Recovery
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable, as in :func:`close_loop`; if the file of ``path``
+        is of another record, version or call; if nothing is left to put in.
+
+    Notes
+    -----
+    The predicted size is the least with which the loop's own first look at the
+    record's last residual would pass: its dates by the sums of days
+    (``change_chance``), its gain on weeks left out in turn (``min_gain``,
+    ``min_share``), its chance among all hypotheses, its bounds; to first order, since
+    all follows from sums of products. It knows what of the effect the record has
+    already. It does not know of unknown structure, of rivals, or of the choosing
+    weeks. A step or an episode asks for its date to be found, too, which costs more
+    than its gain where a record is short.
+
+    References
+    ----------
+    .. [1] J. L. Christiansen et al., "Measuring Transit Signal Recovery in the Kepler
+       Pipeline", Astrophys. J. Suppl. Ser. 207, 35, 2013: injection and recovery.
+       :doi:`10.1088/0067-0049/207/2/35`
+
+    Examples
+    --------
+    >>> import pvlib_fem as fem
+    >>> data = fem.simulator.record(days=100, step=3600)
+    >>> found = fem.recover(data, "sky_radiation", sizes=[3], processes=1,
+    ...                     progress=False)
+    >>> found.summary["found"].tolist()
+    [1.0]
+    """
+    from pvlib_fem import __version__  # the package is complete by now
+
+    how: dict[str, Any] = dict(
+        holdout=holdout, effects=tried, check_units=check_units, fixed=fixed
+    )
+    place = (location, surface_tilt, surface_azimuth)
+    whole = {"criteria": criteria or Criteria(), **how}
+    search, loop = searched(data, model, place, None, **whole)
+    given = said_all(effects, sizes, draws, seed, model, place, whole)
+    planned, notes = plan(search, loop, effects, sizes, draws, seed, progress)
+    if not planned:
+        reasons = "; ".join(f"{name}: {why}" for name, why in notes.items())
+        raise ValueError(f"there is nothing to put into this record: {reasons}")
+    result = Recovery(
+        outcomes=(),
+        planned=len(planned),
+        baseline=loop.findings,
+        units={
+            e.name: {n: r.unit for n, r in e.rows().items()} for e in search.case.wanted
+        },
+        notes=notes,
+        given=given,
+        version=__version__,
+        sha256=digest(data),
+    )
+    if path is not None and Path(path).exists():
+        result = result.resumed(path, planned)
+    done = {outcome.injection.key for outcome in result.outcomes}
+    tasks = [(injection,) for injection in planned if injection.key not in done]
+    names = ("location", "surface_tilt", "surface_azimuth")
+    whole |= {"model": model, **dict(zip(names, place))}
+    shared = (data, Injector.of(search, loop), loop.findings, whole)
+    with counting(len(planned), len(done), progress) as tell:
+        for outcome in spread(recovered, tasks, processes, shared):
+            result = result.with_outcome(outcome, planned)
+            if path is not None:
+                result.to_json(path)
+            tell(outcome.injection.effect)
+    return result
+
+
+def plan(search, loop, effects, sizes, draws, seed, progress):
+    """All injections in order, and why others cannot be."""
+    step, found = search.steps[loop.last], []
+    ready, notes = chosen(search.case, loop, effects)
+    if isinstance(sizes, Mapping):
+        if unknown := {*sizes} - {effect.name for effect in ready}:
+            name = min(unknown)
+            why = notes.get(name, "it is not among the effects that are put in")
+            raise ValueError(f"sizes has {name}: {why}")
+        ready = [effect for effect in ready if effect.name in sizes]
+    with one_blas_thread(), telling(progress or None) as tell:
+        for effect in ready:
+            tell(f"predicting the size of {effect.name}")
+            looks, why = predictions(search, step, effect, draws, seed)
+            if why is not None:
+                notes[effect.name] = str(why)
+            for draw, *known in looks:
+                found += sized(draw, *known, sizes, notes)
+    return found, notes
+
+
+def sized(draw, predicted, own, sizes, notes):
+    """Injections of a draw of all sizes that it can have."""
+    name, most = draw.effect.name, draw.most
+    if isinstance(sizes, Mapping):
+        wanted = sizes[name]
+    elif np.isnan(predicted):
+        notes[f"{name}, draw {draw.number}"] = (
+            "no size that it can have should be found"
+        )
+        return
+    else:
+        wanted = [times * predicted for times in sizes]
+    for size in wanted:
+        if 0.0 < size <= most:
+            yield draw.of_size(size, predicted, own)
+        else:
+            notes[f"{name}, draw {draw.number}"] = (
+                f"a size of {size:.3g} is not possible, it has more than 0 and at most "
+                f"{most:.3g}"
+            )
+
+
+def said_all(effects, sizes, draws, seed, model, place, how):
+    """The arguments that decide, as they are written."""
+    location, tilt, azimuth = place
+    where = None if location is None else repr(location)
+    said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
+    said |= dict(location=where, surface_tilt=tilt, surface_azimuth=azimuth)
+    holdout = how["holdout"]
+    said |= {**how, "holdout": None if holdout is None else digest(holdout.to_frame())}
+    return {name: said_of(value) for name, value in said.items()}
+
+
+def digest(data):
+    """Sha256 of a frame's times, names and values."""
+    found = hashlib.sha256(repr([str(name) for name in data]).encode())
+    found.update(pd.util.hash_pandas_object(data).to_numpy("<u8").tobytes())
+    return found.hexdigest()

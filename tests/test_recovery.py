@@ -1,0 +1,179 @@
+"""Effects put into a record, and what the loop finds of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pvlib_fem as fem
+from pvlib_fem.effects import find
+from pvlib_fem.loop.close import searched
+from pvlib_fem.recovery.draw import Injection
+from pvlib_fem.recovery.inject import Injector
+from pvlib_fem.recovery.predict import threshold
+from pvlib_fem.recovery.recover import plan
+from pvlib_fem.recovery.result import Recovery, middle_of
+
+USUAL = ["poa_global", "temp_air", "wind_speed", "temp_module"]
+DATES = {"at": "2023-04-10"}
+
+
+@pytest.fixture(scope="module")
+def record():
+    """A hundred days of the model's own form, with noise that stays for hours."""
+    data = fem.datasets.synthetic(100, 3600, "2023-02-01", seed=3, noise=0)
+    random = np.random.default_rng(0)
+    data["relative_humidity"] = random.uniform(20.0, 90.0, len(data))
+    data["power_dc"] = 0.18 * data["poa_global"] + random.normal(size=len(data))
+    data["temp_module"] += fem.ewm(random.normal(size=len(data)), 7200.0, step=3600)
+    return data
+
+
+@pytest.fixture(scope="module")
+def done(record):
+    return searched(record, "faiman", (None, None, None), None, **how(record))
+
+
+def how(record):
+    given = dict(holdout=None, effects=None, check_units=True, fixed=None)
+    return given | {"criteria": fem.Criteria()}
+
+
+def injection(name, value, **settings):
+    parameter = next(iter(find(name).parameters))
+    coefficients = {f"{name}.{parameter}": value}
+    return Injection(name, 0, settings, coefficients, abs(value), np.nan, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "settings"),
+    [
+        ("sky_radiation", 0.4, {"source": "humidity, without clouds"}),
+        ("wind_gain_step", 2.0, DATES),
+        ("contact_drift", -0.2, {"since": "2023-02-01"}),
+    ],
+)
+def test_the_response_is_that_of_the_model_with_the_effect(
+    record, done, name, value, settings
+):
+    # from the public side: what a fit with the effect predicts, less one without
+    search, loop = done
+    put = injection(name, value, **settings)
+    change = Injector.of(search, loop).response(put)
+    fit, effect = loop.fit, find({"name": name, **settings})
+    usual = [record[column] for column in USUAL[:3]]
+    larger = replace(fit.thermal_model, effects=(effect,))
+    own = {name: record[name] for name in larger.drivers}
+    with_it, without = (
+        larger.predict(*usual, {**fit.coefficients, **part}, **own)
+        for part in (put.coefficients, effect.start)
+    )
+    assert np.abs(change).max() > 0.3
+    np.testing.assert_allclose(change, with_it - without, atol=1e-9)
+
+
+def test_nothing_is_put_in_at_no_size(record, done):
+    injector = Injector.of(*done)
+    same = injector.into(record, injection("sensitivity_step", 0.0, **DATES))
+    pd.testing.assert_frame_equal(same, record)
+
+
+def test_power_sees_that_the_irradiance_is_another_and_no_other_change(record, done):
+    injector = Injector.of(*done)
+    late = record.index.tz_localize(None) >= pd.Timestamp(DATES["at"])
+    brighter = injector.into(record, injection("sensitivity_step", 0.1, **DATES))
+    share = (brighter["power_dc"] / record["power_dc"]).to_numpy()
+    np.testing.assert_allclose(share[late], 1.1)
+    np.testing.assert_allclose(share[~late], 1.0)
+    closer = injector.into(record, injection("contact_step", 0.1, **DATES))
+    pd.testing.assert_series_equal(closer["power_dc"], record["power_dc"])
+    # and what is measured of the module is the same share of its over-temperature
+    for one in (brighter, closer):
+        assert (one["temp_module"] != record["temp_module"])[late].mean() > 0.4
+        assert (one["temp_module"] == record["temp_module"])[~late].all()
+
+
+def test_the_threshold_is_where_something_begins_to_pass():
+    assert threshold(lambda size: size >= 0.7, 0.01, 10.0) == pytest.approx(0.7, 0.02)
+    assert threshold(lambda size: True, 0.01, 10.0) == 0.01
+    assert np.isnan(threshold(lambda size: size >= 0.7, 0.01, 0.6))
+
+
+def test_half_are_found_where_a_curve_has_its_middle():
+    random = np.random.default_rng(4)
+    held = []
+    for middle in random.uniform(0.6, 2.5, 60):
+        sizes = np.repeat([0.5, 1.0, 1.5, 2.0, 3.0], 4)
+        chance = 1.0 / (1.0 + (sizes / middle) ** (-1.0 / 0.2))
+        found = random.uniform(size=len(sizes)) < chance
+        low, _, high = middle_of(sizes, found)
+        held.append(low <= middle <= high)
+    assert np.mean(held) >= 0.8  # of 90 %
+    low, half, high = middle_of(np.array([1.0, 2.0]), np.array([False, False]))
+    assert half > 2.0 and high > 3.0 and low > 1.0
+
+
+@pytest.fixture(scope="module")
+def recovery(record):
+    how = dict(sizes=(0.3, 2.0), draws=1, processes=1, progress=False)
+    return fem.recover(record, ["sky_radiation", "module_offset_step"], **how)
+
+
+def test_what_is_twice_the_predicted_size_is_found_and_a_third_is_not(recovery):
+    table = recovery.table.set_index(["effect", "multiple"])
+    assert table["found"].loc[:, 2.0].all()
+    assert not table["found"].loc[:, 0.3].any()
+    assert not table["wrong"].map(bool).any()
+    named = table.loc[("sky_radiation", 2.0)]
+    assert named["first"] and named["ratio"] == pytest.approx(1.0, abs=0.25)
+    assert recovery.summary["found"].tolist() == [0.0, 1.0, 0.0, 1.0]
+    middle = recovery.half
+    assert (middle["lower"] < middle["multiple"]).all()
+    assert "found from 1.5 × the predicted size on: 2 of 2" in str(recovery)
+
+
+def write(recovery, path):
+    recovery.to_json(path)
+    return path
+
+
+def test_a_file_has_all_of_it_and_the_rest_is_done_another_time(
+    record, recovery, tmp_path
+):
+    path = tmp_path / "recovery.json"
+    # two are lost; the file brings the others, and the result is the same to the bit,
+    # of two processes
+    short = replace(recovery, outcomes=recovery.outcomes[1:3])
+    assert Recovery.from_json(write(short, path)).to_json() == short.to_json()
+    assert "2 injections of 4 planned" in str(short)
+    how = dict(sizes=(0.3, 2.0), draws=1, progress=False, path=path, processes=2)
+    again = fem.recover(record, ["sky_radiation", "module_offset_step"], **how)
+    assert again.to_json() == recovery.to_json()
+    assert path.read_text(encoding="utf-8") == recovery.to_json() + "\n"
+    with pytest.raises(ValueError, match=r"call with seed=0, and this one has 1"):
+        fem.recover(record, ["sky_radiation", "module_offset_step"], seed=1, **how)
+    with pytest.raises(ValueError, match="of another record"):
+        fem.recover(record + 0.0 * record - 0.001, ["sky_radiation"], **how)
+
+
+def test_what_cannot_be_put_in_is_said(record):
+    how = dict(processes=1, progress=False, draws=1)
+    with pytest.raises(ValueError, match=r"nothing to put into.*rain: .*precipitation"):
+        fem.recover(record, "rain", **how)
+    with pytest.raises(ValueError, match="sizes has rain"):
+        fem.recover(record, "sky_radiation", sizes={"rain": [1.0]}, **how)
+    with pytest.raises(ValueError, match=r"size of 9 is not possible.*at most 3"):
+        fem.recover(record, sizes={"sky_radiation": [9.0]}, **how)
+
+
+def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
+    search, loop = done
+    names = ["contact_step", "sky_radiation"]
+    first, _ = plan(search, loop, names[:1], [1.0], 2, 0, False)
+    both, _ = plan(search, loop, names, [1.0], 2, 0, False)
+    other, _ = plan(search, loop, names[:1], [1.0], 2, 1, False)
+    assert [one.key for one in first] == [one.key for one in both][: len(first)]
+    assert len({one.dates for one in (*first, *other)}) == 4
+    # what has no date and no sign is there once
+    assert [one.effect for one in both].count("sky_radiation") == 1
