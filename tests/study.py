@@ -6,13 +6,10 @@ The truth stays here: the loop gets the columns that a user would have. Run as
 """
 
 import argparse
-import multiprocessing
-import os
 import platform
 import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -36,6 +33,7 @@ from study_worlds import (
 )
 
 from pvlib_fem import Criteria
+from pvlib_fem.parallel import spread
 
 ENOUGH_DAYS = Criteria().enough_days
 RISE = 0.02  # K by which the error of test weeks may lie above that before
@@ -74,16 +72,12 @@ def part(name, made):
 def run(families=None, quick=False, processes=2):
     """A row for each record."""
     tasks = list(worlds(families, quick))
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"  # before a worker loads its numpy
     rows, begin, done = [], time.perf_counter(), None
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        for (_, cases), some in zip(tasks, pool.map(judged, *zip(*tasks))):
-            rows += some
-            if done not in (None, cases[0].family):
-                told(rows, done, begin)
-            done = cases[0].family
+    for (_, cases), some in zip(tasks, spread(judged, tasks, processes)):
+        rows += some
+        if done not in (None, cases[0].family):
+            told(rows, done, begin)
+        done = cases[0].family
     told(rows, done, begin)
     table = pd.DataFrame(rows)
     for column in COLUMNS:

@@ -6,11 +6,8 @@ record is a made-up weather of its own, and a module whose coefficients are draw
 """
 
 import argparse
-import multiprocessing
-import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from datetime import date
 from pathlib import Path
 
@@ -18,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import datasets, fem_temperature, fit_fem, heat_balance
+from pvlib_fem.parallel import spread
 from pvlib_fem.relaxation import respond
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -84,15 +82,12 @@ def covered(seed):
 
 def run(records, shift, processes):
     """A row for each coefficient of each fit."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
-    context = multiprocessing.get_context("spawn")
     rows, begin = [], time.perf_counter()
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        for i, some in enumerate(pool.map(covered, range(shift, shift + records)), 1):
-            rows += some
-            if i % 20 == 0:
-                print(f"{i}: {time.perf_counter() - begin:.0f} s", file=sys.stderr)
+    tasks = [(seed,) for seed in range(shift, shift + records)]
+    for i, some in enumerate(spread(covered, tasks, processes), 1):
+        rows += some
+        if i % 20 == 0:
+            print(f"{i}: {time.perf_counter() - begin:.0f} s", file=sys.stderr)
     return pd.DataFrame(rows)
 
 

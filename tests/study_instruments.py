@@ -7,9 +7,6 @@ part in it. Run as ``python tests/study_instruments.py [--records 100] [--seed 0
 """
 
 import argparse
-import multiprocessing
-import os
-from concurrent.futures import ProcessPoolExecutor
 from datetime import date
 from pathlib import Path
 
@@ -19,6 +16,7 @@ from study_worlds import World, site
 
 from pvlib_fem import close_loop, simulator
 from pvlib_fem.effects import CHANGES
+from pvlib_fem.parallel import spread
 
 COURSES = ("step", "drift", "episode")
 #: sizes from which one is drawn, either way where that can be
@@ -126,24 +124,21 @@ def dated(loop, right, world, course, at):
 
 def run(records, first, processes):
     """A row for each record, in order."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"  # before a worker loads its numpy
-    context = multiprocessing.get_context("spawn")
     rows = []
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        for row in pool.map(looked, range(first, first + records)):
-            rows.append(row)
-            print(
-                row["seed"],
-                row["channel"],
-                row["course"],
-                f"{row['size']:.2f}",
-                "power" if row["power"] else "",
-                "OK" if row["found"] else "-",
-                row["dates"],
-                row["findings"][:400],
-                flush=True,
-            )
+    tasks = [(seed,) for seed in range(first, first + records)]
+    for row in spread(looked, tasks, processes):
+        rows.append(row)
+        print(
+            row["seed"],
+            row["channel"],
+            row["course"],
+            f"{row['size']:.2f}",
+            "power" if row["power"] else "",
+            "OK" if row["found"] else "-",
+            row["dates"],
+            row["findings"][:400],
+            flush=True,
+        )
     return pd.DataFrame(rows)
 
 

@@ -7,14 +7,10 @@ weeks are one in four of the others, so that they change, too.
 """
 
 import argparse
-import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from datetime import date
-from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +19,7 @@ from pvlib.location import Location
 
 from pvlib_fem import Criteria, close_loop, datasets
 from pvlib_fem.findings import Verdict
+from pvlib_fem.parallel import spread
 
 YEARS = ("eurac_bolzano", "nrel_stf")
 SHORT = ("sandia_week", "sandia_day")
@@ -100,16 +97,13 @@ def told(name, seed=None):
 
 def run(draws, processes):
     """For each record the usual division, then the drawn ones; the short ones once."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
-    context = get_context("spawn")
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        found = {}
-        for name in YEARS:
-            seeds = [None, *range(1, draws + 1)]
-            found[name] = list(pool.map(partial(told, name), seeds))
-            print(f"{name}: done", file=sys.stderr)
-        found |= dict(zip(SHORT, ([one] for one in pool.map(told, SHORT))))
+    seeds = [None, *range(1, draws + 1)]
+    tasks = [(name, seed) for name in YEARS for seed in seeds]
+    tasks += [(name,) for name in SHORT]
+    found = {}
+    for (name, *_), one in zip(tasks, spread(told, tasks, processes)):
+        found.setdefault(name, []).append(one)
+        print(f"{name}: {one.draw}", file=sys.stderr)
     return found
 
 

@@ -9,15 +9,12 @@ a kelvin that stays for a day.
 """
 
 import argparse
-import os
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem import datasets, fit_fem
+from pvlib_fem.parallel import spread
 from pvlib_fem.relaxation import relax, respond
 
 #: days, step [s] and periods
@@ -98,11 +95,8 @@ def covered(seed, daily):
 
 
 def run(records, shift, daily, processes):
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
-    seeds, one = range(shift, shift + records), partial(covered, daily=daily)
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        rows = [row for some in pool.map(one, seeds) for row in some]
+    tasks = [(seed, daily) for seed in range(shift, shift + records)]
+    rows = [row for some in spread(covered, tasks, processes) for row in some]
     return pd.DataFrame(rows, columns=["case", "course", "name", "held", "error"])
 
 

@@ -6,11 +6,8 @@ the study's worlds, simulated once each, and records with what the loop guards a
 """
 
 import argparse
-import multiprocessing
-import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, replace
 from datetime import date
 from pathlib import Path
@@ -22,6 +19,7 @@ from study_records import said, seen
 from study_worlds import PHYSICS, Case, World, site
 
 from pvlib_fem import Criteria, close_loop, simulator
+from pvlib_fem.parallel import spread
 from pvlib_fem.quality.check import check
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screened
@@ -107,9 +105,9 @@ def guarded():
 
 def leaks(data, random):
     """Columns that are made of the module's temperature, more and less of it."""
-    for spread in (2.0, 6.0):
-        noise = spread * random.standard_normal(len(data))
-        data[f"panel_{spread:g}"] = data["temp_module"] + noise
+    for size in (2.0, 6.0):
+        noise = size * random.standard_normal(len(data))
+        data[f"panel_{size:g}"] = data["temp_module"] + noise
     over = data["temp_module"] - data["temp_air"]
     data["over"] = over + 3.0 * random.standard_normal(len(data))
     return data
@@ -255,15 +253,11 @@ def foreign(data, random):
 def run(look, tasks, processes=2):
     """A row for each record and setting."""
     tasks = list(tasks)
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ[name] = "1"
-    context = multiprocessing.get_context("spawn")
     rows, begin = [], time.perf_counter()
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        for (_, case, _), some in zip(tasks, pool.map(look, *zip(*tasks))):
-            rows += some
-            passed = time.perf_counter() - begin
-            print(f"{case.family}: {case.label}, {passed:.0f} s", file=sys.stderr)
+    for (_, case, _), some in zip(tasks, spread(look, tasks, processes)):
+        rows += some
+        passed = time.perf_counter() - begin
+        print(f"{case.family}: {case.label}, {passed:.0f} s", file=sys.stderr)
     return pd.DataFrame(rows)
 
 
