@@ -9,7 +9,7 @@ import pytest
 import pvlib_fem as fem
 from pvlib_fem.effects import find
 from pvlib_fem.loop.close import searched
-from pvlib_fem.recovery.draw import Injection
+from pvlib_fem.recovery.draw import Injection, drawn
 from pvlib_fem.recovery.inject import Injector
 from pvlib_fem.recovery.predict import threshold
 from pvlib_fem.recovery.recover import plan
@@ -170,10 +170,12 @@ def test_what_cannot_be_put_in_is_said(record):
 def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
     search, loop = done
     names = ["contact_step", "sky_radiation"]
-    first, _ = plan(search, loop, names[:1], [1.0], 2, 0, False)
-    both, _ = plan(search, loop, names, [1.0], 2, 0, False)
-    other, _ = plan(search, loop, names[:1], [1.0], 2, 1, False)
-    assert [one.key for one in first] == [one.key for one in both][: len(first)]
-    assert len({one.dates for one in (*first, *other)}) == 4
+    first, _ = plan(search, loop, names[:1], [1.0], 1, 0)
+    both, _ = plan(search, loop, names, [1.0], 2, 0)
+    assert [one.key for one in first] == [one.key for one in both][:1]
+    assert len({one.dates for one in both if one.dates}) == 2
     # what has no date and no sign is there once
     assert [one.effect for one in both].count("sky_radiation") == 1
+    days = np.unique(search.case.record.dates[search.case.searched])
+    steps = [drawn(find("contact_step"), days, 21, 3, seed)[0] for seed in (0, 1)]
+    assert len({draw.effect.settings["at"] for some in steps for draw in some}) == 6

@@ -36,10 +36,9 @@ def telling(progress=None):
 
 
 @contextmanager
-def counting(whole, done=0, shown=True):
+def counting(whole, done=0, shown=True, words=None):
     """A function that is told each thing that is done, of so many; with a bar."""
-    bar = tqdm(total=whole, initial=done, disable=not shown)
-    with bar:
+    with tqdm(total=whole, initial=done, disable=not shown, desc=words) as bar:
 
         def tell(words):
             LOG.info("%s, %d of %d", words, bar.n, whole)

@@ -81,15 +81,11 @@ class Draw:
 
     def of_size(self, size, predicted, own):
         """So much of it."""
-        coefficients = {name: size * part for name, part in self.way.items()}
+        coefficients = {n: rounded(size * part) for n, part in self.way.items()}
+        numbers = map(rounded, (size, predicted, own))
+        settings = dict(self.effect.settings)
         return Injection(
-            self.effect.name,
-            self.number,
-            dict(self.effect.settings),
-            coefficients,
-            float(size),
-            float(predicted),
-            float(own),
+            self.effect.name, self.number, settings, coefficients, *numbers
         )
 
     @property
@@ -101,6 +97,11 @@ class Draw:
 
     def __iter__(self):
         return ((name, part) for name, part in self.way.items() if part)
+
+
+def rounded(value):
+    """To six digits: the same on every computer, and to be read."""
+    return float(f"{value:.6g}")
 
 
 def chosen(case, loop, effects):

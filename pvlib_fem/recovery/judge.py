@@ -8,7 +8,7 @@ import numpy as np
 from pvlib_fem.findings import Verdict
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.recovery.draw import Injection
-from pvlib_fem.recovery.predict import same_days
+from pvlib_fem.recovery.predict import holds
 from pvlib_fem.stored import Stored
 
 INTERVAL = 1.96  # standard errors of 95 %
@@ -96,7 +96,11 @@ def judged(injection, effect, loop, baseline):
     before = [f for f in baseline if f.added]
     added = [f for f in loop.findings if f.added]
     new = [f for f in added if not any(same(f, other) for other in before)]
-    right = [f for f in new if holds(f, effect, loop)]
+    effects, days = (
+        {e.name: e for e in loop.fit.effects},
+        np.unique(loop.fit.record.dates),
+    )
+    right = [f for f in new if holds(f, effect, effects, days)]
     others = [f for f in new if effect.name not in f.candidates]
     names = [f.effect for f in others if f.verdict is Verdict.NAMED]
     classes = [words(f) for f in others if f.verdict is Verdict.CLASS]
@@ -124,17 +128,6 @@ def same(one, other):
 
 def words(finding):
     return " | ".join(finding.candidates)
-
-
-def holds(finding, effect, loop):
-    """Whether a finding holds the truth; of a change about the same days, too."""
-    if effect.name not in finding.candidates:
-        return False
-    leading = next(e for e in loop.fit.effects if e.name == finding.effect)
-    course = effect.name.removeprefix(effect.channel)
-    if not effect.channel or leading.name != f"{leading.channel}{course}":
-        return True
-    return same_days(effect, leading, np.unique(loop.fit.record.dates))
 
 
 def beside(finding, truth):

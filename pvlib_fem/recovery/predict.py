@@ -5,9 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pvlib_fem.effects.courses import weights_of
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.loop.evidence import Evidence, Weight
-from pvlib_fem.loop.propose import all_pass, material, rules
-from pvlib_fem.recovery.draw import course_of, drawn, with_ways
+from pvlib_fem.loop.gather import gather
+from pvlib_fem.loop.propose import Proposals, all_pass, material, rules
+from pvlib_fem.loop.steps import Fits, Step
+from pvlib_fem.loop.threads import one_blas_thread
+from pvlib_fem.loop.witness import showing
+from pvlib_fem.recovery.draw import Draw, course_of, drawn, with_ways
 from pvlib_fem.statistics.changes import Daily
 
 GROWS = 1.3  # from one size to the next, until the rules are passed
@@ -16,55 +21,68 @@ LEAST = 0.25  # of the standard errors, where sizes begin
 SAME = 0.5  # of the days that two stretches have together: of the same event
 
 
-def predictions(search, step, effect, draws, seed):
+def predictions(case, step, done, draws, seed, effect):
     """
     Draws of an effect with the sizes from which each should be found, or why none.
 
-    The loop's first look is taken at the last residual of the record with more and
-    more of the effect: its date is searched in sums by the day, and it has to pass
-    the rules of size, chance and bounds. All of that follows from the sums alone.
+    Two looks are taken at the record's last residual with more and more of the effect,
+    both to first order. The first is cheap, since all follows from sums by the day: its
+    date has to be found, and the rules of size, chance and bounds to be passed. From
+    that size on the loop makes a round of proposals, with all rivals, witnesses and
+    unknown structure, until one of them holds it.
 
     Parameters
     ----------
-    search : Search
-        That is done.
+    case : Case
     step : Step
-        Its last one.
-    effect : Effect
+        The last one.
+    done : frozenset of str
+        What the record's own findings hold.
     draws, seed : int
+    effect : Effect
 
     Returns
     -------
     list of (Draw, float, float), and Because or None
         The last of the three is what the record itself has of it, the same way.
     """
-    case, fits = search.case, search.fits
-    days = np.unique(case.record.dates[case.searched])
-    planned, why = drawn(effect, days, case.criteria.change_side, draws, seed)
-    if why is not None:
-        return [], why
-    others = [e for e in case.wanted if e.confounder and e.name != effect.name]
-    others = [e for e in others if e.name not in {m.name for m in step.model.effects}]
+    with one_blas_thread():
+        fits = Fits(case)
+        days = np.unique(case.record.dates[case.searched])
+        planned, why = drawn(effect, days, case.criteria.change_side, draws, seed)
+        if why is not None:
+            return [], why
+        looks = looked(fits, step, effect, planned)
+        for look in looks:
+            if not isinstance(look.weight, Weight):
+                return [], look.weight
+        names = [*effect.rows()]
+        errors = [dict(zip(names, look.weight.stderr.values())) for look in looks]
+        planned = [replace(d, effect=look.effect) for d, look in zip(planned, looks)]
+        found = []
+        for draw in with_ways(planned, errors, seed):
+            look = looks[draw.number]
+            size = Round(fits, step, done, look, draw).size(look.size(draw))
+            found.append((draw, size, look.own(draw)))
+        return found, None
+
+
+def looked(fits, step, effect, planned):
+    """A look at each draw of an effect, beside all confounders."""
+    there = {effect.name for effect in step.model.effects} | {effect.name}
+    others = [e for e in fits.case.wanted if e.confounder and e.name not in there]
     if not effect.channel:
         found = fits.gathered(step, [*others, effect])
-        labels = [effect.name] * len(planned)
         # what it takes from the record is in it now
-        effect = found.effects.get(effect.name, effect)
-        planned = [replace(draw, effect=effect) for draw in planned]
+        effects = [found.effects.get(effect.name, effect)] * len(planned)
+        names = [effect.name] * len(planned)
     else:
-        labels = [f"{effect.name} {draw.number}" for draw in planned]
-        dated = [replace(d.effect, name=n) for d, n in zip(planned, labels)]
+        names = [f"{effect.name} {draw.number}" for draw in planned]
+        dated = [replace(d.effect, name=name) for d, name in zip(planned, names)]
         found = fits.gathered(step, [*others, effect.scanned_from, *dated])
+        effects = [draw.effect for draw in planned]
     given = () if effect.confounder else tuple(found.confounders)
-    looks = [Look(found, name, effect, given) for name in labels]
-    weights = [look.weight for look in looks]
-    for weight, name in zip(weights, labels):
-        if not isinstance(weight, Weight):
-            return [], found.failed.get(name, weight)
-    names = [*effect.rows()]
-    errors = [dict(zip(names, weight.stderr.values())) for weight in weights]
-    ready = with_ways(planned, errors, seed)
-    return [(draw, *looks[draw.number].sizes(draw)) for draw in ready], None
+    return [Look(found, name, one, given) for name, one in zip(names, effects)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +91,7 @@ class Look:
 
     found: Evidence
     name: str  # in the evidence
-    effect: object
+    effect: Effect
     given: tuple
 
     @property
@@ -87,11 +105,10 @@ class Look:
         """So much of the effect, by the columns of the evidence."""
         return dict(zip(self.found.own[self.name], (size * p for p in way.values())))
 
-    def sizes(self, draw):
-        """From which it passes, NaN where none does, and what the record has of it."""
+    def own(self, draw):
+        """What the record itself has of it, the same way."""
         values = self.weight.coefficients.values()
-        own = sum(value * part for value, part in zip(values, draw.way.values()))
-        return self.size(draw), own
+        return sum(value * part for value, part in zip(values, draw.way.values()))
 
     def size(self, draw):
         """The least size that passes and the record itself does not, or NaN."""
@@ -116,13 +133,71 @@ class Look:
 
     def dated(self, more, draw):
         """Whether sums by the day show its dates."""
-        wide = self.effect.name
+        wide = self.effect.name  # the channel without a course
         sums, (column,) = more.sums([wide]), more.own[wide]
         daily = Daily.of(sums, more.order[column], more.places(more.confounders))
         dates = course_of(self.effect).find(daily, more.criteria)
         if dates is None:
             return False
         return same_days(draw.effect, self.effect.make(**dates), sums.dates)
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """A round of the loop's proposals, on a record with so much of an effect."""
+
+    fits: Fits
+    step: Step
+    done: frozenset
+    look: Look
+    draw: Draw
+
+    def size(self, size):
+        """The least size from that one on with which it is proposed, or NaN."""
+        while size <= self.draw.most:
+            if self.proposes(size):
+                return float(size)
+            size *= GROWS
+        return np.nan
+
+    def proposes(self, size):
+        """Whether so much of it is in any of the proposals."""
+        case, step = self.fits.case, self.step
+        record = self.fits.prepared(case.record, step.model)[0]
+        record = record.having(self.moved(record, size))
+        there = {effect.name for effect in step.model.effects}
+        wanted = [effect for effect in case.wanted if effect.name not in there]
+        seen = case.searched & record.known(step.model.drivers)
+        how = (case.criteria, case.family, step.at_bound)
+        found = gather(step.model, step.coefficients, record, seen, wanted, *how)
+        case = replace(case, record=record)
+        new = Proposals(case, found, self.done, step.coefficients).run()
+        days = np.unique(record.dates)
+        return any(holds(f, self.look.effect, found.effects, days) for f in new)
+
+    def moved(self, record, size):
+        """Columns of the record with so much of it."""
+        look, module = self.look, record["temp_module"].copy()
+        coefficients = look.coefficients(self.draw.way, size)
+        for name, value in coefficients.items():
+            module[look.found.rows] += value * np.nan_to_num(look.found.columns[name])
+        if not look.effect.channel:
+            return {"temp_module": module}
+        (change,) = coefficients.values()
+        witnesses = {name: record[name] for name in self.fits.case.witnesses}
+        how = (look.effect, change, self.step.coefficients)
+        return showing(record, witnesses, *how) | {"temp_module": module}
+
+
+def holds(finding, effect, effects, days):
+    """Whether a finding holds the truth; of a change about the same days, too."""
+    if effect.name not in finding.candidates:
+        return False
+    leading = effects[finding.effect]
+    course = effect.name.removeprefix(effect.channel)
+    if not effect.channel or leading.name != f"{leading.channel}{course}":
+        return True
+    return same_days(effect, leading, days)
 
 
 def same_days(one, other, days):

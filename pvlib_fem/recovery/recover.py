@@ -12,8 +12,7 @@ from pvlib.location import Location
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.loop.close import searched
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.progress import counting, telling
-from pvlib_fem.loop.threads import one_blas_thread
+from pvlib_fem.loop.progress import counting
 from pvlib_fem.parallel import spread
 from pvlib_fem.recovery.draw import chosen
 from pvlib_fem.recovery.inject import Injector
@@ -98,14 +97,19 @@ def recover(
 
     Notes
     -----
-    The predicted size is the least with which the loop's own first look at the
-    record's last residual would pass: its dates by the sums of days
+    The predicted size is the least with which the loop would propose the effect,
+    given the record's own findings. Two looks are taken at the last residual with more
+    and more of it, both to first order: its date by the sums of days
     (``change_chance``), its gain on weeks left out in turn (``min_gain``,
-    ``min_share``), its chance among all hypotheses, its bounds; to first order, since
-    all follows from sums of products. It knows what of the effect the record has
-    already. It does not know of unknown structure, of rivals, or of the choosing
-    weeks. A step or an episode asks for its date to be found, too, which costs more
-    than its gain where a record is short.
+    ``min_share``), its chance among all hypotheses and its bounds; then, from that
+    size on in steps of 30 %, a whole round of proposals with rivals, witnesses and
+    unknown structure. So it has in it what the chance of a date costs, and what of the
+    effect the record has already (``own`` of the table). It does not know that the
+    record's own findings may be lost beside a large effect, nor of the refit and the
+    choosing weeks.
+
+    What the record has of an effect is in its coefficient, too: ``ratio`` and
+    ``covered`` count it as error.
 
     References
     ----------
@@ -124,37 +128,32 @@ def recover(
     """
     from pvlib_fem import __version__  # the package is complete by now
 
+    criteria = criteria or Criteria()
     how: dict[str, Any] = dict(
         holdout=holdout, effects=tried, check_units=check_units, fixed=fixed
     )
+    how |= {"criteria": criteria}
     place = (location, surface_tilt, surface_azimuth)
-    whole = {"criteria": criteria or Criteria(), **how}
-    search, loop = searched(data, model, place, None, **whole)
-    given = said_all(effects, sizes, draws, seed, model, place, whole)
-    planned, notes = plan(search, loop, effects, sizes, draws, seed, progress)
-    if not planned:
-        reasons = "; ".join(f"{name}: {why}" for name, why in notes.items())
-        raise ValueError(f"there is nothing to put into this record: {reasons}")
     result = Recovery(
-        outcomes=(),
-        planned=len(planned),
-        baseline=loop.findings,
-        units={
-            e.name: {n: r.unit for n, r in e.rows().items()} for e in search.case.wanted
-        },
-        notes=notes,
-        given=given,
+        given=said_all(effects, sizes, draws, seed, model, place, how),
         version=__version__,
         sha256=digest(data),
     )
     if path is not None and Path(path).exists():
-        result = result.resumed(path, planned)
+        result = result.resumed(path)
+    search, loop = searched(data, model, place, None, **how)
+    wanted = (effects, sizes, draws, seed)
+    planned, notes = plan(search, loop, *wanted, processes, progress)
+    if not planned:
+        reasons = "; ".join(f"{name}: {why}" for name, why in notes.items())
+        raise ValueError(f"there is nothing to put into this record: {reasons}")
+    result = result.of_plan(planned, notes, loop, search.case.wanted)
     done = {outcome.injection.key for outcome in result.outcomes}
     tasks = [(injection,) for injection in planned if injection.key not in done]
     names = ("location", "surface_tilt", "surface_azimuth")
-    whole |= {"model": model, **dict(zip(names, place))}
-    shared = (data, Injector.of(search, loop), loop.findings, whole)
-    with counting(len(planned), len(done), progress) as tell:
+    how |= {"model": model, **dict(zip(names, place))}
+    shared = (data, Injector.of(search, loop), loop.findings, how)
+    with counting(len(planned), len(done), progress, "put in") as tell:
         for outcome in spread(recovered, tasks, processes, shared):
             result = result.with_outcome(outcome, planned)
             if path is not None:
@@ -163,7 +162,7 @@ def recover(
     return result
 
 
-def plan(search, loop, effects, sizes, draws, seed, progress):
+def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False):
     """All injections in order, and why others cannot be."""
     step, found = search.steps[loop.last], []
     ready, notes = chosen(search.case, loop, effects)
@@ -173,10 +172,12 @@ def plan(search, loop, effects, sizes, draws, seed, progress):
             why = notes.get(name, "it is not among the effects that are put in")
             raise ValueError(f"sizes has {name}: {why}")
         ready = [effect for effect in ready if effect.name in sizes]
-    with one_blas_thread(), telling(progress or None) as tell:
-        for effect in ready:
-            tell(f"predicting the size of {effect.name}")
-            looks, why = predictions(search, step, effect, draws, seed)
+    done = frozenset(n for f in loop.findings if f.added for n in f.candidates)
+    shared, tasks = (search.case, step, done, draws, seed), [(e,) for e in ready]
+    looked = spread(predictions, tasks, processes, shared)
+    with counting(len(tasks), 0, progress, "predicted") as tell:
+        for effect, (looks, why) in zip(ready, looked):
+            tell(effect.name)
             if why is not None:
                 notes[effect.name] = str(why)
             for draw, *known in looks:

@@ -49,14 +49,14 @@ class Recovery:
         Of the package, and of the record.
     """
 
-    outcomes: tuple
-    planned: int
-    baseline: tuple = field(repr=False)
-    units: dict = field(repr=False)
-    notes: dict = field(repr=False)
     given: dict = field(repr=False)
     version: str
     sha256: str
+    outcomes: tuple = ()
+    planned: int = 0
+    baseline: tuple = field(repr=False, default=())
+    units: dict = field(repr=False, default_factory=dict)
+    notes: dict = field(repr=False, default_factory=dict)
 
     @property
     def table(self) -> pd.DataFrame:
@@ -79,7 +79,7 @@ class Recovery:
             injection, row = outcome.injection, vars(outcome).copy()
             del row["injection"]
             own = {**vars(injection), "dates": injection.dates}
-            own["multiple"] = injection.size / injection.predicted
+            own["multiple"] = round(injection.size / injection.predicted, 4)
             rows.append({**own, **row})
         names = [*Outcome.__dataclass_fields__][1:]
         head = ["effect", "draw", "dates", "coefficients", "size", "predicted"]
@@ -97,7 +97,6 @@ class Recovery:
         95 % and within its range (``in_range``).
         """
         table = self.table
-        table["multiple"] = table["multiple"].round(6)
         for name in COLUMNS[2:]:
             table[name] = table[name].map(bool)
         by = table.groupby(["effect", "multiple"], sort=False, dropna=False)
@@ -141,8 +140,21 @@ class Recovery:
         )
         return replace(self, outcomes=tuple(outcomes))
 
-    def resumed(self, path: FilePath, planned: Sequence[Any]) -> Self:
-        """The same with what a file of the same record and call has of the plan."""
+    def of_plan(self, planned: Sequence[Any], notes: dict, loop: Any, effects: Any):
+        """The same of what is planned now."""
+        keys = {injection.key for injection in planned}
+        units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
+        return replace(
+            self,
+            outcomes=tuple(one for one in self.outcomes if one.injection.key in keys),
+            planned=len(planned),
+            baseline=loop.findings,
+            units=units,
+            notes=notes,
+        )
+
+    def resumed(self, path: FilePath) -> Self:
+        """What a file has, if it is of the same record, call and version."""
         there = type(self).from_json(path)
         for name, words in (("sha256", "record"), ("version", "version of pvlib_fem")):
             if getattr(there, name) != getattr(self, name):
@@ -159,9 +171,7 @@ class Recovery:
                 f"{self.given[name] or 'the default'}; give another path, or remove "
                 "the file"
             )
-        keys = {injection.key for injection in planned}
-        known = [one for one in there.outcomes if one.injection.key in keys]
-        return replace(self, outcomes=tuple(known))
+        return there
 
     def plot(self, ax: Any = None) -> Any:
         """
