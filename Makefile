@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments
+.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
 .PHONY: sweep coverage periods episodes clean
 
 $(VENV)/.installed: pyproject.toml
@@ -64,6 +64,10 @@ study-instruments: $(VENV)/.installed
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
 	$(BIN)/python tests/study_measured.py --out docs/study_measured.md
+
+# what would be found at the two measured plants; it goes on where it was interrupted
+recovery: $(VENV)/.installed
+	$(BIN)/python tests/study_recovery.py --out docs/study_recovery.md
 
 # what each criterion of the loop does, halved and doubled
 sweep: $(VENV)/.installed

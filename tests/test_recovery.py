@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 
 import pvlib_fem as fem
+from pvlib_fem.cli import main
 from pvlib_fem.effects import find
 from pvlib_fem.loop.close import searched
 from pvlib_fem.recovery.draw import Injection, drawn
@@ -133,28 +135,23 @@ def test_what_is_twice_the_predicted_size_is_found_and_a_third_is_not(recovery):
     assert "found from 1.5 × the predicted size on: 2 of 2" in str(recovery)
 
 
-def write(recovery, path):
-    recovery.to_json(path)
-    return path
-
-
-def test_a_file_has_all_of_it_and_the_rest_is_done_another_time(
-    record, recovery, tmp_path
-):
+def test_a_file_has_all_of_it_and_the_rest_is_done_another_time(record, tmp_path):
     path = tmp_path / "recovery.json"
-    # two are lost; the file brings the others, and the result is the same to the bit,
-    # of two processes
-    short = replace(recovery, outcomes=recovery.outcomes[1:3])
-    assert Recovery.from_json(write(short, path)).to_json() == short.to_json()
-    assert "2 injections of 4 planned" in str(short)
-    how = dict(sizes=(0.3, 2.0), draws=1, progress=False, path=path, processes=2)
-    again = fem.recover(record, ["sky_radiation", "module_offset_step"], **how)
-    assert again.to_json() == recovery.to_json()
-    assert path.read_text(encoding="utf-8") == recovery.to_json() + "\n"
+    how = dict(effects="sky_radiation", sizes=(0.3, 0.8, 2.0), progress=False)
+    whole = fem.recover(record, **how, processes=1, path=path)
+    text = path.read_text(encoding="utf-8")
+    assert text == whole.to_json() + "\n"
+    assert Recovery.from_json(path).to_json() == whole.to_json()
+    # two are lost; the file has the other, and two processes make the same to the bit
+    short = replace(whole, outcomes=whole.outcomes[1:2])
+    short.to_json(path)
+    assert "1 injections of 3 planned" in str(short)
+    again = fem.recover(record, **how, processes=2, path=path)
+    assert again.to_json() + "\n" == text == path.read_text(encoding="utf-8")
     with pytest.raises(ValueError, match=r"call with seed=0, and this one has 1"):
-        fem.recover(record, ["sky_radiation", "module_offset_step"], seed=1, **how)
+        fem.recover(record, **how, seed=1, path=path)
     with pytest.raises(ValueError, match="of another record"):
-        fem.recover(record + 0.0 * record - 0.001, ["sky_radiation"], **how)
+        fem.recover(record - 0.001, **how, path=path)
 
 
 def test_what_cannot_be_put_in_is_said(record):
@@ -179,3 +176,17 @@ def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
     days = np.unique(search.case.record.dates[search.case.searched])
     steps = [drawn(find("contact_step"), days, 21, 3, seed)[0] for seed in (0, 1)]
     assert len({draw.effect.settings["at"] for some in steps for draw in some}) == 6
+
+
+def test_the_command_puts_into_a_file_what_recover_puts_into_a_frame(record, tmp_path):
+    path, out = tmp_path / "plant.csv", tmp_path / "recovery.json"
+    data = record[[*USUAL, "relative_humidity"]].tz_localize(None)
+    data.to_csv(path)
+    told = ["--effects", "sky_radiation", "--processes", "1", "--out", str(out)]
+    said = CliRunner().invoke(main, ["recover", str(path), *told])
+    assert said.exit_code == 0, said.output
+    same = fem.recover(
+        fem.read_file(path), "sky_radiation", processes=1, progress=False
+    )
+    assert str(same) in said.output
+    assert Recovery.from_json(out).table.equals(same.table)

@@ -12,6 +12,7 @@ from pvlib_fem.cli.options import (
     out_option,
     plot_option,
     reading_options,
+    recovery_options,
     report_option,
     settings_of,
     shared_options,
@@ -25,6 +26,7 @@ from pvlib_fem.cli.running import (
     effects_of,
     fitted,
     in_local_days,
+    injected,
     site_of,
 )
 from pvlib_fem.cli.words import plainly, say
@@ -101,6 +103,27 @@ def loop(files, report, title, out, **options):
         say(found)
         write(out, found.to_json)
         write_report(report, found, title, files)
+
+
+@main.command()
+@reading_options
+@site_options
+@model_option("faiman", "fit takes the paper's wm1 by default")
+@shared_options
+@recovery_options
+@out_option
+def recover(files, out, **options):
+    """Put effects of known size into FILE, and find from what size the loop sees them.
+
+    --effects are those that are put in, by default all that have their columns; the
+    loop tries all. With --out a run that was interrupted goes on where it was.
+    """
+    with plainly():
+        check_outputs(files, out=out)
+        data, options, otherwise = prepared(files, options, drivers=True)
+        options["effects"] = options["effects"] or None
+        with or_propose(otherwise):
+            say(injected(data, path=out, **options))
 
 
 @main.command()

@@ -163,7 +163,8 @@ shared_options = added(
         "--effects",
         multiple=True,
         metavar="NAME,NAME,…",
-        help="Physical effects: fit adds these, loop tries no others.",
+        help="Physical effects: fit adds these, loop tries no others, recover puts "
+        "them in.",
     ),
     click.option(
         "--effect-setting",
@@ -184,6 +185,19 @@ shared_options = added(
         multiple=True,
         metavar="NAME=NUMBER",
         help="Coefficient that is known, such as tau=378; once for each.",
+    ),
+)
+recovery_options = added(
+    click.option(
+        "--draws",
+        type=click.IntRange(1),
+        default=3,
+        show_default=True,
+        help="Dates and signs that are drawn for each effect.",
+    ),
+    click.option("--seed", type=click.IntRange(0), default=0, show_default=True),
+    click.option(
+        "--processes", type=click.IntRange(1), help="By default one for each core."
     ),
 )
 out_option = click.option("--out", type=WRITTEN, help="Write the result as JSON.")

@@ -1,5 +1,6 @@
 """From a frame to a fit or a loop."""
 
+import sys
 from zoneinfo import available_timezones
 
 from pvlib.location import Location
@@ -12,6 +13,7 @@ from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.progress import line
 from pvlib_fem.record.columns import COLUMNS, with_aliases
+from pvlib_fem.recovery.recover import recover
 
 
 def closed(data, model="faiman", no_unit_check=False, site=None, **options):
@@ -25,6 +27,17 @@ def closed(data, model="faiman", no_unit_check=False, site=None, **options):
             check_units=not no_unit_check,
             progress=bar.set_description_str,
         )
+
+
+def injected(data, no_unit_check=False, site=None, **options):
+    """What is found of effects that are put into a frame."""
+    return recover(
+        data,
+        **(site or {}),
+        **options,
+        check_units=not no_unit_check,
+        progress=sys.stderr.isatty(),
+    )
 
 
 def fitted(data, effects, site, no_unit_check=False, **options):

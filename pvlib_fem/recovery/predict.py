@@ -165,12 +165,12 @@ class Round:
         case, step = self.fits.case, self.step
         record = self.fits.prepared(case.record, step.model)[0]
         record = record.having(self.moved(record, size))
+        case = replace(case, record=record)
         there = {effect.name for effect in step.model.effects}
         wanted = [effect for effect in case.wanted if effect.name not in there]
         seen = case.searched & record.known(step.model.drivers)
         how = (case.criteria, case.family, step.at_bound)
         found = gather(step.model, step.coefficients, record, seen, wanted, *how)
-        case = replace(case, record=record)
         new = Proposals(case, found, self.done, step.coefficients).run()
         days = np.unique(record.dates)
         return any(holds(f, self.look.effect, found.effects, days) for f in new)
