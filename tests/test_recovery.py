@@ -190,3 +190,14 @@ def test_the_command_puts_into_a_file_what_recover_puts_into_a_frame(record, tmp
     )
     assert str(same) in said.output
     assert Recovery.from_json(out).table.equals(same.table)
+
+
+def test_the_picture_has_the_shares_by_size(recovery):
+    pytest.importorskip("matplotlib")
+    axes = recovery.plot()
+    shares = recovery.summary["found"]
+    for line in axes.get_lines()[: shares.index.unique("effect").size]:
+        part = shares[line.get_label()]
+        np.testing.assert_array_equal(line.get_xdata(), part.index)
+        np.testing.assert_array_equal(line.get_ydata(), part)
+    axes.figure.clear()

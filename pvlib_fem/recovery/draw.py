@@ -1,5 +1,6 @@
 """What is put into a record: which effects, when, and which way."""
 
+import inspect
 import zlib
 from dataclasses import dataclass, field, replace
 from typing import Self
@@ -7,13 +8,14 @@ from typing import Self
 import numpy as np
 
 from pvlib_fem.effects import EFFECTS, find, several
-from pvlib_fem.effects.courses import COURSES, told, written
+from pvlib_fem.effects.courses import COURSES, told, weights_of, written
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.stored import Stored
 
 EDGE = 0.1  # share of the days before the first date that is drawn, and after the last
 LONGEST = 0.25  # share of the days that an episode lasts at most
+SAME = 0.5  # of the days that two stretches have together: of the same event
 
 
 @dataclass(frozen=True)
@@ -118,11 +120,19 @@ def chosen(case, loop, effects):
             notes[name] = case.untestable.get(name, f"the loop does not try {name}")
         elif name in there:
             notes[name] = "the record itself shows it, or cannot tell it from what is"
-        elif wanted[name].scan:
-            notes[name] = "it has a place in the sky, which is not drawn"
-        else:
+        elif wanted[name].scan is None:
             found.append(wanted[name])
+        elif needs_nothing(wanted[name].make):
+            found.append(wanted[name].make())
+        else:
+            notes[name] = "it has a place in the sky, which is not drawn"
     return found, {name: str(why) for name, why in notes.items()}
+
+
+def needs_nothing(make):
+    """Whether settings that a scan would find have usual values."""
+    rows = inspect.signature(make).parameters.values()
+    return all(row.default is not row.empty for row in rows)
 
 
 def drawn(effect, days, side, draws, seed):
@@ -214,3 +224,22 @@ def with_ways(draws, errors, seed):
             seen.add(key)
             found.append(replace(draw, way=way))
     return found
+
+
+def holds(finding, effect, effects, days):
+    """Whether a finding holds the truth; of a change about the same days, too."""
+    if effect.name not in finding.candidates:
+        return False
+    leading = effects[finding.effect]
+    course = effect.name.removeprefix(effect.channel)
+    if not effect.channel or leading.name != f"{leading.channel}{course}":
+        return True
+    return same_days(effect, leading, days)
+
+
+def same_days(one, other, days):
+    """Whether two changes of one course are on the same days, but for a part."""
+    if course_of(one).name == "drift":
+        return True
+    a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))
+    return bool((a & b).sum() >= SAME * (a | b).sum())

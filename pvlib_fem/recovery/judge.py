@@ -7,8 +7,7 @@ import numpy as np
 
 from pvlib_fem.findings import Verdict
 from pvlib_fem.loop.close import close_loop
-from pvlib_fem.recovery.draw import Injection
-from pvlib_fem.recovery.predict import holds
+from pvlib_fem.recovery.draw import Injection, holds
 from pvlib_fem.stored import Stored
 
 INTERVAL = 1.96  # standard errors of 95 %

@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.gather import gather
@@ -12,13 +11,12 @@ from pvlib_fem.loop.propose import Proposals, all_pass, material, rules
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.witness import showing
-from pvlib_fem.recovery.draw import Draw, course_of, drawn, with_ways
+from pvlib_fem.recovery.draw import Draw, course_of, drawn, holds, same_days, with_ways
 from pvlib_fem.statistics.changes import Daily
 
 GROWS = 1.3  # from one size to the next, until the rules are passed
 HALVINGS = 5  # between the last size that does not pass and the first that does
 LEAST = 0.25  # of the standard errors, where sizes begin
-SAME = 0.5  # of the days that two stretches have together: of the same event
 
 
 def predictions(case, step, done, draws, seed, effect):
@@ -187,25 +185,6 @@ class Round:
         witnesses = {name: record[name] for name in self.fits.case.witnesses}
         how = (look.effect, change, self.step.coefficients)
         return showing(record, witnesses, *how) | {"temp_module": module}
-
-
-def holds(finding, effect, effects, days):
-    """Whether a finding holds the truth; of a change about the same days, too."""
-    if effect.name not in finding.candidates:
-        return False
-    leading = effects[finding.effect]
-    course = effect.name.removeprefix(effect.channel)
-    if not effect.channel or leading.name != f"{leading.channel}{course}":
-        return True
-    return same_days(effect, leading, days)
-
-
-def same_days(one, other, days):
-    """Whether two changes of one course are on the same days, but for a part."""
-    if course_of(one).name == "drift":
-        return True
-    a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))
-    return bool((a & b).sum() >= SAME * (a | b).sum())
 
 
 def threshold(passes, least, most):

@@ -1,6 +1,5 @@
 """What would be found on my plant, and from what size?"""
 
-import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,17 @@ from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.progress import counting
 from pvlib_fem.parallel import spread
 from pvlib_fem.recovery.draw import chosen
+from pvlib_fem.recovery.going_on import (
+    digest,
+    of_plan,
+    resumed,
+    said_all,
+    with_outcome,
+)
 from pvlib_fem.recovery.inject import Injector
 from pvlib_fem.recovery.judge import recovered
 from pvlib_fem.recovery.predict import predictions
 from pvlib_fem.recovery.result import Recovery
-from pvlib_fem.report.page import said_of
 from pvlib_fem.types import FilePath
 
 #: multiples of the predicted size
@@ -140,14 +145,14 @@ def recover(
         sha256=digest(data),
     )
     if path is not None and Path(path).exists():
-        result = result.resumed(path)
+        result = resumed(result, path)
     search, loop = searched(data, model, place, None, **how)
     wanted = (effects, sizes, draws, seed)
     planned, notes = plan(search, loop, *wanted, processes, progress)
     if not planned:
         reasons = "; ".join(f"{name}: {why}" for name, why in notes.items())
         raise ValueError(f"there is nothing to put into this record: {reasons}")
-    result = result.of_plan(planned, notes, loop, search.case.wanted)
+    result = of_plan(result, planned, notes, loop, search.case.wanted)
     done = {outcome.injection.key for outcome in result.outcomes}
     tasks = [(injection,) for injection in planned if injection.key not in done]
     names = ("location", "surface_tilt", "surface_azimuth")
@@ -155,7 +160,7 @@ def recover(
     shared = (data, Injector.of(search, loop), loop.findings, how)
     with counting(len(planned), len(done), progress, "put in") as tell:
         for outcome in spread(recovered, tasks, processes, shared):
-            result = result.with_outcome(outcome, planned)
+            result = with_outcome(result, outcome, planned)
             if path is not None:
                 result.to_json(path)
             tell(outcome.injection.effect)
@@ -205,21 +210,3 @@ def sized(draw, predicted, own, sizes, notes):
                 f"a size of {size:.3g} is not possible, it has more than 0 and at most "
                 f"{most:.3g}"
             )
-
-
-def said_all(effects, sizes, draws, seed, model, place, how):
-    """The arguments that decide, as they are written."""
-    location, tilt, azimuth = place
-    where = None if location is None else repr(location)
-    said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
-    said |= dict(location=where, surface_tilt=tilt, surface_azimuth=azimuth)
-    holdout = how["holdout"]
-    said |= {**how, "holdout": None if holdout is None else digest(holdout.to_frame())}
-    return {name: said_of(value) for name, value in said.items()}
-
-
-def digest(data):
-    """Sha256 of a frame's times, names and values."""
-    found = hashlib.sha256(repr([str(name) for name in data]).encode())
-    found.update(pd.util.hash_pandas_object(data).to_numpy("<u8").tobytes())
-    return found.hexdigest()

@@ -1,8 +1,6 @@
 """The result of injections into a record: finished, and it prints itself."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -131,47 +129,6 @@ class Recovery:
         return pd.DataFrame.from_dict(rows, orient="index", columns=head).rename_axis(
             "effect"
         )
-
-    def with_outcome(self, outcome: Outcome, planned: Sequence[Any]) -> Self:
-        """The same with one more, in the order of the plan."""
-        order = {injection.key: i for i, injection in enumerate(planned)}
-        outcomes = sorted(
-            [*self.outcomes, outcome], key=lambda one: order[one.injection.key]
-        )
-        return replace(self, outcomes=tuple(outcomes))
-
-    def of_plan(self, planned: Sequence[Any], notes: dict, loop: Any, effects: Any):
-        """The same of what is planned now."""
-        keys = {injection.key for injection in planned}
-        units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
-        return replace(
-            self,
-            outcomes=tuple(one for one in self.outcomes if one.injection.key in keys),
-            planned=len(planned),
-            baseline=loop.findings,
-            units=units,
-            notes=notes,
-        )
-
-    def resumed(self, path: FilePath) -> Self:
-        """What a file has, if it is of the same record, call and version."""
-        there = type(self).from_json(path)
-        for name, words in (("sha256", "record"), ("version", "version of pvlib_fem")):
-            if getattr(there, name) != getattr(self, name):
-                raise ValueError(
-                    f"{Path(path)} is of another {words} ({getattr(there, name)[:12]}, "
-                    f"this is {getattr(self, name)[:12]}); give another path, or "
-                    "remove the file"
-                )
-        if other := [n for n, v in self.given.items() if there.given.get(n) != v]:
-            name = other[0]
-            raise ValueError(
-                f"{Path(path)} is of a call with {name}="
-                f"{there.given.get(name) or 'the default'}, and this one has "
-                f"{self.given[name] or 'the default'}; give another path, or remove "
-                "the file"
-            )
-        return there
 
     def plot(self, ax: Any = None) -> Any:
         """

@@ -1,0 +1,70 @@
+"""A recovery that goes on: what is kept of it, and whether a file is of the same."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+
+from pvlib_fem.recovery.result import Recovery
+from pvlib_fem.report.page import said_of
+
+
+def resumed(new, path):
+    """What a file has, if it is of the same record, call and version as a new one."""
+    there = Recovery.from_json(path)
+    for name, words in (("sha256", "record"), ("version", "version of pvlib_fem")):
+        if getattr(there, name) != getattr(new, name):
+            raise ValueError(
+                f"{Path(path)} is of another {words} ({getattr(there, name)[:12]}, "
+                f"this is {getattr(new, name)[:12]}); give another path, or remove "
+                "the file"
+            )
+    if other := [n for n, value in new.given.items() if there.given.get(n) != value]:
+        name = other[0]
+        raise ValueError(
+            f"{Path(path)} is of a call with {name}="
+            f"{there.given.get(name) or 'the default'}, and this one has "
+            f"{new.given[name] or 'the default'}; give another path, or remove the file"
+        )
+    return there
+
+
+def of_plan(recovery, planned, notes, loop, effects):
+    """The same of what is planned now."""
+    keys = {injection.key for injection in planned}
+    units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
+    return replace(
+        recovery,
+        outcomes=tuple(one for one in recovery.outcomes if one.injection.key in keys),
+        planned=len(planned),
+        baseline=loop.findings,
+        units=units,
+        notes=notes,
+    )
+
+
+def with_outcome(recovery, outcome, planned):
+    """The same with one more outcome, in the order of the plan."""
+    order = {injection.key: i for i, injection in enumerate(planned)}
+    outcomes = [*recovery.outcomes, outcome]
+    outcomes = sorted(outcomes, key=lambda one: order[one.injection.key])
+    return replace(recovery, outcomes=tuple(outcomes))
+
+
+def said_all(effects, sizes, draws, seed, model, place, how):
+    """The arguments that decide, as they are written."""
+    location, tilt, azimuth = place
+    where = None if location is None else repr(location)
+    said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
+    said |= dict(location=where, surface_tilt=tilt, surface_azimuth=azimuth)
+    holdout = how["holdout"]
+    said |= {**how, "holdout": None if holdout is None else digest(holdout.to_frame())}
+    return {name: said_of(value) for name, value in said.items()}
+
+
+def digest(data):
+    """Sha256 of a frame's times, names and values."""
+    found = hashlib.sha256(repr([str(name) for name in data]).encode())
+    found.update(pd.util.hash_pandas_object(data).to_numpy("<u8").tobytes())
+    return found.hexdigest()
