@@ -26,8 +26,8 @@ from pvlib_fem import (
 )
 from pvlib_fem.cli.demo import HIDDEN, demo_years
 from pvlib_fem.cli.reading import LOOK
-from pvlib_fem.cli.running import location
 from pvlib_fem.datasets.files import fetch
+from pvlib_fem.drivers.place import location
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.record.columns import COLUMNS
 

@@ -25,12 +25,12 @@ from pvlib_fem.cli.running import (
     closed,
     effects_of,
     fitted,
-    in_local_days,
+    in_their_days,
     injected,
-    site_of,
 )
 from pvlib_fem.cli.words import plainly, say
 from pvlib_fem.cli.writing import check_outputs, picture, write
+from pvlib_fem.drivers.place import site_of
 from pvlib_fem.loop.criteria import Criteria
 
 
@@ -166,12 +166,12 @@ def prepared(files, options, drivers=False):
     fixed = held(options.pop("fix"))
     days, told = options.pop("holdout"), options["tz"]
     data, otherwise = read(files, options, drivers)
-    place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
-    data = in_local_days(data, place["lon"], told)
+    place = [options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")]
+    data = in_their_days(data, place[1], told)
     options |= {
         "effects": effects,
         "fixed": fixed or None,
         "holdout": days_of(days, data.index),
-        "site": site_of(data.index, **place),
+        "site": site_of(data.index, *place),
     }
     return data, options, otherwise

@@ -6,8 +6,9 @@ import click
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.cli.running import closed, site_of
+from pvlib_fem.cli.running import closed
 from pvlib_fem.cli.words import say
+from pvlib_fem.drivers.place import site_of
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.progress import line
