@@ -726,3 +726,27 @@ def test_what_cannot_be_written_is_refused_before_the_work(
     for option in ("--plot x.nosuch", "--out a/b.json", "--effects nosuch"):
         result = call("fit", tmp_path / "plant.csv", *option.split())
         assert result.exit_code == 1 and "it was read" not in result.output
+
+
+def test_the_months_of_one_logger_are_one_record(record, tmp_path):
+    """In whatever order they come; what overlaps or lacks a column is named."""
+    from pvlib_fem.record.files import frame
+    from pvlib_fem.record.layout import Layout
+
+    third = len(record) // 3
+    parts = [record[:third], record[third : 2 * third], record[2 * third :]]
+    paths = [tmp_path / f"{name}.csv" for name in ("may", "june", "july")]
+    for part, path in zip(parts, paths):
+        part.to_csv(path)
+    whole = tmp_path / "whole.csv"
+    record.to_csv(whole)
+    found = frame([[paths[2], paths[0], paths[1]]], [Layout()], {})
+    pd.testing.assert_frame_equal(found, frame([whole], [Layout()], {}))
+    record[third - 5 : 2 * third].to_csv(paths[1])
+    with pytest.raises(ValueError, match=r"june\.csv begins at .* before may\.csv"):
+        frame([paths], [Layout()], {})
+    sorted_ = frame([paths], [Layout(sort=True, drop_doubled=True)], {})
+    pd.testing.assert_frame_equal(sorted_, found)
+    parts[1].drop(columns="wind_speed").to_csv(paths[1])
+    with pytest.raises(ValueError, match="lacks wind_speed"):
+        frame([paths], [Layout()], {})

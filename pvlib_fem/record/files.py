@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem.record.checks import usual_step
-from pvlib_fem.record.joining import joined
+from pvlib_fem.record.joining import joined, stacked
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.numbers import refuse_text, ungrouped
 from pvlib_fem.record.times import in_order, timed
@@ -92,18 +92,21 @@ def frame(
     check_units=True,
     module_area=None,
 ):
-    """The same of several files, each with its layout."""
-    tables, notes = [], []
+    """The same of several files, each with its layout; of a list, pieces in time."""
+    tables, names, notes = [], [], []
     for file, layout in zip(files, layouts):
-        data = timed(table(file, layout), layout, file.name)
+        pieces = file if isinstance(file, list) else [file]
+        read = [timed(table(one, layout), layout, one.name) for one in pieces]
+        data, name = stacked(read, [one.name for one in pieces], layout.sort)
         data, done = in_order(data, layout.sort, layout.drop_doubled)
         tables.append(data)
-        notes += [f"{file.name}: {note}" for note in done]
-    data, done = joined(tables, [file.name for file in files], columns)
+        names.append(name)
+        notes += [f"{name}: {note}" for note in done]
+    data, done = joined(tables, names, columns)
     absent = [column for column in columns.values() if column not in data]
     if absent:
         raise ValueError(
-            f"{' and '.join(file.name for file in files)} has no column "
+            f"{' and '.join(names)} has no column "
             f"{', '.join(absent)}; it has {', '.join(map(str, data.columns))}"
         )
     headers = {name: name for name in data.columns} | columns

@@ -1,4 +1,4 @@
-"""Several files as one: weather from one logger, the module from another."""
+"""Several files as one: of several loggers, or the months of one."""
 
 import numpy as np
 import pandas as pd
@@ -69,6 +69,60 @@ def joined(tables, names, columns):
         )
         whole = whole.join(part)
     return whole[[column for table in apart for column in table]], notes
+
+
+def stacked(tables, names, overlap=False):
+    """
+    Pieces of one logger, one after the other in time, and what they are called.
+
+    Parameters
+    ----------
+    tables : list of DataFrame
+        With a DatetimeIndex each, in any order.
+    names : list of str
+        Of the files.
+    overlap : bool
+        Whether one may begin before another ends: rows are put in order later.
+
+    Returns
+    -------
+    DataFrame, str
+    """
+    if len(tables) == 1:
+        return tables[0], names[0]
+    order = sorted(range(len(tables)), key=lambda i: (first_time(tables[i]), names[i]))
+    tables, names = [tables[i] for i in order], [names[i] for i in order]
+    first, usual = tables[0], set(tables[0].columns)
+    for table, name in zip(tables, names):
+        if odd := usual ^ {*table.columns}:
+            raise ValueError(
+                f"{name} and {names[0]} are pieces of one record, and one of them "
+                f"lacks {', '.join(sorted(map(str, odd)))}; give both the same columns"
+            )
+        if (table.index.tz is None) != (first.index.tz is None):
+            raise ValueError(
+                f"the times of one of {names[0]} and {name} have no zone; give --tz"
+            )
+    for before, after, *both in zip(tables, tables[1:], names, names[1:]):
+        if not overlap and first_time(after) <= last_time(before):
+            raise ValueError(
+                f"{both[1]} begins at {after.index.min()}, before {both[0]} ends at "
+                f"{before.index.max()}; give --sort and --drop-doubled to keep the "
+                "first row of each time"
+            )
+    zone = first.index.tz
+    same = [t.tz_convert(zone) if zone else t for t in tables]
+    return pd.concat([t[first.columns] for t in same]), f"{names[0]} … {names[-1]}"
+
+
+def first_time(table):
+    """The first time, as a number that is the same in any zone."""
+    return table.index.min().timestamp() if len(table) else np.inf
+
+
+def last_time(table):
+    """The last one."""
+    return table.index.max().timestamp() if len(table) else -np.inf
 
 
 def refuse_disorder(table, name):
