@@ -36,6 +36,7 @@ ORDER = (
     "fitting",
     "loop",
     "recovery",
+    "fleet",
     "cli",
     "__main__",
 )
@@ -122,6 +123,9 @@ def test_outside_libraries_have_one_place_each():
         "tqdm": "loop",
         "threadpoolctl": "loop",
         "pooch": "datasets",
+        "distributed": "fleet",
+        "dask": "fleet",
+        "fsspec": "fleet",
     }
     for name in FILES:
         for outside, _ in imports(name):

@@ -46,3 +46,8 @@ def counting(whole, done=0, shown=True, words=None):
             bar.update()
 
         yield tell
+
+
+def count(total, disable=None):
+    """A bar of how many of some systems are done."""
+    return tqdm(total=total, disable=disable, unit="system")

@@ -1,0 +1,107 @@
+"""Where systems are worked on: here, one after the other, or on Dask."""
+
+import logging
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+from uuid import uuid4
+
+AHEAD = 4  # systems that wait for each thread, so that none waits for systems
+
+
+def serial(work: Callable, systems: Iterable) -> Iterator[dict]:
+    """The answers of a bare loop."""
+    return map(work, systems)
+
+
+def on_dask(client: Any, work: Any, systems: Iterable) -> Iterator[dict]:
+    """
+    The answers of a cluster's workers, in the order in which they come.
+
+    Few systems more than there are threads are with the scheduler at any time, so that
+    their number does not matter to it. A worker that is lost has its systems done by
+    another, as Dask does; one that ends every worker is told in its answer.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    work : Work
+    systems : iterable of System
+
+    Yields
+    ------
+    dict
+    """
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
+
+    run, systems, whose = uuid4().hex[:8], iter(systems), {}
+    waiting = as_completed(loop=client.loop)
+
+    def fill(most):
+        for system in systems:
+            key = f"pvlib_fem-{run}-{system.id}"
+            future = client.submit(work, system, key=key, pure=False)
+            whose[key] = system
+            waiting.add(future)
+            if len(whose) >= most:
+                return
+
+    try:
+        fill(AHEAD * threads(client))
+        for batch in waiting.batches():
+            for future in batch:
+                system = whose.pop(future.key)
+                try:
+                    yield future.result()
+                except KilledWorker as error:
+                    yield work.ended(system, error)
+            if len(whose) < (most := AHEAD * threads(client)):
+                fill(most)
+    finally:
+        client.cancel(waiting.futures)
+
+
+def threads(client):
+    """How many systems are worked on at once; one where no worker is there yet."""
+    return max(sum(client.nthreads().values()), 1)
+
+
+@contextmanager
+def client_of(client=None, workers=None, memory_limit="auto"):
+    """
+    A client: as given, of a scheduler's address, or of a cluster on this machine.
+
+    Parameters
+    ----------
+    client : distributed.Client, str or None
+    workers : int, optional
+        Processes of one thread each; by default as many as there are cores.
+    memory_limit : str, int or "auto"
+        Of each; Dask ends a worker that goes beyond it.
+    """
+    from distributed import Client, LocalCluster
+
+    if client is not None and not isinstance(client, str):
+        yield client
+    elif client is not None:
+        with Client(client, timeout="30s") as found:
+            yield found
+    else:
+        cluster = LocalCluster(
+            n_workers=workers or cores(),
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=memory_limit,
+            dashboard_address=None,
+            silence_logs=logging.ERROR,
+        )
+        with cluster, Client(cluster) as found:
+            yield found
+
+
+def cores():
+    """Cores that this process may use."""
+    from dask.system import CPU_COUNT
+
+    return CPU_COUNT

@@ -1,0 +1,210 @@
+"""Fit many systems, or close the loop on them, and keep what comes of it."""
+
+import json
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem.fleet.engine import client_of, on_dask, serial
+from pvlib_fem.fleet.store import compact, result_path
+from pvlib_fem.fleet.table import opened, systems_of
+from pvlib_fem.fleet.tasks import TASKS
+from pvlib_fem.fleet.work import Work
+from pvlib_fem.loop.progress import count
+from pvlib_fem.types import FilePath
+
+NEEDED = ("pyarrow", "fsspec", "distributed")
+
+
+@dataclass(frozen=True)
+class Results:
+    """
+    A folder of results; ``print(results)`` counts them.
+
+    Attributes
+    ----------
+    out : Path
+    """
+
+    out: Path
+
+    def table(self, name: str, json: bool = False) -> pd.DataFrame:
+        """One of ``systems``, ``coefficients``, ``findings``; with the JSON or not."""
+        import pyarrow.parquet as pq
+
+        path = Path(self.out, f"{name}.parquet")
+        if not path.exists():
+            raise ValueError(f"{self.out} holds no results: there is no {path.name}")
+        names = pq.read_schema(path).names
+        columns = [column for column in names if json or column != "json"]
+        return pd.read_parquet(path, columns=columns)
+
+    @property
+    def systems(self) -> pd.DataFrame:
+        """A row for each system."""
+        return self.table("systems")
+
+    @property
+    def coefficients(self) -> pd.DataFrame:
+        """A row for each coefficient of each system."""
+        return self.table("coefficients")
+
+    @property
+    def findings(self) -> pd.DataFrame:
+        """A row for each finding of each system."""
+        return self.table("findings")
+
+    def result(self, identity: str) -> Any:
+        """The fit or the loop of a system, as ``from_json`` reads it."""
+        path = result_path(self.out, identity)
+        if not path.exists():
+            raise ValueError(f"{self.out} holds nothing of a system {identity!r}")
+        head = json.loads(path.read_text(encoding="utf-8"))["fleet"]
+        if head["state"] != "done":
+            raise ValueError(f"system {identity} failed: {head['message']}")
+        return TASKS[head["task"]].result.from_json(path)
+
+    def __str__(self):
+        states = self.systems["state"].value_counts()
+        counts = ", ".join(f"{states[s]:,} {s}" for s in STATES if states.get(s))
+        return f"pvlib_fem: {states.sum():,} systems: {counts}; in {self.out}"
+
+
+STATES = ("done", "failed", "not run")
+
+
+def run(
+    systems: pd.DataFrame | FilePath,
+    out: FilePath,
+    task: str = "loop",
+    client: Any = None,
+    workers: int | None = None,
+    resume: bool = True,
+    pages: bool = False,
+    memory_limit: Any = "auto",
+    progress: Callable[[dict], object] | bool | None = None,
+    **options: Any,
+) -> Results:
+    """
+    Do a task for each system of a table, on one machine or on many.
+
+    Workers read the files, do the task and write a file each; only the names of
+    systems and what became of them pass through here. In the end tables are made of
+    all files. The same tables come of any number of workers, to the bit.
+
+    Parameters
+    ----------
+    systems : DataFrame or path
+        A table, or its CSV, Excel or Parquet file, with a row for each system: ``id``,
+        ``file`` (path, pattern or URL that fsspec opens; files of several loggers
+        joined by ``|``), and any of ``site``, ``latitude``, ``longitude``,
+        ``surface_tilt``, ``surface_azimuth`` [°], ``pdc0`` [W], the options of
+        :func:`pvlib_fem.read_file` by name, ``poa_global`` and the others for the
+        name of the column in the file, ``poa_global_unit`` for its unit. All other
+        columns are labels. Relative paths are from the folder of the table.
+    out : path
+        Folder of the results, which all workers see.
+    task : str, default "loop"
+        ``"fit"``, which is :func:`pvlib_fem.fit_fem`, or ``"loop"``,
+        :func:`pvlib_fem.close_loop`.
+    client : distributed.Client or str, optional
+        Or the address of a scheduler; by default a cluster on this machine.
+    workers : int, optional
+        Processes of that cluster, by default one a core; 0 works here, without Dask.
+    resume : bool, default True
+        Keep what is there of the same files, row, options and version. Systems that
+        failed because of their data are kept so; what failed otherwise is tried again.
+    pages : bool, default False
+        Write each system's page with pictures, too, which takes about as long again.
+    memory_limit : str or int, default "auto"
+        Of each worker of the cluster on this machine, as Dask takes it.
+    progress : callable or bool, optional
+        Called with what became of each system; True shows a bar. By default a bar on
+        a terminal.
+    **options
+        Of the task, such as ``model="pvsyst"`` or ``criteria=Criteria(chance=0.01)``.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    ValueError
+        If the table is wrong, before anything is read; the message names the system
+        and the cell. A file that cannot be used is a row with its message instead.
+    OSError
+        If results cannot be written. What was done until then is kept.
+
+    Notes
+    -----
+    A script that calls it needs ``if __name__ == "__main__":``, since workers are
+    processes of their own.
+
+    When it is interrupted the tables are made of what there is.
+
+    Examples
+    --------
+    See :doc:`/guide/fleet`.
+    """
+    check(task, pages, options)
+    table = opened(systems)
+    for system in systems_of(table):  # refuses what is wrong before the work
+        del system
+    out = Path(out).absolute()
+    Path(out, "results").mkdir(parents=True, exist_ok=True)
+    work = Work(str(out), task, resume, pages, options)
+    try:
+        with ExitStack() as stack:
+            tell = told(stack, progress, len(table))
+            if workers == 0:
+                answers = serial(work, systems_of(table))
+            else:
+                found = stack.enter_context(client_of(client, workers, memory_limit))
+                answers = on_dask(found, work, systems_of(table))
+            for answer in answers:
+                tell(answer)
+    except KeyboardInterrupt:
+        with suppress(OSError):
+            compact(out, table, task)
+        raise
+    compact(out, table, task)
+    return Results(out)
+
+
+def check(task, pages, options):
+    """Refuse before the work what no system could do."""
+    if task not in TASKS:
+        raise ValueError(f"unknown task {task!r}; there are {', '.join(TASKS)}")
+    if lacking := [name for name in NEEDED if find_spec(name) is None]:
+        raise ValueError(
+            f"a fleet needs {' and '.join(lacking)}: pip install 'pvlib_fem[fleet]'"
+        )
+    if pages and find_spec("matplotlib") is None:
+        raise ValueError("pages need matplotlib: pip install 'pvlib_fem[plot]'")
+    if taken := {"location", "surface_tilt", "surface_azimuth", "holdout"} & {*options}:
+        raise ValueError(
+            f"{min(taken)} belongs to one system: put it into the table, or do that "
+            "system by itself"
+        )
+
+
+def told(stack, progress, total):
+    """A function that is told each answer."""
+    if callable(progress):
+        return progress
+    bar = stack.enter_context(count(total, None if progress is None else not progress))
+    failed = 0
+
+    def tell(answer):
+        nonlocal failed
+        failed += answer["state"] == "failed"
+        bar.set_postfix_str(f"{failed:,} failed", refresh=False)
+        bar.update()
+
+    return tell

@@ -1,0 +1,177 @@
+"""Results on disk: a file for each system, and the tables that are made of them."""
+
+import hashlib
+import json
+import re
+from pathlib import Path
+
+from pvlib_fem.fleet.table import labels_of, systems_of
+from pvlib_fem.fleet.tasks import COEFFICIENT, FINDING, ROW
+from pvlib_fem.stored import replacing, saved, written
+
+FAILED = "pvlib_fem fleet, failed"  # the format of a file without a result
+GROUP = 1000  # systems of a row group of a table
+TABLES = ("systems", "coefficients", "findings")
+
+
+def name_of(identity):
+    """The name of a system's files, which any disk takes, and none shares."""
+    code = hashlib.sha256(identity.encode("utf-8", "surrogatepass")).hexdigest()
+    plain = re.sub(r"[^A-Za-z0-9_-]+", "-", identity)[:60]
+    return f"{code[:2]}/{plain}-{code[:12]}"  # a folder holds a 256th of all
+
+
+def result_path(out, identity):
+    return Path(out, "results", f"{name_of(identity)}.json")
+
+
+def page_path(out, identity):
+    return Path(out, "pages", f"{name_of(identity)}.html")
+
+
+def keep(out, identity, head, result=None):
+    """
+    Write a system's result, whole or not at all.
+
+    Parameters
+    ----------
+    out : path-like
+    identity : str
+    head : dict
+        ``key``, ``state``, ``message``, ``row``, ``coefficients``, ``findings``.
+    result : dict, optional
+        What ``to_json`` of it writes, so that ``from_json`` reads the file.
+    """
+    path = result_path(out, identity)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    content = {"fleet": {"id": identity, **head}, **(result or {})}
+    written(content.pop("format", FAILED), content, path)
+
+
+def kept(out, identity):
+    """What a system's file holds, or None where there is no whole one."""
+    try:
+        path = result_path(out, identity)
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):
+        return None
+    return content if isinstance(content, dict) and "fleet" in content else None
+
+
+def put_page(out, identity, html):
+    """Write a system's page; without one that of an older result goes."""
+    path = page_path(out, identity)
+    if html is None:
+        path.unlink(missing_ok=True)
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    saved(html, path)
+
+
+def compact(out, table, task):
+    """
+    Make the tables of all results, each whole or as it was.
+
+    Parameters
+    ----------
+    out : path-like
+    table : DataFrame
+        An opened table of systems: its rows are the rows of the result, in order.
+    task : str
+
+    Returns
+    -------
+    dict of int
+        Systems by state.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    schemas = schemas_of(table)
+    counts = dict.fromkeys(("done", "failed", "not run"), 0)
+    rows = {name: [] for name in TABLES}
+    paths = [replacing(Path(out, f"{name}.parquet")) for name in TABLES]
+    with paths[0] as a, paths[1] as b, paths[2] as c:
+        files = dict(zip(TABLES, (a, b, c)))
+        writers = {
+            name: pq.ParquetWriter(files[name], schemas[name], compression="zstd")
+            for name in TABLES
+        }
+
+        def flush():
+            for name, writer in writers.items():
+                typed = [finite(row, schemas[name]) for row in rows[name]]
+                batch = pa.Table.from_pylist(typed, schema=schemas[name])
+                writer.write_table(batch)
+                rows[name].clear()
+
+        try:
+            for i, system in enumerate(systems_of(table), 1):
+                state = taken(rows, system, kept(out, system.id), task)
+                counts[state] += 1
+                if i % GROUP == 0:
+                    flush()
+            flush()
+        finally:
+            for writer in writers.values():
+                writer.close()
+    return counts
+
+
+def schemas_of(table):
+    """Names and types of the tables' columns."""
+    import pyarrow as pa
+
+    kinds = {str: pa.string(), float: pa.float64(), int: pa.int64(), bool: pa.bool_()}
+    head = {"id": str, **dict.fromkeys(labels_of(table), str)}
+    place = ("latitude", "longitude", "surface_tilt", "surface_azimuth", "pdc0")
+    state = {"file": str, "task": str, "state": str, "message": str}
+    columns = {
+        "systems": {**head, **dict.fromkeys(place, float), **state, **ROW},
+        "coefficients": {"id": str, **COEFFICIENT},
+        "findings": {"id": str, "site": str, **FINDING},
+    }
+    return {
+        name: pa.schema(
+            [(column, kinds[kind]) for column, kind in found.items()]
+            + [("json", pa.string())] * (name != "coefficients")
+        )
+        for name, found in columns.items()
+    }
+
+
+def taken(rows, system, content, task):
+    """Put what a file holds where it belongs; the state of the system."""
+    head = content["fleet"] if content else {"state": "not run", "message": ""}
+    if head.get("task", task) != task:  # of another run into the same folder
+        content, head = None, {"state": "not run", "message": ""}
+    files = " | ".join(system.files)
+    row = {"id": system.id, **system.labels, **system.place, "pdc0": system.pdc0}
+    row |= {"file": files, "task": task, **head.get("row", {})}
+    row |= {name: head[name] for name in ("state", "message")}
+    if content and head["state"] == "done":
+        result = {name: part for name, part in content.items() if name != "fleet"}
+        row["json"] = text(result)
+    rows["systems"].append(row)
+    for one in head.get("coefficients", ()):
+        rows["coefficients"].append({"id": system.id, **one})
+    for one in head.get("findings", ()):
+        json_ = text(one["content"]) if "content" in one else None
+        head_ = {"id": system.id, "site": system.labels["site"], "json": json_}
+        rows["findings"].append({**one, **head_})
+    return head["state"]
+
+
+def finite(row, schema):
+    """A row whose infinities are numbers again."""
+    kinds = {name: str(schema.field(name).type) for name in schema.names}
+    return {
+        name: float(row[name])
+        if kind == "double" and row.get(name) == "inf"
+        else row.get(name)
+        for name, kind in kinds.items()
+    }
+
+
+def text(content):
+    return json.dumps(content, ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,203 @@
+"""What can be done with a system, and what of the answer goes into the tables."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem import scores
+from pvlib_fem.findings import Correction, Finding
+from pvlib_fem.fitting.of_frame import fit_frame
+from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.loop.close import close_loop
+from pvlib_fem.loop.result import Loop
+from pvlib_fem.report.document import with_error
+from pvlib_fem.report.page import numbers
+from pvlib_fem.stored import plain
+
+HOURS_A_YEAR = 8766.0
+#: columns of a row of systems that a task gives, with their types
+ROW = {
+    "start": str,
+    "end": str,
+    "rows": int,
+    "days": int,
+    "step": float,  # s
+    "test_days": int,
+    "model": str,
+    "dynamics": str,
+    "rmse_before": float,  # K
+    "rmse_after": float,  # K
+    "energy_error_before": float,  # points of the performance ratio
+    "energy_error_after": float,
+    "insolation": float,  # kWh/m² a year
+    "effects": str,
+}
+#: of a coefficient
+COEFFICIENT = {"coefficient": str, "value": float, "stderr": float, "unit": str}
+#: of a finding
+FINDING = {
+    "effect": str,
+    "candidates": str,
+    "verdict": str,
+    "kind": str,
+    "added": bool,
+    "gain": float,  # K
+    "size": str,
+    "place": str,
+    "first": str,
+    "last": str,
+    "why": str,
+}
+JOIN = " | "
+
+
+@dataclass(frozen=True)
+class Task:
+    """
+    A task: one line in :data:`TASKS`.
+
+    Attributes
+    ----------
+    run : callable
+        ``run(data, location=, surface_tilt=, surface_azimuth=, check_units=,
+        **options)``, to a result with ``to_json``, ``to_html`` and ``from_json``.
+    row, coefficients, findings : callable
+        Of the result: a dict of :data:`ROW`, lists of dicts of :data:`COEFFICIENT`
+        and :data:`FINDING`; what lacks in a dict is empty in the table.
+    result : type
+        That of the result.
+    """
+
+    run: Callable[..., Any]
+    row: Callable[[Any], Mapping]
+    coefficients: Callable[[Any], list]
+    findings: Callable[[Any], list]
+    result: Any
+
+
+def row_of_fit(fit):
+    """What a fit is of, and its error before and after the dynamics."""
+    end = "test" if fit.test_days else "train"
+    errors = fit.scores[f"rmse_{end}"]
+    rows = fit.holdout if fit.test_days else ~fit.holdout
+    poa = pd.Series(fit.record["poa_global"], fit.record.index)
+    seen = fit.residual.where(rows)
+    energy = scores.energy_error(poa, seen, 0.0 * seen)
+    return {
+        **about(fit),
+        "rmse_before": errors.get("filter", errors.iloc[0]),
+        "rmse_after": errors.iloc[-1],
+        "energy_error_after": energy.performance_ratio,
+        "effects": ", ".join(effect.name for effect in fit.effects),
+    }
+
+
+def row_of_loop(loop):
+    """The same of a loop, before and after what was added."""
+    end = "test" if loop.fit.test_days else "train"
+    before, after = loop.table.loc[loop.base], loop.table.loc[loop.last]
+    return {
+        **about(loop.fit),
+        "rmse_before": before[f"rmse_{end}"],
+        "rmse_after": after[f"rmse_{end}"],
+        "energy_error_before": before["energy_error_test"],
+        "energy_error_after": after["energy_error_test"],
+        "effects": ", ".join(loop.effects),
+    }
+
+
+def about(fit):
+    """Size and times of the record, the form of the model, and the sun's energy."""
+    of, poa = fit.summary, pd.Series(fit.record["poa_global"], fit.record.index)
+    sun = scores.energy_error(poa, 0.0 * poa, 0.0 * poa).insolation
+    hours = (of.end - of.start) / pd.Timedelta("1h")
+    return {
+        "start": of.start.isoformat(),
+        "end": of.end.isoformat(),
+        "rows": of.rows,
+        "days": of.days,
+        "step": of.step,
+        "test_days": fit.test_days,
+        "model": fit.model,
+        "dynamics": fit.dynamics,
+        "insolation": sun * HOURS_A_YEAR / hours if hours > 0 else np.nan,
+    }
+
+
+def coefficients_of(fit):
+    """Every coefficient with its error."""
+    return [
+        {
+            "coefficient": name,
+            "value": fit.coefficients[name],
+            "stderr": fit.stderr.get(name, np.nan),
+            "unit": row.unit,
+        }
+        for name, row in fit.thermal_model.parameters.items()
+    ]
+
+
+def findings_of(loop):
+    """What a loop found: clocks first, as it did."""
+    effects = {effect.name: effect for effect in loop.fit.effects}
+    clocks = [of_clock(correction) for correction in loop.corrections]
+    return clocks + [of_finding(finding, effects) for finding in loop.findings]
+
+
+def of_clock(correction: Correction):
+    """A clock that is off."""
+    values = correction.values.items()
+    sizes = [
+        f"{n} {with_error(v, correction.stderr.get(n, np.nan))}" for n, v in values
+    ]
+    return {
+        "effect": correction.fault,
+        "candidates": correction.fault,
+        "verdict": "corrected" if correction.applied else "not corrected",
+        "kind": "CLOCK",
+        "added": correction.applied,
+        "size": ", ".join(sizes),
+        "place": ", ".join(correction.columns),
+        "why": correction.why,
+    }
+
+
+def of_finding(finding: Finding, effects: Mapping):
+    """A finding, with the dates between which it may have begun, if it has one."""
+    dates = effects[finding.effect].settings if finding.effect in effects else {}
+    first, last = dates.get("between") or (None, None)
+    return {
+        "effect": finding.effect,
+        "candidates": JOIN.join(finding.candidates),
+        "verdict": str(finding.verdict),
+        "kind": finding.kind.name,
+        "added": finding.added,
+        "gain": finding.gain,
+        "size": numbers(finding),
+        "place": finding.place,
+        "first": first,
+        "last": last,
+        "why": finding.why,
+        "content": plain(finding.content()),
+    }
+
+
+def nothing(result):
+    """A fit finds nothing beyond its coefficients."""
+    return []
+
+
+#: every task by its name
+TASKS = {
+    "fit": Task(fit_frame, row_of_fit, coefficients_of, nothing, FemFit),
+    "loop": Task(
+        close_loop,
+        row_of_loop,
+        lambda loop: coefficients_of(loop.fit),
+        findings_of,
+        Loop,
+    ),
+}

@@ -1,0 +1,181 @@
+"""One system, from its files to its result: what a worker does."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pvlib_fem.drivers.place import in_local_days, site_of
+from pvlib_fem.fleet.store import keep, kept, page_path, put_page
+from pvlib_fem.fleet.table import PLACE, System
+from pvlib_fem.fleet.tasks import TASKS
+from pvlib_fem.loop.threads import one_blas_thread
+from pvlib_fem.record.files import frame
+from pvlib_fem.record.layout import Layout
+from pvlib_fem.report.page import said_of
+from pvlib_fem.stored import plain
+
+#: what a file system may know of a file that tells whether it has changed
+MARKS = ("size", "mtime", "ETag", "etag", "LastModified", "last_modified", "updated")
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is the same for all systems of a run; called with each of them."""
+
+    out: str
+    task: str
+    resume: bool = True
+    pages: bool = False
+    options: dict = field(default_factory=dict)
+
+    def __call__(self, system: System) -> dict:
+        """
+        Do one system, unless its result is there, and write what came of it.
+
+        Returns
+        -------
+        dict
+            ``id``, ``state`` (``"done"`` or ``"failed"``), ``message`` and whether
+            it was ``kept`` from before.
+
+        Raises
+        ------
+        OSError
+            If the result cannot be written; all else is told in it.
+        """
+        head: dict[str, Any] = {"key": "", "task": self.task}
+        result = page = None
+        with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            try:
+                groups = [listed(file) for file in system.files]
+                head["key"] = self.key(system, groups)
+                if self.resume and (before := self.before(system, head["key"])):
+                    return answer(system, before, True)
+                head |= {"state": "done", "message": ""}
+                with one_blas_thread():
+                    result = self.result(system, groups, folder)
+                task = TASKS[self.task]
+                head["row"] = plain(task.row(result))
+                head["coefficients"] = task.coefficients(result)
+                head["findings"] = task.findings(result)
+                if self.pages:
+                    page = result.to_html(title=title_of(system))
+            except Exception as error:  # of one system, which stops no other
+                head, result = failure(head, error), None
+        put_page(self.out, system.id, page)
+        content = None if result is None else json.loads(result.to_json())
+        keep(self.out, system.id, head, content)
+        return answer(system, head)
+
+    def ended(self, system: System, error: Exception) -> dict:
+        """The answer of a system that ended every worker that took it."""
+        words = (
+            "it ended each worker that took it, probably since its data need more "
+            f"memory than a worker has: {' '.join(str(error).split())}"
+        )
+        head = {"key": "", "task": self.task, "state": "failed", "message": words}
+        keep(self.out, system.id, head)
+        return answer(system, head)
+
+    def before(self, system, key):
+        """What was found of the same files in the same way, with its page."""
+        content = kept(self.out, system.id)
+        if content is None or content["fleet"]["key"] != key:
+            return None
+        head = content["fleet"]
+        paged = not self.pages or page_path(self.out, system.id).exists()
+        return head if paged or head["state"] == "failed" else None
+
+    def key(self, system, groups):
+        """The same for the same files, row, task, options and version."""
+        from pvlib_fem import __version__
+
+        options = {name: said_of(value) for name, value in self.options.items()}
+        marks = [
+            {"name": path, **{n: str(info[n]) for n in MARKS if n in info}}
+            for disk, paths in groups
+            for path in paths
+            for info in [disk.info(path)]
+        ]
+        whole = [asdict(system), marks, self.task, options, __version__]
+        words = json.dumps(plain(whole), sort_keys=True, default=str)
+        return hashlib.sha256(words.encode("utf-8", "surrogatepass")).hexdigest()
+
+    def result(self, system, groups, folder):
+        """The task's answer."""
+        data = loaded(system, groups, folder)
+        place = [system.place.get(name) for name in PLACE]
+        data = in_local_days(data, place[1], system.layout.get("tz"))
+        site = site_of(data.index, *place)
+        checked = system.reading.get("check_units", True)
+        options = {"check_units": checked, **self.options}
+        return TASKS[self.task].run(data, **site, **options)
+
+
+def title_of(system):
+    """What a system's page is headed by."""
+    return ", ".join(filter(None, [system.labels["site"], system.id]))
+
+
+def failure(head, error):
+    """What is kept of a system that failed; of data that are wrong to be kept."""
+    words = " ".join(str(error).split())
+    sure = isinstance(error, ValueError)  # all else may go well another time
+    if not sure and not isinstance(error, OSError):
+        words = f"{type(error).__name__}: {words}"
+    key = head["key"] if sure else ""
+    return {"key": key, "task": head["task"], "state": "failed", "message": words}
+
+
+def answer(system, head, kept=False):
+    """What goes back to where the systems come from."""
+    told = {name: head[name] for name in ("state", "message")}
+    return {"id": system.id, **told, "kept": kept}
+
+
+def listed(file):
+    """The file system of a path, pattern or URL, and what it matches there."""
+    from fsspec.core import url_to_fs
+
+    disk, path = url_to_fs(file)
+    if not any(sign in path for sign in "*?[") or disk.exists(path):
+        return disk, [path]
+    if not (found := sorted(disk.glob(path))):
+        raise FileNotFoundError(f"there is no file {file}")
+    return disk, found
+
+
+def loaded(system, groups, folder):
+    """The frame of a system, whose files come to this machine where they are not."""
+    local = []
+    for i, (disk, paths) in enumerate(groups):
+        folders = [Path(folder, f"{i}-{j}") for j in range(len(paths))]
+        local.append([here(disk, *both) for both in zip(paths, folders)])
+    layout = Layout(**system.layout)
+    reading = dict(system.reading)
+    data = frame(
+        [one if len(one) > 1 else one[0] for one in local],
+        [layout] * len(local),
+        system.columns,
+        reading.pop("convert_units", False),
+        system.units,
+        reading.pop("check_units", True),
+        reading.pop("module_area", None),
+    )
+    data.attrs = {}
+    return data
+
+
+def here(disk, path, folder):
+    """A file on this machine."""
+    from fsspec.implementations.local import LocalFileSystem
+
+    if isinstance(disk, LocalFileSystem):
+        return Path(path)
+    folder.mkdir(exist_ok=True)
+    place = folder / path.rstrip("/").rpartition("/")[2]
+    disk.get_file(path, str(place))
+    return place

@@ -1,0 +1,329 @@
+"""Many systems: the same on any engine, and nothing is lost when something ends."""
+
+import errno
+import json
+import os
+import string
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import psutil
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pvlib.location import Location
+
+import pvlib_fem as fem
+from pvlib_fem import fleet, stored
+from pvlib_fem.fleet import store
+from pvlib_fem.fleet.store import TABLES, page_path, result_path
+from pvlib_fem.fleet.table import opened, systems_of
+from pvlib_fem.record.columns import COLUMNS
+
+SITE = fem.simulator.RHINE
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Files of five systems, one of which holds no table, and one that lacks."""
+    folder = tmp_path_factory.mktemp("plants")
+    rows = []
+    for seed, name in enumerate(("east", "west/2", "roof 3", "ß")):
+        data = fem.datasets.synthetic(12, 900, seed=seed)[list(COLUMNS)]
+        file = folder / f"logger {seed}.csv"
+        data.rename(columns={"poa_global": "Irr"}).to_csv(file)
+        rows.append({"id": name, "file": file.name, "site": "A", "poa_global": "Irr"})
+    (folder / "poison.csv").write_bytes(b"\x00\xff;\n" * 50)
+    rows.append({"id": "poison", "file": "poison.csv", "site": "B"})
+    rows.append({"id": "gone", "file": "gone.csv", "site": "B"})
+    pd.DataFrame(rows).assign(mounting="rack").to_csv(
+        folder / "systems.csv", index=False
+    )
+    return folder
+
+
+@pytest.fixture
+def table(folder):
+    return pd.read_csv(folder / "systems.csv", dtype=str).assign(
+        file=lambda rows: [str(folder / name) for name in rows["file"]]
+    )
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """A scheduler and two workers, each a process of its own."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+    ) as found:
+        yield found
+
+
+def bits(out):
+    return {name: Path(out, f"{name}.parquet").read_bytes() for name in TABLES}
+
+
+def seen():
+    """What became of systems, and a function that is told it."""
+    answers = []
+    return answers, answers.append
+
+
+def test_two_workers_write_the_bits_of_a_bare_loop(table, cluster, tmp_path):
+    bare = fleet.run(table, tmp_path / "bare", "fit", workers=0)
+    shuffled = table.sample(frac=1.0, random_state=1)
+    address = cluster.scheduler_address
+    many = fleet.run(shuffled, tmp_path / "many", "fit", client=address)
+    assert bits(bare.out) == bits(many.out)
+    assert list(many.systems["id"]) == sorted(table["id"])
+
+
+def test_every_system_is_a_row_and_a_bad_file_one_with_its_message(table, tmp_path):
+    results = fleet.run(table, tmp_path, "fit", workers=0, model="faiman")
+    rows = results.systems.set_index("id")
+    assert rows["state"].value_counts().to_dict() == {"done": 4, "failed": 2}
+    assert "4 done, 2 failed" in str(results)
+    assert "gone.csv" in rows.loc["gone", "message"]
+    assert "poison.csv" in rows.loc["poison", "message"]
+    assert (rows["mounting"] == "rack").all()
+    data = fem.read_file(table["file"].iloc[0], {"poa_global": "Irr"})
+    fit = fem.fit_fem(*(data[name] for name in COLUMNS), model="faiman")
+    # what is kept is what the function gives, to the bit
+    assert results.result("east").to_json() == fit.to_json()
+    whole = results.table("systems", json=True).set_index("id")
+    assert json.loads(whole.loc["east", "json"]) == json.loads(fit.to_json())
+    found = results.coefficients.query("id == 'east'").set_index("coefficient")
+    assert found["value"].to_dict() == fit.coefficients
+    assert rows.loc["east", "rmse_after"] == fit.scores["rmse_test"].iloc[-1]
+    with pytest.raises(ValueError, match="system gone failed: "):
+        results.result("gone")
+
+
+def test_what_is_done_stays_and_what_has_changed_is_done_again(folder, tmp_path):
+    table = pd.read_csv(folder / "systems.csv", dtype=str)[:2]
+    files = []
+    for name in table["file"]:
+        files.append(tmp_path / name)
+        files[-1].write_bytes((folder / name).read_bytes())
+    table["file"] = list(map(str, files))
+
+    def kept(**options):
+        answers, tell = seen()
+        fleet.run(table, tmp_path, "fit", workers=0, progress=tell, **options)
+        return {answer["id"]: answer["kept"] for answer in answers}
+
+    again = {"east": True, "west/2": True}
+    assert kept() == dict.fromkeys(again, False)
+    before = bits(tmp_path)
+    assert kept() == again
+    assert bits(tmp_path) == before
+    assert kept(resume=False) == dict.fromkeys(again, False)
+    assert kept(model="faiman") == dict.fromkeys(again, False)
+    assert kept(model="faiman") == again
+    os.utime(files[0], ns=(1, 1))
+    assert kept(model="faiman") == again | {"east": False}
+    table.loc[0, "site"] = "another"
+    assert kept(model="faiman") == again | {"east": False}
+    result_path(tmp_path, "east").write_text("{", "utf-8")  # half a file
+    assert kept(model="faiman") == again | {"east": False}
+
+
+def test_data_that_are_wrong_stay_so_and_a_lost_disk_is_tried_again(table, tmp_path):
+    fleet.run(table[4:], tmp_path, "fit", workers=0)
+    answers, tell = seen()
+    fleet.run(table[4:], tmp_path, "fit", workers=0, progress=tell)
+    kept = {answer["id"]: answer["kept"] for answer in answers}
+    assert kept == {"poison": True, "gone": False}
+
+
+def test_a_worker_that_is_killed_loses_nothing(table, cluster, tmp_path):
+    from distributed import Client
+
+    fleet.run(table, tmp_path / "bare", "fit", workers=0)
+    with Client(cluster) as client:
+        pids = list(client.run(os.getpid).values())
+
+        def kill(answer):
+            if pids:
+                psutil.Process(pids.pop()).kill()
+                pids.clear()
+
+        fleet.run(table, tmp_path / "hurt", "fit", client=client, progress=kill)
+        assert not pids
+    assert bits(tmp_path / "bare") == bits(tmp_path / "hurt")
+
+
+def test_a_system_that_ends_every_worker_is_a_row(table, cluster, tmp_path):
+    """As one does whose data are larger than a worker's memory."""
+    from distributed import Client
+
+    def arm():
+        import os
+
+        from pvlib_fem.fleet import tasks
+
+        tasks.TASKS["fit"] = replace(
+            tasks.TASKS["fit"], run=lambda *_, **__: os._exit(1)
+        )
+
+    allowed = cluster.scheduler.allowed_failures
+    cluster.scheduler.allowed_failures = 0
+    try:
+        with Client(cluster) as client:
+            client.run(arm)
+            results = fleet.run(table[:1], tmp_path, "fit", client=client)
+    finally:
+        cluster.scheduler.allowed_failures = allowed
+    (row,) = results.systems.to_dict("records")
+    assert row["state"] == "failed" and "ended each worker" in row["message"]
+
+
+def test_a_full_disk_is_said_and_what_was_done_is_kept(table, tmp_path, monkeypatch):
+    """The disk is full from the third file on, and then emptied."""
+    answers, tell = seen()
+
+    def written(*arguments):
+        if len(answers) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return stored.written(*arguments)
+
+    monkeypatch.setattr(store, "written", written)
+    with pytest.raises(OSError, match="No space left"):
+        fleet.run(table, tmp_path, "fit", workers=0, progress=tell)
+    monkeypatch.undo()
+    assert len(answers) == 2
+    again, tell = seen()
+    fleet.run(table, tmp_path, "fit", workers=0, progress=tell)
+    done = {one["id"] for one in answers if one["state"] == "done"}
+    assert {one["id"] for one in again if one["kept"]} == done
+    fleet.run(table, tmp_path / "bare", "fit", workers=0)
+    assert bits(tmp_path) == bits(tmp_path / "bare")
+
+
+def test_an_interrupt_leaves_tables_of_what_was_done(table, tmp_path):
+    answers = []
+
+    def stop(answer):
+        answers.append(answer)
+        if len(answers) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fleet.run(table, tmp_path, "fit", workers=0, progress=stop)
+    states = fleet.Results(tmp_path).systems["state"].value_counts()
+    assert states["not run"] == len(table) - 3
+    fleet.run(table, tmp_path, "fit", workers=0)
+    fleet.run(table, tmp_path / "bare", "fit", workers=0)
+    assert bits(tmp_path) == bits(tmp_path / "bare")
+
+
+def test_a_loop_is_kept_with_its_findings_and_its_page(tmp_path):
+    simulator = fem.simulator
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0}
+    data = simulator.record(SITE, effects, 70, 1800, start="2023-05-01")
+    data.to_parquet(tmp_path / "plant.parquet")
+    place = ("latitude", "longitude", "surface_tilt", "surface_azimuth")
+    row = {"id": "plant", "file": "plant.parquet", "pdc0": "5000"}
+    row |= {name: getattr(SITE, name) for name in place}
+    pd.DataFrame([row]).to_csv(tmp_path / "systems.csv", index=False)
+    out = tmp_path / "out"
+    results = fleet.run(tmp_path / "systems.csv", out, workers=0, pages=True)
+    location = Location(SITE.latitude, SITE.longitude, tz=SITE.tz)
+    loop = fem.close_loop(data, "faiman", location, 35.0, 180.0)
+    assert results.result("plant").to_json() == loop.to_json()
+    found = results.findings
+    assert list(found["effect"]) == [finding.effect for finding in loop.findings]
+    assert list(found["gain"]) == [finding.gain for finding in loop.findings]
+    first = json.loads(results.table("findings", json=True)["json"].iloc[0])
+    assert first["why"] == loop.findings[0].why
+    (one,) = results.systems.to_dict("records")
+    errors = loop.table["energy_error_test"]
+    assert one["energy_error_before"] == errors[loop.base]
+    assert one["energy_error_after"] == errors[loop.last]
+    years = len(data) / 2 / 8766
+    sun = data["poa_global"].clip(lower=0).sum() / 2000
+    assert one["insolation"] == pytest.approx(sun / years, rel=2e-3)
+    assert "<svg" in page_path(out, "plant").read_text("utf-8")
+    fleet.run(tmp_path / "systems.csv", out, workers=0, resume=False)
+    assert not page_path(out, "plant").exists()  # it was of the result before
+
+
+def test_files_come_from_where_fsspec_finds_them(folder, tmp_path):
+    """As from a bucket: the months of one logger, by a pattern."""
+    import fsspec
+
+    data = fem.read_file(folder / "logger 0.csv", {"poa_global": "Irr"})
+    disk = fsspec.filesystem("memory")
+    for day in range(0, len(data), 300):
+        with disk.open(f"/plant/{2000 - day}/month.csv", "w") as file:
+            data[day : day + 300].to_csv(file)
+    table = pd.DataFrame([{"id": "a", "file": "memory://plant/*/month.csv"}])
+    results = fleet.run(table, tmp_path, "fit", workers=0)
+    fit = fem.fit_fem(*(data[name] for name in COLUMNS))
+    assert results.result("a").to_json() == fit.to_json()
+    answers, tell = seen()
+    fleet.run(table, tmp_path, "fit", workers=0, progress=tell)
+    assert answers[0]["kept"]
+
+
+def test_two_loggers_with_units_of_their_own_are_one_system(folder, tmp_path):
+    data = fem.read_file(folder / "logger 0.csv", {"poa_global": "Irr"})
+    wind = (3.6 * data.pop("wind_speed")).rename("Wind")
+    data.to_csv(tmp_path / "module.csv", sep=";")
+    wind.to_csv(tmp_path / "weather.csv", sep=";")
+    row = {"id": 7, "file": "module.csv | weather.csv", "sep": ";"}
+    row |= {"wind_speed": "Wind", "wind_speed_unit": "km/h"}
+    pd.DataFrame([row]).to_parquet(tmp_path / "systems.parquet")
+    results = fleet.run(tmp_path / "systems.parquet", tmp_path, "fit", workers=0)
+    whole = fem.read_file(folder / "logger 0.csv", {"poa_global": "Irr"})
+    fit = fem.fit_fem(*(whole[name] for name in COLUMNS))
+    assert results.result("7").coefficients == pytest.approx(fit.coefficients, rel=1e-6)
+
+
+BAD = (
+    ({"id": None}, "row 0 has no id"),
+    ({"file": ""}, "system a: it has no file"),
+    ({"latitude": "50"}, "system a: it has latitude and no longitude"),
+    ({"latitude": "95", "longitude": "4"}, "system a: latitude is 95; it is -90 to 90"),
+    ({"surface_tilt": "flat", "surface_azimuth": "0"}, "surface_tilt is 'flat'"),
+    ({"tz": "Mars/Olympus"}, "system a: .*no such zone"),
+    ({"wind_speed_unit": "furlong"}, "system a: .*furlong"),
+    ({"sort": "perhaps"}, "system a: sort is 'perhaps'"),
+    ({"lattitude": "50"}, "'lattitude', which looks like 'latitude'"),
+)
+
+
+@pytest.mark.parametrize("cells, words", BAD)
+def test_a_wrong_cell_is_refused_before_any_work(cells, words, tmp_path):
+    table = pd.DataFrame([{"id": "a", "file": "a.csv", **cells}])
+    with pytest.raises(ValueError, match=words):
+        fleet.run(table, tmp_path / "out", workers=0)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_table_needs_its_columns_and_each_id_once(tmp_path):
+    with pytest.raises(ValueError, match="no column 'file'"):
+        opened(pd.DataFrame({"id": ["a"]}))
+    with pytest.raises(ValueError, match="'a' comes twice"):
+        opened(pd.DataFrame({"id": ["a", "a "], "file": ["x", "y"]}))
+    with pytest.raises(ValueError, match="no row"):
+        opened(pd.DataFrame({"id": [], "file": []}))
+    one = pd.DataFrame({"id": ["a"], "file": ["x"]})
+    with pytest.raises(ValueError, match="unknown task 'dance'; there are fit, loop"):
+        fleet.run(one, tmp_path, "dance")
+    with pytest.raises(ValueError, match="holdout belongs to one system"):
+        fleet.run(one, tmp_path, holdout=[])
+
+
+@given(st.lists(st.text(min_size=1).filter(str.strip), unique_by=str.strip, min_size=1))
+def test_whatever_ids_are_each_has_a_file_of_its_own(ids):
+    table = opened(pd.DataFrame({"id": ids, "file": "x"}))
+    systems = list(systems_of(table))
+    names = [store.name_of(system.id) for system in systems]
+    assert len({name.casefold() for name in names}) == len(ids)
+    assert all(
+        set(name) <= {*string.ascii_letters, *string.digits, *"-_/"} for name in names
+    )
+    assert [system.id for system in systems] == sorted(system.id for system in systems)
