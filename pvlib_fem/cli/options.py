@@ -7,6 +7,7 @@ import click
 import pandas as pd
 
 from pvlib_fem.fitting.fit import METHODS
+from pvlib_fem.fleet.tasks import TASKS
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.units import QUANTITIES, unit_of
@@ -158,14 +159,21 @@ site_options = added(
         help="Of the module, from north by east [°].",
     ),
 )
+effects_option = click.option(
+    "--effects",
+    multiple=True,
+    metavar="NAME,NAME,…",
+    help="Physical effects: fit adds these, loop and fleet try no others, recover "
+    "puts them in.",
+)
+fix_option = click.option(
+    "--fix",
+    multiple=True,
+    metavar="NAME=NUMBER",
+    help="Coefficient that is known, such as tau=378; once for each.",
+)
 shared_options = added(
-    click.option(
-        "--effects",
-        multiple=True,
-        metavar="NAME,NAME,…",
-        help="Physical effects: fit adds these, loop tries no others, recover puts "
-        "them in.",
-    ),
+    effects_option,
     click.option(
         "--effect-setting",
         "settings",
@@ -180,12 +188,7 @@ shared_options = added(
         metavar="DAY | DAY..DAY",
         help="Days that no fit sees, such as 2024-07-01..2024-07-07; once for each.",
     ),
-    click.option(
-        "--fix",
-        multiple=True,
-        metavar="NAME=NUMBER",
-        help="Coefficient that is known, such as tau=378; once for each.",
-    ),
+    fix_option,
 )
 recovery_options = added(
     click.option(
@@ -247,6 +250,58 @@ fit_options = added(
         default=0.5,
         show_default=True,
         help="Wind that the paper's recipe takes as calm [m/s].",
+    ),
+)
+
+
+fleet_options = added(
+    click.option(
+        "--out",
+        required=True,
+        type=click.Path(file_okay=False, path_type=Path),
+        help="Folder of the results, which all workers see.",
+    ),
+    click.option(
+        "--task",
+        type=click.Choice(list(TASKS)),
+        default="loop",
+        show_default=True,
+        help="What is done with each system.",
+    ),
+    click.option(
+        "--scheduler",
+        "client",
+        metavar="ADDRESS",
+        help="Of a running Dask cluster, such as tcp://10.0.0.7:8786; by default one "
+        "on this machine, for as long as the command runs.",
+    ),
+    click.option(
+        "--workers",
+        type=click.IntRange(min=0),
+        help="Processes on this machine, by default one a core; 0 works without any.",
+    ),
+    click.option(
+        "--memory-limit",
+        default="auto",
+        show_default=True,
+        help="Of each worker on this machine, such as 4GiB.",
+    ),
+    click.option(
+        "--resume/--anew",
+        default=True,
+        show_default=True,
+        help="Keep what was done of the same files in the same way.",
+    ),
+    click.option(
+        "--pages", is_flag=True, help="Write each system's page with pictures, too."
+    ),
+    model_option("faiman", "for all systems"),
+    effects_option,
+    fix_option,
+    click.option(
+        "--min-gain",
+        type=click.FloatRange(min=0),
+        help="Gain below which loop adds no effect [K].",
     ),
 )
 

@@ -1,5 +1,7 @@
 """Many systems at once, on one machine or on any that Dask runs on."""
 
-from pvlib_fem.fleet.run import Results, run
+from pvlib_fem.fleet.report import report
+from pvlib_fem.fleet.results import Results
+from pvlib_fem.fleet.run import run
 
-__all__ = ["Results", "run"]
+__all__ = ["Results", "report", "run"]

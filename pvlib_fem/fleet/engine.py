@@ -1,8 +1,9 @@
 """Where systems are worked on: here, one after the other, or on Dask."""
 
 import logging
+import signal
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 from uuid import uuid4
 
@@ -97,7 +98,20 @@ def client_of(client=None, workers=None, memory_limit="auto"):
             silence_logs=logging.ERROR,
         )
         with cluster, Client(cluster) as found:
+            found.register_plugin(unhearing())
             yield found
+
+
+def unhearing():
+    """A plugin by which Ctrl-C, which a terminal sends to all, ends no worker."""
+    from distributed import WorkerPlugin
+
+    class Unhearing(WorkerPlugin):
+        def setup(self, worker):
+            with suppress(ValueError):  # of a thread that may not say so
+                signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    return Unhearing()
 
 
 def cores():

@@ -1,9 +1,7 @@
 """Fit many systems, or close the loop on them, and keep what comes of it."""
 
-import json
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -11,71 +9,15 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem.fleet.engine import client_of, on_dask, serial
-from pvlib_fem.fleet.store import compact, result_path
+from pvlib_fem.fleet.results import Results
+from pvlib_fem.fleet.store import compact
 from pvlib_fem.fleet.table import opened, systems_of
-from pvlib_fem.fleet.tasks import TASKS
+from pvlib_fem.fleet.tasks import check_task
 from pvlib_fem.fleet.work import Work
 from pvlib_fem.loop.progress import count
 from pvlib_fem.types import FilePath
 
 NEEDED = ("pyarrow", "fsspec", "distributed")
-
-
-@dataclass(frozen=True)
-class Results:
-    """
-    A folder of results; ``print(results)`` counts them.
-
-    Attributes
-    ----------
-    out : Path
-    """
-
-    out: Path
-
-    def table(self, name: str, json: bool = False) -> pd.DataFrame:
-        """One of ``systems``, ``coefficients``, ``findings``; with the JSON or not."""
-        import pyarrow.parquet as pq
-
-        path = Path(self.out, f"{name}.parquet")
-        if not path.exists():
-            raise ValueError(f"{self.out} holds no results: there is no {path.name}")
-        names = pq.read_schema(path).names
-        columns = [column for column in names if json or column != "json"]
-        return pd.read_parquet(path, columns=columns)
-
-    @property
-    def systems(self) -> pd.DataFrame:
-        """A row for each system."""
-        return self.table("systems")
-
-    @property
-    def coefficients(self) -> pd.DataFrame:
-        """A row for each coefficient of each system."""
-        return self.table("coefficients")
-
-    @property
-    def findings(self) -> pd.DataFrame:
-        """A row for each finding of each system."""
-        return self.table("findings")
-
-    def result(self, identity: str) -> Any:
-        """The fit or the loop of a system, as ``from_json`` reads it."""
-        path = result_path(self.out, identity)
-        if not path.exists():
-            raise ValueError(f"{self.out} holds nothing of a system {identity!r}")
-        head = json.loads(path.read_text(encoding="utf-8"))["fleet"]
-        if head["state"] != "done":
-            raise ValueError(f"system {identity} failed: {head['message']}")
-        return TASKS[head["task"]].result.from_json(path)
-
-    def __str__(self):
-        states = self.systems["state"].value_counts()
-        counts = ", ".join(f"{states[s]:,} {s}" for s in STATES if states.get(s))
-        return f"pvlib_fem: {states.sum():,} systems: {counts}; in {self.out}"
-
-
-STATES = ("done", "failed", "not run")
 
 
 def run(
@@ -179,19 +121,13 @@ def run(
 
 def check(task, pages, options):
     """Refuse before the work what no system could do."""
-    if task not in TASKS:
-        raise ValueError(f"unknown task {task!r}; there are {', '.join(TASKS)}")
+    check_task(task, options)
     if lacking := [name for name in NEEDED if find_spec(name) is None]:
         raise ValueError(
             f"a fleet needs {' and '.join(lacking)}: pip install 'pvlib_fem[fleet]'"
         )
     if pages and find_spec("matplotlib") is None:
         raise ValueError("pages need matplotlib: pip install 'pvlib_fem[plot]'")
-    if taken := {"location", "surface_tilt", "surface_azimuth", "holdout"} & {*options}:
-        raise ValueError(
-            f"{min(taken)} belongs to one system: put it into the table, or do that "
-            "system by itself"
-        )
 
 
 def told(stack, progress, total):

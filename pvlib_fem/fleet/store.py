@@ -43,9 +43,16 @@ def keep(out, identity, head, result=None):
         What ``to_json`` of it writes, so that ``from_json`` reads the file.
     """
     path = result_path(out, identity)
-    path.parent.mkdir(parents=True, exist_ok=True)
     content = {"fleet": {"id": identity, **head}, **(result or {})}
-    written(content.pop("format", FAILED), content, path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        written(content.pop("format", FAILED), content, path)
+    except OSError as error:
+        raise OSError(
+            f"the result of system {identity} cannot be written to {out} "
+            f"({error.strerror or error}); what was done before is kept: make room, "
+            "and run the same again to go on"
+        ) from error
 
 
 def kept(out, identity):

@@ -1,5 +1,7 @@
 """What can be done with a system, and what of the answer goes into the tables."""
 
+import inspect
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,10 +11,13 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.findings import Correction, Finding
+from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.fitting.of_frame import fit_frame
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.result import Loop
+from pvlib_fem.reasons import Reason
+from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.report.document import with_error
 from pvlib_fem.report.page import numbers
 from pvlib_fem.stored import plain
@@ -34,6 +39,7 @@ ROW = {
     "energy_error_after": float,
     "insolation": float,  # kWh/m² a year
     "effects": str,
+    "weighed": str,  # JSON: by effect the gain and the minimum detectable one [K]
 }
 #: of a coefficient
 COEFFICIENT = {"coefficient": str, "value": float, "stderr": float, "unit": str}
@@ -61,6 +67,8 @@ class Task:
 
     Attributes
     ----------
+    of : callable
+        The public function; what it takes is what the task takes.
     run : callable
         ``run(data, location=, surface_tilt=, surface_azimuth=, check_units=,
         **options)``, to a result with ``to_json``, ``to_html`` and ``from_json``.
@@ -71,6 +79,7 @@ class Task:
         That of the result.
     """
 
+    of: Callable[..., Any]
     run: Callable[..., Any]
     row: Callable[[Any], Mapping]
     coefficients: Callable[[Any], list]
@@ -106,7 +115,18 @@ def row_of_loop(loop):
         "energy_error_before": before["energy_error_test"],
         "energy_error_after": after["energy_error_test"],
         "effects": ", ".join(loop.effects),
+        "weighed": weighed_of(loop),
     }
+
+
+def weighed_of(loop):
+    """What the record shows of effects that were not found, and what it could show."""
+    known = loop.ranking[["gain", "minimum_detectable"]]
+    found = {name: [*map(float, row)] for name, row in zip(known.index, known.values)}
+    for name, why in loop.untestable.items():
+        if why.reason is Reason.NO_DATE:  # it was looked for, at every date
+            found[name] = [0.0, 0.0]
+    return json.dumps(plain(found))
 
 
 def about(fit):
@@ -185,6 +205,29 @@ def of_finding(finding: Finding, effects: Mapping):
     }
 
 
+#: what belongs to one system, and not to all
+OWN = {"data", "location", "surface_tilt", "surface_azimuth", "holdout", "progress"}
+
+
+def check_task(name, options):
+    """Refuse a task that there is not, and options that it does not take."""
+    if name not in TASKS:
+        raise ValueError(f"unknown task {name!r}; there are {', '.join(TASKS)}")
+    there = inspect.signature(TASKS[name].of).parameters.values()
+    named = [p.name for p in there if p.kind is not p.VAR_KEYWORD]
+    taken = [one for one in named if one not in {*OWN, *COLUMNS}]
+    for option in options:
+        if option in OWN:
+            raise ValueError(
+                f"{option} belongs to one system: put it into the table, if it is one "
+                "of its columns, or do that system by itself"
+            )
+        if option not in taken:
+            raise ValueError(
+                f"the task {name} has no option {option}; it has {', '.join(taken)}"
+            )
+
+
 def nothing(result):
     """A fit finds nothing beyond its coefficients."""
     return []
@@ -192,8 +235,9 @@ def nothing(result):
 
 #: every task by its name
 TASKS = {
-    "fit": Task(fit_frame, row_of_fit, coefficients_of, nothing, FemFit),
+    "fit": Task(fit_fem, fit_frame, row_of_fit, coefficients_of, nothing, FemFit),
     "loop": Task(
+        close_loop,
         close_loop,
         row_of_loop,
         lambda loop: coefficients_of(loop.fit),

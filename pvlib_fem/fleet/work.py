@@ -62,7 +62,9 @@ class Work:
                 head["coefficients"] = task.coefficients(result)
                 head["findings"] = task.findings(result)
                 if self.pages:
-                    page = result.to_html(title=title_of(system))
+                    page = result.to_html(
+                        title=title_of(system.id, system.labels["site"])
+                    )
             except Exception as error:  # of one system, which stops no other
                 head, result = failure(head, error), None
         put_page(self.out, system.id, page)
@@ -115,9 +117,9 @@ class Work:
         return TASKS[self.task].run(data, **site, **options)
 
 
-def title_of(system):
+def title_of(identity, site):
     """What a system's page is headed by."""
-    return ", ".join(filter(None, [system.labels["site"], system.id]))
+    return ", ".join(filter(None, [site, identity]))
 
 
 def failure(head, error):

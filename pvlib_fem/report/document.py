@@ -50,6 +50,7 @@ pre { padding: .8rem; background-color: var(--card); border-radius: .5rem;
   .figures > * { margin: 0 -.6rem; padding: .7rem .3rem; }
   figcaption { padding: 0 .4rem; } }
 summary { cursor: pointer; }
+a { color: var(--after); }
 """
 
 
@@ -79,7 +80,18 @@ def document(title, parts):
     )
 
 
+class Markup(str):
+    """HTML that stands as it is."""
+
+
+def link(words, address):
+    """A link, for a cell of a table or any other text."""
+    return Markup(f'<a href="{html.escape(address)}">{escaped(words)}</a>')
+
+
 def escaped(text):
+    if isinstance(text, Markup):
+        return text
     return html.escape(printable(text, "\n\t"))
 
 

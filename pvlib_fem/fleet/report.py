@@ -1,0 +1,263 @@
+"""One page of many systems."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.fleet.results import Results
+from pvlib_fem.fleet.shared import shared
+from pvlib_fem.fleet.store import page_path, put_page
+from pvlib_fem.fleet.work import title_of
+from pvlib_fem.report.document import (
+    document,
+    link,
+    listed,
+    number,
+    paragraph,
+    rounded,
+    section,
+    table,
+)
+from pvlib_fem.report.parts import heading
+from pvlib_fem.stored import saved
+from pvlib_fem.types import FilePath
+
+SHOWN = 50  # rows of each table of the page
+OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
+FEW = 3  # ids that stand for others
+
+
+def report(
+    out: FilePath,
+    path: FilePath | None = None,
+    by: str = "mounting",
+    title: str = "",
+) -> str:
+    """
+    One page of a folder of results, with links to the systems' own pages.
+
+    Which systems misjudge most energy; what was found where, and by how many of the
+    systems of a site; how coefficients spread; what failed, and why.
+
+    Parameters
+    ----------
+    out : path
+        As :func:`pvlib_fem.fleet.run` was given it.
+    path : path, optional
+        File to write; by default none, and links are from the folder ``out``.
+    by : str, default "mounting"
+        Label of the table by which coefficients are told apart.
+    title : str, optional
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        If the folder holds no results.
+    """
+    found = Results(Path(out).absolute())
+    systems, findings = found.systems, found.findings
+    folder = found.out if path is None else Path(path).absolute().parent
+    pages = Pages(found, folder)
+    words = headline(systems)
+    parts = [
+        heading(words, title),
+        section("Systems to visit first", to_visit(systems, pages)),
+        section("What was found", by_effect(systems, findings)),
+        section("What systems of a site share", by_site(systems, findings, pages)),
+        section(f"Coefficients by {by}", coefficients(systems, found.coefficients, by)),
+        section("What failed", failures(systems)),
+    ]
+    return saved(document(" · ".join(filter(None, [title, words])), parts), path)
+
+
+class Pages:
+    """Links to the pages of systems, of which those that lack are made."""
+
+    def __init__(self, found, folder):
+        self.found, self.folder = found, folder
+        rows = found.systems.set_index("id")
+        self.sites = rows["site"].where(rows["state"] == "done")
+
+    def __getitem__(self, identity):
+        path = page_path(self.found.out, identity)
+        if not path.exists():
+            title = title_of(identity, self.sites[identity])
+            html = self.found.result(identity).to_html(title=title)
+            put_page(self.found.out, identity, html)
+        try:
+            address = Path(os.path.relpath(path, self.folder)).as_posix()
+        except ValueError:  # on another drive
+            address = path.as_uri()
+        return link(identity, address)
+
+
+def headline(systems):
+    """How many, and their usual error."""
+    done = systems[systems["state"] == "done"]
+    words = f"{len(systems):,} systems, {len(done):,} done"
+    if lost := int((systems["state"] == "failed").sum()):
+        words += f", {lost:,} failed"
+    if left := int((systems["state"] == "not run").sum()):
+        words += f", {left:,} not run"
+    if len(done):
+        before, after = done[["rmse_before", "rmse_after"]].median()
+        words += f"; median error {number(before)} K before, {number(after)} K after"
+    return words
+
+
+def to_visit(systems, pages):
+    """Those first that misjudge most energy in a year."""
+    done = systems[systems["state"] == "done"]
+    share = done["energy_error_before"].fillna(done["energy_error_after"])
+    lost = share / 100.0 * done["insolation"]
+    known = bool(len(done)) and bool(done["pdc0"].notna().all())
+    loss = lost * done["pdc0"] / 1000.0 if known else lost
+    rows = done.assign(share=share, lost=loss)
+    rows = rows.sort_values(["lost", "id"], ascending=[False, True])
+    lines = [
+        (
+            pages[row.id],
+            row.site,
+            f"{row.lost:,.0f}" if known else f"{row.lost:.1f}",
+            number(row.share),
+            number(row.energy_error_after),
+            number(row.rmse_before),
+            number(row.rmse_after),
+            row.effects,
+        )
+        for row in rows.head(SHOWN).itertuples()
+    ]
+    unit = "kWh a year" if known else "kWh/kWp a year"
+    head = ("system", "site", f"#{unit}", "#% of yield", "#left, %")
+    return shortened(
+        (*head, "#K before", "#K after", "found"),
+        lines,
+        len(rows),
+        "Energy that the model without effects misjudges by its temperature, without "
+        "signs, on days that no fit has seen, at the insolation of the record; left is "
+        "what it misjudges with all that was found.",
+    )
+
+
+def by_effect(systems, findings):
+    """Each effect: where, how often and how much."""
+    if findings.empty:
+        return paragraph("Nothing was looked for, or nothing was found.")
+    done = max(int((systems["state"] == "done").sum()), 1)
+    groups = findings.groupby(["effect", "verdict"], sort=True)
+    rows = []
+    for (effect, verdict), some in groups:
+        count, gain = some["id"].nunique(), some["gain"]
+        sites = [site for site in some["site"].unique() if site]
+        rows.append(
+            (
+                -count,
+                (
+                    effect,
+                    verdict,
+                    f"{count:,}",
+                    f"{100.0 * count / done:.0f}",
+                    f"{len(sites):,}",
+                    number(gain.median()),
+                    number(gain.max()),
+                    few(sites),
+                ),
+            )
+        )
+    rows.sort(key=lambda row: row[0])
+    head = ("effect", "verdict", "#systems", "#%", "#sites", "#median K", "#most K")
+    return shortened((*head, "where"), [row for _, row in rows], len(rows))
+
+
+def by_site(systems, findings, pages):
+    """Causes that systems of a site share, or that one has alone."""
+    groups = shared(systems, findings) if len(findings) else []
+    if not groups:
+        return paragraph(
+            "No site has several systems of which something was found; a column site "
+            "of the table of systems says which of them share a weather station."
+        )
+    lines = [
+        (
+            group.site,
+            " or ".join(sorted(group.candidates)),
+            dates(group),
+            number(float(np.median([*group.systems.values()]))),
+            group.words,
+            pages[min(group.systems, key=lambda one: (-group.systems[one], one))],
+        )
+        for group in groups[:SHOWN]
+    ]
+    head = ("site", "cause", "when", "#median K", "in how many", "clearest in")
+    return shortened(
+        head,
+        lines,
+        len(groups),
+        "Of systems that share a weather station: what all have at one time is the "
+        "station's, or acts on all of them; what one has alone is of its module.",
+    )
+
+
+def dates(group):
+    if group.first is None:
+        return ""
+    same = group.first == group.last
+    return group.first if same else f"{group.first} to {group.last}"
+
+
+def coefficients(systems, found, by):
+    """Spread of each coefficient, by a label."""
+    labels = systems.set_index("id")
+    which = labels[by] if by in labels else pd.Series("", labels.index)
+    own = found[found["coefficient"].isin(OWN)]
+    own = own.assign(by=own["id"].map(which))
+    lines = []
+    for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
+        low, middle, high = some["value"].quantile([0.1, 0.5, 0.9])
+        error = some["stderr"].median()
+        cells = (f"{low:.4g}", f"{middle:.4g}", f"{high:.4g}", rounded(error))
+        count = f"{len(some):,}"
+        lines.append((label or "not told", name, some["unit"].iloc[0], count, *cells))
+    if not lines:
+        return paragraph("No coefficients: no system was done.")
+    head = (by, "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
+    words = "" if by in labels else f" The table of systems has no column {by}."
+    return shortened(
+        (*head, "#median ±"),
+        lines,
+        len(lines),
+        "Of the systems, not of one coefficient's error, which is the last column."
+        + words,
+    )
+
+
+def failures(systems):
+    """Messages, with the systems that have them."""
+    failed = systems[systems["state"] == "failed"]
+    if failed.empty:
+        return paragraph("Nothing.")
+    groups = failed.groupby("message", sort=False)["id"].apply(list)
+    groups = sorted(groups.items(), key=lambda pair: (-len(pair[1]), pair[0]))
+    shown = [(few(names), message) for message, names in groups[:SHOWN]]
+    more = len(groups) - len(shown)
+    rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
+    return listed(shown) + rest * (more > 0)
+
+
+def few(names):
+    """The first of some names, and how many there are beside."""
+    names = sorted(names)
+    more = len(names) - FEW
+    return ", ".join(names[:FEW]) + (f" and {more:,} more" if more > 0 else "")
+
+
+def shortened(head, rows, total, caption=""):
+    """A table of the first rows, which says how many there are."""
+    rest = f" The first {SHOWN} of {total:,}; all are in Parquet." * (total > SHOWN)
+    return table(head, rows[:SHOWN], (caption + rest).strip())
