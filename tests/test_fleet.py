@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import re
 import string
 from dataclasses import replace
 from pathlib import Path
@@ -10,13 +11,15 @@ from pathlib import Path
 import pandas as pd
 import psutil
 import pytest
+from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from pvlib.location import Location
 
 import pvlib_fem as fem
-from pvlib_fem import fleet, stored
+from pvlib_fem import cli, fleet, stored
 from pvlib_fem.fleet import store
+from pvlib_fem.fleet.shared import shared
 from pvlib_fem.fleet.store import TABLES, page_path, result_path
 from pvlib_fem.fleet.table import opened, systems_of
 from pvlib_fem.record.columns import COLUMNS
@@ -222,7 +225,7 @@ def test_an_interrupt_leaves_tables_of_what_was_done(table, tmp_path):
 def test_a_loop_is_kept_with_its_findings_and_its_page(tmp_path):
     simulator = fem.simulator
     effects = simulator.PHYSICS | {"sky_radiation": 1.0}
-    data = simulator.record(SITE, effects, 70, 1800, start="2023-05-01")
+    data = simulator.record(SITE, effects, 70, 3600, start="2023-05-01")
     data.to_parquet(tmp_path / "plant.parquet")
     place = ("latitude", "longitude", "surface_tilt", "surface_azimuth")
     row = {"id": "plant", "file": "plant.parquet", "pdc0": "5000"}
@@ -242,11 +245,11 @@ def test_a_loop_is_kept_with_its_findings_and_its_page(tmp_path):
     errors = loop.table["energy_error_test"]
     assert one["energy_error_before"] == errors[loop.base]
     assert one["energy_error_after"] == errors[loop.last]
-    years = len(data) / 2 / 8766
-    sun = data["poa_global"].clip(lower=0).sum() / 2000
+    years = len(data) / 8766
+    sun = data["poa_global"].clip(lower=0).sum() / 1000
     assert one["insolation"] == pytest.approx(sun / years, rel=2e-3)
     assert "<svg" in page_path(out, "plant").read_text("utf-8")
-    fleet.run(tmp_path / "systems.csv", out, workers=0, resume=False)
+    fleet.run(tmp_path / "systems.csv", out, "fit", workers=0)
     assert not page_path(out, "plant").exists()  # it was of the result before
 
 
@@ -328,3 +331,97 @@ def test_whatever_ids_are_each_has_a_file_of_its_own(ids):
         set(name) <= {*string.ascii_letters, *string.digits, *"-_/"} for name in names
     )
     assert [system.id for system in systems] == sorted(system.id for system in systems)
+
+
+def rows_of(*found):
+    """Systems of one site, and findings: id, candidates, gain, dates or None."""
+    names = sorted({one[0] for one in found} | {"a", "b", "c"})
+    systems = pd.DataFrame({"id": names, "site": "S", "state": "done"})
+    findings = [
+        {"id": name, "site": "S", "candidates": " | ".join(candidates), "gain": gain}
+        | dict(zip(("first", "last"), dates or (None, None)))
+        for name, candidates, gain, dates in found
+    ]
+    return systems, pd.DataFrame(findings).assign(added=True)
+
+
+LOSES = ("contact_step", "sensitivity_step")  # of the module, and of the station
+MARCH, MAY = ("2023-03-01", "2023-03-05"), ("2023-05-01", "2023-05-03")
+SEES = json.dumps({name: [0.0, 0.1] for name in (*LOSES, "soiling")})
+
+
+def test_what_all_have_at_one_time_is_the_stations_and_what_one_has_its_modules():
+    systems, findings = rows_of(
+        *((name, LOSES, 0.5, MARCH) for name in "abc"), ("b", LOSES, 0.4, MAY)
+    )
+    station, module = shared(systems.assign(weighed=SEES), findings)
+    assert station.everywhere and station.likely == ["sensitivity_step"]
+    assert "suspect the station" in station.words
+    assert module.alone and module.likely == ["contact_step"]
+    assert [*module.systems] == ["b"] and module.first == MAY[0]
+
+
+def test_a_system_that_would_not_show_it_is_not_asked():
+    """A gain below what it can show, in the others, says nothing of one module."""
+    systems, findings = rows_of(("a", ["soiling"], 0.3, None))
+    blind = json.dumps({"soiling": [0.0, 0.5]})
+    (group,) = shared(systems.assign(weighed=blind), findings)
+    assert not group.alone and group.words == "no other can show it"
+    (group,) = shared(systems.assign(weighed=[SEES, SEES, blind]), findings)
+    assert group.alone and group.without == {"b"}
+    weakly = json.dumps({"soiling": [0.2, 0.1]})  # there, and too small to be added
+    (group,) = shared(systems.assign(weighed=weakly), findings)
+    assert group.everywhere and group.also == {"b", "c"}
+
+
+def test_a_site_of_one_system_shares_nothing():
+    systems, findings = rows_of(("a", ["soiling"], 0.3, None))
+    assert shared(systems[:1].assign(weighed=SEES), findings) == []
+
+
+def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
+    odd = table.assign(mounting=["rack", "<b>roof</b>"] * 3, pdc0=[1e3, 3e3] * 3)
+    with pytest.raises(ValueError, match="holds no results"):
+        fleet.report(tmp_path)
+    results = fleet.run(odd, tmp_path / "out", "fit", workers=0)
+    html = fleet.report(results.out, tmp_path / "fleet.html", title="Plants & roofs")
+    assert (tmp_path / "fleet.html").read_text("utf-8") == html
+    assert "6 systems, 4 done, 2 failed" in html
+    assert "Plants &amp; roofs" in html and "&lt;b&gt;roof&lt;/b&gt;" in html
+    links = re.findall(r'href="(.*?)"', html)
+    assert len(links) == 4
+    for link in links:
+        assert "<title>" in (tmp_path / link).read_text("utf-8")
+    # by the energy that they misjudge, of which the larger have more
+    rows = results.systems.query("state == 'done'").set_index("id")
+    worst = rows["energy_error_after"] * rows["insolation"] * rows["pdc0"]
+    order = [re.sub("<.*?>", "", cell) for cell in re.findall(r"<td><a.*?</a>", html)]
+    assert order == list(worst.sort_values(ascending=False).index)
+    assert "kWh a year" in html and "poison" in html
+    k = results.coefficients.query("coefficient == 'k'").set_index("id")["value"]
+    racks = k[rows.index[rows["mounting"] == "rack"]]
+    assert f"{racks.median():.4g}" in html
+
+
+def test_the_command_does_the_same(folder, tmp_path):
+    out, page = tmp_path / "out", tmp_path / "page.html"
+    command = ["fleet", folder / "systems.csv", "--out", out, "--task", "fit"]
+    how = ["--workers", "0", "--model", "faiman", "--report", page]
+    found = CliRunner().invoke(cli.main, [*map(str, command), *map(str, how)])
+    assert found.exit_code == 0, found.output
+    assert "6 systems: 4 done, 2 failed" in found.output
+    assert "note: poison: " in found.output and "gone.csv" in found.output
+    assert "4 done" in page.read_text("utf-8")
+    same = fleet.run(folder / "systems.csv", tmp_path, "fit", workers=0, model="faiman")
+    assert bits(out) == bits(same.out)
+    refused = CliRunner().invoke(cli.main, [*map(str, command), "--min-gain", "1"])
+    assert refused.exit_code == 1
+    assert "the task fit has no option min_gain" in refused.output
+
+
+def test_a_table_of_which_nothing_can_be_done_ends_with_an_error(folder, tmp_path):
+    table = pd.DataFrame([{"id": "gone", "file": "gone.csv"}])
+    table.to_csv(tmp_path / "one.csv", index=False)
+    command = ["fleet", tmp_path / "one.csv", "--out", tmp_path, "--workers", "0"]
+    found = CliRunner().invoke(cli.main, list(map(str, command)))
+    assert found.exit_code == 1 and "no system could be done" in found.output
