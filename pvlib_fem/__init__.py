@@ -24,6 +24,7 @@ from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
 from pvlib_fem.quality.screen import Screening, screen
 from pvlib_fem.record.files import read_file
+from pvlib_fem.record.parquet import ParquetRecord, open_parquet
 from pvlib_fem.recovery.recover import recover
 from pvlib_fem.recovery.result import Recovery
 from pvlib_fem.relaxation import ewm
@@ -43,6 +44,7 @@ __all__ = [
     "Finding",
     "Loop",
     "Parameter",
+    "ParquetRecord",
     "Recovery",
     "Screening",
     "Terms",
@@ -57,6 +59,7 @@ __all__ = [
     "fleet",
     "heat_balance",
     "layers",
+    "open_parquet",
     "paper",
     "plotting",
     "rank_effects",

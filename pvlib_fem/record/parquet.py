@@ -1,0 +1,269 @@
+"""A Parquet data set as a record that is read block by block, in the order of time."""
+
+import itertools
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.checks import (
+    SECONDS,
+    Inputs,
+    as_numbers,
+    check_order,
+    instants,
+)
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.footers import (
+    common_columns,
+    common_times,
+    footers_of,
+    found_files,
+    in_order,
+    parquet_file,
+)
+from pvlib_fem.record.times import zoned
+from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
+from pvlib_fem.types import FilePath
+
+ROWS = 1 << 16  # of a block: its columns stay in the cache
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Rows that follow each other, and where in the record they stand."""
+
+    inputs: Inputs  # the first step is that since the block before; 0 of the first
+    start: int  # number of the first row
+    file: str
+
+    def __getitem__(self, name):
+        return self.inputs.columns[name]
+
+    def __len__(self):
+        return len(self.inputs.index)
+
+    @property
+    def index(self):
+        return self.inputs.index
+
+
+@dataclass(frozen=True, eq=False)
+class ParquetRecord:
+    """
+    A record in Parquet files that is never held in memory as a whole.
+
+    From :func:`pvlib_fem.open_parquet`. ``fit_fem`` takes it in the place of the
+    columns, and ``len(record)`` is its number of rows.
+
+    Attributes
+    ----------
+    files : tuple of str
+        In the order of their times.
+    columns : dict of str
+        The package's names to those of the files, of all columns of numbers.
+    tz : str or None
+        Zone in which days and hours are told.
+    """
+
+    files: tuple
+    columns: dict
+    tz: str | None
+    time: str
+    unit: str  # of the times
+    groups: tuple
+    partial: dict  # why a column that some files have cannot be read, by name
+    filesystem: Any = None  # of pyarrow; None for local files
+
+    def __len__(self):
+        return sum(group.rows for group in self.groups)
+
+    def __repr__(self):
+        first, last = (
+            in_zone(pd.DatetimeIndex([time]), self.tz)[0]
+            for time in (self.groups[0].first, self.groups[-1].last)
+        )
+        return (
+            f"ParquetRecord: {len(self.files)} files, {len(self):,} rows, {first} to "
+            f"{last}; {', '.join(self.columns)}"
+        )
+
+    def needing(self, names: Iterable[str]) -> Self:
+        """The same, if all files have columns of some names."""
+        for name in names:
+            if name in self.partial:
+                raise ValueError(self.partial[name])
+        if missing := [name for name in names if name not in self.columns]:
+            raise ValueError(
+                f"{self.files[0]} lacks {', '.join(missing)}; it has "
+                f"{', '.join(self.columns)}; name a column with columns="
+                f"{{{missing[0]!r}: ...}}"
+            )
+        return self
+
+    def blocks(self, names: Iterable[str] = COLUMNS, rows: int = ROWS) -> Iterator[Block]:
+        """
+        The record in blocks of rows, its columns as float64.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Columns, by the package's names.
+        rows : int
+            Most that a block has.
+
+        Raises
+        ------
+        ValueError
+            If times do not rise, or a column holds an infinity; the message names
+            the file.
+        """
+        self.needing(names)
+        wanted, start, before = [self.columns[name] for name in names], 0, None
+        for file, batch in self.batches([self.time, *wanted], rows):
+            try:
+                index = self.times(batch.column(self.time))
+                count = instants(index).view("i8")
+                steps = np.diff(count, prepend=count[:1] if before is None else before)
+                if before is not None and steps[0] <= 0:
+                    raise ValueError(f"the time {index[0]} comes after later ones")
+                check_order(steps, index, "the time")
+                columns = {
+                    name: as_numbers(name, values(batch.column(column)), index)
+                    for name, column in zip(names, wanted)
+                }
+            except ValueError as error:
+                raise ValueError(f"{file}: {error}") from error
+            inputs = Inputs(columns, steps, SECONDS[index.unit], index, True)
+            yield Block(inputs, start, file)
+            start, before = start + len(index), count[-1]
+
+    def batches(self, columns: list, rows: int) -> Iterator[tuple[str, Any]]:
+        """Record batches of pyarrow in the order of time, and their files."""
+        for file, groups in itertools.groupby(self.groups, lambda group: group.file):
+            numbers = [group.number for group in groups]
+            how = dict(batch_size=rows, row_groups=numbers, columns=columns)
+            with parquet_file(file, self.filesystem) as opened:
+                for batch in opened.iter_batches(**how):
+                    if batch.num_rows:
+                        yield file, batch
+
+    def times(self, column: Any) -> pd.DatetimeIndex:
+        """A column of times as an index in the record's zone."""
+        if column.null_count:
+            row = int(np.argmax(column.is_null().to_numpy(zero_copy_only=False)))
+            raise ValueError(f"no time in row {row} of a block; drop such rows")
+        found = column.to_numpy(zero_copy_only=False).astype(f"M8[{self.unit}]")
+        index = pd.DatetimeIndex(found, name="time")
+        return in_zone(index, self.tz, naive=column.type.tz is None)
+
+
+def open_parquet(
+    data: FilePath | Any,
+    columns: Mapping[str, str] | None = None,
+    time: str | None = None,
+    tz: str | None = None,
+    check_units: bool = True,
+) -> ParquetRecord:
+    """
+    A Parquet data set of any size as a record for a fit, which reads it in blocks.
+
+    Parameters
+    ----------
+    data : str, path-like or pyarrow.dataset.Dataset
+        A file, a folder, of which all ``.parquet`` files below it count, or a pattern
+        such as ``"plant/2024-*.parquet"``; or a Dataset of pyarrow, for other places
+        and partitions. Takes ``pip install 'pvlib_fem[parquet]'``.
+    columns : dict, optional
+        Package's name to the files', as ``{"poa_global": "Irr"}``. Other columns keep
+        their names.
+    time : str, optional
+        Column of the times; by default the index that pandas stored, or else the first
+        column of timestamps.
+    tz : str, optional
+        Zone of naive times, or that into which others are brought.
+    check_units : bool, default True
+        Refuse a column whose header names another unit.
+
+    Returns
+    -------
+    ParquetRecord
+
+    Raises
+    ------
+    ValueError
+        If there is no file, one has other columns or types of these, or no times, or
+        the times of two overlap; the message names the file.
+
+    Notes
+    -----
+    Files are brought into the order of their times, whatever their names; hours
+    that lack are gaps, as in a DataFrame. Of the files only footers are read here.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import pvlib_fem as fem
+    >>> folder, data = Path(tempfile.mkdtemp()), fem.datasets.synthetic(days=4)
+    >>> for day, part in data.groupby(data.index.date):
+    ...     part.to_parquet(folder / f"{day}.parquet")
+    >>> record = fem.open_parquet(folder)
+    >>> len(record.files), len(record), record.tz
+    (4, 5760, 'Etc/GMT+7')
+    """
+    files, filesystem = found_files(data)
+    footers = [*footers_of(files, filesystem, time)]
+    if not footers:
+        raise ValueError(f"no row is in {files[0]} and {len(files) - 1} other files")
+    footers.sort(key=lambda footer: min(group.first for group in footer.groups))
+    zone, unit = common_times(footers)
+    if tz is not None:
+        zoned(pd.DatetimeIndex([], tz="UTC"), tz)  # which refuses what is no zone
+    names, partial = common_columns(footers, columns or {})
+    if check_units:
+        refuse_headers(names)
+    groups = in_order([group for footer in footers for group in footer.groups])
+    ordered = tuple(dict.fromkeys(group.file for group in groups))
+    own = footers[0].time, unit, groups, partial, filesystem
+    return ParquetRecord(ordered, names, tz or zone, *own)
+
+
+def is_data_set(data):
+    """Whether an argument names Parquet files, rather than being columns."""
+    kinds = str, os.PathLike, ParquetRecord
+    return isinstance(data, kinds) or hasattr(data, "get_fragments")
+
+
+def as_source(data):
+    """A data set as it is opened, if it is not yet."""
+    return data if isinstance(data, ParquetRecord) else open_parquet(data)
+
+
+def refuse_headers(names):
+    """Refuse a column whose header names another unit."""
+    for name, header in names.items():
+        unit = named_unit(name, str(header)) if name in QUANTITIES else None
+        if unit not in (None, name in QUANTITIES and own_unit(name)):
+            raise ValueError(
+                f"the header {header!r} names {unit}, and {name} has to be in "
+                f"{own_unit(name)}; convert the files, or give check_units=False if "
+                "it is in that unit already"
+            )
+
+
+def in_zone(index, tz, naive=False):
+    """Instants in a zone, or naive times of it."""
+    if tz is None:
+        return index
+    return zoned(index, tz) if naive else index.tz_localize("UTC").tz_convert(tz)
+
+
+def values(column):
+    """A column of numbers as numpy has it, NaN where it has none."""
+    if str(column.type).startswith("decimal"):
+        column = column.cast("float64")
+    return column.to_numpy(zero_copy_only=False)
