@@ -33,15 +33,19 @@ def fill_values(name, values, limits):
     coded = np.zeros(len(values), dtype=bool)
     rows = np.flatnonzero((values < low) | (values > high))
     if len(rows):
-        some = values[rows]
-        rounded = np.round(some, 2)
-        known = np.isin(rounded, CODES) & (np.abs(some - rounded) < 1e-4)
+        known, rounded = as_codes(values[rows])
         coded[rows[known]] = True
         if not bounds and known.any():
             codes = np.unique(rounded[known])
             codes = apart(codes, values[np.isfinite(values) & ~coded], limits)
             coded[rows[known]] = np.isin(rounded[known], codes)
     return coded | beyond(values, coded, limits.far, limits.far_rows, limits)
+
+
+def as_codes(values):
+    """Which of some values are a logger's codes, and those as it writes them."""
+    rounded = np.round(values, 2)
+    return np.isin(rounded, CODES) & (np.abs(values - rounded) < 1e-4), rounded
 
 
 def apart(codes, rest, limits):
@@ -105,17 +109,32 @@ def negative_by_day(poa, index, limits):
     negative = poa < 0
     if not negative.any():
         return negative
-    local = index if index.tz is None else index.tz_localize(None)
-    day = local.normalize()
-    slot = ((local - day).total_seconds() // limits.day_slot).astype(int)
+    day, slot = slots(index, limits)
     light = pd.Series(np.where(negative, np.nan, poa))
     usual = light.groupby([day, slot]).mean().unstack()  # noqa: PD010  of an index
-    around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
-    rows = np.flatnonzero(negative)
-    places = around.index.get_indexer(day[rows]), around.columns.get_indexer(slot[rows])
     found = np.zeros(len(poa), dtype=bool)
-    found[rows] = around.to_numpy()[places] > limits.day_light
+    found[negative] = is_light(usual, day[negative], slot[negative], limits)
     return found
+
+
+def slots(index, limits):
+    """Number of each row's day, and of its part of the day."""
+    local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
+    day = local.astype("M8[D]")
+    seconds = (local - day) / np.timedelta64(1, "s")
+    return day.astype("i8"), (seconds // limits.day_slot).astype(int)
+
+
+def is_light(usual, day, slot, limits):
+    """
+    Whether some parts of days are light on the days around.
+
+    ``usual`` is the mean of the light, a row for each day that is there and a column
+    for each part of it.
+    """
+    around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
+    places = around.index.get_indexer(day), around.columns.get_indexer(slot)
+    return around.to_numpy()[places] > limits.day_light
 
 
 def spikes(name, values, inputs, limits):
@@ -125,23 +144,31 @@ def spikes(name, values, inputs, limits):
     A module is held by its heat capacity, air by its mass. Of a column of the user's
     own only a lone value many times as large as all else is one.
     """
-    if name == "temp_air":
+    if name in MOST_JUMP:
 
         def most(time):
-            fast = limits.spike_air + limits.spike_air_rate * time / 2.0
-            short = time <= limits.still_air
-            return np.where(short, np.minimum(fast, limits.spike_air_most), np.inf)
-
-        return jumps(values, inputs.seconds, most, limits.spike_rows)
-    if name == "temp_module":
-
-        def most(time):  # half of it there, half of it back
-            return limits.spike_module + limits.spike_module_rate * time / 2.0
+            return MOST_JUMP[name](time, limits)
 
         return jumps(values, inputs.seconds, most, limits.spike_rows)
     if possible(name) is not None:
         return np.zeros(len(values), dtype=bool)
     return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)
+
+
+def most_air(time, limits):
+    """Change of air there and back within a time that may be."""
+    fast = limits.spike_air + limits.spike_air_rate * time / 2.0
+    short = time <= limits.still_air
+    return np.where(short, np.minimum(fast, limits.spike_air_most), np.inf)
+
+
+def most_module(time, limits):
+    """The same of a module, half of it there, half of it back."""
+    return limits.spike_module + limits.spike_module_rate * time / 2.0
+
+
+#: columns that are held by a heat capacity, and by how much they may jump
+MOST_JUMP = {"temp_air": most_air, "temp_module": most_module}
 
 
 def jumps(values, seconds, most, longest):

@@ -202,27 +202,37 @@ def refuse_empty(found, clean):
     """Refuse one of the four columns in which no value is left."""
     for row in found.counts.itertuples():
         if row.column in POSSIBLE and not np.isfinite(clean[row.column]).any():
-            raise ValueError(
-                f"{row.column} holds nothing but the fill value {row.value:g}, from "
-                f"{row.first} on; check the column's name and the logger"
-            )
+            raise empty_error(row)
+
+
+def empty_error(row):
+    """The error of a column in which nothing but one kind of fault was found."""
+    return ValueError(
+        f"{row.column} holds nothing but the fill value {row.value:g}, from "
+        f"{row.first} on; check the column's name and the logger"
+    )
 
 
 def refuse_impossible(found, limits):
     """Refuse a record of which too much cannot be, or is negative by day."""
-    for name, (low, high, unit) in POSSIBLE.items():
+    for name in POSSIBLE:
         values, fills = found.record[name], found.masks.get("fill value", {})
         rows = found.of(name, ("fill value", "spike"))
         share = rows.sum() / max(np.isfinite(values).sum(), 1)
         if name in fills:
             share = rows.sum() / max((np.isfinite(values) & ~fills[name]).sum(), 1)
-        if share > limits.most_impossible:
-            at = int(np.argmax(rows))
-            raise ValueError(
-                f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
-                f"{high:g} {unit}), first {values[at]:g} at {found.record.index[at]}; "
-                "check its unit and sensor"
-            )
+        at = int(np.argmax(rows))
+        refuse_share(name, share, values[at], found.record.index[at], limits)
+
+
+def refuse_share(name, share, value, time, limits):
+    """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
+    if share > limits.most_impossible:
+        low, high, unit = POSSIBLE[name]
+        raise ValueError(
+            f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
+            f"{high:g} {unit}), first {value:g} at {time}; check its unit and sensor"
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -84,7 +84,7 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     limits = limits or Limits()
     seconds = record.inputs.seconds
     columns = {name: record[name] for name in POSSIBLE}
-    columns["seconds"] = seconds
+    steps = {}
     found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
     for name, still in STILL.items():
         values = columns[name]
@@ -93,7 +93,13 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
             continue
         if name == "temp_module":
             columns["felt"] = felt(record, limits)
-        kept = still(repeated, columns, limits)
+            steps = {n: resolution(record[n]) for n in ("temp_air", "temp_module")}
+
+        def extent(other, margin=0.0, repeated=repeated):
+            some = repeated.within(seconds, margin) if margin else repeated
+            return some.extent(seen_by(other, columns))
+
+        kept = still(repeated, extent, steps, limits)
         found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
         # a module that stands still is no witness of what moves it
         columns[name] = np.where(found[name], np.nan, values)
@@ -113,35 +119,39 @@ def felt(record, limits):
     return ewm(poa, limits.felt_memory).to_numpy()
 
 
-def still_irradiance(runs, columns, limits):
+def seen_by(name, columns):
+    """A column, or what two of them make: over-temperature, and where it is warm."""
+    if name in columns:
+        return columns[name]
     over = columns["temp_module"] - columns["temp_air"]
+    return over if name == "over" else np.maximum(over, 0.0)
+
+
+def still_irradiance(runs, extent, steps, limits):
     night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
     # a late clock has the sun at night; frost cools a module, and snow keeps it warm
-    inner = runs.within(columns["seconds"], limits.farthest_clock)
-    warm = inner.extent(np.maximum(over, 0.0)) > limits.warmed
-    warm &= inner.extent(columns["temp_module"]) > limits.warmed
-    return (runs.extent(over) > limits.warmed) & (~night | warm)
+    warm = extent("warmth", limits.farthest_clock) > limits.warmed
+    warm &= extent("temp_module", limits.farthest_clock) > limits.warmed
+    return (extent("over") > limits.warmed) & (~night | warm)
 
 
-def still_air(runs, columns, limits):
-    sunny = runs.extent(columns["poa_global"]) > limits.sunny_change
-    warmed = runs.extent(columns["temp_module"]) > limits.warmed
+def still_air(runs, extent, steps, limits):
+    sunny = extent("poa_global") > limits.sunny_change
+    warmed = extent("temp_module") > limits.warmed
     return sunny & warmed & (runs.time > limits.still_air)
 
 
-def still_wind(runs, columns, limits):
+def still_wind(runs, extent, steps, limits):
     calm = runs.value == 0
     return runs.time > np.where(calm, limits.calm, limits.still_wind)
 
 
-def still_module(runs, columns, limits):
-    air, module = columns["temp_air"], columns["temp_module"]
-    steps = resolution(air) + resolution(module)
-    of_sun = runs.extent(columns["felt"]) > limits.felt
-    of_air = runs.extent(air) > limits.felt_air + 2 * steps
+def still_module(runs, extent, steps, limits):
+    of_sun = extent("felt") > limits.felt
+    of_air = extent("temp_air") > limits.felt_air + 2 * sum(steps.values())
     of_air &= runs.time > limits.still_air
     melting = (np.abs(runs.value) <= limits.melting) & (runs.time <= limits.still_day)
-    coarse = limits.still_time * resolution(module) / limits.fine
+    coarse = limits.still_time * steps["temp_module"] / limits.fine
     return (of_sun | of_air) & ~melting & (runs.time > coarse)
 
 
@@ -210,11 +220,16 @@ def refuse_frozen(record, frozen):
         name for name in frozen if frozen[name].any() and never_moves(record[name])
     ]
     if whole:
-        raise ValueError(
-            "; ".join(whole_line(record, name) for name in whole)
-            + ", so no row is left; look at sensor and logger, or name the column of a "
-            f"sensor that moves as {whole[0]}"
-        )
+        raise frozen_error(whole[0], [whole_line(record, name) for name in whole])
+
+
+def frozen_error(name, lines):
+    """The error of sensors that never move, of which ``name`` is one."""
+    return ValueError(
+        "; ".join(lines)
+        + ", so no row is left; look at sensor and logger, or name the column of a "
+        f"sensor that moves as {name}"
+    )
 
 
 def stuck_line(record, frozen):
@@ -242,7 +257,11 @@ def whole_line(record, name):
     """The same of a column that never moves."""
     values = record[name]
     seen = np.flatnonzero(np.isfinite(values))
+    first, last = record.index[seen[0]], record.index[seen[-1]]
+    return standing_line(name, values[seen[0]], first, last)
+
+
+def standing_line(name, value, first, last):
     return (
-        f"{name} stands still at {values[seen[0]]:g} for the whole record, from "
-        f"{record.index[seen[0]]} to {record.index[seen[-1]]}"
+        f"{name} stands still at {value:g} for the whole record, from {first} to {last}"
     )

@@ -141,8 +141,7 @@ class Record:
     @cached_property
     def dates(self):
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
-        local = self.index.tz_localize(None).to_numpy()
-        return local.astype("datetime64[D]").astype(np.int32)
+        return dates_of(self.index)
 
     def only(self, names):
         """The same record with some of its columns."""
@@ -333,6 +332,12 @@ def datetime_steps(index, name):
 def instants(index):
     """The times as numpy has them, in UTC where they have a zone."""
     return (index if index.tz is None else index.tz_convert(None)).to_numpy()
+
+
+def dates_of(index):
+    """Calendar day of each time in its own zone, from 1970-01-01."""
+    local = index.tz_localize(None).to_numpy()
+    return local.astype("datetime64[D]").astype(np.int32)
 
 
 def usual_step(index):

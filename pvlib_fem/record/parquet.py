@@ -14,6 +14,7 @@ from pvlib_fem.record.checks import (
     Inputs,
     as_numbers,
     check_order,
+    dates_of,
     instants,
 )
 from pvlib_fem.record.columns import COLUMNS
@@ -49,6 +50,16 @@ class Block:
     @property
     def index(self):
         return self.inputs.index
+
+    @property
+    def times(self):
+        """Times as counts of the unit since 1970, in UTC where they have a zone."""
+        return instants(self.index).view("i8")
+
+    @property
+    def dates(self):
+        """Calendar day of each row in the record's zone, from 1970-01-01."""
+        return dates_of(self.index)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +102,15 @@ class ParquetRecord:
             f"{last}; {', '.join(self.columns)}"
         )
 
+    def at(self, count: int) -> pd.Timestamp:
+        """The time of a count of the unit since 1970, in the record's zone."""
+        return self.index(np.array([count]))[0]
+
+    def index(self, counts: np.ndarray) -> pd.DatetimeIndex:
+        """The times of counts of the unit since 1970, in the record's zone."""
+        times = np.asarray(counts, dtype="i8").view(f"M8[{self.unit}]")
+        return in_zone(pd.DatetimeIndex(times), self.tz)
+
     def needing(self, names: Iterable[str]) -> Self:
         """The same, if all files have columns of some names."""
         for name in names:
@@ -104,7 +124,9 @@ class ParquetRecord:
             )
         return self
 
-    def blocks(self, names: Iterable[str] = COLUMNS, rows: int = ROWS) -> Iterator[Block]:
+    def blocks(
+        self, names: Iterable[str] = COLUMNS, rows: int = ROWS
+    ) -> Iterator[Block]:
         """
         The record in blocks of rows, its columns as float64.
 

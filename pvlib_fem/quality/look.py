@@ -1,0 +1,247 @@
+"""What one pass over a record in files shows of its times and columns."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
+from pvlib_fem.quality.outliers import MOST_JUMP, NO_CODE, as_codes, few, jumps
+from pvlib_fem.quality.standing import Standing, table
+from pvlib_fem.quality.stray import refuse_gap
+from pvlib_fem.quality.stuck import DRIVERS, STILL
+from pvlib_fem.record.checks import Inputs, datetime_steps
+from pvlib_fem.record.clean import covered
+
+SOME = 1 << 20  # rows of which what is usual in a column is told
+
+
+@dataclass(eq=False)
+class Column:
+    """One column of a record so far."""
+
+    name: str
+    limits: Limits
+    unit: float  # of the times [s]
+    missing: int = 0
+    known: int = 0  # values that stand for one
+    low: float = np.inf  # of those that can be
+    high: float = -np.inf
+    least: float = np.inf  # of those that stand for one, possible or not
+    size: float = 0.0  # largest of those that stand for one, without its sign
+    odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
+    tail: tuple = ()  # the last values that are there, with their rows and times
+    standing: Standing | None = None
+
+    def __post_init__(self):
+        if self.name in (*STILL, *DRIVERS):
+            self.standing = Standing(self.limits, self.unit)
+
+    def add(self, values, start, times):
+        """Look at the next rows; what stands for a value of them comes back."""
+        low, high = np.fmin.reduce(values), np.fmax.reduce(values)
+        self.missing += (lacking := int(np.isnan(values).sum()))
+        bounds = possible(self.name)
+        least, most = bounds[:2] if bounds else NO_CODE
+        held = possible_ones = values
+        if low < least or high > most:
+            rows = np.flatnonzero((values < least) | (values > most))
+            code = as_codes(values[rows])[0]
+            self.note("fill value", rows[code], values, start, times)
+            if bounds:
+                held = without(values, rows[code])
+                lacking += int(code.sum())
+                self.note("out of range", rows[~code], values, start, times)
+                possible_ones = without(values, rows)
+            low, high = np.fmin.reduce(possible_ones), np.fmax.reduce(possible_ones)
+        self.known += len(values) - lacking
+        self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
+        least = np.fmin.reduce(held)
+        self.least = np.fmin(self.least, least)
+        largest = max(np.fmax.reduce(held), -least)
+        self.size = np.fmax(self.size, largest)
+        if self.name in MOST_JUMP:
+            self.spikes(possible_ones, start, times)
+        if self.standing is not None:
+            clip = self.name == "poa_global" and low < 0
+            still = np.maximum(possible_ones, 0.0) if clip else possible_ones
+            self.standing.add(still, start, times)
+        return held
+
+    def note(self, kind, rows, values, start, times):
+        if len(rows):
+            part = rows + start, times[rows], values[rows]
+            self.odd.setdefault(kind, []).append(part)
+
+    def of(self, kind):
+        """Rows, times and values of one kind of fault."""
+        parts = self.odd.get(kind, [])
+        if not parts:
+            return np.empty(0, int), np.empty(0, int), np.empty(0)
+        rows, times, values = map(np.concatenate, zip(*parts))
+        rows, first = np.unique(rows.astype(int), return_index=True)
+        return rows, times[first], values[first]
+
+    def spikes(self, values, start, times):
+        """Values that jump and return, some perhaps in the blocks before."""
+        there = np.flatnonzero(np.isfinite(values))
+        if not len(there):
+            return
+        new = values[there], there + start, times[there]
+        both = [np.concatenate(p) for p in zip(self.tail, new)] if self.tail else new
+        x, rows, count = both
+        if np.abs(np.diff(x)).max(initial=0.0) > MOST_JUMP[self.name](0.0, self.limits):
+            found = jumps(
+                x,
+                (count - count[0]) * self.unit,
+                lambda time: MOST_JUMP[self.name](time, self.limits),
+                self.limits.spike_rows,
+            )
+            if found.any():
+                part = rows[found], count[found], x[found]
+                self.odd.setdefault("spike", []).append(part)
+        self.tail = tuple(part[-self.limits.spike_rows - 1 :] for part in both)
+
+    @property
+    def never_moves(self):
+        """Whether it has one value only, whatever is missing."""
+        if self.name == "poa_global":
+            return max(self.low, 0.0) == max(self.high, 0.0)
+        return self.low == self.high
+
+    def beyond(self, clean, sample, factor, fewest):
+        """
+        Rows of one or two values that are ``factor`` times as large as all else.
+
+        As :func:`pvlib_fem.quality.outliers.beyond`, by a pass where it may be.
+        """
+        none = np.empty(0, int), np.empty(0, int), np.empty(0)
+        limits, sizes = self.limits, np.abs(sample[np.isfinite(sample)])
+        near = sizes * factor >= self.size
+        # what the sample has of them twice too often is no share that is in doubt
+        if not self.size or near.mean() > 2.0 * limits.far_share:
+            return none
+        if few(sizes[~near], limits):
+            return none
+        parts, rest = [], 0.0
+        for block in clean.blocks((self.name,)):
+            size = np.abs(block[self.name])
+            rows = np.flatnonzero(size * factor >= self.size)
+            parts.append(
+                (rows + block.start, block.times[rows], block[self.name][rows])
+            )
+            size[rows] = np.nan
+            rest = np.fmax(rest, np.fmax.reduce(size))
+        rows, times, values = map(np.concatenate, zip(*parts))
+        if len(rows) > limits.far_share * self.known:
+            return none
+        found, counts = np.unique(values, return_counts=True)
+        far = (np.abs(values) >= factor * rest).all()
+        if not far or len(found) > 2 or (counts < fewest).any():
+            return none
+        return rows, times, values
+
+
+def without(values, rows):
+    values = np.array(values)
+    values[rows] = np.nan
+    return values
+
+
+@dataclass(eq=False)
+class Look:
+    """A record so far: its times, its columns, and some of its rows."""
+
+    columns: dict
+    every: int  # of the rows one is in the sample
+    unit: float
+    rows: int = 0
+    ends: tuple = ()  # first and last time
+    steps: Counter = field(default_factory=Counter)
+    gaps: list = field(default_factory=list)  # row, time before and after
+    sample: list = field(default_factory=list)
+    days: set = field(default_factory=set)
+
+    @classmethod
+    def of(cls, clean, limits):
+        """What a pass over a record shows."""
+        look = None
+        for block in clean.blocks():
+            if look is None:
+                unit = block.inputs.unit
+                columns = {n: Column(n, limits, unit) for n in clean.names}
+                look = cls(columns, max(1, -(-len(clean) // SOME)), unit)
+            look.add(block, limits)
+        return look
+
+    def add(self, block, limits):
+        times, steps = block.times, block.inputs.steps
+        self.ends = (*self.ends[:1], times[-1]) if self.ends else (times[0], times[-1])
+        long = np.flatnonzero(steps * self.unit > limits.stray_gap)
+        self.gaps += [(block.start + i, times[i] - steps[i], times[i]) for i in long]
+        first = int(block.start == 0)
+        self.count(steps[first:])
+        self.days.update(np.unique(block.dates).tolist())
+        some = slice(-block.start % self.every, None, self.every)
+        kept = {}
+        for name, column in self.columns.items():
+            kept[name] = column.add(block[name], block.start, times)[some].copy()
+        self.sample.append((times[some], kept))
+        self.rows += len(block)
+
+    def count(self, steps):
+        if not len(steps):
+            return
+        if steps.min() == steps.max():
+            self.steps[int(steps[0])] += len(steps)
+            return
+        for step, number in zip(*np.unique(steps, return_counts=True)):
+            self.steps[int(step)] += int(number)
+
+    @property
+    def step(self):
+        """Median step. [s]"""
+        return median(self.steps) * self.unit
+
+    def refuse_gaps(self, limits, source):
+        """Refuse rows that are years from all others."""
+        for row, *ends in self.gaps:
+            start, before, after = map(source.at, (self.ends[0], *ends))
+            refuse_gap(row, self.rows, start, before, after, limits)
+
+    def sampled(self, clean):
+        """Every so many rows of a record, as they are screened so far."""
+        times = np.concatenate([times for times, _ in self.sample])
+        index = clean.source.index(times)
+        rows = np.arange(len(times)) * self.every
+        columns = {}
+        for name in self.columns:
+            values = np.concatenate([kept[name] for _, kept in self.sample])
+            columns[name] = np.where(covered(clean.of(name), rows), np.nan, values)
+        if clean.clip:
+            columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
+        return Inputs(columns, *datetime_steps(index, "the time"), index, True)
+
+    def standing(self):
+        """Long repetitions of each column, and the times at which they begin."""
+        found = {}
+        for name, column in self.columns.items():
+            if column.standing is None:
+                continue
+            if column.never_moves:
+                if name in POSSIBLE:  # another may be a number that stands for all
+                    whole = (column.low, 0, self.rows - 1, *self.ends)
+                    found[name] = table([whole], self.unit)
+                continue
+            found[name] = column.standing.runs()
+        return found
+
+
+def median(counts):
+    """Median of values by how often they are there; NaN without any."""
+    if not counts:
+        return np.nan
+    values = np.array(sorted(counts))
+    number = np.cumsum([counts[value] for value in values.tolist()])
+    middle = np.searchsorted(number, [(number[-1] - 1) // 2, number[-1] // 2], "right")
+    return float(values[middle].mean())

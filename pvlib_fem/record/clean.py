@@ -1,0 +1,84 @@
+"""A record in files less what was not measured, which is known by its rows alone."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pvlib_fem.record.parquet import Block, ParquetRecord
+
+NONE = np.empty((0, 2), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class CleanRecord:
+    """A :class:`ParquetRecord` with NaN where a value is at fault."""
+
+    source: ParquetRecord
+    names: tuple
+    holes: dict = field(default_factory=dict)  # column to spans of rows, see spans
+    clip: bool = False  # whether negative irradiance is 0
+
+    def __len__(self):
+        return len(self.source)
+
+    def lacking(self, rows):
+        """The same without further spans of rows, by column."""
+        both = {name: joined(self.of(name), more) for name, more in rows.items()}
+        return replace(self, holes=self.holes | both)
+
+    def clipped(self):
+        """The same with 0 where irradiance is below it."""
+        return replace(self, clip=True)
+
+    def of(self, name):
+        return self.holes.get(name, NONE)
+
+    def blocks(self, names=None) -> Iterator[Block]:
+        """The record in blocks, as it is screened."""
+        for block in self.source.blocks(self.names if names is None else names):
+            columns = dict(block.inputs.columns)
+            for name, values in columns.items():
+                for first, end in within(self.of(name), block.start, len(block)):
+                    columns[name] = values = np.array(values)
+                    values[first:end] = np.nan
+            if self.clip and "poa_global" in columns:
+                columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
+            yield replace(block, inputs=replace(block.inputs, columns=columns))
+
+
+def spans(rows, start=0):
+    """Rows that are there, by first and one after the last of those that join."""
+    rows = np.asarray(rows, dtype=np.int64)
+    if not len(rows):
+        return NONE
+    ends = np.flatnonzero(np.diff(rows) > 1)
+    first, last = rows[np.append(0, ends + 1)], rows[np.append(ends, len(rows) - 1)]
+    return np.column_stack([first, last + 1]) + start
+
+
+def joined(one, other):
+    """Spans of both, in order."""
+    both = np.concatenate([one, other])
+    return both[np.argsort(both[:, 0], kind="stable")]
+
+
+def size(some):
+    """Number of rows in spans that do not overlap."""
+    return int((some[:, 1] - some[:, 0]).sum())
+
+
+def within(some, start, rows):
+    """Those parts of spans that lie in a block, counted from its first row."""
+    if not len(some):
+        return some
+    near = some[(some[:, 1] > start) & (some[:, 0] < start + rows)]
+    return np.clip(near - start, 0, rows)
+
+
+def covered(some, rows):
+    """Whether each of some rows is in a span; spans do not overlap."""
+    if not len(some):
+        return np.zeros(len(rows), dtype=bool)
+    place = np.searchsorted(some[:, 0], rows, side="right") - 1
+    return (place >= 0) & (rows < some[place, 1])
