@@ -107,7 +107,7 @@ CASES = {
     "spike": [(90.0, 3, 249, 3), (-25.0, 1, 251, 1), (4e4, 5, 777, 1)],
     "stuck": [("still", 3, NOON - 100, 300), ("still", 2, 1000, 260)],
     "stuck, one after the other": [("still", 3, 200, 900), ("still", 0, 220, 800)],
-    "fill value, far": [(55.0, 2, 30, 5), ("nan", 1, 500, 700)],
+    "fill value, far": [(1e4, 5, 30, 5), ("nan", 1, 500, 700)],
 }
 
 

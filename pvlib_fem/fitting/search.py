@@ -8,7 +8,7 @@ from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
 from pvlib_fem.fitting.rows import normal_sums
 from pvlib_fem.spelling import FIXED, Spelled, refusal
-from pvlib_fem.statistics.leastsquares import gauss_newton
+from pvlib_fem.statistics.leastsquares import answered, descent
 from pvlib_fem.thermal.model import MEMORY
 
 TURNS = 3  # of a search whose bounds move with what it finds
@@ -48,6 +48,20 @@ def possible(model, fixed):
 
 def minimise(model, source, start, biased, flat):
     """Least squares of one stage, over its parameters as the search sees them."""
+    return answered(
+        searching(model, source, start, biased, flat),
+        lambda asked: normal_sums(model, asked[0], source, asked[1]),
+    )
+
+
+def searching(model, source, start, biased, flat):
+    """
+    The same as a generator: it yields coefficients and the names of those that vary.
+
+    It is sent :class:`~pvlib_fem.statistics.leastsquares.Normal` of their slopes, and
+    ends with the minimum and the coefficients as the search sees them. Of ``source`` it
+    asks for no more than ``step`` and ``wind``.
+    """
     names = [name for name in model.free if biased or name != "bias"]
     places = [list(model.parameters).index(name) for name in names]
     views = [view(model, source, start, name) for name in names]
@@ -56,21 +70,23 @@ def minimise(model, source, start, biased, flat):
         told = (one.told(value) for one, value in zip(views, x.tolist()))
         return {**start, **dict(zip(names, told))}
 
-    def evaluate(x):
-        coefficients, chain = natural(model, searched(x))
-        chain[:, places] *= [one.slope(value) for one, value in zip(views, x)]
-        # a share moves with the whole that it is of, a memory with its lag
-        found = normal_sums(model, coefficients, source, names)
-        return found.by(chain[np.ix_(places, places)])
-
     for _ in range(TURNS):
-        minimum = gauss_newton(
-            evaluate,
+        search = descent(
             [one.seen(max(start[name], one.lower)) for name, one in zip(names, views)],
             [one.seen(one.lower) for one in views],
             [one.seen(model.parameters[n].upper) for n, one in zip(names, views)],
             flat=flat,
         )
+        try:
+            x = next(search)
+            while True:
+                coefficients, chain = natural(model, searched(x))
+                chain[:, places] *= [one.slope(value) for one, value in zip(views, x)]
+                sums = yield coefficients, names
+                # a share moves with the whole that it is of, a memory with its lag
+                x = search.send(sums.by(chain[np.ix_(places, places)]))
+        except StopIteration as end:
+            minimum = end.value
         found = searched(minimum.x)
         # the least memory that a step shows is one of the resistance, which has moved
         again = [view(model, source, found, name) for name in names]
@@ -125,6 +141,14 @@ def natural(model, searched):
             chain[i, i] = whole
             chain[i, names.index(row.share_of)] = searched[name]
     return {**values, **model.constants}, chain
+
+
+def as_searched(model, coefficients):
+    """What the search varies, from coefficients as they are."""
+    return {
+        name: coefficients[name] / (coefficients[row.share_of] if row.share_of else 1.0)
+        for name, row in model.parameters.items()
+    }
 
 
 def held(model):

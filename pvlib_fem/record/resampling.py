@@ -1,6 +1,7 @@
 """A record on longer steps, for what does not need short ones."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -25,23 +26,89 @@ def coarse(record, step=300.0, present=0.5):
     usual = usual_step(record.index)
     if not usual <= step / 2.0:  # or of one row
         return record
-    at = instants(record.index)
-    since = (at - at[0].astype("datetime64[D]")) / np.timedelta64(1, "s")
-    until = np.ceil(since / step - 1e-9).astype(int)
-    around = np.floor(since / step + 0.5 - 1e-9).astype(int)
-    labels = np.unique(until)
-    least = max(1.0, present * step / usual)  # rows of a step
-    columns = {}
-    for name, values in record.inputs.columns.items():
-        place = around if name == "temp_module" else until
-        columns[name] = means(values, place, labels, least, name in ANGLES)
-    times = at[0].astype("datetime64[D]") + (labels * step * 1e9).astype("m8[ns]")
-    index = pd.DatetimeIndex(times)
-    if record.index.tz is not None:
-        index = index.tz_localize("UTC").tz_convert(record.index.tz)
-    gaps = np.diff(labels, prepend=labels[0]).astype(float)
-    steps = 1.0 if (gaps[1:] == 1.0).all() else gaps
-    return replace(record, inputs=Inputs(columns, steps, step, index, True))
+    sums = Sums(step, present * step / usual)
+    sums.add(record.index, record.inputs.columns)
+    return replace(record, inputs=sums.inputs())
+
+
+@dataclass(eq=False)
+class Sums:
+    """Sums of the rows at each of some longer steps, as far as rows were added."""
+
+    step: float  # [s]
+    least: float  # rows of a step that have to be there
+    day: np.datetime64 | None = None  # on which the record begins, in UTC
+    zone: Any = None
+    first: int = 0  # number of the first step since then
+    there: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    sums: dict = field(default_factory=dict)  # column to sums and counts
+
+    def add(self, index, columns):
+        """Add rows, each block of them later than those before."""
+        at = instants(index)
+        if self.day is None:
+            self.day, self.zone = at[0].astype("datetime64[D]"), index.tz
+        since = (at - self.day) / np.timedelta64(1, "s")
+        until = np.ceil(since / self.step - 1e-9).astype(int)
+        around = np.floor(since / self.step + 0.5 - 1e-9).astype(int)
+        if not len(self.there):
+            self.first = until[0]
+        # the last half step has a label of its own
+        size = until[-1] - self.first + 2
+        self.there = grown(self.there, size)
+        self.there[until - self.first] = True
+        for name, values in columns.items():
+            place = around if name == "temp_module" else until
+            if name in ANGLES:
+                turned = np.radians(values)
+                self.put((name, "east"), np.sin(turned), place, size)
+                self.put((name, "north"), np.cos(turned), place, size)
+            else:
+                self.put((name, ""), values, place, size)
+
+    def put(self, key, values, place, size):
+        """Add values of one column at the places of their steps."""
+        sums, counts = self.sums.get(key, (np.zeros(0), np.zeros(0)))
+        sums, counts = grown(sums, size), grown(counts, size)
+        there = ~np.isnan(values)
+        at = place - self.first + (place < self.first)
+        low = at[0]
+        counts[low:] += np.bincount(at - low, there, size - low)
+        weights = np.where(there, values, 0.0)
+        sums[low:] += np.bincount(at - low, weights, size - low)
+        self.sums[key] = sums, counts
+
+    def means(self, key):
+        sums, counts = (part[: len(self.there)][self.there] for part in self.sums[key])
+        enough = counts >= max(1.0, self.least)
+        return np.where(enough, sums / np.maximum(counts, 1), np.nan)
+
+    def inputs(self):
+        """The means as columns on the times at which their steps end."""
+        columns = {}
+        for name, part in self.sums:
+            if part == "north":
+                continue
+            values = self.means((name, part))
+            if part == "east":
+                north = self.means((name, "north"))
+                values = np.degrees(np.arctan2(values, north)) % 360.0
+            columns[name] = values
+        labels = self.first + np.flatnonzero(self.there)
+        index = pd.DatetimeIndex(self.day + (labels * self.step * 1e9).astype("m8[ns]"))
+        if self.zone is not None:
+            index = index.tz_localize("UTC").tz_convert(self.zone)
+        gaps = np.diff(labels, prepend=labels[0]).astype(float)
+        steps = 1.0 if (gaps[1:] == 1.0).all() else gaps
+        return Inputs(columns, steps, self.step, index, True)
+
+
+def grown(values, size):
+    """An array with room for more."""
+    if size <= len(values):
+        return values
+    more = max(size, 2 * len(values)) - len(values)
+    return np.concatenate([values, np.zeros(more, values.dtype)])
 
 
 def means(values, place, labels, least, angle):

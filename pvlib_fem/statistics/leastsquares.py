@@ -59,10 +59,25 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
     the relative fall of the cost that ends the search: a last step that promises
     no more than that is taken unseen.
     """
+    return answered(descent(start, lower, upper, steps, flat), evaluate)
+
+
+def answered(search, evaluate):
+    """What a search comes to that yields what it asks for, and is sent that."""
+    try:
+        asked = next(search)
+        while True:
+            asked = search.send(evaluate(asked))
+    except StopIteration as end:
+        return end.value
+
+
+def descent(start, lower, upper, steps=STEPS, flat=FLAT):
+    """The same as a generator, which yields each place and is sent its sums."""
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
     converged = not len(x)  # with nothing to vary it is there
-    at = None if converged else evaluate(x)
+    at = None if converged else (yield x)
     for _ in range(0 if converged else steps):
         step = bounded_step(at, lower - x, upper - x)
         if 0.0 <= at.fall(step) <= flat * at.squares:
@@ -70,7 +85,7 @@ def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
             break
         for halving in range(HALVINGS):
             new = np.clip(x + step / 2**halving, lower, upper)
-            there = evaluate(new)
+            there = yield new
             if there.squares <= at.squares:
                 break
         else:
