@@ -135,8 +135,10 @@ if data is not None:
 # %%
 # The step is a *class*: causes that the loop cannot tell apart by these columns. Its
 # coefficient is the share of the over-temperature that was there before, nights and all
-# seasons in it. One cause that is as natural was struck out, a pyranometer
-# that reads less: power per irradiance would have to rise about as much, and did not.
+# seasons in it. Two causes that are as natural were struck out: a pyranometer
+# that reads less, since power and the light of clear days would have to rise about as
+# much per irradiance, and did not; and an anemometer that reads more, since the wind
+# is as it was.
 #
 # The witnesses
 # -------------
@@ -189,7 +191,7 @@ if data is not None:
 # as with an irradiance sensor that reads low for a time; the loop names nothing of that
 # kind. From 2014 on power falls, slowly and for years.
 #
-# The nights are a witness that the loop does not hear. With a sensor that sits closer,
+# The loop asks the nights about offsets alone. With a sensor that sits closer,
 # or a mounting with less air, the 2 K by which the module is colder than the air should
 # be larger by a fifth, too. The mean did not move:
 
@@ -203,8 +205,8 @@ if data is not None:
 # another offset of its own would have it. With one year before the change, and without
 # longwave irradiance, that stays open.
 #
-# And the wind? An anemometer that reads otherwise would show in windy hours and not in
-# calm ones.
+# And the wind? An anemometer that reads otherwise would also show in windy hours and not
+# in calm ones.
 
 if data is not None:
     bright = sunny[sunny["poa_global"] > 500.0]
@@ -218,7 +220,7 @@ if data is not None:
 
 # %%
 # It is a fifth to a quarter at any wind. That speaks for the module's side, contact or
-# mounting, and against the anemometer, which the loop still has in its class.
+# mounting, and against the anemometer, as the mean wind does.
 #
 # What that was worth
 # -------------------

@@ -66,8 +66,8 @@ if data is not None:
 # nothing: what is not taken off as power heats the modules, by about a sixth. The loop
 # does not try that here, since the area of the plant is not stated (``p_dc`` is power
 # per area). When other weeks are left out it may find those days, to the day, and then
-# has them as an episode of one of several causes, power not taken off among them
-# (:doc:`/study_measured`).
+# has them as an episode of one of several causes, power not taken off among them, and
+# says that the plant fed 95 % less than usual (:doc:`/study_measured`).
 #
 # In May 2017 the anemometer says 0.0 m/s for three weeks, which neither screen nor loop
 # takes for a fault: an hour without wind is possible, three weeks are not.
@@ -107,9 +107,10 @@ if data is not None:
     print(loop)
 
 # %%
-# A *class* of two courses of one instrument: ``poa_global`` reads less from year to
-# year, or a step of it did a part of that. That it is the irradiance sensor and not the
-# mounting, the contact or the anemometer is what the witnesses are for.
+# One instrument along one course: ``poa_global`` reads less from year to year. That it
+# is the irradiance sensor and not the mounting, the contact or the anemometer, and that
+# a drift fits better than a step, is what the witnesses are for. One of them needs no
+# column: the light of clear days beside a clear sky.
 #
 # The witnesses
 # -------------
@@ -161,8 +162,8 @@ if data is not None:
 # dashed the drift that the loop found.* Were the mounting, the contact or the
 # anemometer the cause, power, second plane and modelled irradiance per ``poa_global``
 # would be level. All three rise. The course is no straight line: power does nearly all
-# of it before 2014, the over-temperature much of it in 2012. The loop has a drift and a
-# step as one class, and rightly so.
+# of it before 2014, the over-temperature much of it in 2012; the drift that the loop
+# names is the mean of that.
 #
 # And the modules themselves? Power over the *other* irradiances is free of the sensor
 # that fades:

@@ -103,21 +103,28 @@ VERBS = {
 }
 
 
+OUTPUT = "electrical_output"  # what heats where it is not fed
+NIGHT = "night"  # as a witness: no column, the hours in which an offset is alone
+
+
 @dataclass(frozen=True)
 class Witness:
     """
-    What a column that sees the same says of a change of an instrument.
+    What something that sees the same says of a change of an instrument.
 
     Attributes
     ----------
     column : str
+        A column of the record, or ``"clear sky"`` for the irradiance sensor,
+        ``"usual wind"`` for the anemometer and ``"night"`` for offsets.
     effect : str
         The candidate that it was asked about.
     size, stderr : float
         By how much it parts from the instrument along the course, and its standard
-        error.
+        error; of the night the change by night alone.
     expected : float
-        The same if that candidate is the cause. Of another cause it is about 0.
+        The same if that candidate is the cause; of the night the change by day alone.
+        Of another cause the size is about 0.
     opinion : Opinion
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
@@ -151,6 +158,18 @@ class Witness:
             f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
         )
         verb = VERBS[self.opinion]
+        if self.effect == OUTPUT:
+            less = f"{-times * self.size:.0f}"
+            return (
+                f"{self.column} {verb} {self.effect}: on those days the plant fed "
+                f"{less} ± {error} % less for its light than usual, and what is not "
+                "fed heats the modules"
+            )
+        if self.column == NIGHT:
+            return (
+                f"{self.column} {verb} {self.effect}: by night its change is {size} ± "
+                f"{error} {unit}, and by day {needed} {unit}"
+            )
         return (
             f"{self.column} {verb} {self.effect}: the two part by {size} ± {error} "
             f"{unit}, and it would need {needed} {unit}"

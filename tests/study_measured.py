@@ -28,8 +28,8 @@ BAR = 0.9  # of the draws that say the same
 KNOWN = {
     "nrel_stf": """\
 From 14 April to 20 May 2013 the plant fed next to no power (`power_ac`), which heats
-modules. An episode of those days is right about the dates, and wrong about the cause:
-what electrical power takes off is not tried without `p_dc`, which is by area.
+modules. An episode of those days is right about the dates, and its class holds the
+cause: what electrical power takes off is not fitted without `p_dc`, which is by area.
 """
 }
 SURE = 1.96  # standard errors: of a coefficient's own interval of 95 %

@@ -1,12 +1,17 @@
 """What other columns say of an instrument that has changed."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
+import pvlib
 import pytest
-from test_instruments import closed, half_a_year, with_change  # noqa: F401
+from pvlib.location import Location
+from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
-from pvlib_fem.findings import Finding, Opinion, Verdict
+from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
+from pvlib_fem.loop.comparisons import COMPARISONS, SKY, USUAL_WIND, Apart, apart
 from pvlib_fem.record.columns import is_power, twin_of, vouches
 from pvlib_fem.stored import Stored
 
@@ -46,7 +51,9 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
     assert first.verdict is Verdict.CLASS
     assert "mounting_step" in first.candidates
     assert "sensitivity_step" not in first.candidates
-    opinions = {(one.effect, one.opinion) for one in first.witnesses}
+    opinions = {
+        (o.effect, o.opinion) for o in first.witnesses if o.column == "power_ac"
+    }
     assert opinions == {("sensitivity_step", Opinion.CONTRADICTS)}
     assert "power_ac contradicts" in str(loop)
     assert "driver:power_ac" not in loop.ranking.index
@@ -109,3 +116,127 @@ def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
 def test_a_name_says_what_a_column_vouches_for(name, usual, power):
     assert twin_of(name) == usual and is_power(name) == power
     assert vouches(name) == (usual is not None or (power and name != "p_dc"))
+
+
+PLACE = Location(40.0, -105.0, "Etc/GMT+7", 1700.0)
+
+
+def under_clouds(fading=0.0, tilt=20.0, late=0, seed=0):
+    """Two years by the hour below a sky of which two days in three have clouds."""
+    index = pd.date_range("2021-01-01", periods=2 * 8760, freq="1h")
+    sun = PLACE.get_solarposition(index.tz_localize(PLACE.tz))
+    air = pvlib.atmosphere.get_relative_airmass(sun["apparent_zenith"])
+    clear = pvlib.clearsky.ineichen(sun["apparent_zenith"], air, 2.5, PLACE.altitude)
+    poa = pvlib.irradiance.get_total_irradiance(
+        tilt,
+        180.0,
+        sun["apparent_zenith"],
+        sun["azimuth"],
+        clear["dni"],
+        clear["ghi"],
+        clear["dhi"],
+        albedo=0.2,
+    )["poa_global"].fillna(0.0)
+    random = np.random.default_rng(seed)
+    cloudy = random.uniform(size=731) < 0.67
+    passing = (
+        1.0 - random.uniform(0.1, 0.9, len(index)) * cloudy[np.arange(len(index)) // 24]
+    )
+    years = np.arange(len(index)) / 8766.0
+    values = poa.to_numpy() * passing / (1.0 + fading * years)
+    return pd.Series(np.roll(values, late), index)
+
+
+def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0):
+    """All comparisons of a record with that irradiance and that wind."""
+    dates = (poa.index.normalize() - pd.Timestamp(0)).days.to_numpy()
+    columns = {"poa_global": poa.to_numpy(), "wind_speed": wind}
+    places = dict(
+        zip(("location", "surface_tilt", "surface_azimuth"), (place, *angles))
+    )
+
+    class Record(dict):
+        index, dates = poa.index, None
+
+    record = Record(columns)
+    record.dates = dates
+    case = SimpleNamespace(record=record, witnesses=(), place=places, late=late)
+    case.searched = np.ones(len(poa), dtype=bool)
+    return {one.column: one for one in apart(case)}
+
+
+@pytest.mark.parametrize("fading", [0.0, 0.15])
+@pytest.mark.parametrize(
+    ("angles", "late"), [((None, None), 0), ((20.0, 180.0), 0), ((None, None), 1)]
+)
+def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
+    """With angles and without, by a clock that is right or an hour late."""
+    poa = under_clouds(fading, late=late)
+    found = asked(poa, np.full(len(poa), 2.0), angles=angles)[SKY]
+    years = (found.days - found.days[0]) / 365.2425
+    size, error, _ = found.along(years)
+    assert size == pytest.approx(np.log1p(2.0 * fading) / 2.0, abs=0.015)
+    assert error > 0.01  # two years: turbidity alone could do as much
+    wanted = dated("sensitivity_drift", since="2021-01-01")
+    opinion = found.of(wanted, 0.15, 0.005, {}).opinion
+    assert opinion is (Opinion.AGREES if fading else Opinion.CONTRADICTS)
+    if not fading:
+        assert found.of(wanted, 0.03, 0.001, {}).opinion is Opinion.CANNOT_TELL
+
+
+def test_without_a_place_no_clear_sky_is_asked():
+    poa = under_clouds()
+    assert SKY not in asked(poa, np.full(len(poa), 2.0), place=None)
+
+
+def test_what_differs_from_year_to_year_is_in_the_error():
+    """A step and a drift of a series that forgets over a year, drawn often."""
+    days = np.arange(0, 4 * 365, 7) + 18_000
+    comparison = next(c for c in COMPARISONS if c.serves(USUAL_WIND))
+    apart_ = np.abs(np.subtract.outer(days, days))
+    root = np.linalg.cholesky(np.exp(-apart_ / 365.25) + 1e-9 * np.eye(len(days)))
+    random = np.random.default_rng(4)
+    for weights in (days > days[100], days / 365.25):
+        found = Apart(comparison, USUAL_WIND, days, np.zeros(len(days)))
+        columns = [np.ones(len(days)), *found.year(), np.asarray(weights, dtype=float)]
+        table = np.column_stack(columns)
+        draws = comparison.wanders * root @ random.normal(size=(len(days), 2000))
+        spread = (np.linalg.pinv(table)[-1] @ draws).std()
+        assert np.sqrt(found.wandering(table)) == pytest.approx(spread, rel=0.1)
+
+
+def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa: F811
+    """Half of the wind is lost from a date on, or the mounting changes."""
+    data, _ = with_change(half_a_year)
+    data["wind_speed"] /= 1.0 + 1.0 * after(data)
+    first = closed(data).findings[0]
+    assert first.effect == "wind_gain_step" and first.verdict is Verdict.NAMED
+    said = {(one.column, one.opinion) for one in first.witnesses}
+    assert said == {(USUAL_WIND, Opinion.AGREES)}
+    assert "usual wind part from the sensor" in first.why
+
+
+def test_an_offset_shows_by_night_as_by_day(half_a_year):  # noqa: F811
+    data, _ = with_change(half_a_year, "module_offset_step")
+    first = closed(data).findings[0]
+    assert {*first.candidates} == {"module_offset_step", "air_offset_step"}
+    assert {(o.column, o.opinion) for o in first.witnesses} == {(NIGHT, Opinion.AGREES)}
+    for one in first.witnesses:
+        assert abs(one.size - 1.0) < 4 * one.stderr and "by night" in str(one)
+
+
+@pytest.mark.parametrize("fed", [True, False])
+def test_power_says_whether_a_plant_fed_in_an_episode(half_a_year, fed):  # noqa: F811
+    data, _ = with_change(half_a_year, "sensitivity_episode", sensitivity_episode=0.2)
+    data = witnessed(data, 0.0)
+    start, end = DATES["episode"].values()
+    days = (data.index >= start) & (data.index < end)
+    data.loc[days & (not fed), "power_ac"] = 0.0
+    first = closed(data).findings[0]
+    assert first.added and first.effect.endswith("_episode")
+    (said,) = (one for one in first.witnesses if one.effect == OUTPUT)
+    if fed:
+        assert OUTPUT not in first.candidates and said.opinion is Opinion.CONTRADICTS
+    else:
+        assert OUTPUT in first.candidates and said.opinion is Opinion.AGREES
+        assert said.size == pytest.approx(-1.0) and "the plant fed 100 ±" in str(said)

@@ -44,6 +44,7 @@ class Case:
     notes: tuple = ()
     corrections: tuple = ()  # of the whole file
     kept: np.ndarray | None = None  # rows of the file that the whole has
+    late: float = 0.0  # of the file's times beside the sun [s]
 
     def rows(self, part):
         """Rows of the whole that count for a part."""

@@ -100,6 +100,7 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
             *notes_of(look, corrections, wanted, site, criteria),
         ),
         corrections=corrections,
+        late=late_of(look),
     )
     return divided(whole, case)
 
@@ -109,9 +110,14 @@ def estimated(look, site):
     given = [value for name, value in site.items() if name != "location"]
     if site["location"] is None or any(value is not None for value in given):
         return None
-    late, whole = look.health.noon.late, look.whole
-    late = late if np.isfinite(late) else 0.0
-    return plane_of(whole["poa_global"], whole.index, site["location"], late)
+    whole = look.whole
+    return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+
+
+def late_of(look):
+    """By how much a file's times are late beside the sun, as far as that is seen."""
+    late = look.health.noon.late
+    return late if np.isfinite(late) else 0.0
 
 
 def looked(data, holdout, site, criteria, check_units):

@@ -9,10 +9,11 @@ import numpy as np
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects.courses import alike, is_drift
-from pvlib_fem.findings import Check, Finding, Kind, Verdict
+from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
+from pvlib_fem.loop.comparisons import apart
 from pvlib_fem.loop.evidence import Evidence, Weight
-from pvlib_fem.loop.witness import Hearing, apart, hearing
+from pvlib_fem.loop.witness import Hearing, hearing, nights, outages
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.statistics.tables import find_structure
@@ -112,17 +113,15 @@ class Proposals:
     @cached_property
     def comparisons(self):
         """What other columns have to say of the instruments."""
-        case = self.case
-        return apart(case.record, case.searched, case.witnesses)
+        return apart(self.case)
 
     def heard(self, found, best, ties, weights, good):
         """The class of the best one, when its witnesses have been heard."""
         candidates = (best, *ties)
         if not found.effects[best].channel:
             return Hearing(candidates)
-        candidates = tuple(dict.fromkeys([*candidates, *self.kin(found, candidates)]))
-        if not self.comparisons:
-            return Hearing(candidates)
+        kin = (n for n in self.kin(found, candidates) if can_be(weights.get(n)))
+        candidates = tuple(dict.fromkeys([*candidates, *kin]))
         least = self.case.criteria.rival * good[best] ** 2
         rivals = [
             name
@@ -131,8 +130,12 @@ class Proposals:
             and name not in candidates
             and gain**2 >= least
         ]
+        dark = self.case.record["poa_global"][found.rows] <= 0.0
+        given = [*found.confounders, *self.names]
+        also = nights(found, [*candidates, *rivals], dark, given)
+        also |= outages(self.case, found.effects[best])
         how = (found.effects, weights, self.coefficients)
-        return hearing(self.comparisons, candidates, rivals, *how)
+        return hearing(self.comparisons, also, candidates, rivals, *how)
 
     def kin(self, found, candidates):
         """
@@ -147,6 +150,11 @@ class Proposals:
             names = [f"{channel}{course}" for channel in effect.kin]
             names += [n for n in alike(effect) if n in self.case.untestable]
             yield from (name for name in names if name not in self.done)
+
+
+def can_be(weight):
+    """Whether something that could not be weighed, or has a possible size."""
+    return weight is None or weight.possible
 
 
 def weighed(found, names, given):
@@ -276,7 +284,8 @@ def proposed(case, found, weight, heard, checks):
         verdict = Verdict.NAMED
         why = because(Reason.GAINED, gain=weight.gain, chance=found.chance(weight))
         if heard.agreed:
-            columns = list(dict.fromkeys(one.column for one in heard.witnesses))
+            agree = [o for o in heard.witnesses if o.opinion is Opinion.AGREES]
+            columns = list(dict.fromkeys(one.column for one in agree))
             why = because(Reason.WITNESSED, gain=weight.gain, columns=columns)
     return Finding(
         name,

@@ -122,7 +122,7 @@ def turned(angles):
     return np.array([tilt, (turn + 180.0) % 360.0 - 180.0]).T
 
 
-def clearest(poa, zenith, up, light, there, months):
+def clearest(poa, zenith, up, light, there, months, share=CLEAREST):
     """The days with most light of each month, beside the sun's height, or None."""
     frame = pd.DataFrame(
         {
@@ -143,7 +143,7 @@ def clearest(poa, zenith, up, light, there, months):
     ratio = sums["poa"] / sums["high"]
     rank = ratio.groupby(sums["month"]).rank(ascending=False, pct=True)
     least = ratio.groupby(sums["month"]).rank(ascending=False) <= 2
-    return sums.index[(rank <= CLEAREST) | least].to_numpy()
+    return sums.index[(rank <= share) | least].to_numpy()
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,8 +197,8 @@ class Sky:
         """The same of some rows."""
         return Sky(*(column[kept] for column in vars(self).values()))
 
-    def left(self, angles):
-        """What a plane leaves of each row, as a share of the mean irradiance."""
+    def on_plane(self, angles):
+        """The irradiance of the clear sky on a plane. [W/m²]"""
         tilt, turn = np.radians(angles)
         ahead = np.cos(self.zenith) * np.cos(tilt) + np.sin(self.zenith) * np.sin(
             tilt
@@ -206,7 +206,11 @@ class Sky:
         ahead, view = np.maximum(ahead, 0.0), (1.0 + np.cos(tilt)) / 2.0
         around = self.beam / ABOVE  # share of the sky's light that is near the sun
         lit = around * ahead / np.cos(self.zenith) + (1.0 - around) * view
-        modelled = self.beam * ahead + self.sky * lit + self.ground * (1.0 - view)
+        return self.beam * ahead + self.sky * lit + self.ground * (1.0 - view)
+
+    def left(self, angles):
+        """What a plane leaves of each row, as a share of the mean irradiance."""
+        modelled = self.on_plane(angles)
         squares = np.bincount(self.scale, modelled**2)
         times = np.bincount(self.scale, modelled * self.poa) / np.maximum(squares, 1e-9)
         return (self.poa - times[self.scale] * modelled) / self.poa.mean()

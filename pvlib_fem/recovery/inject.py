@@ -1,4 +1,10 @@
-"""The response of a record's own model to an effect, put into its measured columns."""
+"""
+What an effect would have done to a measured record.
+
+Physics, and what happens at the module, is in the module's temperature, as the record's
+own model responds. An instrument that changes is in what it reads: so columns that see
+the same, the sky and the weather part from it as they would.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +13,7 @@ import pandas as pd
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS, find
-from pvlib_fem.loop.witness import showing
+from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.quality.lag import retimed
 from pvlib_fem.record.checks import Record
@@ -24,7 +30,6 @@ class Injector:
     record: Record  # checked, in one standard time
     kept: np.ndarray  # rows of the user's frame that it has
     clock: Clock  # of the module's logger
-    witnesses: tuple
     own: dict  # effects of the user's own, by name
 
     @classmethod
@@ -39,7 +44,6 @@ class Injector:
             loop.fit.record,
             case.kept,
             search.clock,
-            case.witnesses,
             own,
         )
 
@@ -76,18 +80,46 @@ class Injector:
         return change
 
     def into(self, data, injection):
-        """A frame with the effect in it, and in the columns that see the same."""
+        """A frame with the effect in it."""
         data, effect = data.copy(), self.effect(injection)
         labels = {printable(label): label for label in data}
-        add(data, labels["temp_module"], self.kept, self.response(injection))
-        if effect.channel:
-            (change,) = injection.coefficients.values()
-            seen = {n: data[labels[n]].to_numpy(float) for n in self.witnesses}
-            seen = {name: values[self.kept] for name, values in seen.items()}
-            how = (effect, change, self.coefficients)
-            for name, values in showing(self.record, seen, *how).items():
-                add(data, labels[name], self.kept, values - seen[name])
+        name = READS.get(effect.channel)
+        if name is None:
+            change = {"temp_module": self.response(injection)}
+        else:
+            (size,) = injection.coefficients.values()
+            read = reading(self.record, effect, size, self.coefficients)
+            change = {
+                name: np.nan_to_num(values - self.record[name])
+                for name, values in read.items()
+            }
+        for name, values in change.items():
+            add(data, labels[name], self.kept, values)
         return data
+
+
+#: columns of instruments that the model takes as they are, by channel
+READS = {
+    "sensitivity": "poa_global",
+    "wind_gain": "wind_speed",
+    "air_offset": "temp_air",
+    "air_shelter": "temp_air",
+}
+
+
+def reading(record, effect, change, coefficients):
+    """What an instrument reads whose change has such a coefficient, by its column."""
+    name = READS[effect.channel]
+    values, size = record[name], change * weights_of(effect, record.dates)
+    if effect.channel == "sensitivity":
+        values = values / (1.0 + size)
+    elif effect.channel == "wind_gain":  # the loss by wind stays what it was
+        values = values / (1.0 + size / coefficients.get("u1", np.inf))
+    elif effect.channel == "air_offset":
+        values = values - size
+    else:
+        values = values + size * np.nan_to_num(record["poa_global"]) / 1000.0
+    return {name: values}
 
 
 def add(data, label, rows, values):

@@ -10,8 +10,8 @@ from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.propose import Proposals, all_pass, material, rules
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
-from pvlib_fem.loop.witness import showing
 from pvlib_fem.recovery.draw import Draw, course_of, drawn, holds, same_days, with_ways
+from pvlib_fem.recovery.inject import READS, reading
 from pvlib_fem.statistics.changes import Daily
 
 GROWS = 1.3  # from one size to the next, until the rules are passed
@@ -175,16 +175,15 @@ class Round:
 
     def moved(self, record, size):
         """Columns of the record with so much of it."""
-        look, module = self.look, record["temp_module"].copy()
+        look = self.look
         coefficients = look.coefficients(self.draw.way, size)
+        if look.effect.channel in READS:
+            (change,) = coefficients.values()
+            return reading(record, look.effect, change, self.step.coefficients)
+        module = record["temp_module"].copy()
         for name, value in coefficients.items():
             module[look.found.rows] += value * np.nan_to_num(look.found.columns[name])
-        if not look.effect.channel:
-            return {"temp_module": module}
-        (change,) = coefficients.values()
-        witnesses = {name: record[name] for name in self.fits.case.witnesses}
-        how = (look.effect, change, self.step.coefficients)
-        return showing(record, witnesses, *how) | {"temp_module": module}
+        return {"temp_module": module}
 
 
 def threshold(passes, least, most):
