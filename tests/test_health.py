@@ -130,6 +130,18 @@ def test_stillness_alone_is_no_fault():
     assert not np.any(list(stuck(checked(data)).values()))
 
 
+@pytest.mark.parametrize(("days", "dead"), [(4, False), (10, True)])
+def test_a_calm_goes_on_over_nights_that_nobody_recorded(days, dead):
+    """By day alone: four days have 56 h at 0, ten have 140 h; a calm has 72 h."""
+    data = simulated({}, 20, 3600.0, 2, start="2023-06-01")
+    data[(data.index.hour < 5) | (data.index.hour >= 19)] = np.nan
+    calm = slice("2023-06-05", f"2023-06-{4 + days:02d}")
+    data.loc[calm, "wind_speed"] *= 0.0
+    found = stuck(checked(data))
+    assert found.pop("wind_speed").sum() == (14 * days if dead else 0)
+    assert not np.any(list(found.values()))
+
+
 def test_coarse_sensors_are_not_stuck():
     data = simulated({}, 30, 60.0, 2)
     data[["temp_air", "temp_module"]] = data[["temp_air", "temp_module"]].round()

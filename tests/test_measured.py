@@ -73,6 +73,12 @@ def test_at_golden_the_irradiance_sensor_is_named(at_golden):
     assert isinstance(at_golden.residual_before, pd.Series)
 
 
+def test_at_golden_an_anemometer_that_reads_nothing_for_weeks_is_said(at_golden):
+    """By day alone the record has some 15 h a day; a calm of three days is none."""
+    (note,) = (n for n in at_golden.notes if "wind_speed stands still" in n)
+    assert "wind_speed stands still at 0 from 2017-05-08 14:00:00 on, 346 rows" in note
+
+
 def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano):
     text = words("README.md")
     (clock,) = at_bolzano.corrections
@@ -131,6 +137,7 @@ def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
     }
     told = "power by {power_ac}, a modelled irradiance by {poa_modelled} and a second "
     assert told.format(**drifts) + f"plane by {drifts['poa_global_2']} %" in text
+    assert f"a clear sky by {drifts['clear sky']} % a year" in text
     before, after = at_golden.table["rmse_test"].loc[["fem", at_golden.last]]
     assert f"from {before:.2f} K to {after:.2f} K" in text
     page, share = (

@@ -79,7 +79,9 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     Notes
     -----
     Only the resolution of the columns enters; a smooth column cannot repeat. A
-    missing value ends a repetition, but in a column that has one value only.
+    missing value ends a repetition, but in a column that has one value only, and in
+    wind at 0: of a record by day alone that may be weeks. There the measured time
+    counts.
     """
     limits = limits or Limits()
     seconds = record.inputs.seconds
@@ -89,6 +91,8 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     for name, still in STILL.items():
         values = columns[name]
         repeated = runs(values, seconds, limits)
+        if name == "wind_speed":
+            found[name] = becalmed(values, seconds, limits)
         if not len(repeated.first):
             continue
         if name == "temp_module":
@@ -100,7 +104,8 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
             return some.extent(seen_by(other, columns))
 
         kept = still(repeated, extent, steps, limits)
-        found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
+        rows = repeated.rows(kept, len(values)) & np.isfinite(values)
+        found[name] = found[name] | rows
         # a module that stands still is no witness of what moves it
         columns[name] = np.where(found[name], np.nan, values)
     for name in [name for name in DRIVERS if name in record.inputs.columns]:
@@ -196,6 +201,19 @@ def runs(values, seconds, limits):
     long = (last - first >= limits.still_rows) & (time > limits.still_time)
     first, last = first[long], last[long]
     return Runs(values[first], first, last, time[long])
+
+
+def becalmed(values, seconds, limits):
+    """Rows at 0 for longer than a calm lasts, of which gaps take no time."""
+    rows = np.zeros(len(values), dtype=bool)
+    (there,) = np.nonzero(np.isfinite(values))
+    if len(there) < 2:
+        return rows
+    steps = np.minimum(np.diff(seconds[there]), np.median(np.diff(seconds)))
+    measured = runs(values[there], np.concatenate(([0.0], np.cumsum(steps))), limits)
+    kept = (measured.value == 0) & (measured.time > limits.calm)
+    rows[there] = measured.rows(kept, len(there))
+    return rows
 
 
 def resolution(values):
