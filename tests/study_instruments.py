@@ -12,10 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from study_worlds import World, site
+from study_records import refit, root, smallest
+from study_worlds import CLEARLY, World, site
 
 from pvlib_fem import close_loop, simulator
-from pvlib_fem.effects import CHANGES
+from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.parallel import spread
 
 COURSES = ("step", "drift", "episode")
@@ -83,9 +84,12 @@ def looked(seed):
         "drift": day / 365.0,
         "episode": (day >= at[0]) & (day < at[1]),
     }[course]
-    data = changed(data, channel, size, np.asarray(weight, dtype=float))
     if not power:
         data = data.drop(columns="p_dc")
+    off = None
+    if channel != "none":
+        off = close_loop(data, check_units=False, **world.place)
+    data = changed(data, channel, size, np.asarray(weight, dtype=float))
     loop = close_loop(data, check_units=False, **world.place)
     added = [f for f in loop.findings if f.added]
     truths = {f"{name}_{course}" for name in SAME.get(channel, (channel,))}
@@ -100,11 +104,39 @@ def looked(seed):
     row["findings"] = "; ".join(
         f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f})" for f in loop.findings
     )
+    row["clear"] = off is not None and clear(loop, off, own(world, channel, course, at))
     row["dates"] = dated(loop, right, world, course, at)
     row["before"], row["after"] = (
         float(loop.table["rmse_test"].loc[name]) for name in (loop.base, loop.last)
     )
     return row
+
+
+def own(world, channel, course, at):
+    """The change as the catalogue has it, with its own dates."""
+    first, last = (pd.Timestamp(world.start) + pd.Timedelta(days=day) for day in at)
+    dates = {
+        "step": {"at": f"{first.round('D'):%Y-%m-%d}"},
+        "drift": {},
+        "episode": {
+            "start": f"{first.round('D'):%Y-%m-%d}",
+            "end": f"{last.round('D'):%Y-%m-%d}",
+        },
+    }[course]
+    return find({"name": f"{channel}_{course}", **dates})
+
+
+def clear(loop, off, change):
+    """
+    Whether the change is large enough to have to be found, as in the study.
+
+    What its own terms take off the error of the test weeks, beyond what they take off
+    in the same record without it, is compared with what is detectable there.
+    """
+    without, with_it = (one.table["rmse_test"][one.base] for one in (loop, off))
+    taken = without**2 - refit(loop, [change]) ** 2
+    idle = max(with_it**2 - refit(off, [change]) ** 2, 0.0)
+    return bool(root(taken - idle) >= CLEARLY * smallest(off, change.name))
 
 
 def dated(loop, right, world, course, at):
@@ -134,6 +166,7 @@ def run(records, first, processes):
             row["course"],
             f"{row['size']:.2f}",
             "power" if row["power"] else "",
+            "clear" if row["clear"] else "",
             "OK" if row["found"] else "-",
             row["dates"],
             row["findings"][:400],
@@ -153,12 +186,16 @@ def page(table, first):
         f"Written by `tests/study_instruments.py` on {date.today()}: {len(table)} "
         f"simulated records of one or two years at 15 min from seed {first} on, with "
         "full physics. One instrument changes at a date, slowly or for a while, or "
-        "none does. The change is made in the columns. Half have power."
+        "none does. The change is made in the columns. Half have power. A change is "
+        "*clear* where its own terms take off the error of the test weeks twice what "
+        "is detectable in the same record without it, as in {doc}`study`."
     )
     yield ""
     yield "| what | share |"
     yield "|---|---|"
+    seen = there[there["clear"]]
     yield f"| the change named, or in its class | {share(there['found'])} |"
+    yield f"| the same of those that are clear | {share(seen['found'])} |"
     yield f"| the same, first of all findings | {share(there['first'])} |"
     wrong, misled = (table[name].map(bool) for name in ("wrong", "misled"))
     yield f"| wrong names of a change | {share(wrong)} |"

@@ -125,7 +125,7 @@ class Course:
 
 COURSES = (
     Course("step", step, find_step, "change"),
-    Course("drift", drift, find_drift, "per_year", "/year", 0.2, ("soiling",)),
+    Course("drift", drift, find_drift, "per_year", "/year", 0.5, ("soiling",)),
     Course(
         "episode",
         episode,
@@ -240,6 +240,24 @@ def alike(effect):
 def is_drift(effect):
     """Whether an effect's course is one that grows from year to year."""
     return effect.terms.course.name == "drift"
+
+
+def same_date(one, other):
+    """Whether two changes may have begun on one date, as far as those are known."""
+    ends = []
+    for dates in (one.settings, other.settings):
+        begin = dates.get("at") or dates.get("start")
+        if begin is None:  # what grows from the first day has no date
+            return False
+        ends.append([number(day) for day in dates.get("between") or (begin, begin)])
+    (low, high), (first, last) = ends
+    return low <= last and first <= high
+
+
+def same_course(one, other):
+    """Whether two effects are changes that come and go in the same way."""
+    courses = {getattr(effect.terms, "course", None) for effect in (one, other)}
+    return len(courses) == 1 and None not in courses
 
 
 def along_all(channel):

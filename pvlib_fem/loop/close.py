@@ -9,6 +9,7 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects.courses import same_course
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
@@ -196,7 +197,8 @@ class Search:
             self.tell(f"weighing effects, round {turn + 1}")
             found = self.evidence(step)
             done = {n for finding in self.findings for n in finding.candidates}
-            proposals = Proposals(self.case, found, frozenset(done), step.coefficients)
+            beside = (step.coefficients, changes_of(step.model))
+            proposals = Proposals(self.case, found, frozenset(done), *beside)
             new, self.aside = proposals.run(), proposals.aside
             names = ", ".join(f.effect for f in new if f.added)
             self.tell(f"fitting {names or 'no further effect'}")
@@ -249,20 +251,31 @@ class Search:
         return step
 
     def tried(self, finding, found, step):
-        """The finding and its fit, by the first of its candidates that holds."""
-        tries = []
+        """
+        The finding and its fit, by the first of its candidates that holds.
+
+        Changes are large, and a tangent is a poor judge of which comes nearest: of
+        those that come and go alike all are fitted, and the one that leaves least is
+        taken.
+        """
+        tries, held = [], []
         for name in finding.candidates:
             mine = renamed(finding, found, name)
             if mine is None:
                 continue
-            effects = (*step.model.effects, found.effects[name])
-            larger = replace(step.model, effects=effects)
+            effect = found.effects[name]
+            if held and not same_course(held[0][1].model.effects[-1], effect):
+                continue
+            larger = replace(step.model, effects=(*step.model.effects, effect))
             fit = self.fits.fitted(larger, step, mine.coefficients, whole=False)
             stderr = self.fits.errors(fit)
             tries.append((confirmed(mine, self.case, step, fit, stderr), fit))
             if tries[-1][0].added:
-                return tries[-1]
-        return tries[0]
+                held.append(tries[-1])
+                if not effect.channel:
+                    break
+        rows = self.case.fitting
+        return min(held, key=lambda one: one[1].error(rows), default=tries[0])
 
     def result(self, last, start, base, found):
         """All that was found, as a finished thing."""
@@ -290,7 +303,7 @@ class Search:
         )
         findings = [with_errors(f, last, stderr) for f in self.findings]
         findings += self.vetoed.values()
-        ranking, more = self.left_over(found, findings)
+        ranking, more = self.left_over(found, findings, last.model)
         raw = self.steps[base]
         before = pd.Series(raw.measured - raw.temperature, record.index)
         stretches = episodes_of(case, last)
@@ -318,7 +331,7 @@ class Search:
             episodes=stretches,
         )
 
-    def left_over(self, found, findings):
+    def left_over(self, found, findings, model):
         """The ranking, and all findings with what is left."""
         case = self.case
         if found is None:
@@ -327,13 +340,19 @@ class Search:
             self.untestable |= {effect.name: few for effect in case.wanted}
             return table_of({}), findings
         rows = ranked(found, case.days)
+        told = (case, found, rows)
         by = sorting(case, found, [])
-        findings = [*findings, *hints(case, found, rows, findings, self.aside)]
+        findings = [*findings, *hints(*told, findings, self.aside, changes_of(model))]
         findings += unexplained(case, found, by)
         self.untestable |= dict(not_seen(case, found, rows, findings))
         table = table_of({name: as_row(*row) for name, row in rows.items()})
         table = table.sort_values("gain", ascending=False, kind="stable")
         return Ranking(table), findings
+
+
+def changes_of(model):
+    """Effects of a model that are changes of an instrument."""
+    return tuple(effect for effect in model.effects if effect.channel)
 
 
 def with_errors(finding, last, stderr):

@@ -187,7 +187,8 @@ class Criteria:
         *scan.* Rectangles of which an obstacle, or several, are made; each has to
         take ``hint_gain``. [-]
     change_chance : float
-        *scan.* Chance that noise shows any date at which a channel changes. [-]
+        *scan.* Chance that noise shows any date at which a channel changes, and that
+        any of the changes that are tried looks as good. [-]
     change_side : int
         *scan.* Days with rows that there have to be before a date and after it, and
         of an episode: fewer cannot be left out in turn. [days]

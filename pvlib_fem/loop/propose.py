@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects.courses import alike, is_drift
+from pvlib_fem.effects.courses import alike, is_drift, same_date
 from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import apart
@@ -33,6 +33,7 @@ class Proposals:
     found: Evidence
     done: frozenset  # names that earlier findings hold already
     coefficients: Mapping  # of the model beside which all are weighed
+    changes: tuple = ()  # effects of the model which have a date
     new: list = field(default_factory=list)
     aside: dict = field(default_factory=dict)  # what unknown structure explains better
 
@@ -67,10 +68,14 @@ class Proposals:
         # what cannot be told from a finding is no finding of its own
         taken = {*self.done, *(n for f in self.new for n in f.candidates)}
         names = [name for name in names if name not in taken]
+        changes = list(self.changes)
         while names:
+            # what is left of a change on its own date is no change of its own: that
+            # says which member of its class is nearer, which no residual decides
+            names = [n for n in names if not once_more(found.effects[n], changes)]
             weights = weighed(found, names, given)
             floor = max(material(found, given, limits), spill)
-            asked = {n: rules(found, w, floor) for n, w in weights.items()}
+            asked = {n: rules(found, n, w, floor) for n, w in weights.items()}
             good = {
                 n: w.gain
                 for n, w in weights.items()
@@ -83,11 +88,18 @@ class Proposals:
             table = structure(self.case, found, given, self.sorting, without)
             checks, explained = against(found, best, given, table, floor, limits)
             if all_pass(checks):
-                rivals = good | self.rivals(found, alike, given)
+                # of its rivals no more is asked than of physics
+                near = {
+                    n: w.gain
+                    for n, w in weights.items()
+                    if w.gain > 0 and w.possible and found.chance(w) <= limits.chance
+                }
+                rivals = near | self.rivals(found, alike, given)
                 ties = found.ties(best, rivals, given)
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
+                changes.append(found.effects[name])
                 self.new.append(
                     proposed(self.case, found, weights[name], heard, checks)
                 )
@@ -118,7 +130,7 @@ class Proposals:
     def heard(self, found, best, ties, weights, good):
         """The class of the best one, when its witnesses have been heard."""
         candidates = (best, *ties)
-        if not found.effects[best].channel:
+        if not any(found.effects[name].channel for name in candidates):
             return Hearing(candidates)
         kin = (n for n in self.kin(found, candidates) if can_be(weights.get(n)))
         candidates = tuple(dict.fromkeys([*candidates, *kin]))
@@ -157,6 +169,13 @@ def can_be(weight):
     return weight is None or weight.possible
 
 
+def once_more(effect, changes):
+    """Whether a change may be of the date of one that is there already."""
+    return bool(effect.channel) and any(
+        one.channel and same_date(effect, one) for one in changes
+    )
+
+
 def weighed(found, names, given):
     """Weights of those names that can be weighed."""
     weights = {name: found.weigh(name, given) for name in names}
@@ -168,17 +187,17 @@ def material(found, given, criteria):
     return max(criteria.min_gain**2, criteria.min_share * found.left(given))
 
 
-def rules(found, weight, floor):
+def rules(found, candidate, weight, floor):
     """The checks of a candidate by itself: its size, its chance, its bounds."""
-    limits = found.criteria
+    limits, change = found.criteria, bool(found.effects[candidate].channel)
     name = "min_gain" if floor <= limits.min_gain**2 else "min_share"
     return (
         Check("gain", name, weight.gain, float(np.sqrt(floor)), unit="K"),
         Check(
             f"chance among {weight.family} hypotheses",
-            "chance",
+            "change_chance" if change else "chance",
             found.chance(weight),
-            limits.chance,
+            limits.change_chance if change else limits.chance,
             most=True,
         ),
         Check("coefficients are possible", "bound_slack", float(weight.possible), 1.0),

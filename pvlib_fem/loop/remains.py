@@ -7,6 +7,7 @@ from pvlib_fem.loop.propose import (
     all_pass,
     kind_of,
     material,
+    once_more,
     rules,
     structure,
 )
@@ -14,7 +15,7 @@ from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import GEOMETRY
 
 
-def hints(case, found, rows, findings, aside):
+def hints(case, found, rows, findings, aside, changes):
     """Gains worth a word that were not enough for more."""
     limits, days = case.criteria, case.days
     done = {name for finding in findings for name in finding.candidates}
@@ -23,9 +24,10 @@ def hints(case, found, rows, findings, aside):
     for name, (weight, ties, _) in rows:
         if name in done or weight is None or weight.gain < limits.hint_gain:
             continue
-        if found.effects[name].channel and done.intersection(ties):
+        effect = found.effects[name]
+        if effect.channel and (done & {*ties} or once_more(effect, changes)):
             continue  # another course or channel says the same
-        gain, *others = rules(found, weight, floor)
+        gain, *others = rules(found, name, weight, floor)
         if not all_pass(others):
             continue
         why, checks = (
@@ -50,7 +52,7 @@ def hints(case, found, rows, findings, aside):
             weight.stderr,
             why,
             checks,
-            kind_of(found.effects[name]),
+            kind_of(effect),
         )
 
 

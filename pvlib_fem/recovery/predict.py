@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pvlib_fem.effects.effect import Effect
+from pvlib_fem.loop.close import changes_of
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.propose import Proposals, all_pass, material, rules
@@ -127,7 +128,7 @@ class Look:
             return False
         weight = more.weigh(self.name, self.given)
         floor = material(more, self.given, more.criteria)
-        return weight.gain > 0 and all_pass(rules(more, weight, floor))
+        return weight.gain > 0 and all_pass(rules(more, self.name, weight, floor))
 
     def dated(self, more, draw):
         """Whether sums by the day show its dates."""
@@ -169,7 +170,8 @@ class Round:
         seen = case.searched & record.known(step.model.drivers)
         how = (case.criteria, case.family, step.at_bound)
         found = gather(step.model, step.coefficients, record, seen, wanted, *how)
-        new = Proposals(case, found, self.done, step.coefficients).run()
+        told = (step.coefficients, changes_of(step.model))
+        new = Proposals(case, found, self.done, *told).run()
         days = np.unique(record.dates)
         return any(holds(f, self.look.effect, found.effects, days) for f in new)
 
