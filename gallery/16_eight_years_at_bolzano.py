@@ -205,8 +205,8 @@ if data is not None:
 # another offset of its own would have it. With one year before the change, and without
 # longwave irradiance, that stays open.
 #
-# And the wind? An anemometer that reads otherwise would also show in windy hours and not
-# in calm ones.
+# And the wind? An anemometer that reads otherwise would also show in windy hours and
+# not in calm ones.
 
 if data is not None:
     bright = sunny[sunny["poa_global"] > 500.0]

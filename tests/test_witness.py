@@ -10,8 +10,10 @@ import pytest
 from pvlib.location import Location
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
+from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
 from pvlib_fem.loop.comparisons import COMPARISONS, SKY, USUAL_WIND, Apart, apart
+from pvlib_fem.loop.propose import Proposals
 from pvlib_fem.record.columns import is_power, twin_of, vouches
 from pvlib_fem.stored import Stored
 
@@ -240,3 +242,13 @@ def test_power_says_whether_a_plant_fed_in_an_episode(half_a_year, fed):  # noqa
     else:
         assert OUTPUT in first.candidates and said.opinion is Opinion.AGREES
         assert said.size == pytest.approx(-1.0) and "the plant fed 100 ±" in str(said)
+
+
+def test_a_class_led_by_a_season_holds_the_kin_of_its_changes():
+    """What no record parts from a drift in it belongs to it, whatever leads."""
+    names = ("season", "contact_drift")
+    found = SimpleNamespace(effects={name: EFFECTS[name] for name in names})
+    ours = Proposals(SimpleNamespace(untestable={}), found, frozenset(), {})
+    heard = ours.heard(found, "season", ("contact_drift",), {}, {})
+    drifts = {f"{channel}_drift" for channel in ("contact", "sensitivity", "mounting")}
+    assert {*heard.candidates} == {"season", *drifts}

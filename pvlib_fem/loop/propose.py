@@ -130,10 +130,10 @@ class Proposals:
     def heard(self, found, best, ties, weights, good):
         """The class of the best one, when its witnesses have been heard."""
         candidates = (best, *ties)
-        if not any(found.effects[name].channel for name in candidates):
-            return Hearing(candidates)
         kin = (n for n in self.kin(found, candidates) if can_be(weights.get(n)))
         candidates = tuple(dict.fromkeys([*candidates, *kin]))
+        if not found.effects[best].channel:
+            return Hearing(candidates)
         least = self.case.criteria.rival * good[best] ** 2
         rivals = [
             name
