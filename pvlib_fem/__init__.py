@@ -19,6 +19,7 @@ from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.modules import compare_modules
 from pvlib_fem.loop.ranking import rank_effects
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import DynamicCellTemperature
@@ -50,6 +51,7 @@ __all__ = [
     "Terms",
     "close_loop",
     "compare",
+    "compare_modules",
     "datasets",
     "drivers",
     "effects",

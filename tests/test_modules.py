@@ -1,0 +1,88 @@
+"""Several module sensors: what all have in common, and what is one's own."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pvlib_fem as fem
+from pvlib_fem import datasets
+
+USUAL = ["poa_global", "temp_air", "wind_speed"]
+SHARES, OFFSETS = (0.95, 1.0, 1.02, 1.05), (0.0, 0.4, -0.3, 0.1)
+
+
+@pytest.fixture(scope="module")
+def plant():
+    """Four sensors of 200 days, whose common part is not that of any model."""
+    data = datasets.synthetic(200, 3600, seed=3, noise=0).tz_localize(None)
+    random = np.random.default_rng(1)
+    both = np.cumsum(random.normal(0.0, 0.05, len(data)))
+    over = (data["temp_module"] - data["temp_air"]) * (1.0 + 0.1 * np.sin(both))
+    data = data[USUAL].copy()
+    for i, (share, offset) in enumerate(zip(SHARES, OFFSETS)):
+        noise = random.normal(0.0, 0.3, len(data))
+        data[f"temp_module_{i}"] = data["temp_air"] + share * over + offset + noise
+    return data
+
+
+def test_each_has_its_share_and_its_offset(plant):
+    found = fem.compare_modules(plant)
+    assert list(found.index) == [f"temp_module_{i}" for i in range(4)]
+    assert found["used"].all() and (found["step"] == "").all()
+    for i, name in enumerate(found.index):
+        others = [j for j in range(4) if j != i]
+        share, offset = (
+            np.median([part[j] for j in others]) for part in (SHARES, OFFSETS)
+        )
+        assert found["share"][name] == pytest.approx(SHARES[i] / share, abs=0.03)
+        assert found["offset"][name] == pytest.approx(OFFSETS[i] - offset, abs=0.1)
+
+
+def test_a_step_is_of_the_one_that_has_it(plant):
+    data, there = plant.copy(), plant.index >= "2023-09-15"
+    over = data["temp_module_2"] - data["temp_air"]
+    data["temp_module_2"] -= 0.12 * there * over
+    found = fem.compare_modules(data)
+    assert (found["step"] != "").to_dict() == {
+        name: name == "temp_module_2" for name in found.index
+    }
+    step = found.loc["temp_module_2"]
+    assert abs(pd.Timestamp(step["step"]) - pd.Timestamp("2023-09-15")).days <= 2
+    assert step["change"] == pytest.approx(-0.12, abs=max(4 * step["stderr"], 0.01))
+
+
+def test_what_all_have_is_none_of_theirs(plant):
+    """The mounting of all changes, or the pyranometer."""
+    data, there = plant.copy(), plant.index >= "2023-09-15"
+    for name in data.columns[3:]:
+        data[name] += 0.2 * there * (data[name] - data["temp_air"])
+    assert (fem.compare_modules(data)["step"] == "").all()
+
+
+def test_copies_and_failed_sensors_are_said_and_not_used(plant):
+    data = plant.assign(
+        temp_module_4=plant["temp_module_0"],
+        temp_module_5=20.0,
+        temp_module_6=plant["temp_module_1"].where(plant.index < "2023-07-01"),
+    )
+    found = fem.compare_modules(data)
+    assert found["used"].to_list() == [True] * 4 + [False] * 3
+    copy, still, gone = found["note"].iloc[4:]
+    assert copy == "temp_module_4 is a copy of temp_module_0"
+    assert "temp_module_5 stands still at 20 for the whole record" in still
+    assert gone == "720 values of 4,800 are there"
+    alone = fem.compare_modules(plant)
+    pd.testing.assert_frame_equal(found.iloc[:4], alone)
+
+
+def test_of_two_no_one_says_which_is_off(plant):
+    with pytest.raises(ValueError, match="2 module sensors are there"):
+        fem.compare_modules(plant, ["temp_module_0", "temp_module_1"])
+    with pytest.raises(ValueError, match="data lack temp_back; they have"):
+        fem.compare_modules(plant, ["temp_module_0", "temp_module_1", "temp_back"])
+    with pytest.raises(ValueError, match=r"fewer than 3 .* temp_module_1 is a copy of"):
+        fem.compare_modules(
+            plant[[*USUAL, "temp_module_0", "temp_module_2"]].assign(
+                temp_module_1=plant["temp_module_0"]
+            )
+        )
