@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: sweep coverage periods episodes clean
+.PHONY: fleet sweep coverage periods episodes clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -40,6 +40,10 @@ docs: $(VENV)/.installed
 
 benchmark: $(VENV)/.installed
 	$(BIN)/python benchmarks/ratios.py
+
+# 200 simulated systems with known causes, on two workers of which one is killed
+fleet: $(VENV)/.installed
+	$(BIN)/python benchmarks/fleet.py
 
 # pvanalytics works with pandas before 3 only, so that it has an environment of its own
 quality:
