@@ -253,6 +253,24 @@ def test_a_loop_is_kept_with_its_findings_and_its_page(tmp_path):
     assert not page_path(out, "plant").exists()  # it was of the result before
 
 
+def test_what_would_be_found_is_asked_of_each_system(tmp_path):
+    """By a task of the table, with the numbers that the function gives alone."""
+    data = fem.simulator.record(effects=fem.simulator.PHYSICS, days=100, step=3600)
+    data.to_parquet(tmp_path / "plant.parquet")
+    table = pd.DataFrame([{"id": "a", "file": str(tmp_path / "plant.parquet")}])
+    how = {"effects": "sky_radiation", "sizes": [3], "draws": 1}
+    results = fleet.run(table, tmp_path, "recover", workers=0, **how)
+    alone = fem.recover(data, **how, processes=1, progress=False)
+    assert results.result("a").to_json() == alone.to_json()
+    (size,) = results.coefficients.to_dict("records")
+    assert size["value"] == alone.half["size"].iloc[0]
+    assert "1 systems, 1 done" in fleet.report(tmp_path)
+    with pytest.raises(ValueError, match="recover has no option processes"):
+        fleet.run(table, tmp_path, "recover", workers=0, processes=2)
+    with pytest.raises(ValueError, match="makes no pages"):
+        fleet.run(table, tmp_path, "recover", workers=0, pages=True)
+
+
 def test_files_come_from_where_fsspec_finds_them(folder, tmp_path):
     """As from a bucket: the months of one logger, by a pattern."""
     import fsspec
@@ -315,7 +333,9 @@ def test_a_table_needs_its_columns_and_each_id_once(tmp_path):
     with pytest.raises(ValueError, match="no row"):
         opened(pd.DataFrame({"id": [], "file": []}))
     one = pd.DataFrame({"id": ["a"], "file": ["x"]})
-    with pytest.raises(ValueError, match="unknown task 'dance'; there are fit, loop"):
+    with pytest.raises(
+        ValueError, match="unknown task 'dance'; there are fit, loop, recover"
+    ):
         fleet.run(one, tmp_path, "dance")
     with pytest.raises(ValueError, match="holdout belongs to one system"):
         fleet.run(one, tmp_path, holdout=[])

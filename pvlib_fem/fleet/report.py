@@ -9,6 +9,7 @@ import pandas as pd
 from pvlib_fem.fleet.results import Results
 from pvlib_fem.fleet.shared import shared
 from pvlib_fem.fleet.store import page_path, put_page
+from pvlib_fem.fleet.tasks import TASKS
 from pvlib_fem.fleet.work import title_of
 from pvlib_fem.report.document import (
     document,
@@ -83,8 +84,11 @@ class Pages:
         self.found, self.folder = found, folder
         rows = found.systems.set_index("id")
         self.sites = rows["site"].where(rows["state"] == "done")
+        self.paged = all(TASKS[name].paged for name in rows["task"].unique())
 
     def __getitem__(self, identity):
+        if not self.paged:
+            return identity
         path = page_path(self.found.out, identity)
         if not path.exists():
             title = title_of(identity, self.sites[identity])

@@ -12,7 +12,7 @@ from pvlib_fem.fleet.engine import client_of, on_dask, serial
 from pvlib_fem.fleet.results import Results
 from pvlib_fem.fleet.store import compact
 from pvlib_fem.fleet.table import opened, systems_of
-from pvlib_fem.fleet.tasks import check_task
+from pvlib_fem.fleet.tasks import TASKS, check_task
 from pvlib_fem.fleet.work import Work
 from pvlib_fem.loop.progress import count
 from pvlib_fem.types import FilePath
@@ -52,8 +52,8 @@ def run(
     out : path
         Folder of the results, which all workers see.
     task : str, default "loop"
-        ``"fit"``, which is :func:`pvlib_fem.fit_fem`, or ``"loop"``,
-        :func:`pvlib_fem.close_loop`.
+        ``"fit"``, which is :func:`pvlib_fem.fit_fem`, ``"loop"``,
+        :func:`pvlib_fem.close_loop`, or ``"recover"``, :func:`pvlib_fem.recover`.
     client : distributed.Client or str, optional
         Or the address of a scheduler; by default a cluster on this machine.
     workers : int, optional
@@ -126,6 +126,8 @@ def check(task, pages, options):
         raise ValueError(
             f"a fleet needs {' and '.join(lacking)}: pip install 'pvlib_fem[fleet]'"
         )
+    if pages and not TASKS[task].paged:
+        raise ValueError(f"the task {task} makes no pages")
     if pages and find_spec("matplotlib") is None:
         raise ValueError("pages need matplotlib: pip install 'pvlib_fem[plot]'")
 

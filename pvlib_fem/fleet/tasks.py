@@ -18,6 +18,8 @@ from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.recovery.recover import recover
+from pvlib_fem.recovery.result import Recovery
 from pvlib_fem.report.document import with_error
 from pvlib_fem.report.page import numbers
 from pvlib_fem.stored import plain
@@ -77,6 +79,8 @@ class Task:
         and :data:`FINDING`; what lacks in a dict is empty in the table.
     result : type
         That of the result.
+    paged : bool
+        Whether a result has a page.
     """
 
     of: Callable[..., Any]
@@ -85,6 +89,7 @@ class Task:
     coefficients: Callable[[Any], list]
     findings: Callable[[Any], list]
     result: Any
+    paged: bool = True
 
 
 def row_of_fit(fit):
@@ -206,7 +211,8 @@ def of_finding(finding: Finding, effects: Mapping):
 
 
 #: what belongs to one system, and not to all
-OWN = {"data", "location", "surface_tilt", "surface_azimuth", "holdout", "progress"}
+OWN = {"data", "location", "surface_tilt", "surface_azimuth", "holdout"}
+ENGINES = {"processes", "path", "progress"}  # what a fleet says itself
 
 
 def check_task(name, options):
@@ -215,7 +221,7 @@ def check_task(name, options):
         raise ValueError(f"unknown task {name!r}; there are {', '.join(TASKS)}")
     there = inspect.signature(TASKS[name].of).parameters.values()
     named = [p.name for p in there if p.kind is not p.VAR_KEYWORD]
-    taken = [one for one in named if one not in {*OWN, *COLUMNS}]
+    taken = [one for one in named if one not in {*OWN, *ENGINES, *COLUMNS}]
     for option in options:
         if option in OWN:
             raise ValueError(
@@ -226,6 +232,32 @@ def check_task(name, options):
             raise ValueError(
                 f"the task {name} has no option {option}; it has {', '.join(taken)}"
             )
+
+
+def recover_one(data, **options):
+    """A recovery in this process, which is one of many."""
+    return recover(data, processes=1, progress=False, **options)
+
+
+def row_of_recovery(recovery):
+    """What the record itself has."""
+    added = [finding.effect for finding in recovery.baseline if finding.added]
+    return {"effects": ", ".join(added)}
+
+
+def sizes_of(recovery):
+    """From what size each effect is found in half of the injections."""
+    half = recovery.half
+    for name, size in half["size"].items():
+        units = {*recovery.units.get(name, {}).values()}
+        unit = units.pop() if len(units) == 1 else ""
+        row = {"coefficient": f"{name}, half found", "value": size, "unit": unit}
+        yield {**row, "stderr": np.nan}
+
+
+def baseline_of(recovery):
+    """What the loop finds in the record as it is."""
+    return [of_finding(finding, {}) for finding in recovery.baseline]
 
 
 def nothing(result):
@@ -243,5 +275,14 @@ TASKS = {
         lambda loop: coefficients_of(loop.fit),
         findings_of,
         Loop,
+    ),
+    "recover": Task(
+        recover,
+        recover_one,
+        row_of_recovery,
+        lambda recovery: list(sizes_of(recovery)),
+        baseline_of,
+        Recovery,
+        paged=False,
     ),
 }
