@@ -14,7 +14,7 @@ from pvlib_fem.loop.close import searched
 from pvlib_fem.recovery.draw import Injection, drawn
 from pvlib_fem.recovery.inject import Injector
 from pvlib_fem.recovery.predict import threshold
-from pvlib_fem.recovery.recover import plan
+from pvlib_fem.recovery.recover import SIZES, plan
 from pvlib_fem.recovery.result import Recovery, middle_of
 
 USUAL = ["poa_global", "temp_air", "wind_speed", "temp_module"]
@@ -150,6 +150,10 @@ def test_a_file_has_all_of_it_and_the_rest_is_done_another_time(record, tmp_path
     assert again.to_json() + "\n" == text == path.read_text(encoding="utf-8")
     with pytest.raises(ValueError, match=r"call with seed=0, and this one has 1"):
         fem.recover(record, **how, seed=1, path=path)
+    with pytest.raises(ValueError, match=r"call with effects='sky_radiation', and"):
+        fem.recover(record, **how | {"effects": "rain"}, path=path)
+    with pytest.raises(ValueError, match=r"call with tried=the default, and"):
+        fem.recover(record, **how, tried="sky_radiation", path=path)
     with pytest.raises(ValueError, match="of another record"):
         fem.recover(record - 0.001, **how, path=path)
 
@@ -185,11 +189,11 @@ def test_the_command_puts_into_a_file_what_recover_puts_into_a_frame(record, tmp
     told = ["--effects", "sky_radiation", "--processes", "1", "--out", str(out)]
     said = CliRunner().invoke(main, ["recover", str(path), *told])
     assert said.exit_code == 0, said.output
-    same = fem.recover(
-        fem.read_file(path), "sky_radiation", processes=1, progress=False
-    )
-    assert str(same) in said.output
-    assert Recovery.from_json(out).table.equals(same.table)
+    found = Recovery.from_json(out)
+    assert str(found) in said.output
+    assert found.table["effect"].unique().tolist() == ["sky_radiation"]
+    assert tuple(found.table["multiple"]) == SIZES
+    assert found.given["draws"] == "3" and found.given["effects"] == "['sky_radiation']"
 
 
 def test_the_picture_has_the_shares_by_size(recovery):

@@ -1,6 +1,7 @@
 """What is put into a record: which effects, when, and which way."""
 
 import inspect
+import json
 import zlib
 from dataclasses import dataclass, field, replace
 from typing import Self
@@ -11,7 +12,7 @@ from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects.courses import COURSES, told, weights_of, written
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.stored import Stored
+from pvlib_fem.stored import Stored, plain
 
 EDGE = 0.1  # share of the days before the first date that is drawn, and after the last
 LONGEST = 0.25  # share of the days that an episode lasts at most
@@ -52,7 +53,7 @@ class Injection:
     @property
     def key(self) -> str:
         """What tells it from all others, to the bit."""
-        return repr((self.effect, self.settings, self.coefficients))
+        return json.dumps(plain([self.effect, self.settings, self.coefficients]))
 
     @property
     def dates(self) -> str:

@@ -58,8 +58,9 @@ def said_all(effects, sizes, draws, seed, model, place, how):
     where = None if location is None else repr(location)
     said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
     said |= dict(location=where, surface_tilt=tilt, surface_azimuth=azimuth)
-    holdout = how["holdout"]
-    said |= {**how, "holdout": None if holdout is None else digest(holdout.to_frame())}
+    said |= {"tried" if name == "effects" else name: v for name, v in how.items()}
+    if (holdout := said["holdout"]) is not None:
+        said["holdout"] = digest(holdout.to_frame())
     return {name: said_of(value) for name, value in said.items()}
 
 

@@ -28,7 +28,8 @@ class Outcome:
         Whether it is named; whether it is the first of all that the record itself
         does not show.
     told : tuple of str
-        Findings that the record itself does not show, each with its candidates.
+        Findings that the record itself does not show, each with its candidates and
+        dates.
     wrong : tuple of str
         Of those, names without the truth among their candidates.
     misled : tuple of str
@@ -112,7 +113,7 @@ def judged(injection, effect, loop, baseline):
         found=bool(right),
         named=any(f.verdict is Verdict.NAMED for f in right),
         first=bool(right) and right[0] is new[0],
-        told=tuple(map(words, new)),
+        told=tuple(", ".join(filter(None, (words(f), f.place))) for f in new),
         wrong=tuple(names),
         misled=tuple(classes),
         lost=tuple(lost),

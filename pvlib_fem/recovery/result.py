@@ -223,7 +223,8 @@ def middle_of(multiples, found):
         (x - places[:, None, None]) / WIDTHS[:, None]
     )  # places, widths, injections
     chance = np.where(found, curve, 1.0 - curve)
-    likely = np.exp(np.log(np.maximum(chance, 1e-12)).sum(axis=-1)).sum(axis=1)
+    logs = np.log(np.maximum(chance, 1e-12)).sum(axis=-1)
+    likely = np.exp(logs - logs.max()).sum(axis=1)
     below = np.cumsum(likely) / likely.sum()
     ends = np.interp([TAIL, 0.5, 1.0 - TAIL], below, places)
     return tuple(np.exp(ends).tolist())
