@@ -126,6 +126,7 @@ def test_outside_libraries_have_one_place_each():
         "distributed": "fleet",
         "dask": "fleet",
         "fsspec": "fleet",
+        "numba": "thermal",
     }
     for name in FILES:
         for outside, _ in imports(name):

@@ -1,5 +1,7 @@
 """A record answered block by block is the record answered as a whole."""
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +18,9 @@ from pvlib_fem.fitting.search import with_tables
 from pvlib_fem.record.checks import as_record
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.statistics.leastsquares import normal
+from pvlib_fem.thermal import compiled
 from pvlib_fem.thermal import model as thermal
+from pvlib_fem.thermal.steady import STEADY_MODELS
 
 DAYS = fem.datasets.synthetic(6, 600, seed=4)
 EFFECTS = ("temperature_gain", "wind_shape")
@@ -40,8 +44,14 @@ def record(kind, seed=0):
 
 def model_of(law, dynamics, effects):
     """A model with effects, its coefficients, and those without."""
-    model = thermal.thermal_model(law, dynamics, map(find, effects))
+    model = thermal.ThermalModel(STEADY_MODELS[law], dynamics, (*map(find, effects),))
+    known = model.steady_model
+    lacking = [name for name in known.constants if name not in known.fixed]
+    model = replace(model, held=dict.fromkeys(lacking, 0.2))
     values = {name: row.start for name, row in model.parameters.items()}
+    values = {**values, **model.constants}
+    if "k_w" in values:
+        values["k_w"] *= values["k"]
     base = {**values, "bias": -1.0}
     inside = {
         name: 0.02 * model.parameters[name].upper for name in values if "." in name
@@ -111,3 +121,43 @@ def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch
     np.testing.assert_allclose(daily.sums, theirs.sums, rtol=1e-9, atol=1e-9)
     assert daily.dates.tolist() == theirs.dates.tolist()
     assert daily.rows == theirs.rows == counts.sum()
+
+
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+@pytest.mark.parametrize("law", STEADY_MODELS)
+@pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
+def test_the_compiled_loops_are_the_columns(kind, law, dynamics, monkeypatch):
+    """Temperature, normal matrix and sums by the day, to twelve digits."""
+    pytest.importorskip("numba")
+    monkeypatch.setattr(thermal, "BLOCK", 200)
+    model, values = model_of(law, dynamics, EFFECTS if law == "faiman" else ())
+    whole = record(kind)
+    inputs = model.with_drivers(whole.inputs)
+    whole = replace(whole, inputs=inputs)
+    counts = whole.known([*COLUMNS, *model.drivers]) & (whole["poa_global"] > 20)
+    tabled = with_tables(model, whole)
+
+    def found():
+        source = Rows(whole, counts)
+        sums = normal_sums(tabled, values, source, model.free)
+        daily = daily_sums(tabled, values, source, ()).sums
+        return tabled.temperature(inputs, values), sums, daily
+
+    theirs = found()
+    monkeypatch.setattr(compiled, "LONG", 1)
+    ours = found()
+    close = dict(rtol=1e-12, atol=1e-12, equal_nan=True)
+    np.testing.assert_allclose(ours[0], theirs[0], **close)
+    size = np.sqrt(np.diag(theirs[1].normal))
+    for one, other, scale in (
+        (ours[1].normal, theirs[1].normal, np.outer(size, size)),
+        (ours[1].gradient, theirs[1].gradient, size * theirs[1].squares ** 0.5),
+        (ours[2].sums, theirs[2].sums, theirs[2].rows),
+    ):
+        np.testing.assert_allclose(one / scale, other / scale, **close)
+    assert ours[1].squares == pytest.approx(theirs[1].squares, rel=1e-12)
+
+
+def test_the_package_does_not_load_numba():
+    words = "import sys, pvlib_fem; assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", words], check=True)

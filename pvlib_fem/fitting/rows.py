@@ -8,12 +8,18 @@ import numpy as np
 
 from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.record.checks import Record
-from pvlib_fem.statistics.clusters import cluster_sums_of, sums_by_day
+from pvlib_fem.statistics.clusters import (
+    cluster_sums_of,
+    joined,
+    products_by_day,
+    starts,
+)
 from pvlib_fem.statistics.leastsquares import Normal, products
-from pvlib_fem.thermal.model import blocks
+from pvlib_fem.thermal.compiled import answered, fast
+from pvlib_fem.thermal.model import ThermalModel, blocks
 from pvlib_fem.thermal.response import Past
 
-EVERY, FEWEST = 8, 6  # a search begins on each eighth block, where there are six such
+EVERY, FEWEST = 8, 4  # a search begins on each eighth block, where there are four
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,15 +31,45 @@ class Answer:
     slopes: Mapping  # by parameter
     dates: np.ndarray  # day of each row, from 1970-01-01
 
-    @property
-    def residual(self):
-        return self.measured - self.temperature
-
     def columns(self, names):
         """Some of the slopes, and what is left, side by side."""
         slopes = (self.slopes[name] for name in names)
         rows = len(self.measured)
-        return [*(np.broadcast_to(slope, rows) for slope in slopes), self.residual]
+        columns = (np.broadcast_to(slope, rows) for slope in slopes)
+        return [*columns, self.measured - self.temperature]
+
+    def products(self, names):
+        """Products of some of the slopes, and of what is left, over all rows."""
+        return products(self.columns(names))
+
+    def by_day(self, names):
+        """The dates, and the same products over each."""
+        return products_by_day(self.columns(names), self.dates)
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """The same, asked for in products alone and answered by the compiled loops."""
+
+    model: ThermalModel
+    given: tuple  # inputs, coefficients and past
+    counts: np.ndarray
+    measured: np.ndarray  # of all rows of the block
+    dates: np.ndarray  # of the rows that count
+
+    def summed(self, names, edges):
+        seen, edges = (self.counts, self.measured), np.array(edges, dtype=np.int64)
+        total = answered(self.model, *self.given, seen, edges)[1]
+        parameters = list(self.model.parameters)
+        kept = [*(parameters.index(name) for name in names), -1]
+        return total[:, kept][:, :, kept]
+
+    def products(self, names):
+        return self.summed(names, [0, len(self.dates)])[0]
+
+    def by_day(self, names):
+        first, _ = starts(self.dates)
+        return self.dates[first], self.summed(names, [*first, len(self.dates)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +77,8 @@ class Rows:
     """
     Rows that count of a record that is held in memory.
 
-    A fit asks for no more than ``step``, ``wind``, ``winds`` and :meth:`answers`, one
-    pass each, so that another source of rows need not hold them.
+    A fit asks for no more than ``count``, ``step``, ``wind``, ``winds`` and
+    :meth:`answers`, one pass each, so that another source of rows need not hold them.
     """
 
     record: Record
@@ -50,6 +86,11 @@ class Rows:
     every: int = 1  # of how many blocks it has one
     parts: list = field(default_factory=list, repr=False)
     usual: dict = field(default_factory=dict, repr=False)  # step, by the drivers
+
+    @cached_property
+    def count(self):
+        """How many rows count."""
+        return int(np.count_nonzero(self.counts))
 
     @cached_property
     def step(self):
@@ -70,19 +111,22 @@ class Rows:
         mean = weight @ wind / total
         return float(mean), float(np.sqrt(weight @ (wind - mean) ** 2 / total))
 
-    def answers(self, model, coefficients, wanted=True) -> Iterator[Answer]:
+    def answers(self, model, coefficients) -> Iterator[Answer | Loop]:
         """What a model says of the rows that count, carried on over all others."""
         inputs, drivers = self.record.inputs, tuple(model.drivers)
         if drivers not in self.usual:
             self.usual[drivers] = model.past(inputs).usual
-        known, past = model.knowing(inputs, coefficients, wanted), None
+        known, past = model.knowing(inputs, coefficients), None
         for block, part, rows, measured, dates in self.divided():
             if past is None or self.every > 1:
                 past = Past(self.usual[drivers])
-            here = known.on(block)
-            temperature, slopes = here.answer(part, coefficients, past, wanted)
+            here, given = known.on(block), (part, coefficients, past)
+            if fast(len(self.record.index), known.effects):
+                yield Loop(here, given, self.counts[block], measured, dates)
+                continue
+            temperature, slopes = here.answer(*given)
             slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
-            yield Answer(measured, temperature[rows], slopes, dates)
+            yield Answer(measured[rows], temperature[rows], slopes, dates)
 
     def thinned(self):
         """Some of the blocks, where a search of many may begin, or None of few."""
@@ -98,7 +142,7 @@ class Rows:
             record = self.record
             for block in blocks(len(record.index))[:: self.every]:
                 rows = np.flatnonzero(self.counts[block])
-                measured = record["temp_module"][block][rows]
+                measured = np.array(record["temp_module"][block])
                 part, dates = record.inputs.part(block), record.dates[block][rows]
                 self.parts.append((block, part, rows, measured, dates))
         return self.parts
@@ -106,19 +150,14 @@ class Rows:
 
 def normal_sums(model, coefficients, source, names) -> Normal:
     """Squares and products of slopes and residual, from one pass over a source."""
-    total = sum(
-        products(answer.columns(names))
-        for answer in source.answers(model, coefficients)
-        if len(answer.measured)
-    )
-    return Normal.of(total)
+    answers = source.answers(model, coefficients)
+    return Normal.of(sum(answer.products(names) for answer in answers))
 
 
 def daily_sums(model, coefficients, source, at_bound) -> DailySums:
     """The sums of a minimum by the day, from one pass over a source."""
     names = tuple(name for name in model.free if name not in at_bound)
-    by_day = sums_by_day(
-        (answer.columns(names), answer.dates)
-        for answer in source.answers(model, coefficients)
-    )
-    return DailySums(names, cluster_sums_of(by_day), source.winds)
+    answers = source.answers(model, coefficients)
+    by_day = joined(answer.by_day(names) for answer in answers)
+    rows = source.count
+    return DailySums(names, cluster_sums_of(*by_day, rows), source.winds)

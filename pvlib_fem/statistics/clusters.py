@@ -140,38 +140,34 @@ def cluster_sums(columns, residual, dates, folds=FOLDS, fewest=FEWEST_CLUSTERS):
     ``columns`` are arrays of the rows; they are put side by side a day at a time,
     so that a long record needs no second copy of them.
     """
-    by_day = sums_by_day([([*columns, residual], dates)])
-    return cluster_sums_of(by_day, folds, fewest)
+    by_day = products_by_day([*columns, residual], dates)
+    return cluster_sums_of(*by_day, len(residual), folds, fewest)
 
 
-def cluster_sums_of(by_day, folds=FOLDS, fewest=FEWEST_CLUSTERS):
-    """The same from what :func:`sums_by_day` gives."""
-    days, rows, sums = by_day
+def cluster_sums_of(days, sums, rows, folds=FOLDS, fewest=FEWEST_CLUSTERS):
+    """The same from the products of columns over each day, of some rows in all."""
     scale = np.sqrt(np.einsum("dii->i", sums)[:-1] / rows)
     scale[scale == 0] = 1.0
     scales = np.append(scale, 1.0)
-    sums /= np.outer(scales, scales)
+    sums = sums / np.outer(scales, scales)
     of_day = days_of_folds(days, folds)
     return ClusterSums(sums, scale, rows, of_day, calendar_weeks(days), days, fewest)
 
 
-def sums_by_day(blocks):
-    """
-    Products of columns summed over each date: the dates, the rows in all, the sums.
+def products_by_day(columns, dates):
+    """The dates of some rows, and products of columns over each."""
+    first, ends = starts(dates)
+    parts = [products(columns, slice(*edges)) for edges in zip(first, ends)]
+    size = len(columns)
+    return dates[first], np.array(parts).reshape(-1, size, size)
 
-    ``blocks`` are columns and dates of rows that follow each other, block by block.
-    """
-    days, sums, rows = [], [], 0
-    for columns, dates in blocks:
-        rows += len(dates)
-        for start, end in zip(*starts(dates)):
-            found = products(columns, slice(start, end))
-            if days and days[-1] == dates[start]:
-                sums[-1] += found
-            else:
-                days.append(dates[start])
-                sums.append(found)
-    return np.array(days), rows, np.array(sums)
+
+def joined(parts):
+    """The dates and products of blocks that follow each other, each date once."""
+    days, sums = zip(*parts)
+    days, sums = np.concatenate(days), np.concatenate(sums)
+    first, _ = starts(days)
+    return days[first], np.add.reduceat(sums, first, axis=0)
 
 
 def days_of_folds(dates, folds=FOLDS):
@@ -183,7 +179,7 @@ def days_of_folds(dates, folds=FOLDS):
 def starts(dates):
     """First row of each date, and the row after its last."""
     if not len(dates):
-        return [], []
+        return np.zeros(0, int), []
     # an hour that comes twice at midnight stays with the day that has begun
     first = np.flatnonzero(np.diff(dates, prepend=dates[0] - 1) > 0)
     return first, [*first[1:], len(dates)]

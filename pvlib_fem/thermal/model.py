@@ -13,12 +13,13 @@ from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time, read
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.relaxation import usual_step
+from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.dynamics import balanced, smoothed, steady
 from pvlib_fem.thermal.response import Past
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem.thermal.temperature import TAU, losing
 
-BLOCK = 1 << 13  # rows that are answered at a time: their columns stay in the cache
+BLOCK = 1 << 14  # rows that are answered at a time: their columns stay in the cache
 #: time constant that stands for a steady model: shorter than any logger's step
 INSTANT = 1e-9  # s
 
@@ -213,7 +214,15 @@ class ThermalModel:
 
     def temperature(self, inputs, coefficients):
         """Module temperature of checked inputs, all coefficients given. [°C]"""
-        return self.slopes(inputs, coefficients, wanted=False)[0]
+        rows = len(inputs.index)
+        model = self.knowing(inputs, coefficients, False)
+        if not fast(rows, model.effects):
+            return self.slopes(inputs, coefficients, wanted=False)[0]
+        temperature, past = np.empty(rows), self.past(inputs)
+        for block in blocks(rows):
+            given = inputs.part(block), coefficients, past
+            temperature[block] = answered(model.on(block), *given)[0]
+        return temperature
 
     def slopes(self, inputs, coefficients, wanted=True, also=None):
         """
@@ -275,13 +284,7 @@ class ThermalModel:
         also : dict of Terms, optional
             Further slopes of terms to be answered along.
         """
-        added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
-        slopes = {"bias": Terms(offset=1.0)} if wanted else {}
-        slopes |= also or {}
-        for effect in self.effects:
-            added = added.plus(effect.at(inputs.columns, coefficients))
-            if wanted:
-                slopes |= effect.slopes(inputs.columns, coefficients)
+        added, slopes = self.terms(inputs, coefficients, wanted, also)
         law, own = self.steady_model, self.own(coefficients)
         if self.dynamics == "steady":
             temperature, answers = steady(law, own, inputs, added, slopes)
@@ -298,6 +301,17 @@ class ThermalModel:
             name: as_read(answer, slopes.get(name), added.gain, over)
             for name, answer in answers.items()
         }
+
+    def terms(self, inputs, coefficients, wanted=True, also=None):
+        """What is known of the equation's columns, and its slopes where ``wanted``."""
+        added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
+        slopes = {"bias": Terms(offset=1.0)} if wanted else {}
+        slopes |= also or {}
+        for effect in self.effects:
+            added = added.plus(effect.at(inputs.columns, coefficients))
+            if wanted:
+                slopes |= effect.slopes(inputs.columns, coefficients)
+        return added, slopes
 
     def own(self, coefficients):
         """Those coefficients that are the steady model's."""

@@ -14,6 +14,7 @@ class Past:
     usual: float = np.nan  # median step of the whole record, in units; NaN: its block's
     since: dict = field(default_factory=dict)  # time since each recursion's last row
     last: dict = field(default_factory=dict)  # value of each of its columns there
+    state: np.ndarray | None = None  # the same of the compiled loops
 
 
 class Response:

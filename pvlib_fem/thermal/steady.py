@@ -18,6 +18,15 @@ CLIP = 8.0  # m/s, where the paper clips the wind in WM2
 SHELTER = 0.51  # of SAM: wind at the module over wind at 10 m
 
 
+RESISTANCE, LOGARITHM, LOSS = range(3)
+#: from a resistance to the scale, and the scale's slope by it
+SCALES = (
+    lambda r_eq: (r_eq, 1.0),
+    lambda r_eq: (np.log(r_eq), 1.0 / r_eq),
+    lambda r_eq: (1.0 / r_eq, -1.0 / r_eq**2),
+)
+
+
 @dataclass(frozen=True)
 class SteadyModel:
     """
@@ -34,6 +43,8 @@ class SteadyModel:
     parameters: Mapping[str, Parameter]
     constants: Mapping[str, Parameter] = field(default_factory=dict)
     defaults: Mapping[str, float] = field(default_factory=dict)
+    scale: int = 0  # on which it is a straight line in wind: a place in SCALES
+    clip: str = ""  # the coefficient that is the wind from which it stays
 
     @property
     def coefficients(self):
@@ -203,6 +214,7 @@ STEADY_MODELS = {
             "a": Parameter(-3.47, -6.2, -1.6, "ln(K m²/W)"),
             "b": Parameter(-0.0594, -1.0, 0.0, "s/m"),
         },
+        scale=LOGARITHM,
     ),
     "faiman": SteadyModel(
         "faiman",
@@ -213,9 +225,14 @@ STEADY_MODELS = {
             "u1": Parameter(6.84, 0.0, 100.0, "W s/(m³ K)"),
         },
         defaults={"u0": 25.0, "u1": 6.84},
+        scale=LOSS,
     ),
     "wm1": SteadyModel(
-        "wm1", wm1, wm1_slopes, {"k": K, "d": Parameter(15.0, 1.0, 1000.0, "m/s")}
+        "wm1",
+        wm1,
+        wm1_slopes,
+        {"k": K, "d": Parameter(15.0, 1.0, 1000.0, "m/s")},
+        scale=LOGARITHM,
     ),
     "wm2": SteadyModel(
         "wm2",
@@ -226,6 +243,7 @@ STEADY_MODELS = {
             "k_w": Parameter(0.5 / CLIP, 0.0, 0.999 / CLIP, "K m s/W", share_of="k"),
         },
         {"wind_speed_max": Parameter(CLIP, 0.0, CLIP, "m/s")},
+        clip="wind_speed_max",
     ),
     "pvsyst": SteadyModel(
         "pvsyst",
@@ -240,6 +258,7 @@ STEADY_MODELS = {
             "alpha_absorption": Parameter(0.9, **SHARE),
         },
         defaults={"u_c": 29.0, "u_v": 0.0},
+        scale=LOSS,
     ),
     "noct": SteadyModel(
         "noct", noct, noct_slopes, {"noct": Parameter(46.0, 21.6, 180.0, "°C")}
@@ -253,6 +272,7 @@ STEADY_MODELS = {
             "module_efficiency": Parameter(np.nan, **SHARE),
             "transmittance_absorptance": Parameter(0.9, **SHARE),
         },
+        scale=LOSS,
     ),
 }
 

@@ -1,0 +1,133 @@
+"""A block of rows answered by compiled loops, where numba is there."""
+
+from functools import cache
+from importlib.util import find_spec
+
+import numpy as np
+
+from pvlib_fem.effects.effect import Known, is_there
+from pvlib_fem.thermal.steady import SCALES
+
+LONG = 1 << 15  # rows of a record from which loading the loops is worth it
+MEMORIES = {"ewm": "tau", "balance": "capacity"}
+FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
+
+
+def fast(rows, effects):
+    """Whether a record's rows are answered by the loops, which know no ``gain``."""
+    if rows < LONG or any(reads_more(effect) for effect in effects):
+        return False
+    return loops() is not None
+
+
+def reads_more(effect):
+    """Whether an effect that is known on columns has a share of what is read."""
+    terms = [effect.terms] if isinstance(effect, Known) else []
+    return any(is_there(one.gain) for one in (*terms, *effect.units.values()))
+
+
+@cache
+def loops():
+    """The compiled loops, or None without numba; loaded when first asked for."""
+    if find_spec("numba") is None:
+        return None
+    from pvlib_fem.thermal import kernels
+
+    return kernels
+
+
+def line_of(law, own):
+    """A steady model as a line in wind on its scale: its ends, clip, and slopes."""
+    clip = own[law.clip] if law.clip else np.inf
+    winds = np.array([0.0, min(FAR, clip) or FAR])
+    r_eq, slopes = law.resistance(winds, **own), law.slopes(winds, **own)
+    value, slope = SCALES[law.scale](r_eq)
+    ends = [value, *(slope * slopes[name] for name in law.parameters)]
+    line, *by = [np.array([e[0], (e[1] - e[0]) / winds[1]]) for e in ends]
+    return line, float(clip), dict(zip(law.parameters, by))
+
+
+def of_terms(slopes, names, rows):
+    """Slopes of terms side by side: of heat, loss and offset."""
+    more = np.zeros((3, len(names), rows))
+    for place, name in enumerate(names):
+        own = slopes[name]
+        for column, values in enumerate((own.heat, own.loss, own.offset)):
+            more[column, place] = values
+    return tuple(more)
+
+
+def whole(column, rows):
+    """A column as the loops take it: a number for each row, in one type of array."""
+    result = np.empty(rows)
+    result[:] = column
+    return result
+
+
+def answered(model, inputs, coefficients, past, seen=None, edges=None):
+    """
+    Temperature of a block, and products of its slopes and of what is left.
+
+    Parameters
+    ----------
+    model, inputs, coefficients, past
+        As :meth:`ThermalModel.answer` has them.
+    seen : tuple of array, optional
+        Which rows count, and what was measured.
+    edges : array of int, optional
+        Where in the rows that count each part begins, and the end of the last; without
+        it no products are asked for.
+
+    Returns
+    -------
+    temperature : array
+    products : array
+        Of each part, by the model's parameters in order, and what is left.
+    """
+    wanted, law = edges is not None, model.steady_model
+    added, slopes = model.terms(inputs, coefficients, wanted)
+    names = [name for name in slopes if name != "bias"]
+    line, clip, by = line_of(law, model.own(coefficients))
+    size, rows = 5 + len(names), len(inputs["temp_air"])
+    if past.state is None:
+        past.state = np.zeros((3, size))
+    air, wind = inputs["temp_air"], inputs["wind_speed"]
+    columns = inputs.steps, air, added.heat, wind, added.loss, added.offset
+    temperature, found = np.empty(rows), np.empty((0, 0))
+    if wanted:
+        found = np.empty((size, edges[-1]))
+        found[2], found[3] = 0.0, 1.0
+    memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
+    kernels = loops()
+    getattr(kernels, model.dynamics)(
+        (law.scale, float(line[0]), float(line[1]), clip),
+        (float(memory), float(inputs.unit), float(past.usual), is_there(added.loss)),
+        (*(whole(column, rows) for column in columns), temperature),
+        of_terms(slopes, names, rows),
+        seen or (np.zeros(0, bool), np.zeros(0)),
+        past.state,
+        found,
+    )
+    if not wanted:
+        return temperature, None
+    total = np.empty((len(edges) - 1, size, size))
+    kernels.summed(found, edges, total)
+    chain = chained(model, by, names)
+    return temperature, chain.T @ total @ chain
+
+
+def chained(model, by, names):
+    """How the columns of the loops make slopes by each parameter, and what is left."""
+    parameters = list(model.parameters)
+    chain = np.zeros((5 + len(names), len(parameters) + 1))
+    chain[-1, -1] = 1.0
+    for place, name in enumerate(parameters):
+        if name in by:
+            chain[:2, place] = by[name]
+        elif name == "bias":
+            chain[3, place] = 1.0
+        elif name in names:
+            chain[4 + names.index(name), place] = 1.0
+        else:
+            chain[2, place] = 1.0
+    return chain
