@@ -161,6 +161,21 @@ def is_derived(name):
     return getattr(name, "name", name) in DERIVED
 
 
+#: those that know of a row what was, or will be, hours and weeks from it
+REMEMBERED = (
+    *("elapsed", "beam_around", "cloud_share", "wetness", "days_since_rain"),
+    *("snow_cover", "poa_stored_1h", "poa_stored_3h", "air_stored"),
+)
+
+
+def remembers(name):
+    """Whether a driver, or one behind it, needs more than the row itself."""
+    if not is_derived(name):
+        return False
+    known = getattr(name, "name", name) in REMEMBERED
+    return known or any(map(remembers, made_of(name)[0]))
+
+
 def behind(names):
     """Columns behind drivers that are not derived, each once."""
     columns = []

@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.fitting.comparison import FITTED, STEPS, Comparison
-from pvlib_fem.fitting.fit import METHODS, held_out, least_squares_stages
+from pvlib_fem.fitting.stages import METHODS, held_out, least_squares_stages
 from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.paper.recipe import MODELS, paper_stages

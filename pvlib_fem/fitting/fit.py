@@ -9,32 +9,38 @@ import pandas as pd
 from pvlib_fem import scores
 from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.fitting.daily import errors
+from pvlib_fem.fitting.files import fit_files
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.rows import Rows, daily_sums
-from pvlib_fem.fitting.search import minimise, natural, possible, with_tables
+from pvlib_fem.fitting.search import possible
+from pvlib_fem.fitting.stages import (
+    METHODS,
+    held_out,
+    last,
+    least_squares_stages,
+    public,
+)
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.record.checks import as_record
-from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.record.columns import ALIASES, COLUMNS, with_aliases
+from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.spelling import LEAST_SQUARES, argument, refusal
-from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.leastsquares import FLAT
-from pvlib_fem.thermal.model import INSTANT, thermal_model
+from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.types import FilePath
 
-METHODS = ("least_squares", "paper")
 MEMORIES = ("tau", "capacity")  # of which each dynamics has one
-ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
 
 
 def fit_fem(
-    poa_global: pd.Series,
-    temp_air: pd.Series,
-    wind_speed: pd.Series,
-    temp_module: pd.Series,
+    poa_global: pd.Series | pd.DataFrame | ParquetRecord | FilePath,
+    temp_air: pd.Series | None = None,
+    wind_speed: pd.Series | None = None,
+    temp_module: pd.Series | None = None,
     model: str = "wm1",
     dynamics: str = "ewm",
     method: str = "least_squares",
@@ -57,8 +63,11 @@ def fit_fem(
 
     Parameters
     ----------
-    poa_global : Series
-        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²]
+    poa_global : Series, DataFrame, str, path-like or ParquetRecord
+        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²] Or, in the
+        place of all columns, a frame that has them; or a file, folder or pattern of
+        Parquet files, a pyarrow Dataset, or what :func:`open_parquet` gives, which are
+        read in blocks and need not fit into memory.
     temp_air : Series
         Air temperature. [°C]
     wind_speed : Series
@@ -76,8 +85,8 @@ def fit_fem(
         averages for the coefficients, step changes for tau and the mean error
         of the training days for the bias.
     holdout : Series of bool, optional
-        Rows to hold out. By default the weekend days where the record has two
-        weekends, as in the paper, else every other day.
+        Rows to hold out, or days of a record in files. By default the weekend days
+        where the record has two weekends, as in the paper, else every other day.
     calm_wind : float, default 0.5
         Wind below which ``method="paper"`` takes the air as calm. [m/s]
     check_units : bool, default True
@@ -111,6 +120,7 @@ def fit_fem(
     Returns
     -------
     FemFit
+        Of files one without ``residual``, which ``write_residual(path)`` writes.
 
     Raises
     ------
@@ -143,12 +153,22 @@ def fit_fem(
     target = replace(target, held=possible(target, fixed or {}))
     drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
     refuse_coefficients(target, drivers)
-    target.check_drivers(drivers)
+    if not (is_data_set(poa_global) or isinstance(poa_global, pd.DataFrame)):
+        target.check_drivers(drivers)
     if method not in METHODS:
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
     if method == "paper":
         refuse_paper(target, fixed, night)
     columns = (poa_global, temp_air, wind_speed, temp_module)
+    if is_data_set(poa_global):
+        refuse_columns(columns[1:], drivers, method)
+        how = holdout, night, limits, check_units
+        return fit_files(as_source(poa_global), target, *how)
+    if isinstance(poa_global, pd.DataFrame):
+        refuse_columns(columns[1:], drivers)
+        there = with_aliases(poa_global, (*COLUMNS, *target.drivers))
+        columns = [there[name] for name in COLUMNS]
+        drivers = {name: there[name] for name in target.drivers}
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     filtered = counted(record.inputs.columns, night)
     filtered &= record.known(target.drivers)
@@ -207,6 +227,18 @@ def refuse_paper(target, fixed, night):
         raise ValueError("method='paper' is for daytime rows; use night=False")
 
 
+def refuse_columns(columns, drivers, method=""):
+    """Refuse columns beside a frame or files that have them, and the paper's recipe."""
+    if any(column is not None for column in columns) or drivers:
+        raise ValueError(
+            "columns are given beside a record that has them; give the record alone, "
+            "or its columns one by one"
+        )
+    if method == "paper":
+        paper = argument("method", "paper")
+        raise refusal(paper, " takes no files; give it columns, or use ", LEAST_SQUARES)
+
+
 def refuse_coefficients(target, drivers):
     """Refuse a number that is to be held where columns are given."""
     for name, value in drivers.items():
@@ -241,98 +273,6 @@ def finished(target, record, temperature, parts, minimum, **how):
         fixed=dict(target.held),
         **how,
     )
-
-
-def held_out(record, filtered, holdout, notes):
-    """Boolean array of the rows that the fit does not see."""
-    index = record.index
-    if holdout is not None:
-        out = record.rows(holdout)
-    else:
-        weekend = (record.dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
-        weeks = calendar_weeks(record.dates)
-        two = len(np.unique(weeks[weekend & filtered])) >= 2
-        out = weekend if two else record.days % 2 == 1
-        if not (filtered & ~out).any():
-            out = np.zeros(len(index), dtype=bool)
-    if not (filtered & out).any():
-        notes.append("no row that counts is held out: test scores are NaN")
-    return out
-
-
-def needed(step, rows, parameters):
-    if rows <= parameters:
-        raise ValueError(
-            f"{step} needs more than {parameters} rows and has {rows}: training "
-            "rows with all four columns, more than 20 W/m², the module at 0 to 80 "
-            "°C, air at -20 to 60 °C and wind up to 25 m/s; use a longer record"
-        )
-
-
-def least_squares_stages(target, record, train, not_held_out):
-    """The model with its base, its record, the steps to it, and the last minimum."""
-    needed("least squares", int(train.sum()), len(target.free))
-    complete = np.isfinite(sum(record[name] for name in COLUMNS))
-    plain = replace(target, effects=())
-    steady = replace(plain, dynamics="steady")
-    start = {name: row.start for name, row in target.parameters.items()}
-    steps = [
-        ("standard", steady, complete & not_held_out, False),
-        ("filter", steady, train, False),
-        ("ewm", plain, train, False),
-        ("fem", plain, train, True),
-    ]
-    stages, thin, source = {}, start, None
-    for name, model, rows, biased in steps:
-        # what a later step starts from need not be as flat as the last
-        flat = ROUGH if target.effects or name != "fem" else FLAT
-        if source is None or source.counts is not rows:
-            source = Rows(record, rows)
-            some = source.thinned()
-        if some:
-            # what a stage changes is nearly the same on a part of the rows
-            before, (_, thin) = thin, minimise(model, some, thin, biased, ROUGH)
-            start = {n: value + thin[n] - before[n] for n, value in start.items()}
-        minimum, start = minimise(model, source, start, biased, flat)
-        stages[name] = (model, natural(model, start)[0])
-    if not target.effects:
-        return target, record, stages, minimum
-    target = replace(target, base=public(plain, last(stages)[1]))
-    found = effect_stages(target, record, train, start)
-    own = target.rebased(public(target, last(found[1])[1]))
-    if own is not target:
-        found = effect_stages(own, record, train, start)
-    record, more, minimum = found
-    return own, record, stages | more, minimum
-
-
-def effect_stages(target, record, train, start):
-    """The record with the effects' drivers, the steps that add each, the minimum."""
-    record = replace(record, inputs=target.with_drivers(record.inputs))
-    stages, source = {}, Rows(record, train)
-    for i, added in enumerate(target.effects, start=1):
-        model = replace(target, effects=target.effects[:i])
-        flat = FLAT if i == len(target.effects) else ROUGH
-        tabled = with_tables(model, record)
-        minimum, start = minimise(tabled, source, start, True, flat)
-        stages[f"+ {added.name}"] = (model, natural(model, start)[0])
-    return record, stages, minimum
-
-
-def last(stages):
-    """What the last step came to."""
-    return list(stages.values())[-1]
-
-
-def public(model, coefficients):
-    """Coefficients that unpack into the temperature function of the dynamics."""
-    constants = [name for name in model.constants if name in model.held]
-    names = [*model.parameters, *constants]
-    values = {name: float(coefficients[name]) for name in names}
-    if model.dynamics == "steady":
-        bias = values.pop("bias")
-        values = {**values, "tau": INSTANT, "bias": bias}
-    return values
 
 
 def score_table(record, stages, train, test):

@@ -113,6 +113,16 @@ class FemFit:
         return summary_of(self.record)
 
     @property
+    def step(self) -> float:
+        """Usual time between rows. [s]"""
+        return self.record.inputs.step
+
+    @property
+    def wind(self) -> float:
+        """Mean wind speed of the record. [m/s]"""
+        return float(np.nanmean(self.record["wind_speed"]))
+
+    @property
     def thermal_model(self) -> ThermalModel:
         """The steady model, dynamics and effects that were fitted."""
         return thermal_model(

@@ -6,9 +6,8 @@ import numpy as np
 
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
-from pvlib_fem.fitting.rows import normal_sums
 from pvlib_fem.spelling import FIXED, Spelled, refusal
-from pvlib_fem.statistics.leastsquares import answered, descent
+from pvlib_fem.statistics.leastsquares import descent
 from pvlib_fem.thermal.model import MEMORY
 
 TURNS = 3  # of a search whose bounds move with what it finds
@@ -46,17 +45,11 @@ def possible(model, fixed):
     return held
 
 
-def minimise(model, source, start, biased, flat):
-    """Least squares of one stage, over its parameters as the search sees them."""
-    return answered(
-        searching(model, source, start, biased, flat),
-        lambda asked: normal_sums(model, asked[0], source, asked[1]),
-    )
-
-
 def searching(model, source, start, biased, flat):
     """
-    The same as a generator: it yields coefficients and the names of those that vary.
+    Least squares of one stage, over its parameters as the search sees them.
+
+    A generator: it yields coefficients and the names of those that vary.
 
     It is sent :class:`~pvlib_fem.statistics.leastsquares.Normal` of their slopes, and
     ends with the minimum and the coefficients as the search sees them. Of ``source`` it

@@ -45,18 +45,15 @@ def minimum_of(fit, coefficients):
             "coefficients through time need a fit's sums by the day, and this fit "
             f"{why}; fit the record with method='least_squares'"
         )
-    model, daily, step = fit.thermal_model, fit.daily, fit.record.inputs.step
-    found, wind = (
-        model.completed(fit.coefficients),
-        np.nanmean(fit.record["wind_speed"]),
-    )
+    model, daily = fit.thermal_model, fit.daily
+    found = model.completed(fit.coefficients)
     return Minimum(
         model,
         found,
         daily,
         names_of(model, daily.names, coefficients),
-        lag(model, found, step, wind) if MEMORY[model.dynamics] else None,
-        step,
+        lag(model, found, fit.step, fit.wind) if MEMORY[model.dynamics] else None,
+        fit.step,
     )
 
 

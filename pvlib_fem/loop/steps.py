@@ -9,7 +9,8 @@ import pandas as pd
 from pvlib_fem import scores
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.rows import Rows, daily_sums
-from pvlib_fem.fitting.search import minimise, natural, possible, tables
+from pvlib_fem.fitting.search import natural, possible, tables
+from pvlib_fem.fitting.stages import minimise
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.record.columns import DAYLIGHT

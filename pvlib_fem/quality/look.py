@@ -180,7 +180,7 @@ class Look:
         long = np.flatnonzero(steps * self.unit > limits.stray_gap)
         self.gaps += [(block.start + i, times[i] - steps[i], times[i]) for i in long]
         first = int(block.start == 0)
-        self.count(steps[first:])
+        count_steps(self.steps, steps[first:])
         self.days.update(np.unique(block.dates).tolist())
         some = slice(-block.start % self.every, None, self.every)
         kept = {}
@@ -188,15 +188,6 @@ class Look:
             kept[name] = column.add(block[name], block.start, times)[some].copy()
         self.sample.append((times[some], kept))
         self.rows += len(block)
-
-    def count(self, steps):
-        if not len(steps):
-            return
-        if steps.min() == steps.max():
-            self.steps[int(steps[0])] += len(steps)
-            return
-        for step, number in zip(*np.unique(steps, return_counts=True)):
-            self.steps[int(step)] += int(number)
 
     @property
     def step(self):
@@ -235,6 +226,17 @@ class Look:
                 continue
             found[name] = column.standing.runs()
         return found
+
+
+def count_steps(counts, steps):
+    """Add how often each of some steps is there."""
+    if not len(steps):
+        return
+    if steps.min() == steps.max():
+        counts[int(steps[0])] += len(steps)
+        return
+    for step, number in zip(*np.unique(steps, return_counts=True)):
+        counts[int(step)] += int(number)
 
 
 def median(counts):

@@ -4,6 +4,7 @@ import itertools
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -28,6 +29,7 @@ from pvlib_fem.record.footers import (
 )
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
+from pvlib_fem.stored import replacing
 from pvlib_fem.types import FilePath
 
 ROWS = 1 << 16  # of a block: its columns stay in the cache
@@ -51,15 +53,27 @@ class Block:
     def index(self):
         return self.inputs.index
 
-    @property
+    @cached_property
     def times(self):
         """Times as counts of the unit since 1970, in UTC where they have a zone."""
         return instants(self.index).view("i8")
 
-    @property
+    @cached_property
     def dates(self):
         """Calendar day of each row in the record's zone, from 1970-01-01."""
-        return dates_of(self.index)
+        ends = self.index[[0, -1]]
+        offsets = [
+            local - utc for local, utc in zip(ends.tz_localize(None), utc_of(ends))
+        ]
+        if offsets[0] != offsets[1] or ends[1] - ends[0] > pd.Timedelta("7D"):
+            return dates_of(self.index)
+        # of a stretch without a change of the clock only its midnights are looked for
+        first, last = dates_of(ends)
+        days = np.arange(first, last + 1, dtype=np.int32)
+        midnights = pd.DatetimeIndex(days[1:].astype("M8[D]").astype("M8[ns]"))
+        found = instants(midnights - offsets[0]).astype(f"M8[{self.index.unit}]")
+        edges = np.searchsorted(self.times, found.view("i8"))
+        return np.repeat(days, np.diff([0, *edges, len(self)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,6 +289,26 @@ def refuse_headers(names):
                 f"{own_unit(name)}; convert the files, or give check_units=False if "
                 "it is in that unit already"
             )
+
+
+def utc_of(index):
+    return index if index.tz is None else index.tz_convert(None)
+
+
+def write_parquet(path: FilePath, blocks: Iterable[tuple], name: str) -> None:
+    """Write a column of blocks of times and values as one file, whole or not at all."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    with replacing(path) as whole:
+        writer = None
+        for index, values in blocks:
+            data = pd.DataFrame({name: values}, index.rename("time"))
+            table = pa.Table.from_pandas(data)
+            writer = writer or pq.ParquetWriter(whole, table.schema)
+            writer.write_table(table)
+        if writer is not None:
+            writer.close()
 
 
 def in_zone(index, tz, naive=False):

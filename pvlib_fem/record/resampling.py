@@ -73,9 +73,9 @@ class Sums:
         there = ~np.isnan(values)
         at = place - self.first + (place < self.first)
         low = at[0]
-        counts[low:] += np.bincount(at - low, there, size - low)
+        counts[low:size] += np.bincount(at - low, there, size - low)
         weights = np.where(there, values, 0.0)
-        sums[low:] += np.bincount(at - low, weights, size - low)
+        sums[low:size] += np.bincount(at - low, weights, size - low)
         self.sums[key] = sums, counts
 
     def means(self, key):

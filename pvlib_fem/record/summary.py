@@ -105,12 +105,22 @@ def digest(record):
     -------
     str
     """
-    times = instants(record.index).astype("M8[ns]").astype("<i8")
-    found = hashlib.sha256(times.tobytes())
-    for name in measured(record.missing, record.inputs.columns):
-        values = np.asarray(record[name], dtype="<f8")
-        # one NaN, and one zero
-        values = np.where(np.isnan(values), np.nan, values + 0.0)
+    names = measured(record.missing, record.inputs.columns)
+    return digest_of(names, lambda names: [record.only(names)])
+
+
+def digest_of(names, blocks):
+    """The same of records that follow each other, as ``blocks(names)`` gives them."""
+    found = hashlib.sha256()
+    for block in blocks(()):
+        found.update(instants(block.index).astype("M8[ns]").astype("<i8").tobytes())
+    for name in names:
+        if name in GEOMETRY:
+            continue
         found.update(name.encode("utf-8", "surrogatepass"))
-        found.update(values.astype("<f8").tobytes())
+        for block in blocks((name,)):
+            values = np.asarray(block[name], dtype="<f8")
+            # one NaN, and one zero
+            values = np.where(np.isnan(values), np.nan, values + 0.0)
+            found.update(values.astype("<f8").tobytes())
     return found.hexdigest()

@@ -1,0 +1,258 @@
+"""A fit of a record in files: its rows are read pass by pass and never held."""
+
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.fitting.daily import errors
+from pvlib_fem.fitting.memory import memory_notes
+from pvlib_fem.fitting.passes import Asked, Files, first_pass
+from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.fitting.search import as_searched, natural, searching
+from pvlib_fem.fitting.stages import (
+    NONE_OUT,
+    ROUGH,
+    days_out,
+    last,
+    least_squares_stages,
+    needed,
+    planned,
+    public,
+)
+from pvlib_fem.paper.filters import counted
+from pvlib_fem.record.parquet import ParquetRecord, write_parquet
+from pvlib_fem.record.summary import Summary
+from pvlib_fem.report.fit_page import fit_page
+from pvlib_fem.scores import GAMMA
+from pvlib_fem.statistics.leastsquares import FLAT
+from pvlib_fem.stored import saved
+from pvlib_fem.types import FilePath
+
+
+class NotHeldError(AttributeError, ValueError):
+    """What a fit of files does not hold in memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class FileFit(FemFit):
+    """
+    A :class:`FemFit` of a record in files, of which no row is held in memory.
+
+    ``record``, ``holdout`` and the pictures are of means over a minute or more;
+    :meth:`write_residual` writes the residual of all rows.
+    """
+
+    files: Files | None = field(default=None, repr=False)
+
+    def __post_init__(self):
+        vars(self).pop("residual")
+
+    def __getattr__(self, name):
+        if name == "residual":
+            raise NotHeldError(
+                "the residual of a fit of files is not held in memory; write it with "
+                "fit.write_residual('residual.parquet')"
+            )
+        raise AttributeError(f"{type(self).__name__!r} has no attribute {name!r}")
+
+    @cached_property
+    def summary(self) -> Summary:
+        """Size, times and gaps of the record."""
+        return self.files.summary
+
+    @property
+    def step(self) -> float:
+        """Usual time between rows. [s]"""
+        return self.files.step
+
+    @property
+    def wind(self) -> float:
+        """Mean wind speed of the record. [m/s]"""
+        return self.files.wind
+
+    def write_residual(self, path: FilePath) -> None:
+        """
+        Write measured minus modelled temperature of all rows as Parquet.
+
+        Parameters
+        ----------
+        path : str or path-like
+            File to write, with the times as its index and the column ``residual`` [K].
+            It is there whole or not at all.
+        """
+        model = self.thermal_model
+        found = self.files.residuals(model, model.completed(self.coefficients))
+        write_parquet(path, found, "residual")
+
+    def on_means(self) -> FemFit:
+        """The same on means over a minute or more, as pictures have it."""
+        own = {one.name: getattr(self, one.name) for one in own_fields()}
+        model = self.thermal_model
+        inputs = model.with_drivers(self.record.inputs)
+        modelled = model.temperature(inputs, model.completed(self.coefficients))
+        left = self.record["temp_module"] - modelled
+        fit = FemFit(
+            **own, residual=pd.Series(left, self.record.index, name="residual")
+        )
+        vars(fit)["summary"] = self.summary
+        return fit
+
+    def plot(self, ax: Any = None, when: str | slice | None = None) -> Any:
+        """As :meth:`FemFit.plot`, of means over a minute or more."""
+        return self.on_means().plot(ax, when)
+
+    def to_html(
+        self, path: FilePath | None = None, title: str = "", gamma: float = GAMMA
+    ) -> str:
+        """As :meth:`FemFit.to_html`, with pictures of means over a minute or more."""
+        return saved(fit_page(self.on_means(), title, gamma), path)
+
+
+def own_fields():
+    return [one for one in fields(FemFit) if one.name != "residual"]
+
+
+def fit_files(
+    source: ParquetRecord, target, holdout, night, limits, check_units
+) -> FileFit:
+    """
+    The fit of a record in files, by least squares.
+
+    All steps that can go side by side share each pass, and begin where the same fit
+    of means over a minute ends.
+    """
+    files = first_pass(source, target, night, limits, check_units)
+    notes = [*files.screened.notes]
+    files = files.without(dates_out(files, holdout, notes))
+    train = ~np.isin(files.dates, files.out)
+    needed("least squares", int(files.rows[train].sum()), len(target.free))
+    target, stages, minimum = stages_of(files, target)
+    at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
+    names = tuple(name for name in target.free if name not in at_bound)
+    final = list(stages)[-1]
+    asked = {
+        name: Asked(model, found, "counted", wanted=name == final)
+        for name, (model, found) in stages.items()
+    }
+    table, daily = files.ends(asked, final, names)
+    stderr = errors(target, daily, at_bound, notes)
+    found, days = last(stages)[1], int((files.rows[train] > 0).sum())
+    notes += memory_notes(files, target, found, stderr, at_bound, days)
+    if not minimum.converged:
+        notes.append("the search did not converge: do not trust the numbers")
+    coefficients, means = public(target, found), files.means
+    out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
+    return FileFit(
+        model=target.steady_model.name,
+        dynamics=target.dynamics,
+        method="least_squares",
+        effects=target.effects,
+        coefficients=coefficients,
+        stderr={name: stderr.get(name, 0.0) for name in coefficients},
+        scores=pd.DataFrame.from_dict(table, orient="index"),
+        residual=None,
+        at_bound=at_bound,
+        converged=minimum.converged,
+        notes=tuple(notes),
+        train_days=days,
+        test_days=int((files.rows[~train] > 0).sum()),
+        holdout=out,
+        record=means,
+        night=night,
+        base=target.base if target.effects else None,
+        fixed=dict(target.held),
+        daily=daily,
+        files=files,
+    )
+
+
+def dates_out(files, holdout, notes):
+    """Dates of the days that are held out, as they are given or by default."""
+    if holdout is None:
+        out = files.dates[days_out(files.dates, files.rows)]
+    else:
+        out = given_days(holdout)
+    if not files.rows[np.isin(files.dates, out)].any():
+        notes.append(NONE_OUT)
+    return out
+
+
+def given_days(holdout):
+    """Dates of a user's choice of days."""
+    wrong = not isinstance(holdout, pd.Series) or holdout.dtype != bool
+    if wrong or not isinstance(holdout.index, pd.DatetimeIndex):
+        raise ValueError(
+            "holdout of a record in files must be a boolean Series on days, True where "
+            "held out, such as pd.Series(True, pd.date_range('2024-07-01', periods=7))"
+        )
+    local = holdout.index.tz_localize(None)
+    if (local != local.normalize()).any():
+        raise ValueError(
+            f"holdout has the time {local[local != local.normalize()][0]}; of a record "
+            "in files whole days are held out"
+        )
+    return local[holdout.to_numpy()].to_numpy().astype("M8[D]").astype(int)
+
+
+def stages_of(files, target):
+    """The model with its base, the steps to it, and the last minimum."""
+    starts, steps = begun(files, target), planned(target)
+    plain = [step for step in steps if not step[1].effects]
+    stages, minimum = together(files, plain, starts, steps[-1][0])
+    if target.effects:
+        base = public(*last(stages))
+        target = target.with_base_of(base)
+        more = [step for step in steps if step[1].effects]
+        more = [(n, model.with_base_of(base), *how) for n, model, *how in more]
+        found, minimum = together(files, more, starts, steps[-1][0])
+        stages |= found
+    return target, stages, minimum
+
+
+def begun(files, target):
+    """Where the search of each step begins: at its minimum of means, if it has one."""
+    means, out = files.means, np.isin(files.means.dates, files.out)
+    rows = np.array(counted(means.inputs.columns, files.night))
+    rows &= means.known(target.drivers) & ~out
+    try:
+        stages = least_squares_stages(target, means, rows, ~out)[2]
+    except ValueError:  # too few means count, where rows may do
+        stages = {}
+    usual = {name: row.start for name, row in target.parameters.items()}
+    return {
+        name: as_searched(*stages[name]) if name in stages else usual
+        for name, *_ in planned(target)
+    }
+
+
+def together(files, steps, starts, final):
+    """Steps of a fit that share their passes, and the last minimum."""
+    searches, waiting, ended = {}, {}, {}
+
+    def asks(name, answer=None):
+        try:
+            waiting[name] = searches[name].send(answer)
+        except StopIteration as end:
+            waiting.pop(name, None)
+            ended[name] = end.value
+
+    models = {name: (model, rows) for name, model, rows, _ in steps}
+    for name, model, _, biased in steps:
+        flat = FLAT if name == final else ROUGH
+        searches[name] = searching(model, files, starts[name], biased, flat)
+        asks(name)
+    while waiting:
+        asked = {
+            name: Asked(models[name][0], coefficients, models[name][1])
+            for name, (coefficients, _) in waiting.items()
+        }
+        names = {name: own for name, (_, own) in waiting.items()}
+        for name, sums in files.sums(asked, names).items():
+            asks(name, sums)
+    stages = {
+        name: (model, natural(model, ended[name][1])[0]) for name, model, *_ in steps
+    }
+    return stages, ended[steps[-1][0]][0]

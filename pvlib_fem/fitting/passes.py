@@ -1,0 +1,370 @@
+"""A record in files as a fit asks for it: several models answered in each pass."""
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem.drivers import MODELLED, behind, remembers
+from pvlib_fem.fitting.daily import DailySums
+from pvlib_fem.fitting.rows import Answer
+from pvlib_fem.paper.filters import counted
+from pvlib_fem.quality.look import count_steps, median
+from pvlib_fem.quality.streamed import Screened, screened_blocks
+from pvlib_fem.record.checks import Record
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.resampling import Sums
+from pvlib_fem.record.summary import Summary, digest_of
+from pvlib_fem.relaxation import across
+from pvlib_fem.statistics.clusters import cluster_sums_of, sums_by_day
+from pvlib_fem.statistics.leastsquares import Normal, products
+from pvlib_fem.thermal.model import ThermalModel, blocks
+from pvlib_fem.thermal.response import Past
+
+MEANS = 60.0  # s of the steps on which a search begins
+PRESENT = 0.5  # share of such a step that has to be there
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A model that is to be answered in a pass, and over which rows."""
+
+    model: ThermalModel
+    coefficients: dict
+    rows: str  # "complete" or "train" of the days that are fitted, or "counted" of all
+    wanted: bool = True  # whether slopes are
+
+
+@dataclass(frozen=True, eq=False)
+class Files:
+    """A record in files less what was not measured, and what one pass showed of it."""
+
+    screened: Screened
+    night: bool
+    drivers: tuple
+    wind: float  # mean [m/s]
+    usual: dict  # median step between rows that have some columns, in units
+    dates: np.ndarray  # of all days
+    rows: np.ndarray  # that count, of each day
+    light: np.ndarray  # their irradiance squared, times wind and its square, by the day
+    means: Record  # on longer steps
+    out: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # dates held out
+
+    @property
+    def clean(self):
+        return self.screened.record
+
+    @property
+    def step(self):
+        """Usual time between rows. [s]"""
+        return self.screened.look.step
+
+    @cached_property
+    def summary(self):
+        """Size, times and gaps of the record."""
+        look, source = self.screened.look, self.clean.source
+        first, last = map(source.at, look.ends)
+        found = FileSummary(
+            rows=look.rows,
+            days=len(self.dates),
+            start=first,
+            end=last,
+            step=self.step,
+            columns=self.clean.names,
+            missing=dict(self.screened.missing),
+            impossible=self.screened.impossible,
+            clipped=self.screened.clipped,
+            sha256="",
+        )
+        vars(found).pop("sha256")  # which takes passes of its own
+        vars(found)["record"] = self.clean
+        return found
+
+    def without(self, dates):
+        """The same with some days held out."""
+        return replace(self, out=dates)
+
+    @property
+    def winds(self):
+        """Mean wind and its spread over fitted rows, where the sun is. [m/s]"""
+        kept = ~np.isin(self.dates, self.out)
+        total, wind, squares = self.light[kept].sum(axis=0)
+        total = max(total, np.finfo(float).tiny)
+        mean = wind / total
+        return float(mean), float(np.sqrt(max(squares / total - mean**2, 0.0)))
+
+    def past(self, model):
+        """What is before the first row of the record."""
+        return Past(self.usual[self.drivers if model.drivers else ()])
+
+    def answers(self, asked):
+        """
+        What several models say of rows that count, from one pass over the files.
+
+        Parameters
+        ----------
+        asked : dict of Asked
+
+        Yields
+        ------
+        hashable, Answer
+        """
+        pasts = {key: self.past(one.model) for key, one in asked.items()}
+        bases = Bases(self, asked.values())
+        for block in self.clean.blocks():
+            rows, inputs, dates = self.kept(block), even(block), block.dates
+            for part in blocks(len(block)):
+                here, days = bases.beside(inputs.part(part)), dates[part]
+                measured = here["temp_module"]
+                places = {which: np.flatnonzero(at[part]) for which, at in rows.items()}
+                for key, one in asked.items():
+                    at, given = places[one.rows], one.model.with_drivers(here)
+                    own = given, one.coefficients
+                    model = one.model.knowing(*own, one.wanted)
+                    found, slopes = model.answer(*own, pasts[key], one.wanted)
+                    slopes = {n: s[at] if np.ndim(s) else s for n, s in slopes.items()}
+                    yield key, Answer(measured[at], found[at], slopes, days[at])
+
+    def held_out(self, dates):
+        """Booleans of rows that are held out, by their dates."""
+        return self.days_out[dates - self.dates[0]]
+
+    @cached_property
+    def days_out(self):
+        """Whether each day from the first to the last is held out."""
+        days = np.arange(self.dates[0], self.dates[-1] + 1)
+        return np.isin(days, self.out)
+
+    def residuals(self, model, coefficients):
+        """Times and residual of all rows, block by block."""
+        asked, past = Asked(model, coefficients, "counted"), self.past(model)
+        bases = Bases(self, [asked])
+        for block in self.clean.blocks():
+            inputs, found = even(block), []
+            for part in blocks(len(block)):
+                own = model.with_drivers(bases.beside(inputs.part(part))), coefficients
+                known = model.knowing(*own, False)
+                found.append(known.answer(*own, past, wanted=False)[0])
+            yield block.index, block["temp_module"] - np.concatenate(found)
+
+    def kept(self, block):
+        """Booleans of the rows of a block by what they are for."""
+        out = self.held_out(block.dates)
+        complete = np.isfinite(sum(block[name] for name in COLUMNS))
+        counts = rows_that_count(block, self.night, self.drivers)
+        return {"complete": complete & ~out, "train": counts & ~out, "counted": counts}
+
+    def sums(self, asked, names):
+        """:class:`Normal` of several models by some of their coefficients each."""
+        total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in asked}
+        for key, answer in self.answers(asked):
+            if len(answer.measured):
+                total[key] += products(answer.columns(names[key]))
+        return {key: Normal.of(found) for key, found in total.items()}
+
+    def ends(self, asked, last, names):
+        """
+        Scores of several models, and sums by the day of the last of them.
+
+        Parameters
+        ----------
+        asked : dict of Asked
+            Over all rows that count.
+        last : hashable
+            The one of the sums.
+        names : tuple of str
+            Its coefficients that vary.
+
+        Returns
+        -------
+        dict of dict, DailySums
+        """
+        tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
+        by_day, rows = {}, 0
+        for key, answer in self.answers(asked):
+            out = self.held_out(answer.dates)
+            tallies[key]["train"].add(answer.residual[~out])
+            tallies[key]["test"].add(answer.residual[out])
+            if key == last:
+                columns = [column[~out] for column in answer.columns(names)]
+                days, more, sums = sums_by_day([(columns, answer.dates[~out])])
+                rows += more
+                for day, found in zip(days, sums):
+                    by_day[day] = by_day.get(day, 0.0) + found
+        days = sorted(by_day)
+        sums = np.array([by_day[day] for day in days])
+        daily = DailySums(
+            names, cluster_sums_of((np.array(days), rows, sums)), self.winds
+        )
+        table = {
+            key: {
+                f"{score}_{part}": value
+                for part, tally in parts.items()
+                for score, value in tally.scores().items()
+            }
+            for key, parts in tallies.items()
+        }
+        return table, daily
+
+
+class FileSummary(Summary):
+    """A summary of which the hash is made where it is asked for."""
+
+    @cached_property
+    def sha256(self):
+        return digest_of(self.record.names, self.record.blocks)
+
+
+@dataclass(eq=False)
+class Tally:
+    """Errors so far, of which scores are made."""
+
+    rows: int = 0
+    sums: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def add(self, error):
+        there = error[np.isfinite(error)]
+        self.rows += len(there)
+        self.sums += there @ there, np.abs(there).sum(), there.sum()
+
+    def scores(self):
+        """RMSE, MAE and MBE by name. [K]"""
+        with np.errstate(invalid="ignore"):
+            square, size, mean = self.sums / (self.rows or np.nan)
+        return {"rmse": float(np.sqrt(square)), "mae": float(size), "mbe": float(mean)}
+
+
+class Bases:
+    """The temperature of the module without effects, carried on from part to part."""
+
+    def __init__(self, files, asked):
+        needing = [m for m in (one.model for one in asked) if needs_base(m)]
+        self.model = needing[0] if needing else None
+        if self.model:
+            self.plain = replace(self.model, effects=(), base=None)
+            self.past = files.past(self.plain)
+
+    def beside(self, inputs):
+        """The inputs with what effects know of the module by its base."""
+        if self.model is None:
+            return inputs
+        base = self.model.completed(self.model.base)
+        law, own = self.model.steady_model, self.model.own(base)
+        loss = 1.0 / law.resistance(inputs["wind_speed"], **own)
+        found = self.plain.answer(inputs, base, self.past, wanted=False)[0]
+        columns = {**inputs.columns, **dict(zip(MODELLED, (found, loss)))}
+        return replace(inputs, columns=columns)
+
+
+def needs_base(model):
+    """Whether effects of a model follow the module's own temperature."""
+    return bool({*MODELLED} & {*behind(model.effect_drivers)})
+
+
+@dataclass(eq=False)
+class Gaps:
+    """How often which time is between rows that have some columns, so far."""
+
+    steps: Counter = field(default_factory=Counter)
+    since: float = 0.0
+    begun: bool = False
+
+    def add(self, columns, steps):
+        there = np.flatnonzero(np.isfinite(sum(columns)))
+        if not len(there):
+            self.since += steps.sum()
+            return
+        between = across(steps, there)
+        between[0] += self.since
+        self.since = steps[there[-1] + 1 :].sum()
+        count_steps(self.steps, between[0 if self.begun else 1 :])
+        self.begun = True
+
+    @property
+    def usual(self):
+        return median(self.steps) if self.steps else 0.0
+
+
+def first_pass(source, target, night, limits, check_units):
+    """
+    A record in files as a fit takes it, screened, and looked at once more.
+
+    Raises
+    ------
+    ValueError
+        If a column lacks, an effect remembers more than a block, or the record is
+        unusable.
+    """
+    refuse_memory(target)
+    drivers = tuple(target.drivers)
+    source.needing((*COLUMNS, *drivers))
+    screened = screened_blocks(source, drivers, limits, check_units)
+    step = max(MEANS, 2.0 * screened.look.step)
+    sums = Sums(step, PRESENT * step / screened.look.step)
+    gaps = {(): Gaps(), drivers: Gaps()}
+    wind, table = np.zeros(2), {}
+    for block in screened.record.blocks():
+        sums.add(block.index, block.inputs.columns)
+        for names, found in gaps.items():
+            columns = [block[name] for name in (*COLUMNS[:3], *names)]
+            found.add(columns, block.inputs.steps)
+        speed = block["wind_speed"]
+        there = np.isfinite(speed)
+        wind += speed[there].sum(), there.sum()
+        rows = rows_that_count(block, night, drivers)
+        by_day(table, block.dates, rows, block["poa_global"] ** 2, speed)
+    found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
+    means = Record(sums.inputs(), dict(screened.missing), {}, 0)
+    return Files(
+        screened,
+        night,
+        drivers,
+        float(wind[0] / max(wind[1], 1)),
+        {names: found.usual for names, found in gaps.items()},
+        np.array(sorted(table)),
+        found[:, 0].astype(int),
+        found[:, 1:],
+        means,
+    )
+
+
+def rows_that_count(block, night, drivers):
+    """Booleans of the rows whose residual counts."""
+    rows = np.array(counted(block.inputs.columns, night))
+    for name in drivers:
+        rows &= np.isfinite(block[name])
+    return rows
+
+
+def by_day(table, dates, rows, light, wind):
+    """Add rows that count, and their wind where the sun is, to those of their days."""
+    place, size = dates - dates[0], int(dates[-1] - dates[0]) + 1
+    there = np.bincount(place, minlength=size)
+    place, light, wind = place[rows], light[rows], wind[rows]
+    weights = None, light, light * wind, light * wind**2
+    found = np.stack([np.bincount(place, weight, size) for weight in weights])
+    for day in np.flatnonzero(there):
+        date = int(dates[0] + day)
+        table[date] = table.get(date, 0.0) + found[:, day]
+
+
+def even(block):
+    """A block's inputs, whose steps are one number where they are all alike."""
+    steps = block.inputs.steps.astype(float)
+    if block.start == 0 and len(steps) > 1:
+        steps[0] = steps[1]  # nothing is before it
+    if len(steps) and steps.min() == steps.max() and steps[0] > 0:
+        return replace(block.inputs, steps=float(steps[0]))
+    return replace(block.inputs, steps=steps)
+
+
+def refuse_memory(target):
+    """Refuse effects that need what was hours or weeks before."""
+    for effect in target.effects:
+        if long := [name for name in effect.drivers if remembers(name)]:
+            raise ValueError(
+                f"{effect.name} needs {', '.join(long)}, which remembers more than "
+                "the rows that are read at a time; fit it to a DataFrame, such as of "
+                "means over longer steps"
+            )

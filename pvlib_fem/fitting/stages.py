@@ -1,0 +1,133 @@
+"""The steps of a fit, one after the other, and the days that it does not see."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pvlib_fem.fitting.rows import Rows, normal_sums
+from pvlib_fem.fitting.search import natural, searching, with_tables
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.statistics.clusters import calendar_weeks
+from pvlib_fem.statistics.leastsquares import FLAT, answered
+from pvlib_fem.thermal.model import INSTANT
+
+METHODS = ("least_squares", "paper")
+NONE_OUT = "no row that counts is held out: test scores are NaN"
+PLAIN = ("standard", "filter", "ewm", "fem")  # steps without an effect
+ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
+
+
+def held_out(record, filtered, holdout, notes):
+    """Boolean array of the rows that the fit does not see."""
+    if holdout is not None:
+        out = record.rows(holdout)
+    else:
+        numbers = record.days
+        dates = record.dates[np.unique(numbers, return_index=True)[1]]
+        rows = np.bincount(numbers[filtered], minlength=len(dates))
+        out = days_out(dates, rows)[numbers]
+    if not (filtered & out).any():
+        notes.append(NONE_OUT)
+    return out
+
+
+def days_out(dates, rows):
+    """Which days are held out by default, of their dates and rows that count."""
+    weekend = (dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
+    weeks = calendar_weeks(dates)
+    two = len(np.unique(weeks[weekend & (rows > 0)])) >= 2
+    out = weekend if two else np.arange(len(dates)) % 2 == 1
+    return out if rows[~out].any() else np.zeros(len(dates), dtype=bool)
+
+
+def needed(step, rows, parameters):
+    if rows <= parameters:
+        raise ValueError(
+            f"{step} needs more than {parameters} rows and has {rows}: training "
+            "rows with all four columns, more than 20 W/m², the module at 0 to 80 "
+            "°C, air at -20 to 60 °C and wind up to 25 m/s; use a longer record"
+        )
+
+
+def planned(target):
+    """The steps of a fit: name, model, the rows that count, and whether with a bias."""
+    plain = replace(target, effects=())
+    steady = replace(plain, dynamics="steady")
+    steps = [
+        ("standard", steady, "complete", False),
+        ("filter", steady, "train", False),
+        ("ewm", plain, "train", False),
+        ("fem", plain, "train", True),
+    ]
+    for i, added in enumerate(target.effects, start=1):
+        larger = replace(plain, effects=target.effects[:i])
+        steps.append((f"+ {added.name}", larger, "train", True))
+    return steps
+
+
+def least_squares_stages(target, record, train, not_held_out):
+    """The model with its base, its record, the steps to it, and the last minimum."""
+    needed("least squares", int(train.sum()), len(target.free))
+    complete = np.isfinite(sum(record[name] for name in COLUMNS))
+    start = {name: row.start for name, row in target.parameters.items()}
+    kept = {"complete": complete & not_held_out, "train": train}
+    plain = replace(target, effects=())
+    stages, thin, source = {}, start, None
+    for name, model, which, biased in planned(plain):
+        rows = kept[which]
+        # what a later step starts from need not be as flat as the last
+        flat = ROUGH if target.effects or name != "fem" else FLAT
+        if source is None or source.counts is not rows:
+            source = Rows(record, rows)
+            some = source.thinned()
+        if some:
+            # what a stage changes is nearly the same on a part of the rows
+            before, (_, thin) = thin, minimise(model, some, thin, biased, ROUGH)
+            start = {n: value + thin[n] - before[n] for n, value in start.items()}
+        minimum, start = minimise(model, source, start, biased, flat)
+        stages[name] = (model, natural(model, start)[0])
+    if not target.effects:
+        return target, record, stages, minimum
+    target = replace(target, base=public(plain, last(stages)[1]))
+    found = effect_stages(target, record, train, start)
+    own = target.rebased(public(target, last(found[1])[1]))
+    if own is not target:
+        found = effect_stages(own, record, train, start)
+    record, more, minimum = found
+    return own, record, stages | more, minimum
+
+
+def effect_stages(target, record, train, start):
+    """The record with the effects' drivers, the steps that add each, the minimum."""
+    record = replace(record, inputs=target.with_drivers(record.inputs))
+    stages, source, steps = {}, Rows(record, train), planned(target)[len(PLAIN) :]
+    for name, model, _, biased in steps:
+        flat = FLAT if name == steps[-1][0] else ROUGH
+        tabled = with_tables(replace(model, base=target.base), record)
+        minimum, start = minimise(tabled, source, start, biased, flat)
+        stages[name] = (replace(model, base=target.base), natural(model, start)[0])
+    return record, stages, minimum
+
+
+def minimise(model, source, start, biased, flat):
+    """Least squares of one stage on the rows of a source."""
+    return answered(
+        searching(model, source, start, biased, flat),
+        lambda asked: normal_sums(model, asked[0], source, asked[1]),
+    )
+
+
+def last(stages):
+    """What the last step came to."""
+    return list(stages.values())[-1]
+
+
+def public(model, coefficients):
+    """Coefficients that unpack into the temperature function of the dynamics."""
+    constants = [name for name in model.constants if name in model.held]
+    names = [*model.parameters, *constants]
+    values = {name: float(coefficients[name]) for name in names}
+    if model.dynamics == "steady":
+        bias = values.pop("bias")
+        values = {**values, "tau": INSTANT, "bias": bias}
+    return values

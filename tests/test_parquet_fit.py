@@ -1,0 +1,141 @@
+"""A fit of files is the fit of the same record in memory, and holds no rows."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pvlib_fem as fem
+from pvlib_fem.fitting.passes import Asked, first_pass
+from pvlib_fem.fitting.rows import Rows, normal_sums
+from pvlib_fem.paper.filters import counted
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.record.checks import as_record
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.parquet import ParquetRecord
+from pvlib_fem.record.resampling import coarse
+from pvlib_fem.thermal.model import thermal_model
+
+pytest.importorskip("pyarrow")
+CASES = {
+    "wm1": dict(model="wm1", dynamics="ewm"),
+    "balance": dict(model="faiman", dynamics="balance", night=True),
+    "steady": dict(model="ross", dynamics="steady"),
+    "held": dict(model="wm2", dynamics="ewm", fixed={"tau": 300.0}),
+    "effects": dict(
+        model="faiman", dynamics="balance", effects=["radiative_loss", "wind_direction"]
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def data():
+    """Sixteen days with gaps, missing values and faults, and a change of the clock."""
+    data = fem.datasets.synthetic(days=16, step=240, start="2023-03-20")
+    data = data.set_axis(data.index.tz_convert("Europe/Brussels"))
+    turns = np.random.default_rng(1).normal(0, 9, len(data)).cumsum() % 360
+    data = data.assign(wind_direction=turns)
+    data.iloc[700:730, data.columns.get_loc("wind_speed")] = np.nan
+    data.iloc[900:905, data.columns.get_loc("temp_module")] = -999.0
+    data.iloc[1500, data.columns.get_loc("poa_global")] = np.nan
+    return data.drop(data.index[2000:2200])
+
+
+@pytest.fixture(scope="module")
+def folder(data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("record")
+    for i, part in enumerate(np.array_split(np.arange(len(data)), 4)):
+        data.iloc[part].to_parquet(folder / f"{i}.parquet", row_group_size=701)
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def small_blocks(monkeypatch):
+    """Blocks that end anywhere."""
+    monkeypatch.setattr(ParquetRecord.blocks, "__defaults__", (COLUMNS, 509))
+
+
+@pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])
+def test_the_sums_of_files_are_those_of_memory(data, folder, dynamics):
+    model = thermal_model("wm1", dynamics)
+    found = model.completed({"k": 0.03, "d": 9.0, "tau": 400.0, "capacity": 9e3})
+    record, _ = screened(as_record(*(data[name] for name in COLUMNS)))
+    rows = Rows(record, np.array(counted(record.inputs.columns)))
+    files = first_pass(fem.open_parquet(folder), model, False, None, True)
+    asked = {"": Asked(model, found, "counted")}
+    one = normal_sums(model, found, rows, model.free)
+    other = files.sums(asked, {"": model.free})[""]
+    assert other.squares == pytest.approx(one.squares, rel=1e-12)
+    size = np.sqrt(np.outer(np.diag(one.normal), np.diag(one.normal)))
+    np.testing.assert_allclose(other.normal / size, one.normal / size, atol=1e-12)
+    assert files.winds == pytest.approx(rows.winds, rel=1e-12)
+    for name, means in coarse(record, 480.0).inputs.columns.items():
+        np.testing.assert_allclose(files.means[name], means, rtol=1e-13)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_fit_of_files_is_that_in_memory(data, folder, case):
+    expected, fit = (fem.fit_fem(what, **CASES[case]) for what in (data, folder))
+    assert fit.coefficients == pytest.approx(expected.coefficients, rel=1e-8)
+    assert fit.stderr == pytest.approx(expected.stderr, rel=1e-6, nan_ok=True)
+    pd.testing.assert_frame_equal(fit.scores, expected.scores, rtol=1e-5, atol=1e-5)
+    assert fit.notes == expected.notes
+    # in memory derived columns are beside the measured
+    contents = [one.summary.content() | {"columns": ""} for one in (fit, expected)]
+    assert contents[0] == contents[1]
+    assert fit.summary.measured == expected.summary.measured
+    assert (fit.train_days, fit.test_days) == (expected.train_days, expected.test_days)
+    assert fit.at_bound == expected.at_bound
+    assert str(fit) == str(expected)
+    pd.testing.assert_frame_equal(
+        fit.through_time("7D").drop(columns="why"),
+        expected.through_time("7D").drop(columns="why"),
+        rtol=1e-5,
+    )
+
+
+def test_the_residual_is_written_and_not_held(data, folder, tmp_path):
+    fit, expected = fem.fit_fem(folder), fem.fit_fem(data)
+    with pytest.raises(ValueError, match=r"fit\.write_residual\('residual\.parquet'\)"):
+        print(fit.residual)
+    fit.write_residual(tmp_path / "residual.parquet")
+    found = pd.read_parquet(tmp_path / "residual.parquet")["residual"]
+    assert (found.index == data.index).all()
+    np.testing.assert_allclose(found, expected.residual, atol=1e-7)
+
+
+def test_pages_and_pictures_are_of_means(data, folder, tmp_path):
+    fit = fem.fit_fem(folder)
+    page = fit.to_html(tmp_path / "fit.html")
+    assert f"{len(data):,} rows" in page
+    assert "<svg" in page
+    again = fem.FemFit.from_json(save(fit, tmp_path / "fit.json"))
+    assert again.coefficients == fit.coefficients
+    assert fit.plot() is not None
+
+
+def save(fit, path):
+    fit.to_json(path)
+    return path
+
+
+def test_days_are_held_out_by_their_dates(data, folder):
+    days = pd.Series(True, pd.date_range("2023-03-22", periods=5))
+    rows = pd.Series(
+        data.index.tz_localize(None).normalize().isin(days.index), data.index
+    )
+    fit, expected = fem.fit_fem(folder, holdout=days), fem.fit_fem(data, holdout=rows)
+    assert fit.coefficients == pytest.approx(expected.coefficients, rel=1e-8)
+    assert fit.test_days == 5
+    with pytest.raises(ValueError, match="whole days"):
+        fem.fit_fem(folder, holdout=rows)
+
+
+def test_what_files_cannot_be_asked_is_said(data, folder):
+    with pytest.raises(ValueError, match="soiling needs days_since_rain, which remem"):
+        fem.fit_fem(folder, effects="soiling")
+    with pytest.raises(ValueError, match="lacks p_dc"):
+        fem.fit_fem(folder, effects="electrical_output")
+    with pytest.raises(ValueError, match="takes no files"):
+        fem.fit_fem(folder, method="paper")
+    with pytest.raises(ValueError, match="give the record alone"):
+        fem.fit_fem(folder, data["temp_air"])
