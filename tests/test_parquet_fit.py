@@ -3,8 +3,10 @@
 import numpy as np
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 
 import pvlib_fem as fem
+from pvlib_fem.cli import main
 from pvlib_fem.fitting.passes import Asked, first_pass
 from pvlib_fem.fitting.rows import Rows, normal_sums
 from pvlib_fem.paper.filters import counted
@@ -139,3 +141,20 @@ def test_what_files_cannot_be_asked_is_said(data, folder):
         fem.fit_fem(folder, method="paper")
     with pytest.raises(ValueError, match="give the record alone"):
         fem.fit_fem(folder, data["temp_air"])
+
+
+@pytest.mark.parametrize("form", ["folder", "pattern", "files"])
+def test_the_command_fits_files_that_follow_each_other(data, folder, form):
+    given = {
+        "folder": [folder],
+        "pattern": [folder / "*.parquet"],
+        "files": sorted(folder.glob("*.parquet")),
+    }[form]
+    days = ["--holdout", "2023-03-22..2023-03-25"]
+    found = CliRunner().invoke(main, ["fit", *map(str, given), *days])
+    assert found.exit_code == 0, found.output
+    out = pd.Series(True, pd.date_range("2023-03-22", periods=4))
+    assert found.output.strip() == str(fem.fit_fem(folder, holdout=out)).strip()
+    wrong = CliRunner().invoke(main, ["fit", str(folder), "--sep", ";"])
+    assert wrong.exit_code != 0
+    assert "--sep does not go with Parquet files" in wrong.output

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import click
+import pandas as pd
 
 from pvlib_fem import __version__
 from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
@@ -23,12 +24,13 @@ from pvlib_fem.cli.options import (
     site_options,
     title_option,
 )
-from pvlib_fem.cli.reading import or_propose, read
+from pvlib_fem.cli.reading import is_data_set, opened, or_propose, read
 from pvlib_fem.cli.running import (
     check_partners,
     closed,
     effects_of,
     fitted,
+    fitted_files,
     in_their_days,
     injected,
 )
@@ -63,15 +65,20 @@ def main():
 def fit(files, out, plot, report, title, **options):
     """Fit FILE, or several that are joined on their times, and print the report.
 
-    CSV, Excel and Parquet go. The first column, or what --time says, holds the times.
+    CSV, Excel and Parquet go; Parquet files that follow each other, as a folder or a
+    pattern such as 'plant/*.parquet', are read part by part and may be larger than
+    memory. The first column, or what --time says, holds the times.
     The command loop takes the same options but for --dynamics, --method, --calm-wind
     and --plot, and has --min-gain of its own.
     """
     with plainly():
         check_outputs(files, out=out, plot=plot, report=report)
-        data, options, otherwise = prepared(files, options)
-        with or_propose(otherwise):
-            result = fitted(data, **options)
+        if is_data_set(files):
+            result = fitted_files(**prepared_files(files, options))
+        else:
+            data, options, otherwise = prepared(files, options)
+            with or_propose(otherwise):
+                result = fitted(data, **options)
         say(result)
         write(out, result.to_json)
         write(plot, lambda path: picture(result, path))
@@ -206,6 +213,27 @@ def write_report(path, result, title, files):
     """The page of a fit or a loop, headed by the title or the names of the files."""
     title = title or ", ".join(file.name for file in files)
     write(path, lambda whole: result.to_html(whole, title=title))
+
+
+def prepared_files(files, options):
+    """What a fit takes of Parquet files that follow each other."""
+    check_partners(options)
+    settings, days = settings_of(options.pop("settings")), options.pop("holdout")
+    for name in ("lat", "lon", "tilt", "azimuth"):
+        if options.pop(name) is not None:
+            raise ValueError(
+                f"--{name} does not go with Parquet files that follow each other: the "
+                "sun's place is found for files that are read as a whole"
+            )
+    effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
+    record = opened(files, options)
+    ends = [time.tz_localize(None).normalize() for time in record.ends]
+    return options | {
+        "record": record,
+        "effects": effects,
+        "fixed": held(fixed) or None,
+        "holdout": days_of(days, pd.date_range(*ends)),
+    }
 
 
 def prepared(files, options, drivers=False):

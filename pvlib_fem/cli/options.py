@@ -1,5 +1,6 @@
 """Options, and what their texts mean."""
 
+import glob
 import json
 from pathlib import Path
 
@@ -42,13 +43,22 @@ def added(*options):
     return decorated
 
 
+class Readable(click.Path):
+    """A file or a folder that is there, or a pattern of files."""
+
+    def convert(self, value, param, ctx):
+        if glob.has_magic(str(value)) and not Path(value).exists():
+            return Path(value)
+        return super().convert(value, param, ctx)
+
+
 reading_options = added(
     click.argument(
         "files",
         metavar="FILE...",
         nargs=-1,
         required=True,
-        type=click.Path(exists=True, dir_okay=False, path_type=Path),
+        type=Readable(exists=True, path_type=Path),
     ),
     click.option(
         "--guess",

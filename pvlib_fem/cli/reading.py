@@ -1,5 +1,6 @@
 """Files as a frame, and where that fails the command that may read them."""
 
+import glob
 import shlex
 import stat
 import subprocess
@@ -15,8 +16,11 @@ from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import as_record, datetime_steps
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import frame
+from pvlib_fem.record.footers import parquet_file
 from pvlib_fem.record.guess import guess
+from pvlib_fem.record.layout import PARQUET
 from pvlib_fem.record.names import unmapped
+from pvlib_fem.record.parquet import open_parquet
 from pvlib_fem.record.units import ForeignUnit, Swapped
 
 COMMANDLINE = ParameterSource.COMMANDLINE
@@ -96,6 +100,38 @@ def or_propose(otherwise):
         yield
     except (ForeignUnit, Swapped) as error:
         raise Refused(error, otherwise()) from error
+
+
+def is_data_set(files):
+    """Whether files follow each other, as a folder, a pattern or some of one kind."""
+    if len(files) == 1:
+        return files[0].is_dir() or glob.has_magic(str(files[0]))
+    if any(file.suffix.lower() not in PARQUET for file in files):
+        return False
+    columns = {
+        tuple(parquet_file(str(file), None).schema_arrow.names) for file in files
+    }
+    return len(columns) == 1
+
+
+def opened(files, options):
+    """Parquet files that follow each other, by the options that go with them."""
+    times = {name: options.pop(name) for name in ("time", "tz")}
+    if long := [name for name, given in times.items() if len(given) > 1]:
+        raise ValueError(f"--{long[0]} is given {len(times[long[0]])} times; give one")
+    renames = columns_of(options.pop("renames"))
+    for name in (*PER_FILE, *ANEW, "module_area"):
+        if options.pop(name, None):
+            option = {"units": "unit"}.get(name, name.replace("_", "-"))
+            raise ValueError(
+                f"--{option} does not go with Parquet files that follow each other: "
+                "they are read as they are, part by part"
+            )
+    times = {name: next(iter(given), None) for name, given in times.items()}
+    data = files[0] if len(files) == 1 else list(files)
+    return open_parquet(
+        data, renames, **times, check_units=not options["no_unit_check"]
+    )
 
 
 def check_columns(data):

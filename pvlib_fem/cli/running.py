@@ -5,6 +5,7 @@ import sys
 from pvlib_fem.cli.words import note
 from pvlib_fem.drivers.place import in_local_days
 from pvlib_fem.effects import find
+from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.fitting.of_frame import fit_frame
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.progress import line
@@ -38,6 +39,12 @@ def injected(data, no_unit_check=False, site=None, **options):
 def fitted(data, effects, site, no_unit_check=False, **options):
     """The fit of a frame."""
     return fit_frame(data, effects, **site, check_units=not no_unit_check, **options)
+
+
+def fitted_files(record, effects, no_unit_check=False, **options):
+    """The fit of Parquet files that follow each other."""
+    effects = [find(one) for one in effects]
+    return fit_fem(record, effects=effects, check_units=not no_unit_check, **options)
 
 
 def effects_of(texts, settings):

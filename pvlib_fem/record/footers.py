@@ -50,6 +50,8 @@ def found_files(data):
                 f"data is a {type(data).__name__} without files; write it as Parquet"
             )
         return list(data.files), data.filesystem
+    if isinstance(data, list | tuple):
+        return [str(file) for file in data], None
     path = Path(data)
     files = [path] if path.is_file() else []
     if path.is_dir():

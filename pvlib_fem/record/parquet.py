@@ -101,16 +101,20 @@ class ParquetRecord:
     unit: str  # of the times
     groups: tuple
     partial: dict  # why a column that some files have cannot be read, by name
+    naive: bool  # whether the files' times have no zone
     filesystem: Any = None  # of pyarrow; None for local files
 
     def __len__(self):
         return sum(group.rows for group in self.groups)
 
+    @property
+    def ends(self) -> tuple[pd.Timestamp, pd.Timestamp]:
+        """First and last time, in the record's zone."""
+        ends = pd.DatetimeIndex([self.groups[0].first, self.groups[-1].last])
+        return tuple(in_zone(ends, self.tz, self.naive))
+
     def __repr__(self):
-        first, last = (
-            in_zone(pd.DatetimeIndex([time]), self.tz)[0]
-            for time in (self.groups[0].first, self.groups[-1].last)
-        )
+        first, last = self.ends
         return (
             f"ParquetRecord: {len(self.files)} files, {len(self):,} rows, {first} to "
             f"{last}; {', '.join(self.columns)}"
@@ -194,7 +198,7 @@ class ParquetRecord:
             raise ValueError(f"no time in row {row} of a block; drop such rows")
         found = column.to_numpy(zero_copy_only=False).astype(f"M8[{self.unit}]")
         index = pd.DatetimeIndex(found, name="time")
-        return in_zone(index, self.tz, naive=column.type.tz is None)
+        return in_zone(index, self.tz, self.naive)
 
 
 def open_parquet(
@@ -209,10 +213,10 @@ def open_parquet(
 
     Parameters
     ----------
-    data : str, path-like or pyarrow.dataset.Dataset
-        A file, a folder, of which all ``.parquet`` files below it count, or a pattern
-        such as ``"plant/2024-*.parquet"``; or a Dataset of pyarrow, for other places
-        and partitions. Takes ``pip install 'pvlib_fem[parquet]'``.
+    data : str, path-like, list of these, or pyarrow.dataset.Dataset
+        A file or some, a folder, of which all ``.parquet`` files below it count, or a
+        pattern such as ``"plant/2024-*.parquet"``; or a Dataset of pyarrow, for other
+        places and partitions. Takes ``pip install 'pvlib_fem[parquet]'``.
     columns : dict, optional
         Package's name to the files', as ``{"poa_global": "Irr"}``. Other columns keep
         their names.
@@ -264,7 +268,7 @@ def open_parquet(
         refuse_headers(names)
     groups = in_order([group for footer in footers for group in footer.groups])
     ordered = tuple(dict.fromkeys(group.file for group in groups))
-    own = footers[0].time, unit, groups, partial, filesystem
+    own = footers[0].time, unit, groups, partial, zone is None, filesystem
     return ParquetRecord(ordered, names, tz or zone, *own)
 
 
