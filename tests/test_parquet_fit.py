@@ -63,7 +63,7 @@ def test_the_sums_of_files_are_those_of_memory(data, folder, dynamics):
     record, _ = screened(as_record(*(data[name] for name in COLUMNS)))
     rows = Rows(record, np.array(counted(record.inputs.columns)))
     files = first_pass(fem.open_parquet(folder), model, False, None, True)
-    asked = {"": Asked(model, found, "counted")}
+    asked = {"": Asked(model, found, "train")}
     one = normal_sums(model, found, rows, model.free)
     other = files.sums(asked, {"": model.free})[""]
     assert other.squares == pytest.approx(one.squares, rel=1e-12)

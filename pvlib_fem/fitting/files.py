@@ -134,7 +134,7 @@ def fit_files(
     names = tuple(name for name in target.free if name not in at_bound)
     final = list(stages)[-1]
     asked = {
-        name: Asked(model, found, "counted", wanted=name == final)
+        name: Asked(model, found, "train", wanted=name == final)
         for name, (model, found) in stages.items()
     }
     table, daily = files.ends(asked, final, names)

@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import MODELLED, behind, remembers
 from pvlib_fem.fitting.daily import DailySums
-from pvlib_fem.fitting.rows import Answer
+from pvlib_fem.fitting.rows import Answer, Loop
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.look import count_steps, median
 from pvlib_fem.quality.streamed import Screened, screened_blocks
@@ -17,8 +17,9 @@ from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
 from pvlib_fem.relaxation import across
-from pvlib_fem.statistics.clusters import cluster_sums_of, sums_by_day
-from pvlib_fem.statistics.leastsquares import Normal, products
+from pvlib_fem.statistics.clusters import cluster_sums_of, joined
+from pvlib_fem.statistics.leastsquares import Normal
+from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.model import ThermalModel, blocks
 from pvlib_fem.thermal.response import Past
 
@@ -32,7 +33,7 @@ class Asked:
 
     model: ThermalModel
     coefficients: dict
-    rows: str  # "complete" or "train" of the days that are fitted, or "counted" of all
+    rows: str  # "complete" or "train", of the days that are fitted
     wanted: bool = True  # whether slopes are
 
 
@@ -98,9 +99,9 @@ class Files:
         """What is before the first row of the record."""
         return Past(self.usual[self.drivers if model.drivers else ()])
 
-    def answers(self, asked):
+    def parts(self, asked):
         """
-        What several models say of rows that count, from one pass over the files.
+        Small parts of the record with what several models are given there.
 
         Parameters
         ----------
@@ -108,23 +109,76 @@ class Files:
 
         Yields
         ------
-        hashable, Answer
+        Part, dict
+            Of model, and of inputs, coefficients and what was before, by who asked.
         """
         pasts = {key: self.past(one.model) for key, one in asked.items()}
         bases = Bases(self, asked.values())
         for block in self.clean.blocks():
             rows, inputs, dates = self.kept(block), even(block), block.dates
-            for part in blocks(len(block)):
-                here, days = bases.beside(inputs.part(part)), dates[part]
-                measured = here["temp_module"]
-                places = {which: np.flatnonzero(at[part]) for which, at in rows.items()}
+            for piece in blocks(len(block)):
+                here = bases.beside(inputs.part(piece))
+                given = {}
                 for key, one in asked.items():
-                    at, given = places[one.rows], one.model.with_drivers(here)
-                    own = given, one.coefficients
-                    model = one.model.knowing(*own, one.wanted)
-                    found, slopes = model.answer(*own, pasts[key], one.wanted)
-                    slopes = {n: s[at] if np.ndim(s) else s for n, s in slopes.items()}
-                    yield key, Answer(measured[at], found[at], slopes, days[at])
+                    own = one.model.with_drivers(here), one.coefficients
+                    known = one.model.knowing(*own, one.wanted)
+                    given[key] = known, (*own, pasts[key])
+                counts = {which: at[piece] for which, at in rows.items()}
+                yield Part(here["temp_module"], dates[piece], counts), given
+
+    def sums(self, asked, names):
+        """:class:`Normal` of several models by some of their coefficients each."""
+        quick = fast(len(self.clean))
+        total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in asked}
+        for part, given in self.parts(asked):
+            for key, (model, own) in given.items():
+                answer = part.answered(model, own, asked[key].rows, quick)
+                total[key] += answer.products(names[key])
+        return {key: Normal.of(found) for key, found in total.items()}
+
+    def ends(self, asked, last, names):
+        """
+        Scores of several models, and sums by the day of the last of them.
+
+        Parameters
+        ----------
+        asked : dict of Asked
+        last : hashable
+            The one of the sums.
+        names : tuple of str
+            Its coefficients that vary.
+
+        Returns
+        -------
+        dict of dict, DailySums
+        """
+        quick = fast(len(self.clean))
+        tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
+        by_day, pasts = [], None
+        for part, given in self.parts(asked):
+            out = self.held_out(part.dates)
+            for key, (model, own) in given.items():
+                if key == last:  # once more with its slopes, from a past of its own
+                    pasts = pasts or self.past(model)
+                    inputs, found, _ = own
+                    own_past = inputs, found, pasts
+                    answer = part.answered(model, own_past, "train", quick)
+                    by_day.append(answer.by_day(names))
+                error = part.measured - temperature_of(model, own, quick)
+                counts = part.counts["counted"]
+                tallies[key]["train"].add(error[counts & ~out])
+                tallies[key]["test"].add(error[counts & out])
+        rows = int(self.rows[~np.isin(self.dates, self.out)].sum())
+        sums = cluster_sums_of(*joined(by_day), rows)
+        table = {
+            key: {
+                f"{score}_{part}": value
+                for part, tally in parts.items()
+                for score, value in tally.scores().items()
+            }
+            for key, parts in tallies.items()
+        }
+        return table, DailySums(names, sums, self.winds)
 
     def held_out(self, dates):
         """Booleans of rows that are held out, by their dates."""
@@ -139,13 +193,13 @@ class Files:
     def residuals(self, model, coefficients):
         """Times and residual of all rows, block by block."""
         asked, past = Asked(model, coefficients, "counted"), self.past(model)
-        bases = Bases(self, [asked])
+        bases, quick = Bases(self, [asked]), fast(len(self.clean))
         for block in self.clean.blocks():
             inputs, found = even(block), []
             for part in blocks(len(block)):
                 own = model.with_drivers(bases.beside(inputs.part(part))), coefficients
                 known = model.knowing(*own, False)
-                found.append(known.answer(*own, past, wanted=False)[0])
+                found.append(temperature_of(known, (*own, past), quick))
             yield block.index, block["temp_module"] - np.concatenate(found)
 
     def kept(self, block):
@@ -155,57 +209,32 @@ class Files:
         counts = rows_that_count(block, self.night, self.drivers)
         return {"complete": complete & ~out, "train": counts & ~out, "counted": counts}
 
-    def sums(self, asked, names):
-        """:class:`Normal` of several models by some of their coefficients each."""
-        total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in asked}
-        for key, answer in self.answers(asked):
-            if len(answer.measured):
-                total[key] += products(answer.columns(names[key]))
-        return {key: Normal.of(found) for key, found in total.items()}
 
-    def ends(self, asked, last, names):
-        """
-        Scores of several models, and sums by the day of the last of them.
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Rows that follow each other, and which of them count for what."""
 
-        Parameters
-        ----------
-        asked : dict of Asked
-            Over all rows that count.
-        last : hashable
-            The one of the sums.
-        names : tuple of str
-            Its coefficients that vary.
+    measured: np.ndarray
+    dates: np.ndarray
+    counts: dict
 
-        Returns
-        -------
-        dict of dict, DailySums
-        """
-        tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
-        by_day, rows = {}, 0
-        for key, answer in self.answers(asked):
-            out = self.held_out(answer.dates)
-            tallies[key]["train"].add(answer.residual[~out])
-            tallies[key]["test"].add(answer.residual[out])
-            if key == last:
-                columns = [column[~out] for column in answer.columns(names)]
-                days, more, sums = sums_by_day([(columns, answer.dates[~out])])
-                rows += more
-                for day, found in zip(days, sums):
-                    by_day[day] = by_day.get(day, 0.0) + found
-        days = sorted(by_day)
-        sums = np.array([by_day[day] for day in days])
-        daily = DailySums(
-            names, cluster_sums_of((np.array(days), rows, sums)), self.winds
-        )
-        table = {
-            key: {
-                f"{score}_{part}": value
-                for part, tally in parts.items()
-                for score, value in tally.scores().items()
-            }
-            for key, parts in tallies.items()
-        }
-        return table, daily
+    def answered(self, model, given, which, quick):
+        """What a model says of those of the rows that count."""
+        counts = self.counts[which]
+        dates = self.dates[counts]
+        if quick:
+            return Loop(model, given, counts, self.measured, dates)
+        rows = np.flatnonzero(counts)
+        found, slopes = model.answer(*given)
+        slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
+        return Answer(self.measured[rows], found[rows], slopes, dates)
+
+
+def temperature_of(model, given, quick):
+    """Temperature of a part, carried on from those before it. [°C]"""
+    return (
+        answered(model, *given)[0] if quick else model.answer(*given, wanted=False)[0]
+    )
 
 
 class FileSummary(Summary):
