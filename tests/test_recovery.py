@@ -81,19 +81,20 @@ def test_nothing_is_put_in_at_no_size(record, done):
     pd.testing.assert_frame_equal(same, record)
 
 
-def test_power_sees_that_the_irradiance_is_another_and_no_other_change(record, done):
+def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     injector = Injector.of(*done)
     late = record.index.tz_localize(None) >= pd.Timestamp(DATES["at"])
-    brighter = injector.into(record, injection("sensitivity_step", 0.1, **DATES))
-    share = (brighter["power_dc"] / record["power_dc"]).to_numpy()
-    np.testing.assert_allclose(share[late], 1.1)
-    np.testing.assert_allclose(share[~late], 1.0)
-    closer = injector.into(record, injection("contact_step", 0.1, **DATES))
-    pd.testing.assert_series_equal(closer["power_dc"], record["power_dc"])
-    # and what is measured of the module is the same share of its over-temperature
-    for one in (brighter, closer):
-        assert (one["temp_module"] != record["temp_module"])[late].mean() > 0.4
-        assert (one["temp_module"] == record["temp_module"])[~late].all()
+    faded = injector.into(record, injection("sensitivity_step", 0.1, **DATES))
+    fewer = np.where(late, 1.1, 1.0) * faded["poa_global"]
+    np.testing.assert_allclose(fewer, record["poa_global"], atol=1e-9)
+    # power and the module see the sun as it is
+    others = record.columns.drop("poa_global")
+    pd.testing.assert_frame_equal(faded[others], record[others])
+    looser = injector.into(record, injection("contact_step", 0.1, **DATES))
+    others = record.columns.drop("temp_module")
+    pd.testing.assert_frame_equal(looser[others], record[others])
+    changed = looser["temp_module"] != record["temp_module"]
+    assert changed[late].mean() > 0.4 and not changed[~late].any()
 
 
 def test_the_threshold_is_where_something_begins_to_pass():

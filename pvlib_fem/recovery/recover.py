@@ -55,9 +55,9 @@ def recover(
 
     The loop is closed on the record once: what it finds is the *baseline*, and its
     last model the one whose response to an effect is added to ``temp_module``, on
-    the record's own steps, so that memory and wind act as they do. Columns that see
-    an instrument (power, second sensors) see its change. Then the loop runs again
-    with the same arguments and does not know.
+    the record's own steps, so that memory and wind act as they do. A change of an
+    instrument is put into the column that it writes; power and second sensors stay.
+    Then the loop runs again with the same arguments and does not know.
 
     Parameters
     ----------
