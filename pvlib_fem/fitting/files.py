@@ -202,14 +202,24 @@ def stages_of(files, target):
     starts, steps = begun(files, target), planned(target)
     plain = [step for step in steps if not step[1].effects]
     stages, minimum = together(files, plain, starts, steps[-1][0])
-    if target.effects:
-        base = public(*last(stages))
-        target = target.with_base_of(base)
-        more = [step for step in steps if step[1].effects]
-        more = [(n, model.with_base_of(base), *how) for n, model, *how in more]
-        found, minimum = together(files, more, starts, steps[-1][0])
-        stages |= found
-    return target, stages, minimum
+    if not target.effects:
+        return target, stages, minimum
+    target = target.with_base_of(public(*last(stages)))
+    found, minimum = with_effects(files, target, steps, starts)
+    own = target.rebased(public(target, last(found)[1]))
+    if own is not target:
+        found, minimum = with_effects(files, own, steps, starts)
+    return own, stages | found, minimum
+
+
+def with_effects(files, target, steps, starts):
+    """The steps that have an effect, by the base of a model."""
+    more = [
+        (name, model.with_base_of(target.base), *how)
+        for name, model, *how in steps
+        if model.effects
+    ]
+    return together(files, more, starts, steps[-1][0])
 
 
 def begun(files, target):

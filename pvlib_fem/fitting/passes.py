@@ -128,11 +128,10 @@ class Files:
 
     def sums(self, asked, names):
         """:class:`Normal` of several models by some of their coefficients each."""
-        quick = fast(len(self.clean))
         total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in asked}
         for part, given in self.parts(asked):
             for key, (model, own) in given.items():
-                answer = part.answered(model, own, asked[key].rows, quick)
+                answer = part.answered(model, own, asked[key].rows, self.quick(model))
                 total[key] += answer.products(names[key])
         return {key: Normal.of(found) for key, found in total.items()}
 
@@ -152,12 +151,12 @@ class Files:
         -------
         dict of dict, DailySums
         """
-        quick = fast(len(self.clean))
         tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
         by_day, pasts = [], None
         for part, given in self.parts(asked):
             out = self.held_out(part.dates)
             for key, (model, own) in given.items():
+                quick = self.quick(model)
                 if key == last:  # once more with its slopes, from a past of its own
                     pasts = pasts or self.past(model)
                     inputs, found, _ = own
@@ -180,6 +179,10 @@ class Files:
         }
         return table, DailySums(names, sums, self.winds)
 
+    def quick(self, model):
+        """Whether a model that is known on a part is answered by the compiled loops."""
+        return fast(len(self.clean), model.effects)
+
     def held_out(self, dates):
         """Booleans of rows that are held out, by their dates."""
         return self.days_out[dates - self.dates[0]]
@@ -193,13 +196,14 @@ class Files:
     def residuals(self, model, coefficients):
         """Times and residual of all rows, block by block."""
         asked, past = Asked(model, coefficients, "counted"), self.past(model)
-        bases, quick = Bases(self, [asked]), fast(len(self.clean))
+        bases = Bases(self, [asked])
         for block in self.clean.blocks():
             inputs, found = even(block), []
             for part in blocks(len(block)):
                 own = model.with_drivers(bases.beside(inputs.part(part))), coefficients
                 known = model.knowing(*own, False)
-                found.append(temperature_of(known, (*own, past), quick))
+                given = (*own, past)
+                found.append(temperature_of(known, given, self.quick(known)))
             yield block.index, block["temp_module"] - np.concatenate(found)
 
     def kept(self, block):

@@ -67,7 +67,7 @@ class Proposals:
         given, unknowns, spill = list(given), 0, 0.0
         # what cannot be told from a finding is no finding of its own
         taken = {*self.done, *(n for f in self.new for n in f.candidates)}
-        names = [name for name in names if name not in taken]
+        names = [n for n in names if n not in taken or self.again(found.effects[n])]
         changes = list(self.changes)
         while names:
             # what is left of a change on its own date is no change of its own: that
@@ -161,7 +161,12 @@ class Proposals:
             course = effect.name.removeprefix(effect.channel)
             names = [f"{channel}{course}" for channel in effect.kin]
             names += [n for n in alike(effect) if n in self.case.untestable]
-            yield from (name for name in names if name not in self.done)
+            again = self.again(effect)
+            yield from (name for name in names if again or name not in self.done)
+
+    def again(self, effect):
+        """Whether what is in a class may come once more: it has another date."""
+        return bool(effect.channel) and not is_drift(effect)
 
 
 def can_be(weight):
