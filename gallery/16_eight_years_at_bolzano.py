@@ -7,7 +7,7 @@ at Bolzano, 2011 to 2019, by the hour. The file keeps summer time, which is corr
 On 29 March 2012 something changed: from then on over-temperature per irradiance is
 higher by a fifth, at the same power, so that it is not the irradiance sensor. That,
 the wind's direction, the sky and reflection at low sun take the error on test weeks
-from 1.49 K to 1.15 K. What was done to module or sensor, the record does not say.
+from 1.49 K to 1.14 K. What was done to module or sensor, the record does not say.
 """
 
 import matplotlib.pyplot as plt
