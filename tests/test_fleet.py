@@ -5,6 +5,7 @@ import json
 import os
 import re
 import string
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -158,31 +159,6 @@ def test_a_worker_that_is_killed_loses_nothing(table, cluster, tmp_path):
     assert bits(tmp_path / "bare") == bits(tmp_path / "hurt")
 
 
-def test_a_system_that_ends_every_worker_is_a_row(table, cluster, tmp_path):
-    """As one does whose data are larger than a worker's memory."""
-    from distributed import Client
-
-    def arm():
-        import os
-
-        from pvlib_fem.fleet import tasks
-
-        tasks.TASKS["fit"] = replace(
-            tasks.TASKS["fit"], run=lambda *_, **__: os._exit(1)
-        )
-
-    allowed = cluster.scheduler.allowed_failures
-    cluster.scheduler.allowed_failures = 0
-    try:
-        with Client(cluster) as client:
-            client.run(arm)
-            results = fleet.run(table[:1], tmp_path, "fit", client=client)
-    finally:
-        cluster.scheduler.allowed_failures = allowed
-    (row,) = results.systems.to_dict("records")
-    assert row["state"] == "failed" and "ended each worker" in row["message"]
-
-
 def test_a_full_disk_is_said_and_what_was_done_is_kept(table, tmp_path, monkeypatch):
     """The disk is full from the third file on, and then emptied."""
     answers, tell = seen()
@@ -220,6 +196,45 @@ def test_an_interrupt_leaves_tables_of_what_was_done(table, tmp_path):
     fleet.run(table, tmp_path, "fit", workers=0)
     fleet.run(table, tmp_path / "bare", "fit", workers=0)
     assert bits(tmp_path) == bits(tmp_path / "bare")
+
+
+def test_an_interrupt_leaves_nothing_with_the_scheduler(table, cluster, tmp_path):
+    def stop(answer):
+        raise KeyboardInterrupt
+
+    address = cluster.scheduler_address
+    with pytest.raises(KeyboardInterrupt):
+        fleet.run(table, tmp_path, "fit", client=address, progress=stop)
+    begin = time.monotonic()
+    while cluster.scheduler.tasks and time.monotonic() - begin < 30:
+        time.sleep(0.05)
+    assert not cluster.scheduler.tasks
+    assert len(fleet.Results(tmp_path).systems) == len(table)
+
+
+def test_a_system_that_ends_every_worker_is_a_row(table, cluster, tmp_path):
+    """As one does whose data are larger than a worker's memory."""
+    from distributed import Client
+
+    def arm():
+        import os
+
+        from pvlib_fem.fleet import tasks
+
+        tasks.TASKS["fit"] = replace(
+            tasks.TASKS["fit"], run=lambda *_, **__: os._exit(1)
+        )
+
+    allowed = cluster.scheduler.allowed_failures
+    cluster.scheduler.allowed_failures = 0
+    try:
+        with Client(cluster) as client:
+            client.run(arm)
+            results = fleet.run(table[:1], tmp_path, "fit", client=client)
+    finally:
+        cluster.scheduler.allowed_failures = allowed
+    (row,) = results.systems.to_dict("records")
+    assert row["state"] == "failed" and "ended each worker" in row["message"]
 
 
 def test_a_loop_is_kept_with_its_findings_and_its_page(tmp_path):

@@ -2,7 +2,7 @@
 
 import logging
 import signal
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager, suppress
 from typing import Any
 from uuid import uuid4
@@ -10,12 +10,13 @@ from uuid import uuid4
 AHEAD = 4  # systems that wait for each thread, so that none waits for systems
 
 
-def serial(work: Callable, systems: Iterable) -> Iterator[dict]:
+def serial(work: Callable, systems: Iterable) -> Generator[dict, None, None]:
     """The answers of a bare loop."""
-    return map(work, systems)
+    for system in systems:
+        yield work(system)
 
 
-def on_dask(client: Any, work: Any, systems: Iterable) -> Iterator[dict]:
+def on_dask(client: Any, work: Any, systems: Iterable) -> Generator[dict, None, None]:
     """
     The answers of a cluster's workers, in the order in which they come.
 

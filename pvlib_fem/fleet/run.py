@@ -1,7 +1,7 @@
 """Fit many systems, or close the loop on them, and keep what comes of it."""
 
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from pvlib_fem.fleet.store import compact
 from pvlib_fem.fleet.table import opened, systems_of
 from pvlib_fem.fleet.tasks import TASKS, check_task
 from pvlib_fem.fleet.work import Work
-from pvlib_fem.loop.progress import count
+from pvlib_fem.loop.progress import counting
 from pvlib_fem.types import FilePath
 
 NEEDED = ("pyarrow", "fsspec", "distributed")
@@ -109,7 +109,7 @@ def run(
             else:
                 found = stack.enter_context(client_of(client, workers, memory_limit))
                 answers = on_dask(found, work, systems_of(table))
-            for answer in answers:
+            for answer in stack.enter_context(closing(answers)):
                 tell(answer)
     except KeyboardInterrupt:
         with suppress(OSError):
@@ -136,13 +136,12 @@ def told(stack, progress, total):
     """A function that is told each answer."""
     if callable(progress):
         return progress
-    bar = stack.enter_context(count(total, None if progress is None else not progress))
+    tell = stack.enter_context(counting(total, 0, progress, "systems"))
     failed = 0
 
-    def tell(answer):
+    def count(answer):
         nonlocal failed
         failed += answer["state"] == "failed"
-        bar.set_postfix_str(f"{failed:,} failed", refresh=False)
-        bar.update()
+        tell(f"{failed:,} failed")
 
-    return tell
+    return count

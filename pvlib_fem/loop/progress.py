@@ -37,8 +37,13 @@ def telling(progress=None):
 
 @contextmanager
 def counting(whole, done=0, shown=True, words=None):
-    """A function that is told each thing that is done, of so many; with a bar."""
-    with tqdm(total=whole, initial=done, disable=not shown, desc=words) as bar:
+    """
+    A function that is told each thing that is done, of so many; with a bar.
+
+    ``shown`` is True, False, or None for a bar on a terminal only.
+    """
+    hidden = None if shown is None else not shown
+    with tqdm(total=whole, initial=done, disable=hidden, desc=words) as bar:
 
         def tell(words):
             LOG.info("%s, %d of %d", words, bar.n, whole)
@@ -46,8 +51,3 @@ def counting(whole, done=0, shown=True, words=None):
             bar.update()
 
         yield tell
-
-
-def count(total, disable=None):
-    """A bar of how many of some systems are done."""
-    return tqdm(total=total, disable=disable, unit="system")
