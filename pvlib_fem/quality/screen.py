@@ -176,7 +176,8 @@ def with_nights(clean, found):
     """The same with 0 where irradiance is a little below it by night."""
     poa = clean["poa_global"]
     clipped = int((poa < 0).sum())
-    clean = clean.having({"poa_global": np.where(poa < 0, 0.0, poa)})
+    if clipped:
+        clean = clean.having({"poa_global": np.where(poa < 0, 0.0, poa)})
     found = replace(found, clipped=clipped)
     return replace(clean, impossible=found.impossible, clipped=clipped), found
 

@@ -1,6 +1,7 @@
 """Columns in another unit, or not what their name says."""
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -160,8 +161,19 @@ class Signs:
     effect: float  # fall of the over-temperature for each unit of wind [-]
 
 
+#: by the inputs they are of, since a screening and its notes both ask for them
+KNOWN = WeakKeyDictionary()
+
+
 def signs(inputs):
     """The signs of a record, or None where it is too short or dark for any."""
+    if inputs not in KNOWN:
+        KNOWN[inputs] = signs_of(inputs)
+    return KNOWN[inputs]
+
+
+def signs_of(inputs):
+    """The same, from its columns."""
     poa, air, wind, module = (inputs[name] for name in POSSIBLE)
     over = module - air
     seen = np.isfinite(poa) & np.isfinite(over)

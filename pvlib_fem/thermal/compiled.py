@@ -1,6 +1,6 @@
 """A block of rows answered by compiled loops, where numba is there."""
 
-from functools import cache
+from functools import cache, lru_cache
 from importlib.util import find_spec
 
 import numpy as np
@@ -59,9 +59,16 @@ def of_terms(slopes, names, rows):
 
 def whole(column, rows):
     """A column as the loops take it: a number for each row, in one type of array."""
-    result = np.empty(rows)
-    result[:] = column
-    return result
+    if np.ndim(column) == 0:
+        column = constant(float(column), rows)
+    column = np.ascontiguousarray(column, dtype=float).view()
+    column.flags.writeable = False  # else numba compiles for what may be written, too
+    return column
+
+
+@lru_cache(maxsize=16)
+def constant(value, rows):
+    return np.full(rows, value)
 
 
 def answered(model, inputs, coefficients, past, seen=None, edges=None):
