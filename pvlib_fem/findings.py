@@ -207,6 +207,9 @@ class Finding:
         Of unknown structure where it lives, of a change its dates, in words.
     witnesses : tuple of Witness
         Of a change of an instrument: what other columns say of it.
+    ranges : dict
+        From and to of each coefficient that was fitted, over the models that the
+        record leaves possible; ``stderr`` is its scatter under one of them.
     """
 
     effect: str
@@ -221,6 +224,7 @@ class Finding:
     where: dict = field(default_factory=dict)
     place: str = ""
     witnesses: tuple = ()
+    ranges: dict = field(default_factory=dict)
 
     @property
     def why(self) -> str:
@@ -276,6 +280,7 @@ class Finding:
             where={name: tuple(ends) for name, ends in where.items()},
             place=content.text("place"),
             witnesses=tuple(map(Witness.stored, content.parts("witnesses"))),
+            ranges=content.pairs("ranges"),
         )
 
     def __str__(self):

@@ -185,3 +185,12 @@ class Stored:
         """Numbers by name."""
         inside = self.part(key)
         return {name: inside.number(name, unknown) for name in inside.content}
+
+    def pairs(self, key):
+        """Two numbers by name."""
+        inside, found = self.part(key), {}
+        for name in inside.content:
+            pair = dict(zip("01", inside.of(name, list, "a list"), strict=False))
+            ends = Stored(pair, self.file, f"{inside.place}{name}.")
+            found[name] = (ends.number("0"), ends.number("1"))
+        return found

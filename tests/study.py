@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 import pvlib
 import scipy
+import study_ranges
 import study_worlds
 from study_records import (
     judged,
@@ -96,6 +97,7 @@ COLUMNS = (
     "oracle",
     "gains",
     "detectable",
+    "told",
 )
 
 
@@ -135,6 +137,20 @@ def has_coefficient(row):
 
 def near(row):
     return all(abs(ratio - 1.0) <= NEAR for ratio in row["coefficients"].values())
+
+
+def ranges_of(row):
+    """Truth and range of each coefficient that has both."""
+    known = row["told"].values() if isinstance(row["told"], dict) else ()
+    return [(one["truth"], one["range"]) for one in known if one.get("range")]
+
+
+def has_range(row):
+    return len(ranges_of(row)) > 0
+
+
+def in_range(row):
+    return all(low <= truth <= high for truth, (low, high) in ranges_of(row))
 
 
 def honest(row):
@@ -267,6 +283,7 @@ BARS = (
     Bar("all", f"error ≤ a refit with the truth + {MARGIN} K", long_enough, close),
     Bar("all", "error on test weeks not above that before", done, no_worse, 0.98),
     Bar("all", f"and nowhere by more than {RISE} K", done, hardly_worse),
+    Bar("all", "the range holds the coefficient", has_range, in_range, 0.90),
     Bar("all", "brought to an end", sound, done),
 )
 
@@ -347,6 +364,7 @@ def page(table, seconds, day, quick=False):
         )
     yield ""
     yield from beyond(table)
+    yield from study_ranges.section(table)
     yield "## By effect and size"
     yield ""
     yield from by_size(table[table["family"] == "one effect"])

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import study_ranges
 from study_records import refit, root, smallest
 from study_worlds import CLEARLY, World, site
 
@@ -106,6 +107,7 @@ def looked(seed):
     )
     row["clear"] = off is not None and clear(loop, off, own(world, channel, course, at))
     row["dates"] = dated(loop, right, world, course, at)
+    row["told"] = told_of(right, channel, course, size, world.days / 365.0)
     row["before"], row["after"] = (
         float(loop.table["rmse_test"].loc[name]) for name in (loop.base, loop.last)
     )
@@ -137,6 +139,31 @@ def clear(loop, off, change):
     taken = without**2 - refit(loop, [change]) ** 2
     idle = max(with_it**2 - refit(off, [change]) ** 2, 0.0)
     return bool(root(taken - idle) >= CLEARLY * smallest(off, change.name))
+
+
+def told_of(right, channel, course, size, years):
+    """The coefficient of the change with its truth, error and range, by its name."""
+    if not right:
+        return {}
+    effect = right[0].effect
+    ((name, value),) = right[0].coefficients.items()
+    times = years if course == "drift" else 1.0
+    truth = expected(channel, effect.removesuffix(f"_{course}"), size * times) / times
+    if np.isnan(truth):
+        return {}
+    one = dict(name=name, truth=truth, value=value, stderr=right[0].stderr[name])
+    return {effect: one | {"range": right[0].ranges.get(name)}}
+
+
+def expected(channel, named, size):
+    """The coefficient that a change of that size makes; NaN where it has none."""
+    over = {"sensitivity": 1.0 / (1.0 - size) - 1.0, "contact": -size}.get(channel)
+    offset = {"module_offset": size, "air_offset": -size}.get(channel)
+    if over is not None:
+        gains = {"sensitivity": over, "contact": over}
+        return (gains | {"mounting": 1.0 / (1.0 + over) - 1.0}).get(named, np.nan)
+    alike = named in ("module_offset", "air_offset") and offset is not None
+    return offset if alike else np.nan
 
 
 def dated(loop, right, world, course, at):
@@ -204,6 +231,7 @@ def page(table, first):
     yield f"| a change told where there is none | {alarms} |"
     yield f"| the day within its interval | {share(pd.Series([d[0] for d in dates]))} |"
     yield ""
+    yield from study_ranges.section(table)
     if dates:
         middle = np.median([d[1] for d in dates])
         yield f"Half of the days are told within {middle:.1f} days."

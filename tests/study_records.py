@@ -186,7 +186,8 @@ def looked(world, case, data, off=None):
         return None, row | {"broken": broken, "first": "broken"}
     row["seconds"] = time.perf_counter() - begin
     row |= said(loop, case) | errors(loop, data, case, off, world.site.forms)
-    row["coefficients"] = coefficients(loop, world, case, off)
+    row["told"] = told(loop, world, case, off)
+    row["coefficients"] = ratios(row["told"], case)
     return loop, row
 
 
@@ -309,27 +310,43 @@ def root(square):
     return math.copysign(math.sqrt(abs(square)), square)
 
 
-def coefficients(loop, world, case, off):
-    """Fitted over true coefficients, by switch."""
-    ratios = {}
-    for switch, size in case.sizes.items():
-        truth = TRUTHS.get(switch)
-        if truth is None or not truth.coefficient:
-            continue
+def told(loop, world, case, off):
+    """Each coefficient with its truth, error and range, by switch."""
+    known = {}
+    for switch, size in sizes_of(world, case).items():
+        truth = TRUTHS[switch]
         name = f"{truth.effect}.{truth.coefficient}"
-        fitted = [f.coefficients for f in loop.findings if f.effect == truth.effect]
+        fitted = [f for f in loop.findings if f.effect == truth.effect]
         if truth.effect == "clock_shift":
-            fitted = [{name: c.values["late"]} for c in loop.corrections if c.applied]
-        if not fitted or name not in fitted[0]:
+            late = [c.values["late"] for c in loop.corrections if c.applied]
+            one = dict(value=late[0]) if late else None
+        elif fitted and name in fitted[0].coefficients:
+            one = dict(value=fitted[0].coefficients[name])
+            one["stderr"] = fitted[0].stderr[name]
+            one["range"] = fitted[0].ranges.get(name)
+        else:
             continue
         expected = truth.expected(world, size)
-        if math.isnan(expected):  # this world's law has no such coefficient
-            continue
+        if one is None or math.isnan(expected):
+            continue  # this world's law has no such coefficient
         if truth.added and off is not None:
             # of what physics leaves, the other confounders of the loop take their part
             others = IN_PHYSICS.intersection(loop.effects) - {truth.effect}
             beside = [find(other) for other in sorted(others)]
             alone = refitted(off, [*beside, find(truth.effect)])
             expected += alone.coefficients[name]
-        ratios[switch] = fitted[0][name] / expected
-    return ratios
+        known[switch] = {"name": name, "truth": expected, **one}
+    return known
+
+
+def sizes_of(world, case):
+    """Sizes of what was added, and of what all modules emit, where that is known."""
+    sizes = {name: size for name, size in case.sizes.items() if name in TRUTHS}
+    if world.generator == "nodes" and case.form is None:
+        sizes.setdefault("radiative_loss", case.on.get("radiative_loss", 0.0))
+    return {n: s for n, s in sizes.items() if s and TRUTHS[n].coefficient}
+
+
+def ratios(known, case):
+    """Fitted over true coefficients of what was added, by switch."""
+    return {n: k["value"] / k["truth"] for n, k in known.items() if n in case.sizes}

@@ -22,8 +22,9 @@ from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
+from pvlib_fem.loop.ranges import with_ranges
 from pvlib_fem.loop.ranking import as_row, ranked
-from pvlib_fem.loop.remains import hints, not_seen, unexplained
+from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.steps import BASES, SCORES, Fits, error_table
 from pvlib_fem.loop.table import Ranking, table_of
@@ -303,7 +304,7 @@ class Search:
         )
         findings = [with_errors(f, last, stderr) for f in self.findings]
         findings += self.vetoed.values()
-        ranking, more = self.left_over(found, findings, last.model)
+        ranking, more = self.left_over(found, findings, last)
         raw = self.steps[base]
         before = pd.Series(raw.measured - raw.temperature, record.index)
         stretches = episodes_of(case, last)
@@ -331,8 +332,8 @@ class Search:
             episodes=stretches,
         )
 
-    def left_over(self, found, findings, model):
-        """The ranking, and all findings with what is left."""
+    def left_over(self, found, findings, last):
+        """The ranking, and all findings with what is left and the ranges by that."""
         case = self.case
         if found is None:
             days, least = case.fitting_days, case.criteria.fewest_fitting_days
@@ -342,8 +343,11 @@ class Search:
         rows = ranked(found, case.days)
         told = (case, found, rows)
         by = sorting(case, found, [])
-        findings = [*findings, *hints(*told, findings, self.aside, changes_of(model))]
-        findings += unexplained(case, found, by)
+        changes = changes_of(last.model)
+        findings = [*findings, *hints(*told, findings, self.aside, changes)]
+        tables = [*tables_left(case, found, by)]
+        findings += [unexplained(*table) for table in tables]
+        findings = with_ranges(findings, found, last, [table for table, _ in tables])
         self.untestable |= dict(not_seen(case, found, rows, findings))
         table = table_of({name: as_row(*row) for name, row in rows.items()})
         table = table.sort_values("gain", ascending=False, kind="stable")

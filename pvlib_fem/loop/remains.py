@@ -56,29 +56,34 @@ def hints(case, found, rows, findings, aside, changes):
         )
 
 
-def unexplained(case, found, by):
-    """Structure that no effect explains, the strongest table first."""
+def tables_left(case, found, by):
+    """Tables of what no effect explains, the strongest first, and what is material."""
     limits, given = case.criteria, []
     for i in range(limits.most_structures):
         table = structure(case, found, given, by)
         floor = material(found, given, limits)
         if table is None or table.gain**2 < floor:
             return
-        yield Finding(
-            table.name,
-            table.drivers,
-            Verdict.UNKNOWN,
-            table.gain,
-            {"mean": table.size},
-            {},
-            because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
-            (Check("gain", "min_gain", table.gain, floor**0.5, unit="K"),),
-            Kind.STRUCTURE,
-            table.ranges,
-            table.where,
-        )
+        yield table, floor
         found = found.with_column(f"unknown:{i}", table.values)
         given.append(f"unknown:{i}")
+
+
+def unexplained(table, floor):
+    """The finding of a table that no effect explains."""
+    return Finding(
+        table.name,
+        table.drivers,
+        Verdict.UNKNOWN,
+        table.gain,
+        {"mean": table.size},
+        {},
+        because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
+        (Check("gain", "min_gain", table.gain, floor**0.5, unit="K"),),
+        Kind.STRUCTURE,
+        table.ranges,
+        table.where,
+    )
 
 
 def not_seen(case, found, rows, findings):

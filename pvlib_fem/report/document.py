@@ -152,6 +152,15 @@ def rounded(error):
     return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
 
 
+def spanned(low, high):
+    """From and to, to two digits of half of what is between them."""
+    half = (high - low) / 2.0
+    if not half > 0:
+        return f"{low:.4g}"
+    digits = max(0, 1 - int(np.floor(np.log10(float(f"{half:.1e}")))))
+    return f"{low:z.{digits}f} … {high:z.{digits}f}"
+
+
 def value_and_error(fit, name):
     """Cells of a table: a coefficient and its error."""
     value, error = fit.coefficients[name], fit.stderr[name]

@@ -73,7 +73,7 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         section("Errors by step", errors(loop, gamma)),
         section("In energy", in_energy(fit, residuals(loop), gamma)),
         section("Pictures", figures(pictures(loop)) if drawn else NO_ROWS),
-        section("Coefficients", coefficients(fit, loop.corrections)),
+        section("Coefficients", coefficients(fit, loop.corrections, ranges(loop))),
         section("What the record cannot tell", undecided(loop)),
         section("What is left unexplained", unexplained(loop)),
         section("Where in time it lives", in_time(loop)),
@@ -84,6 +84,11 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         section("How to reproduce it", reproduce(loop)),
     ]
     return document(" · ".join(filter(None, [title, headline(loop)])), parts)
+
+
+def ranges(loop):
+    """The ranges of all coefficients that have one."""
+    return {name: ends for f in loop.findings for name, ends in f.ranges.items()}
 
 
 def name_of(loop):

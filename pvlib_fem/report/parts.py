@@ -10,6 +10,7 @@ from pvlib_fem.report.document import (
     number,
     paragraph,
     rounded,
+    spanned,
     table,
     value_and_error,
 )
@@ -32,26 +33,34 @@ def clock_words(correction):
     return words[:1].upper() + words[1:]
 
 
-def coefficients(fit, corrections=()):
+def coefficients(fit, corrections=(), ranges=None):
     """Values, errors and ranges of a fit, and what clocks are out by."""
-    rows = []
+    rows, ranges = [], ranges or {}
     for name, row in fit.thermal_model.parameters.items():
         share = f" of {row.share_of}" if row.share_of else ""
         bound = "at its bound" if name in fit.at_bound else ""
         value, error = value_and_error(fit, name)
         span = f"{row.lower:g} … {row.upper:g}{share}"
-        rows.append((name, value, error, row.unit, span, bound))
+        other = spanned(*ranges[name]) if name in ranges else ""
+        rows.append((name, value, error, row.unit, other, span, bound))
     for one in corrections:  # a clock has numbers and no place in the model
         for name, value in one.values.items():
             error = rounded(one.stderr.get(name, np.nan))
             unit = "s/day" if name == "drift" else "min"
             what = "corrected" if one.applied else "not corrected"
-            rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", what))
-    return table(
-        ("coefficient", "#value", "#± error", "unit", "range", ""),
-        rows,
-        "Errors from leaving out each fitted day in turn; range is what is possible.",
-    )
+            rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", "", what))
+    head = ["coefficient", "#value", "#± error", "unit", "range", "possible", ""]
+    words = "Errors from leaving out each fitted day in turn."
+    if ranges:
+        words += (
+            " The range is over other models that the record leaves possible: without "
+            "another finding, with another member of a class, with one effect more, "
+            "beside what is unexplained."
+        )
+    else:
+        del head[4]
+        rows = [(*row[:4], *row[5:]) for row in rows]
+    return table(head, rows, words)
 
 
 def in_energy(fit, residuals, gamma):

@@ -4,10 +4,10 @@ from textwrap import TextWrapper
 
 import numpy as np
 
-from pvlib_fem.findings import CORRECTED, Kind, Verdict
+from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import BASES
 from pvlib_fem.report import budget
-from pvlib_fem.report.document import rounded, with_error
+from pvlib_fem.report.document import rounded, spanned, with_error
 from pvlib_fem.report.page import by_reason
 
 NEVER = (
@@ -125,12 +125,10 @@ def verdict(finding, loop):
         number = with_error(finding.coefficients[key], finding.stderr[key])
         name = f"{key.split('.')[-1]} " if len(effect.parameters) > 1 else ""
         unit = "" if row.unit == "-" else f" {row.unit}"
+        if key in finding.ranges:
+            unit += f" (range {spanned(*finding.ranges[key])})"
         parts.append(f"{name}{number}{unit}")
     words = f"{finding.verdict}  {', '.join(parts)}"
-    # of a column of the user's own it says nothing but the column's unit
-    if len(effect.parameters) == 1 and finding.kind is not Kind.COLUMN:
-        (row,) = effect.parameters.values()
-        words += f" ({row.lower:.3g} … {row.upper:.3g})"
     return words + (f", from {effect.source}" if effect.source else "")
 
 

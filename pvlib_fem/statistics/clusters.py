@@ -92,6 +92,12 @@ class ClusterSums:
         scale = np.append(self.scale, size)
         return replace(self, sums=sums, scale=scale)
 
+    def about(self, shift):
+        """The same of a residual that is less so much of each column."""
+        change = np.eye(self.sums.shape[1])
+        change[-1, :-1] = -shift * self.scale
+        return replace(self, sums=change @ self.sums @ change.T)
+
     def solve(self, kept):
         """Best coefficients of the kept columns."""
         return ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, -1])

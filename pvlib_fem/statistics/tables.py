@@ -16,6 +16,7 @@ class Structure:
     gain: float  # what it takes off the held-out error [K]
     size: float  # mean residual there [K]
     values: np.ndarray = field(repr=False)  # of each row, from other weeks [K]
+    bins: np.ndarray = field(repr=False)  # cell of each row
 
     @property
     def drivers(self):
@@ -90,7 +91,7 @@ def find_structure(residual, seconds, folds, axes, step, criteria, without=()):
     bins, count = joined(chosen)
     places, size = placed(chosen, residual, bins, count, shrink, criteria)
     gain = float(np.sqrt(best[len(chosen)]))
-    return Structure(places, gain, size, means[folds, bins])
+    return Structure(places, gain, size, means[folds, bins], bins)
 
 
 def ways(axes):

@@ -1,0 +1,136 @@
+"""
+How far coefficients may lie from where they were fitted, by the other models that a
+record leaves possible.
+
+The error of a coefficient is its scatter between weeks under one model. Beside it
+stand models in which another finding is not there, in which a member of its class is in
+its place, which have one more effect or misfit, or any means in the cells of what no
+effect explains. All are linear algebra on sums by the day, at no further fit. How much
+is not known is judged by what is [1]_.
+
+References
+----------
+.. [1] C. Cinelli and C. Hazlett, "Making sense of sensitivity: extending omitted
+   variable bias", J. R. Stat. Soc. B 82, 39-67, 2020: what is not measured, judged by
+   what is. :doi:`10.1111/rssb.12348`
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from pvlib_fem.loop.evidence import UNSEEN
+from pvlib_fem.statistics.clusters import cluster_sums
+
+LEVEL = 0.95  # of the interval by each of the models
+
+
+def with_ranges(findings, found, step, tables):
+    """
+    The findings that are in the model, with ranges of their coefficients.
+
+    A range reaches as far to either side as the most distant end of the intervals of
+    all models lies to one: what is not known may pull either way, and as hard as what
+    is known. It ends where a coefficient cannot be.
+
+    Parameters
+    ----------
+    findings : list of Finding
+    found : Evidence
+        Beside the last step.
+    step : Step
+    tables : list of Structure
+        What no effect explains.
+
+    Returns
+    -------
+    list of Finding
+    """
+    added = [finding for finding in findings if finding.added]
+    if not added:
+        return findings
+    base = found.places(())
+    start = found.sums(()).solve(base) / found.sums(()).scale[base]
+    reach = dict.fromkeys(found.base, 0.0)
+    for sums, kept, silent in models(added, found, step, tables):
+        mine = [i for i in base if i in kept and i not in silent]
+        shift, half = solved(sums, kept, mine)
+        for i, ends in zip(mine, np.abs(shift - start[mine]) + half):
+            reach[found.base[i]] = max(reach[found.base[i]], float(ends))
+    return [ranged(f, step, reach) if f.added else f for f in findings]
+
+
+def solved(sums, kept, wanted):
+    """Shift of some of the columns of a model, and half of their interval."""
+    own = [kept.index(place) for place in wanted]
+    shift, scale = sums.solve(kept), sums.scale[kept]
+    error = np.sqrt(np.diag(sums.covariance(kept)))
+    times = student.ppf(0.5 + LEVEL / 2.0, max(len(sums.by_cluster) - 1, 1))
+    return (shift / scale)[own], (times * error / scale)[own]
+
+
+def models(added, found, step, tables):
+    """Sums and columns of all models, and the columns of which one says nothing."""
+    base = found.places(())
+    yield found.sums(()), base, ()
+    for name in (*found.misfits, *found.effects):
+        silent = [f for f in added if name in same(f, step)]
+        yield *beside(found, [name], base), own_of(found, *silent)
+    for finding in added:
+        own = own_of(found, finding)
+        without = np.zeros(len(found.columns))
+        for place in own:
+            without[place] = -step.coefficients[found.base[place]]
+        kept = [place for place in base if place not in own]
+        yield found.sums(()).about(without), kept, ()
+        for name in found.effects.keys() & same(finding, step):
+            sums, places = beside(found, [name], kept)
+            yield sums.about(without), places, ()
+    for table in tables:
+        yield within(found, table.bins), base, ()
+
+
+def same(finding, step):
+    """Effects that may be the same cause: its class, and what is never told from it."""
+    (effect,) = (e for e in step.model.effects if e.name == finding.effect)
+    course = effect.name.removeprefix(effect.channel)
+    return {*finding.candidates, *(f"{channel}{course}" for channel in effect.kin)}
+
+
+def own_of(found, *findings):
+    """Places of what some findings have in the base."""
+    names = {name for finding in findings for name in finding.coefficients}
+    return [i for i in found.places(()) if found.base[i] in names]
+
+
+def beside(found, names, kept):
+    """Sums of the rows on which some effects are known, and columns with theirs."""
+    sums, places = found.sums(names), list(kept)
+    for place in found.places(names)[len(found.base) :]:
+        if sums.given(place, []) > 0 and sums.given(place, places) > UNSEEN:
+            places.append(place)
+    return sums, places
+
+
+def within(found, bins):
+    """Sums of the fitted columns about their means in each cell of a table."""
+    size = np.maximum(np.bincount(bins), 1)
+
+    def about(column):
+        return column - (np.bincount(bins, column) / size)[bins]
+
+    limits = found.criteria.folds, found.criteria.fewest_clusters
+    columns = [about(found.columns[name]) for name in found.base]
+    return cluster_sums(columns, about(found.residual), found.dates, *limits)
+
+
+def ranged(finding, step, reach):
+    """The finding with the ranges of those coefficients that were fitted."""
+    rows, found = step.model.parameters, {}
+    for name in finding.coefficients:
+        if name in reach:
+            value, row = step.coefficients[name], rows[name]
+            low, high = value - reach[name], value + reach[name]
+            found[name] = (max(low, row.lower), min(high, row.upper))
+    return replace(finding, ranges=found)

@@ -1,0 +1,67 @@
+"""How often the ranges of coefficients hold the truth, and how wide they are."""
+
+import pandas as pd
+
+SURE = 1.96  # standard errors: half of the interval that a ± claims
+COVER = 0.9  # of the coefficients
+WIDE = 3.0  # times the half-width that would hold as many
+FEW = 4  # records of a coefficient, below which it has no row of its own
+
+
+def coefficients(table):
+    """A row for each coefficient that has a range and a truth."""
+    rows = []
+    for _, record in table.iterrows():
+        known = record["told"] if isinstance(record["told"], dict) else {}
+        for one in known.values():
+            if one.get("range"):
+                low, high = one["range"]
+                truth, size = one["truth"], abs(one["truth"])
+                off = abs(one["value"] - truth)
+                rows.append(
+                    {
+                        "name": one["name"],
+                        "off": off / size,
+                        "half": (high - low) / 2.0 / size,
+                        "held": low <= truth <= high,
+                        "error": SURE * one["stderr"] / size,
+                        "within": off <= SURE * one["stderr"],
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def in_words(part):
+    """Cells of a table: cover, width and what would do."""
+    would_do = part["off"].quantile(COVER)
+    times = part["half"].median() / would_do
+    return (
+        f"{len(part)} | {part['held'].mean():.0%} | {part['half'].median():.0%} | "
+        f"{would_do:.0%} | {times:.1f} | {part['within'].mean():.0%} | "
+        f"{part['error'].median():.0%}"
+    )
+
+
+def section(table):
+    """Lines of the page."""
+    found = coefficients(table)
+    if not len(found):
+        return
+    yield "## Ranges of coefficients"
+    yield ""
+    yield (
+        f"Of each coefficient whose truth is known: how often its range holds the "
+        f"truth (the bar: {COVER:.0%}); half of its width, of the truth, in the "
+        f"median; how far {COVER:.0%} of the coefficients are off at most, which is "
+        f"the half-width that would do for all, and how many times that the median is "
+        f"(the bar: {WIDE:g}). Beside it the same of ± {SURE:g} standard errors."
+    )
+    yield ""
+    head = ("records", "held", "half-width", "would do", "times", "± held", "± is")
+    yield f"| coefficient | {' | '.join(head)} |"
+    yield "|---" * (len(head) + 1) + "|"
+    yield f"| all | {in_words(found)} |"
+    for name, part in found.groupby("name"):
+        if len(part) >= FEW:
+            yield f"| `{name}` | {in_words(part)} |"
+    yield ""

@@ -1,0 +1,152 @@
+"""Ranges of coefficients over the other models that a record leaves possible."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS, DRIVERS
+from hypothesis import given
+from hypothesis import strategies as st
+from test_effects import coefficients
+
+import pvlib_fem as fem
+from pvlib_fem import datasets
+from pvlib_fem.effects import find
+from pvlib_fem.findings import Finding, Verdict
+from pvlib_fem.loop.evidence import Evidence
+from pvlib_fem.loop.ranges import solved, within
+from pvlib_fem.report.document import spanned
+from pvlib_fem.statistics.clusters import cluster_sums
+from pvlib_fem.stored import Stored
+from pvlib_fem.thermal.model import ThermalModel
+from pvlib_fem.thermal.steady import STEADY_MODELS
+
+SHARE = 0.8  # of the sky
+
+
+@pytest.fixture(scope="module")
+def under_a_sky():
+    """Two hundred days at half an hour under a sky, with an error of hours."""
+    data = datasets.synthetic(200, 1800, seed=3, noise=0).tz_localize(None)
+    random = np.random.default_rng(1)
+    clouds = pd.Series(random.normal(size=len(data))).ewm(halflife=20).mean() * 5.0
+    data["longwave_down"] = 330.0 + 25.0 * clouds.to_numpy()
+    effect = next(f for f in find("sky_radiation").forms if "sky_deficit" in f.drivers)
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
+    values = {**coefficients("balance"), "sky_radiation.share": SHARE}
+    usual = [data[name] for name in DRIVERS]
+    module = model.predict(*usual, values, longwave_down=data["longwave_down"])
+    noise = pd.Series(random.normal(0.0, 0.8, len(data)), data.index)
+    return data.assign(temp_module=module + noise.ewm(halflife=4).mean())
+
+
+@pytest.fixture(scope="module")
+def loop(under_a_sky):
+    return fem.close_loop(under_a_sky, check_units=False)
+
+
+def first(loop):
+    (finding,) = (f for f in loop.findings if f.effect == "sky_radiation")
+    return finding, finding.ranges["sky_radiation.share"]
+
+
+def test_the_range_holds_the_truth_and_more_than_the_error(loop):
+    sky, (low, high) = first(loop)
+    value, error = (
+        part["sky_radiation.share"] for part in (sky.coefficients, sky.stderr)
+    )
+    assert sky.added and low < SHARE < high
+    assert high - value > 1.5 * error and value - low > 1.5 * error
+    assert value - low == pytest.approx(high - value)
+
+
+@pytest.mark.parametrize("other", ["season", "thermal_storage", "contact_drift"])
+def test_a_fit_with_one_more_effect_is_within_the_range(under_a_sky, loop, other):
+    """By a fit of all coefficients, which the sums know to first order only."""
+    fit = fem.fit_fem(
+        *(under_a_sky[name] for name in COLUMNS),
+        longwave_down=under_a_sky["longwave_down"],
+        model="faiman",
+        dynamics="balance",
+        effects=[*loop.fit.effects, other],
+        holdout=loop.weeks != "fitting",
+        night=True,
+    )
+    low, high = first(loop)[1]
+    assert low < fit.coefficients["sky_radiation.share"] < high
+
+
+def test_what_is_not_in_the_model_has_no_range(loop):
+    for finding in loop.findings:
+        assert bool(finding.ranges) is finding.added
+        for name, (low, high) in finding.ranges.items():
+            row = loop.fit.thermal_model.parameters[name]
+            assert row.lower <= low <= finding.coefficients[name] <= high <= row.upper
+
+
+def test_it_is_printed_and_in_the_page_and_comes_back_from_a_file(loop, tmp_path):
+    ends = first(loop)[1]
+    assert f"(range {spanned(*ends)})" in " ".join(str(loop).split())
+    assert spanned(*ends) in loop.to_html()
+    again = fem.Loop.from_json(_written(loop, tmp_path))
+    assert [f.ranges for f in again.findings] == [f.ranges for f in loop.findings]
+    assert str(again) == str(loop)
+
+
+def _written(loop, folder):
+    loop.to_json(folder / "loop.json")
+    return folder / "loop.json"
+
+
+@pytest.mark.parametrize("ends", [[1.0], [1.0, "x"], [1.0, None], [1.0, True], 2.0])
+def test_a_range_that_is_none_is_refused(loop, ends):
+    content = json.loads(json.dumps(first(loop)[0].content()))
+    assert Finding.stored(Stored(content, "x")).verdict is Verdict.NAMED
+    content["ranges"]["sky_radiation.share"] = ends
+    with pytest.raises(ValueError, match=r"ranges\.sky_radiation\.share"):
+        Finding.stored(Stored(content, "x"))
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "words"),
+    [
+        (0.8489, 1.3011, "0.85 … 1.30"),
+        (-0.39, 0.245, "-0.39 … 0.24"),
+        (0.0, 3.5, "0.0 … 3.5"),
+    ],
+)
+def test_ends_are_told_to_two_digits_of_half_their_distance(low, high, words):
+    assert spanned(low, high) == words
+
+
+def series(seed, days=12, rows=20):
+    random = np.random.default_rng(seed)
+    dates = np.repeat(np.arange(days), rows)
+    columns = list(random.normal(size=(3, len(dates))) * [[1.0], [7.0], [0.2]])
+    return columns, random.normal(size=len(dates)), dates, random
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_sums_about_another_point_are_those_of_its_residual(seed):
+    columns, rest, dates, random = series(seed)
+    shift = random.normal(size=3)
+    moved = cluster_sums(columns, rest, dates).about(shift)
+    less = rest - np.dot(shift, columns)
+    expected = cluster_sums(columns, less, dates)
+    np.testing.assert_allclose(moved.sums, expected.sums, atol=1e-8)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_beside_means_of_cells_a_solution_is_that_with_a_column_of_each(seed):
+    columns, rest, dates, random = series(seed)
+    bins = random.integers(0, 4, len(dates))
+    names = ("a", "b", "c")
+    found = Evidence(
+        dict(zip(names, columns)), rest, dates, np.arange(len(dates)), names, ()
+    )
+    shift, half = solved(within(found, bins), [0, 1, 2], [0, 2])
+    wide = np.column_stack([*columns, *(bins == i for i in range(4))])
+    expected = np.linalg.lstsq(wide, rest, rcond=None)[0]
+    np.testing.assert_allclose(shift, expected[[0, 2]], rtol=1e-5, atol=1e-8)
+    assert (half > 0).all()
