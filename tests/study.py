@@ -139,20 +139,6 @@ def near(row):
     return all(abs(ratio - 1.0) <= NEAR for ratio in row["coefficients"].values())
 
 
-def ranges_of(row):
-    """Truth and range of each coefficient that has both."""
-    known = row["told"].values() if isinstance(row["told"], dict) else ()
-    return [(one["truth"], one["range"]) for one in known if one.get("range")]
-
-
-def has_range(row):
-    return len(ranges_of(row)) > 0
-
-
-def in_range(row):
-    return all(low <= truth <= high for truth, (low, high) in ranges_of(row))
-
-
 def honest(row):
     return not row["named_wrong"]
 
@@ -283,7 +269,6 @@ BARS = (
     Bar("all", f"error ≤ a refit with the truth + {MARGIN} K", long_enough, close),
     Bar("all", "error on test weeks not above that before", done, no_worse, 0.98),
     Bar("all", f"and nowhere by more than {RISE} K", done, hardly_worse),
-    Bar("all", "the range holds the coefficient", has_range, in_range, 0.90),
     Bar("all", "brought to an end", sound, done),
 )
 

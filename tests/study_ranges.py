@@ -31,13 +31,21 @@ def coefficients(table):
     return pd.DataFrame(rows)
 
 
+def would_do(part):
+    """Half-width that would hold as many as the bar asks for, of the truth."""
+    return part["off"].quantile(COVER)
+
+
+def times(part):
+    """How many times as wide as that the ranges are, in the median."""
+    return part["half"].median() / would_do(part)
+
+
 def in_words(part):
     """Cells of a table: cover, width and what would do."""
-    would_do = part["off"].quantile(COVER)
-    times = part["half"].median() / would_do
     return (
         f"{len(part)} | {part['held'].mean():.0%} | {part['half'].median():.0%} | "
-        f"{would_do:.0%} | {times:.1f} | {part['within'].mean():.0%} | "
+        f"{would_do(part):.0%} | {times(part):.1f} | {part['within'].mean():.0%} | "
         f"{part['error'].median():.0%}"
     )
 
@@ -65,3 +73,10 @@ def section(table):
         if len(part) >= FEW:
             yield f"| `{name}` | {in_words(part)} |"
     yield ""
+    held, wide = found["held"].mean() >= COVER, times(found) <= WIDE
+    yield f"The bar of cover is {met(held)}, that of width {met(wide)}."
+    yield ""
+
+
+def met(bar):
+    return "met" if bar else "**missed**"
