@@ -20,6 +20,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import t as student
 
+from pvlib_fem.findings import Opinion
+from pvlib_fem.loop.comparisons import SURE
 from pvlib_fem.loop.evidence import UNSEEN
 from pvlib_fem.statistics.clusters import cluster_sums
 
@@ -32,7 +34,8 @@ def with_ranges(findings, found, step, tables):
 
     A range reaches as far to either side as the most distant end of the intervals of
     all models lies to one: what is not known may pull either way, and as hard as what
-    is known. It ends where a coefficient cannot be.
+    is known. It ends where a coefficient cannot be, and of a change that witnesses
+    agree with at the last of their own intervals.
 
     Parameters
     ----------
@@ -75,7 +78,7 @@ def models(added, found, step, tables):
     base = found.places(())
     yield found.sums(()), base, ()
     for name in (*found.misfits, *found.effects):
-        silent = [f for f in added if name in same(f, step)]
+        silent = [f for f in added if name in same(f, found, step)]
         yield *beside(found, [name], base), own_of(found, *silent)
     for finding in added:
         own = own_of(found, finding)
@@ -84,18 +87,21 @@ def models(added, found, step, tables):
             without[place] = -step.coefficients[found.base[place]]
         kept = [place for place in base if place not in own]
         yield found.sums(()).about(without), kept, ()
-        for name in found.effects.keys() & same(finding, step):
+        for name in found.effects.keys() & same(finding, found, step):
             sums, places = beside(found, [name], kept)
             yield sums.about(without), places, ()
     for table in tables:
         yield within(found, table.bins), base, ()
 
 
-def same(finding, step):
+def same(finding, found, step):
     """Effects that may be the same cause: its class, and what is never told from it."""
     (effect,) = (e for e in step.model.effects if e.name == finding.effect)
-    course = effect.name.removeprefix(effect.channel)
-    return {*finding.candidates, *(f"{channel}{course}" for channel in effect.kin)}
+    if not effect.channel:
+        return {*finding.candidates}
+    channels = {effect.channel, *effect.kin}  # along any course
+    alike = [name for name, e in found.effects.items() if e.channel in channels]
+    return {*finding.candidates, *alike}
 
 
 def own_of(found, *findings):
@@ -132,5 +138,17 @@ def ranged(finding, step, reach):
         if name in reach:
             value, row = step.coefficients[name], rows[name]
             low, high = value - reach[name], value + reach[name]
+            if seen := vouched(finding, value):
+                low, high = max(low, min(*seen, value)), min(high, max(*seen, value))
             found[name] = (max(low, row.lower), min(high, row.upper))
     return replace(finding, ranges=found)
+
+
+def vouched(finding, value):
+    """Ends of the intervals in which witnesses that agree with a change have it."""
+    return [
+        (one.size + side * one.stderr) / one.expected * value
+        for one in finding.witnesses
+        if one.opinion is Opinion.AGREES and one.effect == finding.effect
+        for side in (-SURE, SURE)
+    ]
