@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+import before
 from benchmarks.speed import (
     Ewm,
     FemTemperature,
@@ -61,6 +62,8 @@ def main():
         bench.setup(dynamics)
         seconds = best(bench.time_fit_fem, dynamics)
         line(f"fit_fem, year at 1 min, {dynamics}", f"{seconds:.2f} s", "<= 1 s")
+    for row in before.lines():
+        line(*row)
     seconds = {}
     for years in Loop.params:
         bench = Loop()

@@ -1,0 +1,117 @@
+"""
+The same work by an earlier commit and by this tree, in turn, for ratios of one run.
+
+The commit is checked out beside, from the repository's own history. Each runs in a
+process of its own on one thread of BLAS; the shortest of some runs counts, in time of
+the processor, so that a busy machine changes a ratio little.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+HERE = Path(__file__).parent
+COMMIT = "a8ab032f528a705043d08fe4d97abaebb94da959"
+WORKS = {  # class of benchmarks.speed, what it is set up with, its work
+    "fit ewm": ("Fit", "ewm", "time_fit_fem"),
+    "fit balance": ("Fit", "balance", "time_fit_fem"),
+    "fem_temperature": ("FemTemperature", "year at 1 min", "time_fem_temperature"),
+    "loop": ("Loop", 1, "time_close_loop"),
+}
+
+
+@contextmanager
+def checked_out(commit=COMMIT):
+    """A folder with the tree of a commit."""
+    git = ["git", "-C", str(HERE)]
+    with tempfile.TemporaryDirectory() as folder:
+        place = str(Path(folder) / "before")
+        subprocess.run(
+            [*git, "worktree", "add", "--quiet", "--detach", place, commit], check=True
+        )
+        try:
+            yield place
+        finally:
+            subprocess.run([*git, "worktree", "remove", "--force", place], check=True)
+
+
+def measured(tree, work, repeat):
+    """Seconds of the processor and peak memory [GiB] of a work by a tree's package."""
+    environment = os.environ | {"PYTHONPATH": str(tree), "OMP_NUM_THREADS": "1"}
+    found = subprocess.run(
+        [sys.executable, __file__, work, str(repeat)],
+        env=environment,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return json.loads(found.stdout)
+
+
+def in_turn(before, work, repeat, turns=2):
+    """The shortest time and the largest memory of either, before and now."""
+    runs = [
+        [measured(tree, work, repeat) for tree in (before, HERE.parent)]
+        for _ in range(turns)
+    ]
+    return [
+        (min(seconds for seconds, _ in of_one), max(memory for _, memory in of_one))
+        for of_one in zip(*runs)
+    ]
+
+
+def imported(tree):
+    """Shortest time of the processor of an import, in a new process. [s]"""
+    words = "import time, pvlib_fem; print(time.process_time())"
+    environment = os.environ | {"PYTHONPATH": str(tree)}
+    given = dict(env=environment, check=True, capture_output=True, text=True, cwd=tree)
+    runs = [subprocess.run([sys.executable, "-c", words], **given) for _ in range(5)]
+    return min(float(run.stdout) for run in runs)
+
+
+def lines():
+    """Each work with its ratio and its reach."""
+    with checked_out() as before:
+        one = measured(HERE.parent, "fem_temperature", 10)[0]
+        for dynamics in ("ewm", "balance"):
+            (then, _), (now, _) = in_turn(before, f"fit {dynamics}", 4)
+            name = f"fit_fem, year at 1 min, {dynamics}"
+            yield f"{name}, against a8ab032", f"1/{then / now:.1f}", "<= 1/5"
+            yield f"{name}, against a temperature", f"{now / one:.0f} x", "<= 12 x"
+        (then, much), (now, more) = in_turn(before, "loop", 2, turns=1)
+        name = "close_loop, year at 1 min, against a8ab032"
+        yield name, f"{now / then:.2f} x", "<= 1/2"
+        yield (
+            "its process at the peak, against a8ab032",
+            f"{more / much:.2f} x",
+            "<= 1 x",
+        )
+        then, now = imported(before), imported(HERE.parent)
+        yield "import pvlib_fem, against a8ab032", f"{now / then:.2f} x", "<= 1 x"
+
+
+def run(work, repeat):
+    """Print what one work takes in this process."""
+    import resource
+
+    sys.path.insert(0, str(HERE))
+    from benchmarks import speed
+
+    kind, given, name = WORKS[work]
+    bench, times = getattr(speed, kind)(), []
+    bench.setup(given)
+    for _ in range(repeat):
+        start = time.process_time()
+        getattr(bench, name)(given)
+        times.append(time.process_time() - start)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    print(json.dumps([min(times), peak]))
+
+
+if __name__ == "__main__":
+    run(sys.argv[1], int(sys.argv[2]))
