@@ -158,6 +158,5 @@ def daily_sums(model, coefficients, source, at_bound) -> DailySums:
     """The sums of a minimum by the day, from one pass over a source."""
     names = tuple(name for name in model.free if name not in at_bound)
     answers = source.answers(model, coefficients)
-    by_day = joined(answer.by_day(names) for answer in answers)
-    rows = source.count
-    return DailySums(names, cluster_sums_of(*by_day, rows), source.winds)
+    days, sums = joined(answer.by_day(names) for answer in answers)
+    return DailySums(names, cluster_sums_of(days, sums, source.count), source.winds)
