@@ -95,7 +95,7 @@ def client_of(client=None, workers=None, memory_limit="auto"):
             threads_per_worker=1,
             processes=True,
             memory_limit=memory_limit,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",  # of no fixed port, and here only
             silence_logs=logging.ERROR,
         )
         with cluster, Client(cluster) as found:
