@@ -10,6 +10,19 @@ from uuid import uuid4
 AHEAD = 4  # systems that wait for each thread, so that none waits for systems
 
 
+#: a worker does one long thing at a time: its profile costs more than it tells, and in
+#: glibc's arenas of threads each temporary array would be new pages of memory
+WORKERS = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.nanny.pre-spawn-environ": {
+        "MALLOC_ARENA_MAX": 1,
+        "OMP_NUM_THREADS": 1,
+        "OPENBLAS_NUM_THREADS": 1,
+        "MKL_NUM_THREADS": 1,
+    },
+}
+
+
 def serial(work: Callable, systems: Iterable) -> Generator[dict, None, None]:
     """The answers of a bare loop."""
     for system in systems:
@@ -82,6 +95,7 @@ def client_of(client=None, workers=None, memory_limit="auto"):
     memory_limit : str, int or "auto"
         Of each; Dask ends a worker that goes beyond it.
     """
+    import dask
     from distributed import Client, LocalCluster
 
     if client is not None and not isinstance(client, str):
@@ -90,14 +104,15 @@ def client_of(client=None, workers=None, memory_limit="auto"):
         with Client(client, timeout="30s") as found:
             yield found
     else:
-        cluster = LocalCluster(
-            n_workers=workers or cores(),
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=memory_limit,
-            dashboard_address="127.0.0.1:0",  # of no fixed port, and here only
-            silence_logs=logging.ERROR,
-        )
+        with dask.config.set(WORKERS):
+            cluster = LocalCluster(
+                n_workers=workers or cores(),
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=memory_limit,
+                dashboard_address="127.0.0.1:0",  # of no fixed port, and here only
+                silence_logs=logging.ERROR,
+            )
         with cluster, Client(cluster) as found:
             found.register_plugin(unhearing())
             yield found
