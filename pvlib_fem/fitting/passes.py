@@ -152,19 +152,17 @@ class Files:
         dict of dict, DailySums
         """
         tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
-        by_day, pasts = [], None
+        by_day = []
         for part, given in self.parts(asked):
             out = self.held_out(part.dates)
             for key, (model, own) in given.items():
                 quick = self.quick(model)
-                if key == last:  # once more with its slopes, from a past of its own
-                    pasts = pasts or self.past(model)
-                    inputs, found, _ = own
-                    own_past = inputs, found, pasts
-                    answer = part.answered(model, own_past, "train", quick)
-                    by_day.append(answer.by_day(names))
-                error = part.measured - temperature_of(model, own, quick)
-                counts = part.counts["counted"]
+                if key == last:
+                    found, *sums = part.ended(model, own, names, quick)
+                    by_day.append(sums)
+                else:
+                    found = temperature_of(model, own, quick)
+                error, counts = part.measured - found, part.counts["counted"]
                 tallies[key]["train"].add(error[counts & ~out])
                 tallies[key]["test"].add(error[counts & out])
         rows = int(self.rows[~np.isin(self.dates, self.out)].sum())
@@ -228,10 +226,23 @@ class Part:
         dates = self.dates[counts]
         if quick:
             return Loop(model, given, counts, self.measured, dates)
-        rows = np.flatnonzero(counts)
         found, slopes = model.answer(*given)
+        return self.answer(found, slopes, counts)
+
+    def answer(self, found, slopes, counts):
+        rows = np.flatnonzero(counts)
         slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
-        return Answer(self.measured[rows], found[rows], slopes, dates)
+        return Answer(self.measured[rows], found[rows], slopes, self.dates[rows])
+
+    def ended(self, model, given, names, quick):
+        """Temperature, and dates and products by the day of rows that are fitted."""
+        counts = self.counts["train"]
+        if quick:
+            return Loop(
+                model, given, counts, self.measured, self.dates[counts]
+            ).with_temperature(names)
+        found, slopes = model.answer(*given)
+        return found, *self.answer(found, slopes, counts).by_day(names)
 
 
 def temperature_of(model, given, quick):

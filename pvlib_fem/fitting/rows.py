@@ -58,18 +58,24 @@ class Loop:
     dates: np.ndarray  # of the rows that count
 
     def summed(self, names, edges):
+        """Temperature of all rows, and products over each part of those that count."""
         seen, edges = (self.counts, self.measured), np.array(edges, dtype=np.int64)
-        total = answered(self.model, *self.given, seen, edges)[1]
+        found, total = answered(self.model, *self.given, seen, edges)
         parameters = list(self.model.parameters)
         kept = [*(parameters.index(name) for name in names), -1]
-        return total[:, kept][:, :, kept]
+        return found, total[:, kept][:, :, kept]
 
     def products(self, names):
-        return self.summed(names, [0, len(self.dates)])[0]
+        return self.summed(names, [0, len(self.dates)])[1][0]
 
     def by_day(self, names):
+        return self.with_temperature(names)[1:]
+
+    def with_temperature(self, names):
+        """Temperature of all rows, and dates and products by the day."""
         first, _ = starts(self.dates)
-        return self.dates[first], self.summed(names, [*first, len(self.dates)])
+        found, total = self.summed(names, [*first, len(self.dates)])
+        return found, self.dates[first], total
 
 
 @dataclass(frozen=True, eq=False)

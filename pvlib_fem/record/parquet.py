@@ -32,7 +32,7 @@ from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
 from pvlib_fem.stored import replacing
 from pvlib_fem.types import FilePath
 
-ROWS = 1 << 16  # of a block: its columns stay in the cache
+ROWS = 1 << 18  # of a block: some megabytes
 
 
 @dataclass(frozen=True, eq=False)
