@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 import pvlib_fem as fem
 from pvlib_fem.cli import main
-from pvlib_fem.fitting.passes import Asked, first_pass
+from pvlib_fem.fitting.passes import Asked, first_pass, screened_for
 from pvlib_fem.fitting.rows import Rows, normal_sums
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.screen import screened
@@ -62,7 +62,8 @@ def test_the_sums_of_files_are_those_of_memory(data, folder, dynamics):
     found = model.completed({"k": 0.03, "d": 9.0, "tau": 400.0, "capacity": 9e3})
     record, _ = screened(as_record(*(data[name] for name in COLUMNS)))
     rows = Rows(record, np.array(counted(record.inputs.columns)))
-    files = first_pass(fem.open_parquet(folder), model, False, None, True)
+    screened_files = screened_for(fem.open_parquet(folder), model)
+    files = first_pass(screened_files, model, night=False)
     asked = {"": Asked(model, found, "train")}
     one = normal_sums(model, found, rows, model.free)
     other = files.sums(asked, {"": model.free})[""]

@@ -107,11 +107,16 @@ def loop(files, report, title, out, **options):
     relative_humidity [%], longwave_down [W/m²], precipitation [mm/h], p_dc [W per
     m² of module] and snow_depth [cm]; every other numeric column is tried as a
     cause of its own. With --lat, --lon, --tilt and --azimuth it tries effects that
-    follow the sun, too; times without a zone are then local standard time.
+    follow the sun, too; times without a zone are then local standard time. Of a folder
+    or a pattern of Parquet files it is of means over 5 min.
     """
     with plainly():
         check_outputs(files, report=report, out=out)
-        data, options, otherwise = prepared(files, options, drivers=True)
+        if is_data_set(files):
+            options = prepared_files(files, options, sun=True)
+            data, otherwise = options.pop("record"), str
+        else:
+            data, options, otherwise = prepared(files, options, drivers=True)
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
             found = closed(data, **options)
@@ -215,12 +220,13 @@ def write_report(path, result, title, files):
     write(path, lambda whole: result.to_html(whole, title=title))
 
 
-def prepared_files(files, options):
-    """What a fit takes of Parquet files that follow each other."""
+def prepared_files(files, options, sun=False):
+    """What a fit takes of Parquet files that follow each other, or a loop."""
     check_partners(options)
     settings, days = settings_of(options.pop("settings")), options.pop("holdout")
-    for name in ("lat", "lon", "tilt", "azimuth"):
-        if options.pop(name) is not None:
+    place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
+    for name, value in place.items():
+        if value is not None and not sun:
             raise ValueError(
                 f"--{name} does not go with Parquet files that follow each other: the "
                 "sun's place is found for files that are read as a whole"
@@ -228,12 +234,17 @@ def prepared_files(files, options):
     effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
     record = opened(files, options)
     ends = [time.tz_localize(None).normalize() for time in record.ends]
-    return options | {
-        "record": record,
-        "effects": effects,
-        "fixed": held(fixed) or None,
-        "holdout": days_of(days, pd.date_range(*ends)),
-    }
+    site = {"site": site_of(pd.DatetimeIndex(record.ends), **place)} if sun else {}
+    return (
+        options
+        | site
+        | {
+            "record": record,
+            "effects": effects,
+            "fixed": held(fixed) or None,
+            "holdout": days_of(days, pd.date_range(*ends)),
+        }
+    )
 
 
 def prepared(files, options, drivers=False):

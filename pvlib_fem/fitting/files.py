@@ -9,7 +9,7 @@ import pandas as pd
 
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.memory import memory_notes
-from pvlib_fem.fitting.passes import Asked, Files, first_pass
+from pvlib_fem.fitting.passes import Asked, Files, first_pass, screened_for
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import as_searched, natural, searching
 from pvlib_fem.fitting.stages import (
@@ -124,9 +124,13 @@ def fit_files(
     All steps that can go side by side share each pass, and begin where the same fit
     of means over a minute ends.
     """
-    files = first_pass(source, target, night, limits, check_units)
-    notes = [*files.screened.notes]
-    files = files.without(dates_out(files, holdout, notes))
+    screened = screened_for(source, target, limits, check_units)
+    files, notes = first_pass(screened, target, night), list(screened.notes)
+    return fitted(files.without(dates_out(files, holdout, notes)), target, notes)
+
+
+def fitted(files, target, notes) -> FileFit:
+    """The fit of a record in files on the days that are not held out."""
     train = ~np.isin(files.dates, files.out)
     needed("least squares", int(files.rows[train].sum()), len(target.free))
     target, stages, minimum = stages_of(files, target)
@@ -161,7 +165,7 @@ def fit_files(
         test_days=int((files.rows[~train] > 0).sum()),
         holdout=out,
         record=means,
-        night=night,
+        night=files.night,
         base=target.base if target.effects else None,
         fixed=dict(target.held),
         daily=daily,

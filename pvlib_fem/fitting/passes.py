@@ -330,9 +330,9 @@ class Gaps:
         return median(self.steps) if self.steps else 0.0
 
 
-def first_pass(source, target, night, limits, check_units):
+def screened_for(source, target, limits=None, check_units=True):
     """
-    A record in files as a fit takes it, screened, and looked at once more.
+    A record in files as a fit takes it, screened.
 
     Raises
     ------
@@ -341,9 +341,13 @@ def first_pass(source, target, night, limits, check_units):
         unusable.
     """
     refuse_memory(target)
+    source.needing((*COLUMNS, *target.drivers))
+    return screened_blocks(source, target.drivers, limits, check_units)
+
+
+def first_pass(screened, target, night):
+    """A screened record in files with what one more pass shows of it."""
     drivers = tuple(target.drivers)
-    source.needing((*COLUMNS, *drivers))
-    screened = screened_blocks(source, drivers, limits, check_units)
     step = max(MEANS, 2.0 * screened.look.step)
     sums = Sums(step, PRESENT * step / screened.look.step)
     gaps = {(): Gaps(), drivers: Gaps()}

@@ -18,6 +18,7 @@ from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import confirmed
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.files import in_means, on_days, on_own_steps
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import prepared
 from pvlib_fem.loop.progress import telling
@@ -32,12 +33,14 @@ from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.weeks import Part, named
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
+from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.steady import steady_model
+from pvlib_fem.types import FilePath
 
 
 def close_loop(
-    data: pd.DataFrame,
+    data: pd.DataFrame | ParquetRecord | FilePath,
     model: str = "faiman",
     location: Location | None = None,
     surface_tilt: float | None = None,
@@ -65,13 +68,16 @@ def close_loop(
 
     Parameters
     ----------
-    data : DataFrame
+    data : DataFrame, str, path-like or ParquetRecord
         With a DatetimeIndex and the columns ``poa_global`` [W/m²], ``temp_air``
         [°C], ``wind_speed`` [m/s], ``temp_module`` [°C], and any of
         ``wind_direction`` [° from north], ``relative_humidity`` [%],
         ``longwave_down`` (or ``ir_down``) [W/m²], ``precipitation`` [mm/h],
         ``p_dc`` [W per m² of module], ``snow_depth`` [cm]. Every other numeric
-        column is a candidate driver of its own, ``driver:<column>``.
+        column is a candidate driver of its own, ``driver:<column>``. Or Parquet
+        files of such a record, as :func:`fit_fem` takes them: the loop is then of means
+        over ``criteria.search_step``, and ``own_steps`` its last model fitted to the
+        record's own steps.
     model : str, default "faiman"
         A steady model by name, as in :func:`pvlib_fem.fit_fem`.
     location : pvlib.location.Location, optional
@@ -80,8 +86,8 @@ def close_loop(
         Of the module; azimuth from north, clockwise. Where a location is given and
         neither of them, they are estimated from the light of clear days. [°]
     holdout : Series of bool, optional
-        The test rows. By default every fifth week, or every other day of a record
-        below five weeks.
+        The test rows, or days of a record in files. By default every fifth week, or
+        every other day of a record below five weeks.
     min_gain : float, optional
         Short for ``criteria=Criteria(min_gain=...)``: gain below which nothing is
         added to the model. [K]
@@ -147,13 +153,22 @@ def close_loop(
 def searched(data, model, place, progress, **how):
     """A search that is done, and the loop that came of it."""
     site = checked_place(*place)
+    given = {name: said_of(value) for name, value in how.items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:
+        screened = None
+        if is_data_set(data):
+            tell("reading the files")
+            data, screened = in_means(as_source(data), criteria)
+            if how["holdout"] is not None:
+                how["holdout"] = on_days(how["holdout"], data.index)
         tell("checking the record")
         search = Search(Fits(prepared(data, site, **how)), tell)
         found = search.run(steady_model(model))
-    given = {name: said_of(value) for name, value in how.items()}
+        if screened is not None:
+            tell("fitting the record's own steps")
+            found = on_own_steps(found, screened)
     return search, replace(found, given=given)
 
 

@@ -95,6 +95,10 @@ class Loop:
         Whether there were enough fitting days to leave some out in turn.
     given : dict
         Other arguments of the call, as they are written.
+    own_steps : FemFit or None
+        Of a loop of files, which is of means: its last model fitted to the record's own
+        steps, with the weeks that are not fitted held out. None where it could not be,
+        as the notes say, and in a loop that was read from a file.
     """
 
     findings: tuple
@@ -116,6 +120,7 @@ class Loop:
     family: int = 1
     weighed: bool = True
     given: dict = field(repr=False, default_factory=dict)
+    own_steps: FemFit | None = field(repr=False, default=None)
 
     @cached_property
     def week_rows(self) -> dict:

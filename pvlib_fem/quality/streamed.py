@@ -46,7 +46,7 @@ class Screened:
         return {name: counts[name] for name in self.record.names}
 
 
-def screened_blocks(source, drivers=(), limits=None, check_units=True):
+def screened_blocks(source, drivers=(), limits=None, check_units=True, needed=None):
     """
     A record in files without what was not measured, from few passes over them.
 
@@ -62,6 +62,8 @@ def screened_blocks(source, drivers=(), limits=None, check_units=True):
     limits : Limits, optional
     check_units : bool, default True
         Refuse columns that look to be in another unit.
+    needed : sequence of str, optional
+        Columns that have to hold a value, by default all.
 
     Returns
     -------
@@ -73,7 +75,8 @@ def screened_blocks(source, drivers=(), limits=None, check_units=True):
         As :func:`pvlib_fem.quality.screen.screened`.
     """
     clean = CleanRecord(source, (*COLUMNS, *drivers))
-    return Screening(clean, limits or Limits()).run(check_units)
+    needed = clean.names if needed is None else needed
+    return Screening(clean, limits or Limits(), needed).run(check_units)
 
 
 @dataclass(eq=False)
@@ -82,6 +85,7 @@ class Screening:
 
     clean: CleanRecord
     limits: Limits
+    needed: tuple
     look: Look | None = None
     found: dict = field(default_factory=dict)  # kind to column to spans of rows
     first: dict = field(default_factory=dict)  # time and value of the first of them
@@ -143,7 +147,7 @@ class Screening:
     def refuse_nothing(self, missing):
         """Refuse a column without a value."""
         at, rows = self.clean.source.at, self.look.rows
-        if empty := [name for name, lacks in missing.items() if lacks == rows]:
+        if empty := [name for name in self.needed if missing[name] == rows]:
             first, last = map(at, self.look.ends)
             raise ValueError(
                 f"{empty[0]} holds no value from {first} to {last}; check the column's "

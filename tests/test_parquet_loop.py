@@ -1,0 +1,70 @@
+"""The loop of files is that of the same record in memory, on means."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+import pvlib_fem as fem
+from pvlib_fem.cli import main
+from pvlib_fem.simulator import PHYSICS, record
+
+pytest.importorskip("pyarrow")
+NAMES = ["poa_global", "temp_air", "wind_speed", "temp_module", "wind_direction"]
+
+
+@pytest.fixture(scope="module")
+def data():
+    effects = PHYSICS | {"wind_direction": 1.0}
+    data = record(effects=effects, days=84, step=120, seed=4, start="2023-04-01")
+    return data[NAMES]
+
+
+@pytest.fixture(scope="module")
+def folder(data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("record")
+    for i, part in enumerate(np.array_split(np.arange(len(data)), 3)):
+        own = data.iloc[part]
+        own.attrs = {}
+        own.to_parquet(folder / f"{i}.parquet", row_group_size=9000)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def loops(data, folder):
+    return fem.close_loop(data), fem.close_loop(folder)
+
+
+def test_the_findings_are_those_in_memory(loops):
+    one, other = loops
+    found = [[(f.effect, f.verdict) for f in loop.findings] for loop in loops]
+    assert found[0] == found[1]
+    assert "wind_direction" in one.effects
+    assert one.untestable.keys() == other.untestable.keys()
+    for a, b in zip(one.findings, other.findings):
+        assert b.coefficients == pytest.approx(a.coefficients, rel=0.1, abs=0.1)
+
+
+def test_the_last_model_is_fitted_to_the_records_own_steps(loops):
+    one, other = loops
+    own = other.own_steps
+    assert own.summary.rows == len(one.weeks)
+    for name, value in one.fit.coefficients.items():
+        # the loop ends where the errors of the coefficients are a thousand times more
+        assert abs(own.coefficients[name] - value) < 1e-2 * one.fit.stderr[name]
+    assert own.scores["rmse_train"].iloc[-1] == pytest.approx(
+        one.table["rmse_train"].iloc[-1], rel=1e-4
+    )
+    (line,) = (note for note in other.notes if "own_steps" in note)
+    assert f"{own.scores['rmse_test'].iloc[-1]:.3g} K on the weeks" in line
+
+
+def test_days_are_held_out_and_the_command_goes(folder, loops):
+    days = pd.Series(True, pd.date_range("2023-05-01", periods=14))
+    loop = fem.close_loop(folder, holdout=days, effects="wind_direction")
+    test = loop.weeks.index[loop.weeks == "test"]
+    assert {str(day) for day in test.date} == {str(day.date()) for day in days.index}
+    how = ["--holdout", "2023-05-01..2023-05-14", "--effects", "wind_direction"]
+    found = CliRunner().invoke(main, ["loop", str(folder), *how])
+    assert found.exit_code == 0, found.output
+    assert str(loop).strip() in found.output
