@@ -45,7 +45,7 @@ class FileFit(FemFit):
     :meth:`write_residual` writes the residual of all rows.
     """
 
-    files: Files | None = field(default=None, repr=False)
+    files: Files = field(default=None, repr=False)  # type: ignore[assignment]
 
     def __post_init__(self):
         vars(self).pop("residual")
@@ -90,13 +90,12 @@ class FileFit(FemFit):
     def on_means(self) -> FemFit:
         """The same on means over a minute or more, as pictures have it."""
         own = {one.name: getattr(self, one.name) for one in own_fields()}
-        model = self.thermal_model
-        inputs = model.with_drivers(self.record.inputs)
+        model, record = self.thermal_model, self.record
+        assert record is not None  # the means
+        inputs = model.with_drivers(record.inputs)
         modelled = model.temperature(inputs, model.completed(self.coefficients))
-        left = self.record["temp_module"] - modelled
-        fit = FemFit(
-            **own, residual=pd.Series(left, self.record.index, name="residual")
-        )
+        left = pd.Series(record["temp_module"] - modelled, record.index)
+        fit = FemFit(**own, residual=left.rename("residual"))
         vars(fit)["summary"] = self.summary
         return fit
 

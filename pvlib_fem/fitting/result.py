@@ -115,12 +115,12 @@ class FemFit:
     @property
     def step(self) -> float:
         """Usual time between rows. [s]"""
-        return self.record.inputs.step
+        return self.record.inputs.step  # type: ignore[union-attr]
 
     @property
     def wind(self) -> float:
         """Mean wind speed of the record. [m/s]"""
-        return float(np.nanmean(self.record["wind_speed"]))
+        return float(np.nanmean(self.record["wind_speed"]))  # type: ignore[index]
 
     @property
     def thermal_model(self) -> ThermalModel:

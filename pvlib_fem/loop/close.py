@@ -160,7 +160,7 @@ def searched(data, model, place, progress, **how):
         screened = None
         if is_data_set(data):
             tell("reading the files")
-            data, screened = in_means(as_source(data), criteria)
+            data, screened = in_means(as_source(data), how["criteria"])
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], data.index)
         tell("checking the record")

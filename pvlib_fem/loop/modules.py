@@ -96,7 +96,7 @@ def compare_modules(
             f"{len(names)} module sensors are there ({', '.join(names)}), and at least "
             f"{FEWEST} are needed: of two no one says which is off"
         )
-    usual = [found[name] for name in ("poa_global", "temp_air", "wind_speed")]
+    usual = (found["poa_global"], found["temp_air"], found["wind_speed"])
     sensors, notes = clean(usual, {n: found[n] for n in names}, criteria)
     record = as_record(*usual, found[names[0]])
     off = {name for name, why in notes.items() if name not in sensors or why[0]}
