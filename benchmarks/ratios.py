@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 import before
+import files
 from benchmarks.speed import (
     Ewm,
     FemTemperature,
@@ -62,7 +63,7 @@ def main():
         bench.setup(dynamics)
         seconds = best(bench.time_fit_fem, dynamics)
         line(f"fit_fem, year at 1 min, {dynamics}", f"{seconds:.2f} s", "<= 1 s")
-    for row in before.lines():
+    for row in (*before.lines(), *files.lines()):
         line(*row)
     seconds = {}
     for years in Loop.params:

@@ -50,6 +50,7 @@ class Files:
     rows: np.ndarray  # that count, of each day
     light: np.ndarray  # their irradiance squared, times wind and its square, by the day
     means: Record  # on longer steps
+    seen: dict  # what is the same in every pass, by the first row of a block
     out: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # dates held out
 
     @property
@@ -115,7 +116,7 @@ class Files:
         pasts = {key: self.past(one.model) for key, one in asked.items()}
         bases = Bases(self, asked.values())
         for block in self.clean.blocks():
-            rows, inputs, dates = self.kept(block), even(block), block.dates
+            inputs, (rows, dates) = even(block), self.kept(block)
             for piece in blocks(len(block)):
                 here = bases.beside(inputs.part(piece))
                 given = {}
@@ -154,7 +155,11 @@ class Files:
         tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
         by_day = []
         for part, given in self.parts(asked):
-            out = self.held_out(part.dates)
+            out, counts = self.held_out(part.dates), part.counts["counted"]
+            rows = {
+                "train": np.flatnonzero(counts & ~out),
+                "test": np.flatnonzero(counts & out),
+            }
             for key, (model, own) in given.items():
                 quick = self.quick(model)
                 if key == last:
@@ -162,9 +167,9 @@ class Files:
                     by_day.append(sums)
                 else:
                     found = temperature_of(model, own, quick)
-                error, counts = part.measured - found, part.counts["counted"]
-                tallies[key]["train"].add(error[counts & ~out])
-                tallies[key]["test"].add(error[counts & out])
+                error = part.measured - found
+                for which, at in rows.items():
+                    tallies[key][which].add(error[at])
         rows = int(self.rows[~np.isin(self.dates, self.out)].sum())
         sums = cluster_sums_of(*joined(by_day), rows)
         table = {
@@ -205,11 +210,11 @@ class Files:
             yield block.index, block["temp_module"] - np.concatenate(found)
 
     def kept(self, block):
-        """Booleans of the rows of a block by what they are for."""
-        out = self.held_out(block.dates)
-        complete = np.isfinite(sum(block[name] for name in COLUMNS))
-        counts = rows_that_count(block, self.night, self.drivers)
-        return {"complete": complete & ~out, "train": counts & ~out, "counted": counts}
+        """Booleans of the rows of a block by what they are for, and their dates."""
+        complete, counts, dates = self.seen[block.start].on(len(block))
+        fitted = ~self.held_out(dates)
+        kept = {"complete": complete & fitted, "train": counts & fitted}
+        return kept | {"counted": counts}, dates
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,6 +282,27 @@ class Tally:
         with np.errstate(invalid="ignore"):
             square, size, mean = self.sums / (self.rows or np.nan)
         return {"rmse": float(np.sqrt(square)), "mae": float(size), "mbe": float(mean)}
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What every pass needs to know of a block, in little room."""
+
+    complete: np.ndarray  # rows with all four columns, as bits
+    counts: np.ndarray  # rows whose residual counts, as bits
+    days: np.ndarray
+    rows: np.ndarray  # of each day, where it changes
+
+    @classmethod
+    def of(cls, complete, counts, dates):
+        edges = np.flatnonzero(np.diff(dates)) + 1
+        days, rows = dates[[0, *edges]], np.diff([0, *edges, len(dates)])
+        return cls(np.packbits(complete), np.packbits(counts), days, rows)
+
+    def on(self, rows):
+        """Booleans of the rows, twice, and their dates."""
+        bits = (np.unpackbits(b, count=rows) for b in (self.complete, self.counts))
+        return *(b.view(bool) for b in bits), np.repeat(self.days, self.rows)
 
 
 class Bases:
@@ -351,7 +377,7 @@ def first_pass(screened, target, night):
     step = max(MEANS, 2.0 * screened.look.step)
     sums = Sums(step, PRESENT * step / screened.look.step)
     gaps = {(): Gaps(), drivers: Gaps()}
-    wind, table = np.zeros(2), {}
+    wind, table, seen = np.zeros(2), {}, {}
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
         for names, found in gaps.items():
@@ -360,8 +386,10 @@ def first_pass(screened, target, night):
         speed = block["wind_speed"]
         there = np.isfinite(speed)
         wind += speed[there].sum(), there.sum()
-        rows = rows_that_count(block, night, drivers)
-        by_day(table, block.dates, rows, block["poa_global"] ** 2, speed)
+        rows, dates = rows_that_count(block, night, drivers), block.dates
+        complete = np.isfinite(sum(block[name] for name in COLUMNS))
+        seen[block.start] = Seen.of(complete, rows, dates)
+        by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     means = Record(sums.inputs(), dict(screened.missing), {}, 0)
     return Files(
@@ -374,6 +402,7 @@ def first_pass(screened, target, night):
         found[:, 0].astype(int),
         found[:, 1:],
         means,
+        seen,
     )
 
 
