@@ -412,6 +412,14 @@ def test_a_system_that_would_not_show_it_is_not_asked():
     assert group.everywhere and group.also == {"b", "c"}
 
 
+def test_a_change_of_some_is_not_the_stations_where_others_found_no_date():
+    found = [(name, LOSES, 0.5, MARCH) for name in "ab"]
+    systems, findings = rows_of(*found)
+    other = json.dumps({"soiling": [0.0, 0.1]})
+    (group,) = shared(systems.assign(weighed=other), findings)
+    assert not group.everywhere and group.words == "2 of 3"
+
+
 def test_a_site_of_one_system_shares_nothing():
     systems, findings = rows_of(("a", ["soiling"], 0.3, None))
     assert shared(systems[:1].assign(weighed=SEES), findings) == []
