@@ -57,7 +57,7 @@ class Shared:
         """Ask systems in which it was not found, by what was weighed there."""
         for identity, weighed in others.items():
             known = [weighed[name] for name in self.candidates if name in weighed]
-            if identity in self.systems or not (known or self.first and weighed):
+            if identity in self.systems or not (known or (self.first and weighed)):
                 continue  # a date is looked for in every loop, whatever it weighs
             # a change that is dated has its date in the findings
             if self.first is None and any(0.0 < least <= gain for gain, least in known):
