@@ -234,7 +234,9 @@ def prepared_files(files, options, sun=False):
     effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
     record = opened(files, options)
     ends = [time.tz_localize(None).normalize() for time in record.ends]
-    site = {"site": site_of(pd.DatetimeIndex(record.ends), **place)} if sun else {}
+    site = (
+        {"site": site_of(pd.DatetimeIndex(record.ends), *place.values())} if sun else {}
+    )
     return (
         options
         | site
