@@ -126,7 +126,7 @@ def recover(
     --------
     >>> import pvlib_fem as fem
     >>> data = fem.simulator.record(days=100, step=3600)
-    >>> found = fem.recover(data, "sky_radiation", sizes=[3], processes=1,
+    >>> found = fem.recover(data, "module_offset_step", sizes=[3], processes=1,
     ...                     progress=False)
     >>> found.summary["found"].tolist()
     [1.0]
