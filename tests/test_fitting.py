@@ -11,7 +11,7 @@ from conftest import COLUMNS, DRIVERS, measured
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.fitting.search import natural
-from pvlib_fem.statistics.leastsquares import gauss_newton
+from pvlib_fem.statistics.leastsquares import descent
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -292,7 +292,7 @@ def test_least_squares_needs_no_more_than_it_needs(month):
 
 
 def test_a_search_that_does_not_end_is_said(month, monkeypatch):
-    monkeypatch.setattr(gauss_newton, "__defaults__", (1, 1e-12))
+    monkeypatch.setattr(descent, "__defaults__", (1, 1e-12))
     fit = fem.fit_fem(*(month[name] for name in COLUMNS))
     assert not fit.converged
     assert "the search did not converge: do not trust the numbers" in fit.notes

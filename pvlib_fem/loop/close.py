@@ -270,9 +270,9 @@ class Search:
         """
         The finding and its fit, by the first of its candidates that holds.
 
-        Changes are large, and a tangent is a poor judge of which comes nearest: of
-        those that come and go alike all are fitted, and the one that leaves least is
-        taken.
+        Changes are large, and a tangent is a poor judge of which comes nearest: those
+        that come and go alike are fitted, too, and one that leaves less by what is
+        material is taken.
         """
         tries, held = [], []
         for name in finding.candidates:
@@ -290,8 +290,12 @@ class Search:
                 held.append(tries[-1])
                 if not effect.channel:
                     break
-        rows = self.case.fitting
-        return min(held, key=lambda one: one[1].error(rows), default=tries[0])
+        if not held:
+            return tries[0]
+        left = [fit.error(self.case.fitting) ** 2 for _, fit in held]
+        nearest = left.index(min(left))
+        material = left[0] - left[nearest] > self.case.criteria.min_gain**2
+        return held[nearest if material else 0]
 
     def result(self, last, start, base, found):
         """All that was found, as a finished thing."""
