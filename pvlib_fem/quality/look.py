@@ -84,13 +84,21 @@ class Column:
 
     def spikes(self, values, start, times):
         """Values that jump and return, some perhaps in the blocks before."""
-        there = np.flatnonzero(np.isfinite(values))
-        if not len(there):
+        rows = np.arange(start, start + len(values))
+        new = values, rows, times
+        if np.isnan(values.sum()):
+            there = np.flatnonzero(np.isfinite(values))
+            new = values[there], rows[there], times[there]
+        if not len(new[0]):
             return
-        new = values[there], there + start, times[there]
-        both = [np.concatenate(p) for p in zip(self.tail, new)] if self.tail else new
-        x, rows, count = both
-        if np.abs(np.diff(x)).max(initial=0.0) > MOST_JUMP[self.name](0.0, self.limits):
+        least, size = MOST_JUMP[self.name](0.0, self.limits), self.limits.spike_rows + 1
+        before = [part[-1:] for part in self.tail] or [new[0][:1]]
+        steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
+        both = new
+        if self.tail and (steep or len(new[0]) < size):
+            both = [np.concatenate(parts) for parts in zip(self.tail, new)]
+        if steep:
+            x, rows, count = both
             found = jumps(
                 x,
                 (count - count[0]) * self.unit,

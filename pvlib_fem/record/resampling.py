@@ -70,12 +70,18 @@ class Sums:
         """Add values of one column at the places of their steps."""
         sums, counts = self.sums.get(key, (np.zeros(0), np.zeros(0)))
         sums, counts = grown(sums, size), grown(counts, size)
-        there = ~np.isnan(values)
-        at = place - self.first + (place < self.first)
-        low = at[0]
-        counts[low:size] += np.bincount(at - low, there, size - low)
-        weights = np.where(there, values, 0.0)
-        sums[low:size] += np.bincount(at - low, weights, size - low)
+        # the rows of a step follow each other
+        first = np.flatnonzero(np.diff(place, prepend=place[0] - 1))
+        at = place[first] - self.first
+        at += at < 0
+        there = np.isnan(values)
+        if there.any():
+            values = np.where(there, 0.0, values)
+            number = np.add.reduceat(~there, first, dtype=float)
+        else:
+            number = np.diff(first, append=len(place))
+        np.add.at(counts, at, number)
+        np.add.at(sums, at, np.add.reduceat(values, first))
         self.sums[key] = sums, counts
 
     def means(self, key):
