@@ -11,9 +11,9 @@ from pvlib_fem.fitting.passes import Asked, first_pass, screened_for
 from pvlib_fem.fitting.rows import Rows, normal_sums
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.screen import screened
+from pvlib_fem.record import parquet
 from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import COLUMNS
-from pvlib_fem.record.parquet import ParquetRecord
 from pvlib_fem.record.resampling import coarse
 from pvlib_fem.thermal.model import thermal_model
 
@@ -53,7 +53,7 @@ def folder(data, tmp_path_factory):
 @pytest.fixture(autouse=True)
 def small_blocks(monkeypatch):
     """Blocks that end anywhere."""
-    monkeypatch.setattr(ParquetRecord.blocks, "__defaults__", (COLUMNS, 509))
+    monkeypatch.setattr(parquet, "ROWS", 509)
 
 
 @pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.drivers import MODELLED, behind, remembers
 from pvlib_fem.fitting.daily import DailySums
@@ -12,7 +13,7 @@ from pvlib_fem.fitting.rows import Answer, Loop
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.look import count_steps, median
 from pvlib_fem.quality.streamed import Screened, screened_blocks
-from pvlib_fem.record.checks import Record
+from pvlib_fem.record.checks import Inputs, Record
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
@@ -25,6 +26,7 @@ from pvlib_fem.thermal.response import Past
 
 MEANS = 60.0  # s of the steps on which a search begins
 PRESENT = 0.5  # share of such a step that has to be there
+OTHERS = 0.02  # share of a block's steps up to which those unlike the usual are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +117,9 @@ class Files:
         """
         pasts = {key: self.past(one.model) for key, one in asked.items()}
         bases = Bases(self, asked.values())
-        for block in self.clean.blocks():
-            inputs, (rows, dates) = even(block), self.kept(block)
-            for piece in blocks(len(block)):
+        for start, inputs in self.inputs(asked.values()):
+            rows, dates = self.kept(start, len(inputs.index))
+            for piece in blocks(len(inputs.index)):
                 here = bases.beside(inputs.part(piece))
                 given = {}
                 for key, one in asked.items():
@@ -209,9 +211,22 @@ class Files:
                 found.append(temperature_of(known, given, self.quick(known)))
             yield block.index, block["temp_module"] - np.concatenate(found)
 
-    def kept(self, block):
+    def inputs(self, asked):
+        """First row and inputs of all blocks; of their times what is needed."""
+        sparse = all(seen.steps is not None for seen in self.seen.values())
+        if not sparse or any(one.model.effects for one in asked):
+            for block in self.clean.blocks():
+                yield block.start, even(block)
+            return
+        unit = self.screened.look.unit
+        for start, columns in self.clean.values():
+            rows = len(columns["poa_global"])
+            steps = self.seen[start].steps_of(rows)
+            yield start, Inputs(columns, steps, unit, pd.RangeIndex(rows), True)
+
+    def kept(self, start, rows):
         """Booleans of the rows of a block by what they are for, and their dates."""
-        complete, counts, dates = self.seen[block.start].on(len(block))
+        complete, counts, dates = self.seen[start].on(rows)
         fitted = ~self.held_out(dates)
         kept = {"complete": complete & fitted, "train": counts & fitted}
         return kept | {"counted": counts}, dates
@@ -292,12 +307,27 @@ class Seen:
     counts: np.ndarray  # rows whose residual counts, as bits
     days: np.ndarray
     rows: np.ndarray  # of each day, where it changes
+    steps: tuple | None  # the usual, and where others are; None where most are others
 
     @classmethod
-    def of(cls, complete, counts, dates):
+    def of(cls, complete, counts, dates, steps):
         edges = np.flatnonzero(np.diff(dates)) + 1
         days, rows = dates[[0, *edges]], np.diff([0, *edges, len(dates)])
-        return cls(np.packbits(complete), np.packbits(counts), days, rows)
+        usual = float(np.median(steps))
+        others = np.flatnonzero(np.broadcast_to(steps, len(dates)) != usual)
+        sparse = None
+        if len(others) <= OTHERS * len(dates):
+            sparse = usual, others, steps[others] if len(others) else others
+        return cls(np.packbits(complete), np.packbits(counts), days, rows, sparse)
+
+    def steps_of(self, rows):
+        """Steps of the rows, or the one that serves all."""
+        usual, others, values = self.steps
+        if not len(others):
+            return usual
+        steps = np.full(rows, usual)
+        steps[others] = values
+        return steps
 
     def on(self, rows):
         """Booleans of the rows, twice, and their dates."""
@@ -388,7 +418,7 @@ def first_pass(screened, target, night):
         wind += speed[there].sum(), there.sum()
         rows, dates = rows_that_count(block, night, drivers), block.dates
         complete = np.isfinite(sum(block[name] for name in COLUMNS))
-        seen[block.start] = Seen.of(complete, rows, dates)
+        seen[block.start] = Seen.of(complete, rows, dates, even(block).steps)
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     means = Record(sums.inputs(), dict(screened.missing), {}, 0)

@@ -37,14 +37,24 @@ class CleanRecord:
     def blocks(self, names=None) -> Iterator[Block]:
         """The record in blocks, as it is screened."""
         for block in self.source.blocks(self.names if names is None else names):
-            columns = dict(block.inputs.columns)
-            for name, values in columns.items():
-                for first, end in within(self.of(name), block.start, len(block)):
-                    columns[name] = values = np.array(values)
-                    values[first:end] = np.nan
-            if self.clip and "poa_global" in columns:
-                columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
+            columns = self.cleaned(block.inputs.columns, block.start, len(block))
             yield replace(block, inputs=replace(block.inputs, columns=columns))
+
+    def values(self) -> Iterator[tuple[int, dict]]:
+        """First row and columns of the same blocks, without their times."""
+        for start, columns in self.source.values(self.names):
+            yield start, self.cleaned(columns, start, len(columns[self.names[0]]))
+
+    def cleaned(self, columns, start, rows):
+        """Columns of a block as they are screened."""
+        columns = dict(columns)
+        for name, values in columns.items():
+            for first, end in within(self.of(name), start, rows):
+                columns[name] = values = np.array(values)
+                values[first:end] = np.nan
+        if self.clip and "poa_global" in columns:
+            columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
+        return columns
 
 
 def spans(rows, start=0):

@@ -143,7 +143,7 @@ class ParquetRecord:
         return self
 
     def blocks(
-        self, names: Iterable[str] = COLUMNS, rows: int = ROWS
+        self, names: Iterable[str] = COLUMNS, rows: int | None = None
     ) -> Iterator[Block]:
         """
         The record in blocks of rows, its columns as float64.
@@ -152,7 +152,7 @@ class ParquetRecord:
         ----------
         names : sequence of str
             Columns, by the package's names.
-        rows : int
+        rows : int, optional
             Most that a block has.
 
         Raises
@@ -181,11 +181,23 @@ class ParquetRecord:
             yield Block(inputs, start, file)
             start, before = start + len(index), count[-1]
 
-    def batches(self, columns: list, rows: int) -> Iterator[tuple[str, Any]]:
+    def values(
+        self, names: Iterable[str] = COLUMNS, rows: int | None = None
+    ) -> Iterator[tuple[int, dict]]:
+        """First row and columns of the same blocks, without their times."""
+        wanted, start = {name: self.columns[name] for name in names}, 0
+        for _, batch in self.batches([*wanted.values()], rows):
+            yield (
+                start,
+                {name: numbers(batch, column) for name, column in wanted.items()},
+            )
+            start += batch.num_rows
+
+    def batches(self, columns: list, rows: int | None) -> Iterator[tuple[str, Any]]:
         """Record batches of pyarrow in the order of time, and their files."""
         for file, groups in itertools.groupby(self.groups, lambda group: group.file):
             numbers = [group.number for group in groups]
-            how = dict(batch_size=rows, row_groups=numbers, columns=columns)
+            how = dict(batch_size=rows or ROWS, row_groups=numbers, columns=columns)
             with parquet_file(file, self.filesystem) as opened:
                 for batch in opened.iter_batches(**how):
                     if batch.num_rows:
@@ -320,6 +332,11 @@ def in_zone(index, tz, naive=False):
     if tz is None:
         return index
     return zoned(index, tz) if naive else index.tz_localize("UTC").tz_convert(tz)
+
+
+def numbers(batch, column):
+    """A column that has been looked at, as float64."""
+    return values(batch.column(column)).astype(float, copy=False)
 
 
 def values(column):
