@@ -1,5 +1,7 @@
 """A fit of files is the fit of the same record in memory, and holds no rows."""
 
+import pickle
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -159,3 +161,13 @@ def test_the_command_fits_files_that_follow_each_other(data, folder, form):
     wrong = CliRunner().invoke(main, ["fit", str(folder), "--sep", ";"])
     assert wrong.exit_code != 0
     assert "--sep does not go with Parquet files" in wrong.output
+
+
+def test_a_fit_of_files_can_be_copied_and_one_row_is_refused(data, folder, tmp_path):
+    fit = fem.fit_fem(folder, model="ross", dynamics="steady")
+    copied = pickle.loads(pickle.dumps(fit))
+    assert copied.coefficients == fit.coefficients
+    assert len(pickle.dumps(fit)) < 2**20
+    data.iloc[200:201].to_parquet(tmp_path / "one.parquet")
+    with pytest.raises(ValueError, match=r"needs more than|still at"):
+        fem.fit_fem(tmp_path / "one.parquet")

@@ -45,7 +45,7 @@ class FileFit(FemFit):
     :meth:`write_residual` writes the residual of all rows.
     """
 
-    files: Files = field(default=None, repr=False)  # type: ignore[assignment]
+    files: Files = field(kw_only=True, repr=False)
 
     def __post_init__(self):
         vars(self).pop("residual")
@@ -90,8 +90,8 @@ class FileFit(FemFit):
     def on_means(self) -> FemFit:
         """The same on means over a minute or more, as pictures have it."""
         own = {one.name: getattr(self, one.name) for one in own_fields()}
-        model, record = self.thermal_model, self.record
-        assert record is not None  # the means
+        model = self.thermal_model
+        record: Any = self.record
         inputs = model.with_drivers(record.inputs)
         modelled = model.temperature(inputs, model.completed(self.coefficients))
         left = pd.Series(record["temp_module"] - modelled, record.index)

@@ -1,6 +1,5 @@
 """A record in files as a fit asks for it: several models answered in each pass."""
 
-from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,14 +9,12 @@ import pandas as pd
 from pvlib_fem.drivers import MODELLED, behind, remembers
 from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.rows import Answer, Loop
-from pvlib_fem.paper.filters import counted
-from pvlib_fem.quality.look import count_steps, median
+from pvlib_fem.fitting.seen import Gaps, Seen, Tally, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.checks import Inputs, Record
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
-from pvlib_fem.relaxation import across
 from pvlib_fem.statistics.clusters import cluster_sums_of, joined
 from pvlib_fem.statistics.leastsquares import Normal
 from pvlib_fem.thermal.compiled import answered, fast
@@ -26,7 +23,6 @@ from pvlib_fem.thermal.response import Past
 
 MEANS = 60.0  # s of the steps on which a search begins
 PRESENT = 0.5  # share of such a step that has to be there
-OTHERS = 0.02  # share of a block's steps up to which those unlike the usual are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,61 +276,6 @@ class FileSummary(Summary):
         return digest_of(self.record.names, self.record.blocks)
 
 
-@dataclass(eq=False)
-class Tally:
-    """Errors so far, of which scores are made."""
-
-    rows: int = 0
-    sums: np.ndarray = field(default_factory=lambda: np.zeros(3))
-
-    def add(self, error):
-        there = error[np.isfinite(error)]
-        self.rows += len(there)
-        self.sums += there @ there, np.abs(there).sum(), there.sum()
-
-    def scores(self):
-        """RMSE, MAE and MBE by name. [K]"""
-        with np.errstate(invalid="ignore"):
-            square, size, mean = self.sums / (self.rows or np.nan)
-        return {"rmse": float(np.sqrt(square)), "mae": float(size), "mbe": float(mean)}
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """What every pass needs to know of a block, in little room."""
-
-    complete: np.ndarray  # rows with all four columns, as bits
-    counts: np.ndarray  # rows whose residual counts, as bits
-    days: np.ndarray
-    rows: np.ndarray  # of each day, where it changes
-    steps: tuple | None  # the usual, and where others are; None where most are others
-
-    @classmethod
-    def of(cls, complete, counts, dates, steps):
-        edges = np.flatnonzero(np.diff(dates)) + 1
-        days, rows = dates[[0, *edges]], np.diff([0, *edges, len(dates)])
-        usual = float(np.median(steps))
-        others = np.flatnonzero(np.broadcast_to(steps, len(dates)) != usual)
-        sparse = None
-        if len(others) <= OTHERS * len(dates):
-            sparse = usual, others, steps[others] if len(others) else others
-        return cls(np.packbits(complete), np.packbits(counts), days, rows, sparse)
-
-    def steps_of(self, rows):
-        """Steps of the rows, or the one that serves all."""
-        usual, others, values = self.steps
-        if not len(others):
-            return usual
-        steps = np.full(rows, usual)
-        steps[others] = values
-        return steps
-
-    def on(self, rows):
-        """Booleans of the rows, twice, and their dates."""
-        bits = (np.unpackbits(b, count=rows) for b in (self.complete, self.counts))
-        return *(b.view(bool) for b in bits), np.repeat(self.days, self.rows)
-
-
 class Bases:
     """The temperature of the module without effects, carried on from part to part."""
 
@@ -362,30 +303,6 @@ def needs_base(model):
     return bool({*MODELLED} & {*behind(model.effect_drivers)})
 
 
-@dataclass(eq=False)
-class Gaps:
-    """How often which time is between rows that have some columns, so far."""
-
-    steps: Counter = field(default_factory=Counter)
-    since: float = 0.0
-    begun: bool = False
-
-    def add(self, columns, steps):
-        there = np.flatnonzero(np.isfinite(sum(columns)))
-        if not len(there):
-            self.since += steps.sum()
-            return
-        between = across(steps, there)
-        between[0] += self.since
-        self.since = steps[there[-1] + 1 :].sum()
-        count_steps(self.steps, between[0 if self.begun else 1 :])
-        self.begun = True
-
-    @property
-    def usual(self):
-        return median(self.steps) if self.steps else 0.0
-
-
 def screened_for(source, target, limits=None, check_units=True):
     """
     A record in files as a fit takes it, screened.
@@ -404,8 +321,9 @@ def screened_for(source, target, limits=None, check_units=True):
 def first_pass(screened, target, night):
     """A screened record in files with what one more pass shows of it."""
     drivers = tuple(target.drivers)
-    step = max(MEANS, 2.0 * screened.look.step)
-    sums = Sums(step, PRESENT * step / screened.look.step)
+    usual = screened.look.step if len(screened.record) > 1 else MEANS
+    step = max(MEANS, 2.0 * usual)
+    sums = Sums(step, PRESENT * step / usual)
     gaps = {(): Gaps(), drivers: Gaps()}
     wind, table, seen = np.zeros(2), {}, {}
     for block in screened.record.blocks():
@@ -434,36 +352,6 @@ def first_pass(screened, target, night):
         means,
         seen,
     )
-
-
-def rows_that_count(block, night, drivers):
-    """Booleans of the rows whose residual counts."""
-    rows = np.array(counted(block.inputs.columns, night))
-    for name in drivers:
-        rows &= np.isfinite(block[name])
-    return rows
-
-
-def by_day(table, dates, rows, light, wind):
-    """Add rows that count, and their wind where the sun is, to those of their days."""
-    place, size = dates - dates[0], int(dates[-1] - dates[0]) + 1
-    there = np.bincount(place, minlength=size)
-    place, light, wind = place[rows], light[rows], wind[rows]
-    weights = None, light, light * wind, light * wind**2
-    found = np.stack([np.bincount(place, weight, size) for weight in weights])
-    for day in np.flatnonzero(there):
-        date = int(dates[0] + day)
-        table[date] = table.get(date, 0.0) + found[:, day]
-
-
-def even(block):
-    """A block's inputs, whose steps are one number where they are all alike."""
-    steps = block.inputs.steps.astype(float)
-    if block.start == 0 and len(steps) > 1:
-        steps[0] = steps[1]  # nothing is before it
-    if len(steps) and steps.min() == steps.max() and steps[0] > 0:
-        return replace(block.inputs, steps=float(steps[0]))
-    return replace(block.inputs, steps=steps)
 
 
 def refuse_memory(target):

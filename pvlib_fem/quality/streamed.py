@@ -117,6 +117,7 @@ class Screening:
         if check_units:
             refuse_doubtful(sample.columns, limits)
         found, odd = tuple(self.told()), tuple(oddities(sample, limits))
+        self.look.sample.clear()  # which a fit would keep
         return Screened(self.clean, self.look, found, odd, missing, clipped)
 
     def ruled(self, doubts=()):
