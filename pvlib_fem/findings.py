@@ -128,6 +128,9 @@ class Witness:
     opinion : Opinion
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
+    low, high : float
+        Coefficients of that candidate between which it leaves it; NaN where it says
+        nothing of them.
     """
 
     column: str
@@ -137,6 +140,8 @@ class Witness:
     expected: float
     opinion: Opinion
     unit: str = "-"
+    low: float = np.nan
+    high: float = np.nan
 
     @classmethod
     def stored(cls, content: Stored) -> Self:
@@ -149,6 +154,8 @@ class Witness:
             expected=content.number("expected"),
             opinion=Opinion(content.text("opinion")),
             unit=content.text("unit"),
+            low=content.number("low", unknown=True),
+            high=content.number("high", unknown=True),
         )
 
     def __str__(self):

@@ -143,7 +143,7 @@ def clear(loop, off, change):
 
 def told_of(right, channel, course, size, years):
     """The coefficient of the change with its truth, error and range, by its name."""
-    if not right:
+    if not right or len(right[0].coefficients) > 1:  # a season leads the class
         return {}
     effect = right[0].effect
     ((name, value),) = right[0].coefficients.items()

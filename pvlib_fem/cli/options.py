@@ -9,7 +9,7 @@ import pandas as pd
 
 from pvlib_fem.fitting.stages import METHODS
 from pvlib_fem.fleet.tasks import TASKS
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.columns import COLUMNS, vouches
 from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.units import QUANTITIES, unit_of
 from pvlib_fem.thermal.model import MEMORY
@@ -343,8 +343,11 @@ def columns_of(renames):
         if name == "time":
             why = f"are the times: give --time {column!r}"
             raise bad(f"time={column}", "--map", why)
-        if name not in QUANTITIES:
-            why = f"is none of {', '.join(QUANTITIES)}"
+        if name not in QUANTITIES and not vouches(name):
+            why = (
+                f"is none of {', '.join(QUANTITIES)}, nor a column that vouches for an "
+                "instrument: power_ac, power_dc, poa_global_2, temp_module_2 …"
+            )
             raise bad(name, "--map", why)
     if twice := [c for c in mapped.values() if list(mapped.values()).count(c) > 1]:
         names = [name for name, column in mapped.items() if column == twice[0]]

@@ -23,6 +23,7 @@ SLACK = 0.15  # of what is expected: a thermal coefficient is no better than tha
 FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1/year]
 HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors
+SIDES = (-SURE, SURE)
 FEWEST_DAYS = 40  # on which both are there
 FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
 MONTH = 4 * WEEK  # days that are one draw of the weather
@@ -206,15 +207,18 @@ class Apart:
         with np.errstate(invalid="ignore"):
             shown = shows(coefficient * weights, coefficients)
         expected = self.along(weights, shown)[0] if np.isfinite(shown).all() else 0.0
-        doubt = [error, SLACK * expected, expected * stderr / coefficient]
-        if self.comparison.ages and is_drift(effect):
-            expected, doubt = expected - FADES, [*doubt, FADES / SURE]
         if expected == 0.0:
             return None
-        opinion = opinion_of(size, expected, np.linalg.norm(doubt))
+        aged = FADES if self.comparison.ages and is_drift(effect) else 0.0
+        own = float(np.linalg.norm([error, SLACK * expected, aged / SURE]))
+        ends = (coefficient * (size + aged + side * own) / expected for side in SIDES)
+        low, high = sorted(ends)
+        doubt = float(np.hypot(own, expected * stderr / coefficient))
+        expected = float(expected - aged)
+        opinion = opinion_of(size, expected, doubt)
         unit = self.comparison.unit + ("/year" if is_drift(effect) else "")
-        sizes = (size, error, float(expected))
-        return Witness(self.column, effect.name, *sizes, opinion, unit)
+        said = (size, error, expected, opinion, unit, float(low), float(high))
+        return Witness(self.column, effect.name, *said)
 
 
 def opinion_of(size, expected, doubt):

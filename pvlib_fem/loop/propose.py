@@ -158,11 +158,12 @@ class Proposals:
         """
         changes = (found.effects[name] for name in candidates)
         for effect in (effect for effect in changes if effect.channel):
-            course = effect.name.removeprefix(effect.channel)
-            names = [f"{channel}{course}" for channel in effect.kin]
-            names += [n for n in alike(effect) if n in self.case.untestable]
-            again = self.again(effect)
+            course, again = effect.name.removeprefix(effect.channel), self.again(effect)
+            names = (f"{channel}{course}" for channel in effect.kin)
             yield from (name for name in names if again or name not in self.done)
+            # one that is in the model may leave something, as snow that melts does
+            there = {*self.case.untestable, *self.done}
+            yield from (name for name in alike(effect) if name in there)
 
     def again(self, effect):
         """Whether what is in a class may come once more: it has another date."""

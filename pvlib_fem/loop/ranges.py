@@ -21,7 +21,6 @@ import numpy as np
 from scipy.stats import t as student
 
 from pvlib_fem.findings import Opinion
-from pvlib_fem.loop.comparisons import SURE
 from pvlib_fem.loop.evidence import UNSEEN
 from pvlib_fem.statistics.clusters import cluster_sums
 
@@ -138,17 +137,18 @@ def ranged(finding, step, reach):
         if name in reach:
             value, row = step.coefficients[name], rows[name]
             low, high = value - reach[name], value + reach[name]
-            if seen := vouched(finding, value):
+            if seen := vouched(finding):
                 low, high = max(low, min(*seen, value)), min(high, max(*seen, value))
             found[name] = (max(low, row.lower), min(high, row.upper))
     return replace(finding, ranges=found)
 
 
-def vouched(finding, value):
-    """Ends of the intervals in which witnesses that agree with a change have it."""
+def vouched(finding):
+    """Ends of what witnesses that agree with a change leave of its coefficient."""
     return [
-        (one.size + side * one.stderr) / one.expected * value
+        end
         for one in finding.witnesses
         if one.opinion is Opinion.AGREES and one.effect == finding.effect
-        for side in (-SURE, SURE)
+        for end in (one.low, one.high)
+        if np.isfinite(end)
     ]

@@ -12,7 +12,14 @@ import numpy as np
 from pvlib_fem.effects.courses import alike, weights_of
 from pvlib_fem.effects.instruments import OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
-from pvlib_fem.loop.comparisons import MONTH, OUTAGE, SLACK, compared, opinion_of
+from pvlib_fem.loop.comparisons import (
+    MONTH,
+    OUTAGE,
+    SLACK,
+    SURE,
+    compared,
+    opinion_of,
+)
 
 BETTER = 10.0  # of twice a log-likelihood, by which one course beats another
 
@@ -120,8 +127,10 @@ def nights(found, names, dark, given):
         ways = np.array([1.0, -1.0])
         doubt = np.hypot(np.sqrt(ways @ covariance @ ways), SLACK * expected)
         opinion = opinion_of(size, expected, doubt)
-        sizes = float(size), float(np.sqrt(covariance[0, 0])), float(expected)
-        heard[name] = [Witness(NIGHT, name, *sizes, opinion, row.unit)]
+        size, error = float(size), float(np.sqrt(covariance[0, 0]))
+        ends = size - SURE * error, size + SURE * error
+        said = (size, error, float(expected), opinion, row.unit, *ends)
+        heard[name] = [Witness(NIGHT, name, *said)]
     return heard
 
 
