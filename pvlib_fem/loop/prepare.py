@@ -199,8 +199,9 @@ def notes_of(look, corrections, wanted, site, criteria):
     yield from (f"{reason}: not used" for reason in look.refused.values())
     if look.witnesses:
         yield (
-            f"{', '.join(look.witnesses)} vouch for instruments, and are no drivers: "
-            "power and second sensors see what those should see"
+            f"{', '.join(look.witnesses)} vouch{'es' * (len(look.witnesses) == 1)} for "
+            "instruments, and drive nothing: power and second sensors see what those "
+            "should see"
         )
     yield from gaps(look.whole, look.drivers, wanted)
 
