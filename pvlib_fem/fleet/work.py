@@ -125,6 +125,8 @@ def title_of(identity, site):
 def failure(head, error):
     """What is kept of a system that failed; of data that are wrong to be kept."""
     words = " ".join(str(error).split())
+    if isinstance(error, FileNotFoundError):
+        words = f"there is no file {error.filename or words}"
     sure = isinstance(error, ValueError)  # all else may go well another time
     if not sure and not isinstance(error, OSError):
         words = f"{type(error).__name__}: {words}"
