@@ -16,6 +16,7 @@ from pvlib_fem.effects import PHYSICS as EFFECTS
 from pvlib_fem.effects import find
 from pvlib_fem.effects.effect import Tabled, tabled
 from pvlib_fem.record.checks import read
+from pvlib_fem.stored import VERSION
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -652,7 +653,7 @@ def test_a_chain_knows_where_sun_and_module_are(plant, tmp_path, tracker, way):
         "coefficients": values,
         "effects": [SHADED, "incidence_angle"],
         "format": "pvlib_fem.FemFit",
-        "version": 1,
+        "version": VERSION,
         "base": None,
         "fixed": {},
         "cell": {"deltaT": 0.0},

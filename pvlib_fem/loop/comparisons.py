@@ -163,11 +163,19 @@ class Apart:
     column: str
     days: np.ndarray  # since 1970-01-01
     apart: np.ndarray
+    known: tuple = ()  # changes that are in the model
+
+    def beside(self, changes):
+        """The same, where some changes are known."""
+        shows = self.comparison.shows
+        return replace(self, known=tuple(c for c in changes if c.channel in shows))
 
     def along(self, weights, values=None):
-        """The change along a course, its error, and the mean square that it leaves."""
+        """The change along a course, its error, and what it leaves."""
         values = self.apart if values is None else values
-        columns = [np.ones(len(self.days)), *self.year(), weights]
+        known = (weights_of(effect, self.days) for effect in self.known)
+        usual = [np.ones(len(self.days)), *self.year()]
+        columns = [*usual, *(w for w in known if np.ptp(w) > 0), weights]
         sums = cluster_sums(columns, values, self.days)
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
         kept = list(range(len(columns)))
@@ -176,7 +184,16 @@ class Apart:
         table = np.column_stack(columns)
         error = np.sqrt(variance + self.wandering(table))
         left = values - table @ found
-        return float(found[-1]), float(error), float(np.mean(left**2))
+        return float(found[-1]), float(error), left
+
+    def misfit(self, weights):
+        """Twice the log-likelihood that a course lacks, by months and their memory."""
+        left = self.along(weights)[2]
+        months = np.unique(self.days // MONTH, return_inverse=True)[1]
+        means = np.bincount(months, left) / np.bincount(months)
+        memory = max(float(np.corrcoef(means[1:], means[:-1])[0, 1]), 0.0)
+        draws = len(means) * (1.0 - memory) / (1.0 + memory)
+        return draws * float(np.log(np.mean(left**2)))
 
     def wandering(self, table):
         """Variance of the last coefficient by what differs from year to year."""

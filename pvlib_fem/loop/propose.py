@@ -125,7 +125,7 @@ class Proposals:
     @cached_property
     def comparisons(self):
         """What other columns have to say of the instruments."""
-        return apart(self.case)
+        return [one.beside(self.changes) for one in apart(self.case)]
 
     def heard(self, found, best, ties, weights, good):
         """The class of the best one, when its witnesses have been heard."""
@@ -135,12 +135,14 @@ class Proposals:
         if not found.effects[best].channel:
             return Hearing(candidates)
         least = self.case.criteria.rival * good[best] ** 2
+        channel = found.effects[best].channel
         rivals = [
             name
             for name, gain in good.items()
             if found.effects[name].channel
             and name not in candidates
-            and gain**2 >= least
+            # along which course an instrument changed is for what vouches for it
+            and (gain**2 >= least or found.effects[name].channel == channel)
         ]
         dark = self.case.record["poa_global"][found.rows] <= 0.0
         given = [*found.confounders, *self.names]

@@ -13,10 +13,8 @@ from pvlib_fem.effects.courses import alike, weights_of
 from pvlib_fem.effects.instruments import OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
-    MONTH,
     OUTAGE,
     SLACK,
-    SURE,
     compared,
     opinion_of,
 )
@@ -128,8 +126,8 @@ def nights(found, names, dark, given):
         doubt = np.hypot(np.sqrt(ways @ covariance @ ways), SLACK * expected)
         opinion = opinion_of(size, expected, doubt)
         size, error = float(size), float(np.sqrt(covariance[0, 0]))
-        ends = size - SURE * error, size + SURE * error
-        said = (size, error, float(expected), opinion, row.unit, *ends)
+        # the same residual, whose error knows no more of other models
+        said = (size, error, float(expected), opinion, row.unit)
         heard[name] = [Witness(NIGHT, name, *said)]
     return heard
 
@@ -139,9 +137,9 @@ def courses(comparisons, agreed, effects):
     channel, left = effects[agreed[0]].channel, {}
     asked = [one for one in comparisons if channel in one.comparison.shows]
     for name in (n for n in agreed if effects[n].channel == channel):
-        squares = [one.along(weights_of(effects[name], one.days))[2] for one in asked]
-        months = [len(np.unique(one.days // MONTH)) for one in asked]
-        left[name] = float(np.dot(months, np.log(squares)))
+        left[name] = sum(
+            one.misfit(weights_of(effects[name], one.days)) for one in asked
+        )
     best = min(left, key=left.get)
     near = [n for n in left if n != best and left[n] < left[best] + BETTER]
     return (best, *near)
