@@ -2,6 +2,7 @@
 
 import json
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,9 @@ from test_effects import coefficients, model_with
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.effects import CHANGES, CHANNELS, find
-from pvlib_fem.effects.courses import find_step, number
+from pvlib_fem.effects.courses import find_step, number, same_date
+from pvlib_fem.loop.close import searched
+from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.changes import Daily, chance_of_step
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.thermal.model import ThermalModel
@@ -260,3 +263,40 @@ def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
     (change,) = first.coefficients.values()
     assert change == pytest.approx(0.175, abs=0.01)
     assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"]["fem"] - 0.1
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        ({"at": "2023-09-15"}, {"at": "2023-09-15"}, True),
+        ({"at": "2023-09-15"}, {"at": "2023-09-16"}, False),
+        ({"at": "2023-09-15", "between": ["2023-09-01", "2023-09-20"]}, {}, True),
+        ({"at": "2023-09-15"}, {"start": "2023-09-01", "end": "2023-09-20"}, False),
+        ({"at": "2023-09-15"}, {"since": "2023-09-15"}, False),
+    ],
+)
+def test_two_changes_are_of_one_date_where_their_intervals_meet(one, other, alike):
+    def named(dates):
+        return "episode" if "end" in dates else "drift" if "since" in dates else "step"
+
+    other = other or {"at": "2023-09-10"}
+    effects = [find({"name": f"contact_{named(d)}", **d}) for d in (one, other)]
+    assert same_date(*effects) is same_date(*effects[::-1]) is alike
+
+
+def test_a_change_that_another_has_taken_the_place_of_is_taken_out():
+    data = datasets.synthetic(150, 1800, seed=4, noise=0.3).tz_localize(None)
+    how = dict(holdout=None, effects=None, check_units=False, fixed=None)
+    place = (None, None, None)
+    search, loop = searched(data, "faiman", place, None, criteria=fem.Criteria(), **how)
+    step, name = search.steps[loop.base], "module_offset_drift"
+    model = replace(step.model, effects=(dated(name),))
+    fitted = search.fits.fitted(model, step, whole=False)
+    value = {f"{name}.per_year": 1.0}
+    why = because(Reason.NO_DATE)
+    search.findings = [fem.Finding(name, (name,), "class", 0.2, value, value, why)]
+    left = search.without_idle(fitted)
+    assert not left.model.effects
+    assert not search.findings
+    assert "is" in search.vetoed[name].why
+    assert search.vetoed[name].failed.criterion == "sure"
