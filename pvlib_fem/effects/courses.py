@@ -237,6 +237,11 @@ def alike(effect):
     return effect.terms.course.alike
 
 
+def is_dated(effect):
+    """Whether all dates of a change are known."""
+    return not effect.terms.course.lacks(effect.terms.dates)
+
+
 def is_drift(effect):
     """Whether an effect's course is one that grows from year to year."""
     return effect.terms.course.name == "drift"

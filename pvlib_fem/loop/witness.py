@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import alike, weights_of
+from pvlib_fem.effects.courses import alike, is_dated, weights_of
 from pvlib_fem.effects.instruments import OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
     OUTAGE,
     SLACK,
+    Apart,
     compared,
     opinion_of,
 )
@@ -133,13 +134,17 @@ def nights(found, names, dark, given):
 
 
 def courses(comparisons, agreed, effects):
-    """Of candidates of one channel those whose course witnesses follow best."""
+    """
+    Of candidates of one channel those whose course witnesses follow best.
+
+    Beside them stands every other course of the channel that witnesses follow as well:
+    what the record shows along one may be the rest of another.
+    """
     channel, left = effects[agreed[0]].channel, {}
     asked = [one for one in comparisons if channel in one.comparison.shows]
-    for name in (n for n in agreed if effects[n].channel == channel):
-        left[name] = sum(
-            one.misfit(weights_of(effects[name], one.days)) for one in asked
-        )
-    best = min(left, key=left.get)
+    for name in (n for n, e in effects.items() if e.channel == channel and is_dated(e)):
+        changes = [weights_of(effects[name], one.days) for one in asked]
+        left[name] = sum(map(Apart.misfit, asked, changes))
+    best = min((name for name in agreed if name in left), key=lambda name: left[name])
     near = [n for n in left if n != best and left[n] < left[best] + BETTER]
     return (best, *near)
