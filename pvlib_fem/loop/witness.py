@@ -71,7 +71,7 @@ def hearing(comparisons, also, candidates, rivals, effects, weights, coefficient
         if not any(name in weights for name in kept):  # none that could be added
             kept = candidates
         kept = sorted(kept, key=lambda name: name not in weights)
-    witnesses = tuple(one for name in asked for one in said[name])
+    witnesses = tuple(one for name in asked for one in said.get(name, ()))
     return Hearing(tuple(kept), witnesses, bool(vouched))
 
 
@@ -137,14 +137,17 @@ def courses(comparisons, agreed, effects):
     """
     Of candidates of one channel those whose course witnesses follow best.
 
-    Beside them stands every other course of the channel that witnesses follow as well:
-    what the record shows along one may be the rest of another.
+    Beside them stands another course of the channel that witnesses follow better: what
+    the record shows along one may be the rest of another.
     """
     channel, left = effects[agreed[0]].channel, {}
     asked = [one for one in comparisons if channel in one.comparison.shows]
-    for name in (n for n, e in effects.items() if e.channel == channel and is_dated(e)):
+    every = [n for n, e in effects.items() if e.channel == channel and is_dated(e)]
+    # the nights follow no course
+    for name in every if asked else (n for n in agreed if n in every):
         changes = [weights_of(effects[name], one.days) for one in asked]
         left[name] = sum(map(Apart.misfit, asked, changes))
     best = min((name for name in agreed if name in left), key=lambda name: left[name])
-    near = [n for n in left if n != best and left[n] < left[best] + BETTER]
+    room = {name: BETTER if name in agreed else 0.0 for name in left}
+    near = [n for n in left if n != best and left[n] < left[best] + room[n]]
     return (best, *near)
