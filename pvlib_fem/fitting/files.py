@@ -20,7 +20,9 @@ from pvlib_fem.fitting.stages import (
     least_squares_stages,
     needed,
     planned,
+    planned_effects,
     public,
+    with_effects,
 )
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.record.parquet import ParquetRecord, write_parquet
@@ -207,22 +209,12 @@ def stages_of(files, target):
     stages, minimum = together(files, plain, starts, steps[-1][0])
     if not target.effects:
         return target, stages, minimum
-    target = target.with_base_of(public(*last(stages)))
-    found, minimum = with_effects(files, target, steps, starts)
-    own = target.rebased(public(target, last(found)[1]))
-    if own is not target:
-        found, minimum = with_effects(files, own, steps, starts)
-    return own, stages | found, minimum
-
-
-def with_effects(files, target, steps, starts):
-    """The steps that have an effect, by the base of a model."""
-    more = [
-        (name, model.with_base_of(target.base), *how)
-        for name, model, *how in steps
-        if model.effects
-    ]
-    return together(files, more, starts, steps[-1][0])
+    target, (more, minimum) = with_effects(
+        target,
+        stages,
+        lambda based: together(files, planned_effects(based), starts, steps[-1][0]),
+    )
+    return target, stages | more, minimum
 
 
 def begun(files, target):

@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem.drivers import MODELLED, behind, remembers
 from pvlib_fem.fitting.daily import DailySums
-from pvlib_fem.fitting.rows import Answer, Loop
+from pvlib_fem.fitting.rows import Answer, Compiled
 from pvlib_fem.fitting.seen import Gaps, Seen, Tally, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.checks import Inputs, Record
@@ -241,7 +241,7 @@ class Part:
         counts = self.counts[which]
         dates = self.dates[counts]
         if quick:
-            return Loop(model, given, counts, self.measured, dates)
+            return Compiled(model, given, counts, self.measured, dates)
         found, slopes = model.answer(*given)
         return self.answer(found, slopes, counts)
 
@@ -254,7 +254,7 @@ class Part:
         """Temperature, and dates and products by the day of rows that are fitted."""
         counts = self.counts["train"]
         if quick:
-            return Loop(
+            return Compiled(
                 model, given, counts, self.measured, self.dates[counts]
             ).with_temperature(names)
         found, slopes = model.answer(*given)

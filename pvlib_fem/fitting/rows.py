@@ -48,7 +48,7 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class Compiled:
     """The same, asked for in products alone and answered by the compiled loops."""
 
     model: ThermalModel
@@ -117,7 +117,7 @@ class Rows:
         mean = weight @ wind / total
         return float(mean), float(np.sqrt(weight @ (wind - mean) ** 2 / total))
 
-    def answers(self, model, coefficients) -> Iterator[Answer | Loop]:
+    def answers(self, model, coefficients) -> Iterator[Answer | Compiled]:
         """What a model says of the rows that count, carried on over all others."""
         inputs, drivers = self.record.inputs, tuple(model.drivers)
         if drivers not in self.usual:
@@ -128,7 +128,7 @@ class Rows:
                 past = Past(self.usual[drivers])
             here, given = known.on(block), (part, coefficients, past)
             if fast(len(self.record.index), known.effects):
-                yield Loop(here, given, self.counts[block], measured, dates)
+                yield Compiled(here, given, self.counts[block], measured, dates)
                 continue
             temperature, slopes = here.answer(*given)
             slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}

@@ -1,6 +1,7 @@
 """The steps of a fit, one after the other, and the days that it does not see."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from pvlib_fem.thermal.model import INSTANT
 
 METHODS = ("least_squares", "paper")
 NONE_OUT = "no row that counts is held out: test scores are NaN"
-PLAIN = ("standard", "filter", "ewm", "fem")  # steps without an effect
 ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
 
 
@@ -65,6 +65,11 @@ def planned(target):
     return steps
 
 
+def planned_effects(target):
+    """Those of the steps that add an effect."""
+    return [step for step in planned(target) if step[1].effects]
+
+
 def least_squares_stages(target, record, train, not_held_out):
     """The model with its base, its record, the steps to it, and the last minimum."""
     needed("least squares", int(train.sum()), len(target.free))
@@ -88,25 +93,35 @@ def least_squares_stages(target, record, train, not_held_out):
         stages[name] = (model, natural(model, start)[0])
     if not target.effects:
         return target, record, stages, minimum
-    target = replace(target, base=public(plain, last(stages)[1]))
-    found = effect_stages(target, record, train, start)
-    own = target.rebased(public(target, last(found[1])[1]))
-    if own is not target:
-        found = effect_stages(own, record, train, start)
-    record, more, minimum = found
-    return own, record, stages | more, minimum
+    fit = partial(effect_stages, record=record, train=train, start=start)
+    target, (more, minimum, record) = with_effects(target, stages, fit)
+    return target, record, stages | more, minimum
+
+
+def with_effects(target, stages, fit):
+    """
+    The model by its base, and what ``fit`` makes of it.
+
+    The base is the last of the steps without effects, or the model's own where an
+    effect is a share of that: then it is fitted once more. The first thing that
+    ``fit`` gives are the steps.
+    """
+    target = replace(target, base=public(*last(stages)))
+    found = fit(target)
+    own = target.rebased(public(target, last(found[0])[1]))
+    return own, found if own is target else fit(own)
 
 
 def effect_stages(target, record, train, start):
-    """The record with the effects' drivers, the steps that add each, the minimum."""
+    """The steps that add each effect, the last minimum, the record with drivers."""
     record = replace(record, inputs=target.with_drivers(record.inputs))
-    stages, source, steps = {}, Rows(record, train), planned(target)[len(PLAIN) :]
+    stages, source, steps = {}, Rows(record, train), planned_effects(target)
     for name, model, _, biased in steps:
         flat = FLAT if name == steps[-1][0] else ROUGH
-        tabled = with_tables(replace(model, base=target.base), record)
+        tabled = with_tables(model, record)
         minimum, start = minimise(tabled, source, start, biased, flat)
-        stages[name] = (replace(model, base=target.base), natural(model, start)[0])
-    return record, stages, minimum
+        stages[name] = (model, natural(model, start)[0])
+    return stages, minimum, record
 
 
 def minimise(model, source, start, biased, flat):

@@ -26,6 +26,7 @@ SURE = 2.0  # standard errors
 SIDES = (-SURE, SURE)
 FEWEST_DAYS = 40  # on which both are there
 FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
+FEWEST_MONTHS = 4  # of which a memory from one to the next can be told
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
@@ -191,7 +192,9 @@ class Apart:
         left = self.along(weights)[2]
         months = np.unique(self.days // MONTH, return_inverse=True)[1]
         means = np.bincount(months, left) / np.bincount(months)
-        memory = max(float(np.corrcoef(means[1:], means[:-1])[0, 1]), 0.0)
+        memory = 0.0
+        if len(means) >= FEWEST_MONTHS:
+            memory = max(float(np.corrcoef(means[1:], means[:-1])[0, 1]), 0.0)
         draws = len(means) * (1.0 - memory) / (1.0 + memory)
         return draws * float(np.log(np.mean(left**2)))
 

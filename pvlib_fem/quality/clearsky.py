@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 from pvlib.location import Location
 
-from pvlib_fem.drivers import sun
-from pvlib_fem.quality.plane import LOWEST, Sky, clearest
+from pvlib_fem.quality.plane import clear_days
 
 SHARE = 0.2  # of each month's days that are looked at
 SHAPE = 0.1  # of the day's mean, root mean square, by which a clear day may differ
@@ -54,17 +53,12 @@ def clear_sky(
        Linke turbidity coefficient", Solar Energy 73, 151-157, 2002, as in
        :func:`pvlib.clearsky.ineichen`. :doi:`10.1016/S0038-092X(02)00045-2`
     """
-    poa, found = np.asarray(poa_global, dtype=float), np.full(len(index), np.nan)
-    place = sun(index - pd.Timedelta(seconds=late), location)
-    zenith, azimuth = (place[name].to_numpy() for name in place.columns)
-    local = index.tz_localize(None)
-    up, there = zenith < LOWEST, np.asarray(local.normalize())
-    light, months = up & np.isfinite(poa), np.asarray(12 * local.year + local.month)
-    days = clearest(poa, zenith, up, light, there, months, SHARE)
-    if days is None:
+    found, local = np.full(len(index), np.nan), index.tz_localize(None)
+    months = np.asarray(12 * local.year + local.month)
+    looked = clear_days(poa_global, index, location, late, months, SHARE)
+    if looked is None:
         return found
-    rows = np.flatnonzero(light & np.isin(there, days))
-    sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], there[rows], location)
+    rows, sky = looked
     modelled = sky.on_plane(angles or FLAT)
     clear = shape_left(sky.poa, modelled, sky.day) < SHAPE
     found[rows] = np.where(clear[sky.day], modelled, np.nan)

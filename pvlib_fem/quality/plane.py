@@ -91,20 +91,14 @@ def plane_of(
        an inclined surface", Proc. First Canadian Solar Radiation Data Workshop, 59,
        1980, as in :func:`pvlib.irradiance.haydavies`.
     """
-    poa, seconds = np.asarray(poa_global, dtype=float), pd.Timedelta(seconds=late)
-    place = sun(index - seconds, location)
-    zenith, azimuth = (place[name].to_numpy() for name in place.columns)
     local = index.tz_localize(None)
-    up = zenith < LOWEST
-    light, there = up & np.isfinite(poa), np.asarray(local.normalize())
-    days = clearest(poa, zenith, up, light, there, np.asarray(local.month))
-    if days is None:
+    looked = clear_days(poa_global, index, location, late, np.asarray(local.month))
+    if looked is None:
         return None
-    rows = light & np.isin(there, days)
-    sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], there[rows], location)
+    rows, sky = looked
     # the scale of a clear day, free by the year or by the day: by the year the sun's
     # way through the seasons counts, and what its air does; by the day its shape alone
-    both = [sky.scaled_by(by[rows]).plane() for by in (np.asarray(local.year), there)]
+    both = [sky.scaled_by(by).plane() for by in (np.asarray(local.year)[rows], sky.day)]
     angles, errors, left = (np.array(part) for part in zip(*both))
     apart = turned(angles[1] - angles[0])
     tilt, turn = (angles[0] + apart / 2.0).tolist()
@@ -113,7 +107,22 @@ def plane_of(
     steep = max(np.sin(np.radians(tilt)), 0.1)  # a flat plane has no azimuth
     if max(errors[0], errors[1] * steep) > MOST_ERROR or left.max() > MOST_LEFT:
         return None
-    return Plane(tilt, turn % 360.0, errors[0], errors[1], len(days))
+    return Plane(tilt, turn % 360.0, errors[0], errors[1], int(sky.day.max()) + 1)
+
+
+def clear_days(poa_global, index, location, late, months, share=CLEAREST):
+    """Rows of the days with most light of each month, and a clear sky; or None."""
+    poa = np.asarray(poa_global, dtype=float)
+    place = sun(index - pd.Timedelta(seconds=late), location)
+    zenith, azimuth = (place[name].to_numpy() for name in place.columns)
+    up, there = zenith < LOWEST, np.asarray(index.tz_localize(None).normalize())
+    light = up & np.isfinite(poa)
+    days = clearest(poa, zenith, up, light, there, months, share)
+    if days is None:
+        return None
+    rows = np.flatnonzero(light & np.isin(there, days))
+    of_rows = (column[rows] for column in (poa, zenith, azimuth, there))
+    return rows, Sky.of(*of_rows, location)
 
 
 def turned(angles):
@@ -122,7 +131,7 @@ def turned(angles):
     return np.array([tilt, (turn + 180.0) % 360.0 - 180.0]).T
 
 
-def clearest(poa, zenith, up, light, there, months, share=CLEAREST):
+def clearest(poa, zenith, up, light, there, months, share):
     """The days with most light of each month, beside the sun's height, or None."""
     frame = pd.DataFrame(
         {

@@ -49,19 +49,6 @@ def normal(residual, jacobian):
     return Normal.of(products([*jacobian.T, residual]))
 
 
-def gauss_newton(evaluate, start, lower, upper, steps=STEPS, flat=FLAT):
-    """
-    Minimise the sum of squares of ``evaluate(x)``, which gives :class:`Normal`.
-
-    Every step solves the bounded linear problem on the square root of the
-    small normal matrix, so a long record costs one pass a step. The residual
-    is measured minus modelled; the slopes are those of the model. ``flat`` is
-    the relative fall of the cost that ends the search: a last step that promises
-    no more than that is taken unseen.
-    """
-    return answered(descent(start, lower, upper, steps, flat), evaluate)
-
-
 def answered(search, evaluate):
     """What a search comes to that yields what it asks for, and is sent that."""
     try:
@@ -73,7 +60,16 @@ def answered(search, evaluate):
 
 
 def descent(start, lower, upper, steps=STEPS, flat=FLAT):
-    """The same as a generator, which yields each place and is sent its sums."""
+    """
+    A search for the least sum of squares, as a generator.
+
+    It yields each place and is sent its :class:`Normal`, so that several searches can
+    share a pass; :func:`answered` runs one. Every step solves the bounded linear
+    problem on the square root of the small normal matrix, so a long record costs one
+    pass a step. The residual is measured minus modelled; the slopes are those of the
+    model. ``flat`` is the relative fall of the cost that ends the search: a last step
+    that promises no more than that is taken unseen.
+    """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
     converged = not len(x)  # with nothing to vary it is there

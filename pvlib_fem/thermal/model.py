@@ -132,10 +132,6 @@ class ThermalModel:
             return self
         return replace(self, base={name: coefficients[name] for name in self.base})
 
-    def with_base_of(self, coefficients):
-        """The model whose effects know the temperature of it without effects."""
-        return replace(self, base=coefficients)
-
     def completed(self, coefficients):
         """Coefficients with those that have a default."""
         tau = INSTANT if self.dynamics == "steady" else TAU
