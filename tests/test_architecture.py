@@ -26,7 +26,7 @@ ORDER = (
     "effects",
     "quality",
     "thermal",
-    "translate",
+    "translation",
     "datasets",
     "modelchain",
     "paper",

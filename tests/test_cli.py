@@ -5,9 +5,11 @@ import json
 import re
 import runpy
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pandas as pd
 import pytest
@@ -24,6 +26,7 @@ from pvlib_fem import (
     read_file,
     simulator,
 )
+from pvlib_fem.cli import COMMANDS, commands
 from pvlib_fem.cli.demo import HIDDEN, demo_years
 from pvlib_fem.cli.reading import LOOK
 from pvlib_fem.datasets.files import fetch
@@ -51,6 +54,24 @@ def logger(frame, tmp_path):
 
 
 MAP = ("--map", "poa_global=Irr", "--map", "temp_module=Tmod [C]")
+
+
+def test_the_list_of_commands_tells_what_each_of_them_tells():
+    shown = " ".join(call("--help").output.split())
+    of_module = [c for c in vars(commands).values() if isinstance(c, click.Command)]
+    assert {command.name for command in of_module} == {*COMMANDS}
+    for command in of_module:
+        told = COMMANDS[command.name]
+        assert " ".join(command.help.split()).startswith(told)
+        assert f"{command.name} {told}" in shown
+
+
+@pytest.mark.parametrize("asked", ["import pvlib_fem", "import pvlib_fem.cli"])
+def test_nothing_is_loaded_before_it_is_used(asked):
+    script = f"import sys; {asked}; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert not {"numpy", "pandas", "pvlib", "scipy"} & {*run.stdout.split()}
+    assert "pvlib_fem" in run.stdout.split()
 
 
 def test_a_logger_file_gives_the_report(logger, tmp_path):
@@ -414,7 +435,7 @@ def test_a_file_in_another_encoding_names_the_option(frame, tmp_path):
 def test_fit_and_loop_take_the_same_options():
     """But for those that only one of them can have, as its help says."""
     fit, loop = (
-        {param.name: param for param in cli.main.commands[name].params}
+        {param.name: param for param in getattr(commands, name).params}
         for name in ("fit", "loop")
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}

@@ -8,7 +8,7 @@ import pytest
 from pvlib.temperature import GenericLinearModel
 
 from pvlib_fem import translate, translation_mismatch
-from pvlib_fem.translate import SHAPES, USUAL_WINDS
+from pvlib_fem.translation import SHAPES, USUAL_WINDS
 
 ETA, ALPHA = 0.19, 0.88
 COEFFICIENTS = {

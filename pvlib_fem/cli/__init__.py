@@ -1,5 +1,39 @@
 """The command ``pvlib-fem``: the one room that talks."""
 
-from pvlib_fem.cli.commands import main
+import click
 
-__all__ = ["main"]
+from pvlib_fem import __version__
+
+#: what each command does, as the list of them tells it
+COMMANDS = {
+    "demo": "Close the loop on a measured plant, a simulated site and a measured week.",
+    "fit": "Fit FILE, or several that are joined on their times, and print the report.",
+    "fleet": "Close the loop on each of the SYSTEMS of a table, or fit them.",
+    "loop": "Find which physical effects the model lacks in FILE, or several.",
+    "recover": "Put effects into FILE, and find from what size the loop sees them.",
+}
+
+
+class OnDemand(click.Group):
+    """Commands that are loaded when they are called, so that a list of them is not."""
+
+    def list_commands(self, ctx):
+        return [*COMMANDS]
+
+    def get_command(self, ctx, name):
+        from pvlib_fem.cli import commands
+
+        return getattr(commands, name) if name in COMMANDS else None
+
+    def format_commands(self, ctx, formatter):
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=OnDemand, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="pvlib-fem")
+def main():
+    """The temperature of PV modules, second by second, from measured data.
+
+    With a new file begin with --guess: it proposes the command that reads it.
+    """

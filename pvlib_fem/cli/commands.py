@@ -5,7 +5,6 @@ from pathlib import Path
 import click
 import pandas as pd
 
-from pvlib_fem import __version__
 from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem.cli.options import (
     WRITTEN,
@@ -44,16 +43,7 @@ from pvlib_fem.loop.criteria import Criteria
 FEW = 5  # failures that are told
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="pvlib-fem")
-def main():
-    """The temperature of PV modules, second by second, from measured data.
-
-    With a new file begin with --guess: it proposes the command that reads it.
-    """
-
-
-@main.command()
+@click.command()
 @reading_options
 @site_options
 @fit_options
@@ -85,7 +75,7 @@ def fit(files, out, plot, report, title, **options):
         write_report(report, result, title, files)
 
 
-@main.command()
+@click.command()
 @reading_options
 @site_options
 @model_option("faiman", "fit takes the paper's wm1 by default")
@@ -125,7 +115,7 @@ def loop(files, report, title, out, **options):
         write_report(report, found, title, files)
 
 
-@main.command()
+@click.command()
 @reading_options
 @site_options
 @model_option("faiman", "fit takes the paper's wm1 by default")
@@ -133,10 +123,11 @@ def loop(files, report, title, out, **options):
 @recovery_options
 @out_option
 def recover(files, out, **options):
-    """Put effects of known size into FILE, and find from what size the loop sees them.
+    """Put effects into FILE, and find from what size the loop sees them.
 
-    --effects are those that are put in, by default all that have their columns; the
-    loop tries all. With --out a run that was interrupted goes on where it was.
+    --effects are those that are put in, in known sizes, by default all that have their
+    columns; the loop tries all. With --out a run that was interrupted goes on where it
+    was.
     """
     with plainly():
         check_outputs(files, out=out)
@@ -146,7 +137,7 @@ def recover(files, out, **options):
             say(injected(data, path=out, **options))
 
 
-@main.command()
+@click.command()
 @click.argument("systems", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @fleet_options
 @click.option(
@@ -176,7 +167,7 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
         write(report, lambda path: fleet_report(out, path, title=systems.name))
 
 
-@main.command()
+@click.command()
 @click.option("--days", type=click.IntRange(1), default=365, show_default=True)
 @click.option(
     "--step",

@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
+from functools import cached_property, partial
 from numbers import Real
 from typing import Any
 
@@ -50,10 +50,7 @@ class Terms:
             (getattr(self, column.name), getattr(other, column.name))
             for column in fields(Terms)
         )
-        # most effects add to one column, and long ones are not copied for nothing
-        return Terms(
-            *(own + times * more if is_there(more) else own for own, more in pairs)
-        )
+        return Terms(*(added(own, more, times) for own, more in pairs))
 
     def part(self, rows: slice) -> "Terms":
         """The same on a slice of the rows."""
@@ -64,6 +61,14 @@ class Terms:
 def is_there(column):
     """Whether a column of terms is more than the number 0."""
     return np.ndim(column) > 0 or column != 0.0
+
+
+def added(own, more, times):
+    """A column of terms and ``times`` another, where most effects have none."""
+    if not is_there(more):
+        return own
+    more = times * more if is_there(times - 1.0) else more
+    return own + more if is_there(own) else more
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +227,7 @@ class Effect:
         """Its name, or a dict with its settings: what finds it again."""
         return {"name": self.name, **self.settings} if self.settings else self.name
 
-    @property
+    @cached_property
     def drivers(self) -> tuple[str, ...]:
         """Names of the columns that it needs."""
         if self.columns is not None:

@@ -196,8 +196,9 @@ def fit_fem(
         found = last(stages)[1]
         daily = daily_sums(target, found, source, at_bound)
         stderr = errors(target, daily, at_bound, notes)
-        days = len(np.unique(record.days[train]))
-        notes += memory_notes(source, target, found, stderr, at_bound, days)
+        notes += memory_notes(
+            source, target, found, stderr, at_bound, record.count_days(train)
+        )
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
     test = filtered & out
@@ -300,7 +301,6 @@ def finished(target, record, temperature, parts, minimum, **how):
     found, stderr, at_bound, converged = minimum
     coefficients = public(target, found)
     residual = record["temp_module"] - temperature
-    days = record.days
     return FemFit(
         model=target.steady_model.name,
         dynamics=target.dynamics,
@@ -310,8 +310,8 @@ def finished(target, record, temperature, parts, minimum, **how):
         residual=pd.Series(residual, record.index, name="residual"),
         at_bound=at_bound,
         converged=converged,
-        train_days=len(np.unique(days[train])),
-        test_days=len(np.unique(days[test])),
+        train_days=record.count_days(train),
+        test_days=record.count_days(test),
         holdout=pd.Series(out, record.index, name="holdout"),
         record=record,
         base=target.base if target.effects else None,
@@ -322,13 +322,14 @@ def finished(target, record, temperature, parts, minimum, **how):
 
 def score_table(record, stages, train, test):
     """RMSE, MAE and MBE of every stage, and the temperature of the last."""
+    parts = {"train": np.flatnonzero(train), "test": np.flatnonzero(test)}
     table = {}
     for name, (model, coefficients) in stages.items():
         temperature = model.temperature(record.inputs, coefficients)
         error = record["temp_module"] - temperature
         table[name] = {
             f"{score}_{part}": value
-            for part, rows in (("train", train), ("test", test))
+            for part, rows in parts.items()
             for score, value in scores.all_three(error[rows]).items()
         }
     return pd.DataFrame.from_dict(table, orient="index"), temperature

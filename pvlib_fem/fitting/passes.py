@@ -17,8 +17,8 @@ from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
 from pvlib_fem.statistics.clusters import cluster_sums_of, joined
 from pvlib_fem.statistics.leastsquares import Normal
-from pvlib_fem.thermal.compiled import answered, fast
-from pvlib_fem.thermal.model import ThermalModel, blocks
+from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
+from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
 from pvlib_fem.thermal.response import Past
 
 MEANS = 60.0  # s of the steps on which a search begins
@@ -115,7 +115,7 @@ class Files:
         bases = Bases(self, asked.values())
         for start, inputs in self.inputs(asked.values()):
             rows, dates = self.kept(start, len(inputs.index))
-            for piece in blocks(len(inputs.index)):
+            for piece in blocks(len(inputs.index), self.at_once):
                 here = bases.beside(inputs.part(piece))
                 given = {}
                 for key, one in asked.items():
@@ -180,6 +180,11 @@ class Files:
         }
         return table, DailySums(names, sums, self.winds)
 
+    @property
+    def at_once(self):
+        """Rows that are answered at a time."""
+        return AT_ONCE if fast(len(self.clean), ()) else BLOCK
+
     def quick(self, model):
         """Whether a model that is known on a part is answered by the compiled loops."""
         return fast(len(self.clean), model.effects)
@@ -200,7 +205,7 @@ class Files:
         bases = Bases(self, [asked])
         for block in self.clean.blocks():
             inputs, found = even(block), []
-            for part in blocks(len(block)):
+            for part in blocks(len(block), self.at_once):
                 own = model.with_drivers(bases.beside(inputs.part(part))), coefficients
                 known = model.knowing(*own, False)
                 given = (*own, past)

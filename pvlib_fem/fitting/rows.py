@@ -15,8 +15,8 @@ from pvlib_fem.statistics.clusters import (
     starts,
 )
 from pvlib_fem.statistics.leastsquares import Normal, products
-from pvlib_fem.thermal.compiled import answered, fast
-from pvlib_fem.thermal.model import ThermalModel, blocks
+from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
+from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
 from pvlib_fem.thermal.response import Past
 
 EVERY, FEWEST = 8, 4  # a search begins on each eighth block, where there are four
@@ -57,16 +57,17 @@ class Compiled:
     measured: np.ndarray  # of all rows of the block
     dates: np.ndarray  # of the rows that count
 
-    def summed(self, names, edges):
-        """Temperature of all rows, and products over each part of those that count."""
-        seen, edges = (self.counts, self.measured), np.array(edges, dtype=np.int64)
+    def summed(self, names, firsts=()):
+        """Temperature of all rows, and products over parts that begin at some rows."""
+        edges = np.array([0, *firsts, len(self.counts)], dtype=np.int64)
+        seen = self.counts, self.measured
         found, total = answered(self.model, *self.given, seen, edges)
         parameters = list(self.model.parameters)
         kept = [*(parameters.index(name) for name in names), -1]
         return found, total[:, kept][:, :, kept]
 
     def products(self, names):
-        return self.summed(names, [0, len(self.dates)])[1][0]
+        return self.summed(names)[1].sum(axis=0)
 
     def by_day(self, names):
         return self.with_temperature(names)[1:]
@@ -74,8 +75,9 @@ class Compiled:
     def with_temperature(self, names):
         """Temperature of all rows, and dates and products by the day."""
         first, _ = starts(self.dates)
-        found, total = self.summed(names, [*first, len(self.dates)])
-        return found, self.dates[first], total
+        rows = np.flatnonzero(self.counts)[first]
+        found, total = self.summed(names, rows[1:])
+        return found, self.dates[first], total[: len(first)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,8 +147,8 @@ class Rows:
     def divided(self):
         """The blocks with what is the same in every pass."""
         if not self.parts:
-            record = self.record
-            for block in blocks(len(record.index))[:: self.every]:
+            record, size = self.record, BLOCK if self.every > 1 else AT_ONCE
+            for block in blocks(len(record.index), size)[:: self.every]:
                 rows = np.flatnonzero(self.counts[block])
                 measured = np.array(record["temp_module"][block])
                 part, dates = record.inputs.part(block), record.dates[block][rows]

@@ -68,12 +68,14 @@ def beyond(values, known, factor, fewest, limits):
     Each in ``fewest`` rows or more, and in a small share of all.
     """
     none = np.zeros(len(values), dtype=bool)
-    size = np.where(known, np.nan, np.abs(values))
+    size = np.abs(values)
+    size[known] = np.nan
     there = np.isfinite(size)
     if not there.any():
         return none
-    near = size * factor >= np.nanmax(size)  # all that could be far, and more
-    if near.sum() > limits.far_share * there.sum():
+    largest = np.fmax.reduce(size)
+    near = size * factor >= largest  # all that could be far, and more
+    if np.count_nonzero(near) > limits.far_share * np.count_nonzero(there):
         return none
     rest = size[there & ~near]
     if few(rest, limits):

@@ -175,7 +175,7 @@ def ruled(clean, found, limits, kinds, asked=None):
 def with_nights(clean, found):
     """The same with 0 where irradiance is a little below it by night."""
     poa = clean["poa_global"]
-    clipped = int((poa < 0).sum())
+    clipped = int(np.count_nonzero(poa < 0))
     if clipped:
         clean = clean.having({"poa_global": np.where(poa < 0, 0.0, poa)})
     found = replace(found, clipped=clipped)
@@ -219,6 +219,8 @@ def refuse_impossible(found, limits):
     for name in POSSIBLE:
         values, fills = found.record[name], found.masks.get("fill value", {})
         rows = found.of(name, ("fill value", "spike"))
+        if not rows.any():
+            continue
         share = rows.sum() / max(np.isfinite(values).sum(), 1)
         if name in fills:
             share = rows.sum() / max((np.isfinite(values) & ~fills[name]).sum(), 1)

@@ -1,12 +1,15 @@
 """Rows whose time is years from all others."""
 
 import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.checks import instants
 
 
 def refuse_stray(index, limits):
     """Refuse rows that are years from all others: their time is not theirs."""
-    seconds = (index - index[0]).total_seconds().to_numpy()
-    for at in np.flatnonzero(np.diff(seconds) > limits.stray_gap) + 1:
+    gap = pd.Timedelta(seconds=limits.stray_gap).to_timedelta64()
+    for at in np.flatnonzero(np.diff(instants(index)) > gap) + 1:
         refuse_gap(at, len(index), index[0], index[at - 1], index[at], limits)
 
 

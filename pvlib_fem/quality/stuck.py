@@ -38,6 +38,8 @@ class Runs:
 
     def rows(self, kept, rows):
         """Booleans that are True in the kept runs."""
+        if not kept.any():
+            return np.zeros(rows, dtype=bool)
         edge = np.zeros(rows + 1, dtype=int)
         edge[self.first[kept]] += 1
         edge[self.last[kept] + 1] -= 1
@@ -206,10 +208,13 @@ def runs(values, seconds, limits):
 def becalmed(values, seconds, limits):
     """Rows at 0 for longer than a calm lasts, of which gaps take no time."""
     rows = np.zeros(len(values), dtype=bool)
-    (there,) = np.nonzero(np.isfinite(values))
-    if len(there) < 2:
+    if len(values) < 2:
         return rows
-    steps = np.minimum(np.diff(seconds[there]), np.median(np.diff(seconds)))
+    usual = np.median(np.diff(seconds))
+    if np.count_nonzero(values == 0) * usual <= limits.calm:
+        return rows
+    (there,) = np.nonzero(np.isfinite(values))
+    steps = np.minimum(np.diff(seconds[there]), usual)
     measured = runs(values[there], np.concatenate(([0.0], np.cumsum(steps))), limits)
     kept = (measured.value == 0) & (measured.time > limits.calm)
     rows[there] = measured.rows(kept, len(there))

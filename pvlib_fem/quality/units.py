@@ -8,6 +8,7 @@ import numpy as np
 from pvlib_fem.quality.lag import lag, retimed
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.onset import HOUR
+from pvlib_fem.quality.stuck import FEW
 from pvlib_fem.record.units import ForeignUnit, Swapped
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
@@ -15,6 +16,7 @@ from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 #: even in °F, so that irradiance is at fault
 FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
 CONVERT = "Convert it first"
+ENOUGH = 50_000  # rows that tell units
 DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
 
 
@@ -173,8 +175,9 @@ def signs(inputs):
 
 
 def signs_of(inputs):
-    """The same, from its columns."""
-    poa, air, wind, module = (inputs[name] for name in POSSIBLE)
+    """The same, from its columns; of a long record some rows tell."""
+    some = slice(None, None, max(1, len(inputs.index) // ENOUGH))
+    poa, air, wind, module = (inputs[name][some] for name in POSSIBLE)
     over = module - air
     seen = np.isfinite(poa) & np.isfinite(over)
     bright = np.nanpercentile(poa, 99.9) if seen.sum() >= 100 else 0.0
@@ -282,12 +285,20 @@ def in_step(inputs, off):
     return replace(inputs, columns={**inputs.columns, "temp_module": module})
 
 
+def same(one, other):
+    """Whether two columns are copies of each other, as far as both are there."""
+    for some in (slice(FEW), slice(None)):  # of most records a few rows tell
+        both = np.isfinite(one[some]) & np.isfinite(other[some])
+        if (one[some][both] != other[some][both]).any():
+            return False
+    return bool(both.any())
+
+
 def suspicion(inputs, found, limits):
     """What the signs of a record say of a copy, swapped columns or another unit."""
     bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
     air, module = inputs["temp_air"], inputs["temp_module"]
-    both = np.isfinite(air) & np.isfinite(module)
-    if both.any() and np.array_equal(air[both], module[both]):
+    if same(air, module):
         return Suspicion(
             "temp_module is a copy of temp_air, row by row",
             "Name the column of the module's own sensor",

@@ -143,6 +143,11 @@ class Record:
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
         return dates_of(self.index)
 
+    def count_days(self, rows):
+        """How many days some rows are of."""
+        place = (self.dates - self.dates.min())[rows]
+        return int(np.count_nonzero(np.bincount(place)))
+
     def only(self, names):
         """The same record with some of its columns."""
         inputs = {name: self.inputs.columns[name] for name in names}
@@ -450,7 +455,7 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
                 f"{name} holds no value from {inputs.index[0]} to "
                 f"{inputs.index[-1]}; check the column's name and the logger"
             )
-    missing = {name: int(np.isnan(inputs[name]).sum()) for name in columns}
+    missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in columns}
     inputs = Inputs(inputs.columns, inputs.steps, inputs.unit, inputs.index, True)
     return Record(inputs, missing, {}, 0)
 

@@ -9,7 +9,9 @@ from pvlib_fem.effects.effect import Known, is_there
 from pvlib_fem.thermal.steady import SCALES
 
 LONG = 1 << 15  # rows of a record from which loading the loops is worth it
+AT_ONCE = 1 << 17  # rows that the loops are given at a time
 MEMORIES = {"ewm": "tau", "balance": "capacity"}
+DYNAMICS = ("steady", "ewm", "balance")  # as the loops number them
 FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
 
 
@@ -57,18 +59,18 @@ def of_terms(slopes, names, rows):
     return tuple(more)
 
 
-def whole(column, rows):
-    """A column as the loops take it: a number for each row, in one type of array."""
+def whole(column):
+    """A column as the loops take it: all of its rows, or a number on some, as array."""
     if np.ndim(column) == 0:
-        column = constant(float(column), rows)
+        column = constant(float(column))
     column = np.ascontiguousarray(column, dtype=float).view()
     column.flags.writeable = False  # else numba compiles for what may be written, too
     return column
 
 
 @lru_cache(maxsize=16)
-def constant(value, rows):
-    return np.full(rows, value)
+def constant(value):
+    return np.full(loops().TILE, value)
 
 
 def answered(model, inputs, coefficients, past, seen=None, edges=None):
@@ -82,8 +84,8 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None):
     seen : tuple of array, optional
         Which rows count, and what was measured.
     edges : array of int, optional
-        Where in the rows that count each part begins, and the end of the last; without
-        it no products are asked for.
+        The first row of each part, from 0 on, and the end of the last; without it no
+        products are asked for.
 
     Returns
     -------
@@ -100,25 +102,22 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None):
         past.state = np.zeros((3, size))
     air, wind = inputs["temp_air"], inputs["wind_speed"]
     columns = inputs.steps, air, added.heat, wind, added.loss, added.offset
-    temperature, found = np.empty(rows), np.empty((0, 0))
-    if wanted:
-        found = np.empty((size, edges[-1]))
-        found[2], found[3] = 0.0, 1.0
+    temperature = np.empty(rows)
+    total = np.zeros((len(edges) - 1 if wanted else 0, size, size))
     memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
-    kernels = loops()
-    getattr(kernels, model.dynamics)(
+    loops().answer(
+        DYNAMICS.index(model.dynamics),
         (law.scale, float(line[0]), float(line[1]), clip),
         (float(memory), float(inputs.unit), float(past.usual), is_there(added.loss)),
-        (*(whole(column, rows) for column in columns), temperature),
+        (*map(whole, columns), temperature),
         of_terms(slopes, names, rows),
-        seen or (np.zeros(0, bool), np.zeros(0)),
+        seen or (np.zeros(rows, bool), constant(np.nan)),
+        edges if wanted else np.array([0, rows]),
         past.state,
-        found,
+        total,
     )
     if not wanted:
         return temperature, None
-    total = np.empty((len(edges) - 1, size, size))
-    kernels.summed(found, edges, total)
     chain = chained(model, by, names)
     return temperature, chain.T @ total @ chain
 

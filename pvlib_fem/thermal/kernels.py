@@ -12,6 +12,9 @@ from numba import njit
 from pvlib_fem.relaxation import FORGOTTEN
 from pvlib_fem.thermal.steady import LOGARITHM, LOSS
 
+TILE = 1 << 10  # rows of which slopes are held at a time
+STEADY, EWM, BALANCE = range(3)
+
 inlined = njit(inline="always", error_model="numpy")
 compiled = njit(cache=True, error_model="numpy")
 
@@ -62,6 +65,11 @@ def smooth(value, step, fading, tau, usual, since, begun, state, by_tau):
     return decay, 0.0, 1.0, decay * state + (1.0 - decay) * value, by_tau
 
 
+@inlined
+def keep(state, since, begun, value, by_memory):
+    state[0], state[1], state[2], state[3] = since, begun, value, by_memory
+
+
 @compiled
 def steady(law, _, columns, more, seen, __, slopes):
     scale, value, slope, clip = law
@@ -80,6 +88,7 @@ def steady(law, _, columns, more, seen, __, slopes):
             slopes[4 + k, j] -= heat[i] * r_eq**2 * by_loss[k, i]
         slopes[-1, j] = measured[i] - temperature[i]
         j += 1
+    return j
 
 
 @compiled
@@ -130,24 +139,10 @@ def ewm(law, memory, columns, more, seen, state, slopes):
             slopes[4 + k, j] -= felt * r_eq**2 * lost[k]
         slopes[-1, j] = measured[i] - temperature[i]
         j += 1
-    state[0, 0], state[0, 1], state[0, 2], state[0, 3] = (
-        since_h,
-        begun_h,
-        felt,
-        felt_by_tau,
-    )
-    state[1, 0], state[1, 1], state[1, 2], state[1, 3] = (
-        since_w,
-        begun_w,
-        windy,
-        windy_by_tau,
-    )
-    state[2, 0], state[2, 1], state[2, 2], state[2, 3] = (
-        since_l,
-        begun_l,
-        leaks,
-        leaks_by_tau,
-    )
+    keep(state[0], since_h, begun_h, felt, felt_by_tau)
+    keep(state[1], since_w, begun_w, windy, windy_by_tau)
+    keep(state[2], since_l, begun_l, leaks, leaks_by_tau)
+    return j
 
 
 @compiled
@@ -189,17 +184,70 @@ def balance(law, memory, columns, more, seen, state, slopes):
             slopes[4 + k, j] = by_offset[k, i] + own[k]
         slopes[-1, j] = measured[i] - temperature[i]
         j += 1
-    state[0, 0], state[0, 1], state[0, 2], state[0, 3] = since, begun, module, by_memory
+    keep(state[0], since, begun, module, by_memory)
     state[1, 0], state[1, 1] = of_0, of_1
+    return j
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
-def summed(slopes, edges, total):
-    """Products of all columns with each other, over the rows between the edges."""
-    for part in range(len(total)):
-        for a in range(len(slopes)):
-            for b in range(a + 1):
-                product = 0.0
-                for j in range(edges[part], edges[part + 1]):
-                    product += slopes[a, j] * slopes[b, j]
-                total[part, a, b] = total[part, b, a] = product
+def add_products(slopes, rows, total):
+    """Add products of all columns with each other, over the first rows."""
+    for a in range(len(slopes)):
+        for b in range(a + 1):
+            product = 0.0
+            for j in range(rows):
+                product += slopes[a, j] * slopes[b, j]
+            total[a, b] += product
+            if a != b:
+                total[b, a] += product
+
+
+@inlined
+def tile(column, first, last, rows):
+    """Rows of a column, or as many of one that is the same in all."""
+    return column[first:last] if len(column) == rows else column[: last - first]
+
+
+@compiled
+def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
+    """
+    Temperature of rows that follow each other, and products over parts of them.
+
+    So few rows at a time that their slopes stay in the innermost cache. A column of
+    no more than these is the same in all of them.
+    """
+    steps, air, heat, wind, loss, offset, temperature = columns
+    by_heat, by_loss, by_offset = more
+    counts, measured = seen
+    wanted, end = len(total) > 0, len(air)
+    slopes = np.empty((state.shape[1], TILE if wanted else 0))
+    if wanted:
+        slopes[2], slopes[3] = 0.0, 1.0
+    for part in range(len(edges) - 1):
+        for first in range(edges[part], edges[part + 1], TILE):
+            a, b = first, min(first + TILE, edges[part + 1])
+            given = (
+                law,
+                memory,
+                (
+                    tile(steps, a, b, end),
+                    air[a:b],
+                    heat[a:b],
+                    wind[a:b],
+                    tile(loss, a, b, end),
+                    tile(offset, a, b, end),
+                    tile(temperature, a, b, end),
+                ),
+                (by_heat[:, a:b], by_loss[:, a:b], by_offset[:, a:b]),
+                (counts[a:b], measured[a:b]),
+                state,
+                slopes,
+            )
+            if dynamics == STEADY:
+                rows = steady(*given)
+            elif dynamics == EWM:
+                rows = ewm(*given)
+            else:
+                rows = balance(*given)
+            if wanted:
+                add_products(slopes, rows, total[part])

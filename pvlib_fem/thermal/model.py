@@ -13,7 +13,7 @@ from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time, read
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.relaxation import usual_step
-from pvlib_fem.thermal.compiled import answered, fast
+from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
 from pvlib_fem.thermal.dynamics import balanced, smoothed, steady
 from pvlib_fem.thermal.response import Past
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
@@ -219,7 +219,7 @@ class ThermalModel:
         if not fast(rows, model.effects):
             return self.slopes(inputs, coefficients, wanted=False)[0]
         temperature, past = np.empty(rows), self.past(inputs)
-        for block in blocks(rows):
+        for block in blocks(rows, AT_ONCE):
             given = inputs.part(block), coefficients, past
             temperature[block] = answered(model.on(block), *given)[0]
         return temperature
@@ -318,9 +318,9 @@ class ThermalModel:
         return {name: coefficients[name] for name in self.steady_model.coefficients}
 
 
-def blocks(rows):
+def blocks(rows, size=BLOCK):
     """Slices of some rows, each small enough that its columns stay in the cache."""
-    return [slice(start, min(start + BLOCK, rows)) for start in range(0, rows, BLOCK)]
+    return [slice(start, min(start + size, rows)) for start in range(0, rows, size)]
 
 
 def parts(terms, rows):
