@@ -15,7 +15,7 @@ from test_effects import coefficients, model_with
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.effects import CHANGES, CHANNELS, find
-from pvlib_fem.effects.courses import find_step, number, same_date
+from pvlib_fem.effects.courses import find_episode, find_step, number, same_date
 from pvlib_fem.loop.close import searched
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.changes import Daily, chance_of_step
@@ -188,6 +188,35 @@ def test_the_best_step_is_that_of_all_fits(seed, days, rows):
     best = ((rest - rest.mean()) ** 2).sum() - min(squares)
     assert found.gain == pytest.approx(best, rel=1e-5)
     assert found.start == 1 + int(np.argmin(squares))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(4, 9), st.integers(3, 5))
+def test_the_best_step_that_fades_is_that_of_all_fits(seed, days, rows):
+    """Against least squares of every date, row by row."""
+    random = np.random.default_rng(seed)
+    dates = np.repeat(np.arange(days), rows)
+    own, rest = random.normal(size=(2, len(dates)))
+    ones, left = np.ones(len(dates)), []
+    for start in range(1, days):
+        both = np.column_stack([ones, own * (dates >= start), own * dates])
+        left.append((rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]) ** 2)
+    best = ((rest - rest.mean()) ** 2).sum() - min(one.sum() for one in left)
+    assert daily(rest, own, dates).sloped(1) == pytest.approx(best, rel=1e-5)
+
+
+def test_a_step_that_fades_is_no_episode():
+    """Nor is an episode one: what has come and gone is told from what wears off."""
+    random, days = np.random.default_rng(2), np.arange(1500)
+    own = np.ones(1500) + 0.1 * random.normal(size=1500)
+    late = days >= 500
+    courses = {"fades": late * (1.2 - days / 1000), "ends": late & (days < 1100)}
+    for name, course in courses.items():
+        rest = own * course + 0.3 * random.normal(size=1500)
+        best, criteria = daily(rest, own, days), fem.Criteria()
+        sloped = best.sloped(criteria.change_side)
+        found = find_episode(best, criteria, sloped)
+        assert find_episode(best, criteria) is not None
+        assert (found is None) == (name == "fades")
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,18 @@ def gather(
         family=family,
         criteria=criteria,
     )
+
+    def keep(wide, effect, known, none):
+        """Add an effect that was found by its scan, or say why there is none."""
+        nonlocal found
+        if effect is None:
+            failed[wide.name] = none
+            return
+        there = replace(model, effects=(effect,)).with_drivers(inputs)
+        terms = terms_of(effect, there.columns)
+        slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
+        found = found.with_effect(effect, tangents(slopes, terms), known)
+
     scanned = []
     for name, (effect, search, terms) in effects.items():
         known = record.known(needed_for(effect.drivers))[rows]
@@ -68,16 +80,19 @@ def gather(
             scanned.append((effect, search, own, known))
         else:
             found = found.with_effect(effect, own, known)
-    daily = {}  # products by the day of a channel, which all its courses share
     for wide, search, own, known in scanned:
-        effect, none = settled(found, search, wide, own, known, inputs, daily)
-        if effect is None:
-            failed[wide.name] = none
-            continue
-        there = replace(model, effects=(effect,)).with_drivers(inputs)
-        terms = terms_of(effect, there.columns)
-        slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
-        found = found.with_effect(effect, tangents(slopes, terms), known)
+        if search.scan:
+            effect = narrowed(found, search, wide, own, known, inputs)
+            keep(wide, effect, known, because(Reason.NO_WINDOW))
+    daily = {}  # products by the day of a channel, which all its courses share
+    dated = [one for one in scanned if not one[1].scan]
+    for wide, search, own, known in dated:
+        if search.channel not in daily:
+            daily[search.channel] = Daily.of(*found.beside(wide, own, known))
+    sloped = max((d.sloped(criteria.change_side) for d in daily.values()), default=0.0)
+    for wide, search, _, known in dated:
+        effect = search.dates.found(daily[search.channel], criteria, sloped)
+        keep(wide, effect, known, because(Reason.NO_DATE))
     return replace(found, failed=failed)
 
 
@@ -123,17 +138,6 @@ def held(terms):
             for column in columns
         )
     )
-
-
-def settled(found, search, wide, own, known, inputs, daily):
-    """The effect with settings that what is left shows, or None, and why then."""
-    if search.scan:
-        effect = narrowed(found, search, wide, own, known, inputs)
-        return effect, because(Reason.NO_WINDOW)
-    if search.channel not in daily:
-        daily[search.channel] = Daily.of(*found.beside(wide, own, known))
-    effect = search.dates.found(daily[search.channel], found.criteria)
-    return effect, because(Reason.NO_DATE)
 
 
 def narrowed(found, search, wide, own, known, inputs):

@@ -3,7 +3,7 @@
 from typing import Any
 
 from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, ink, new_axes
-from pvlib_fem.plotting.steps import one_line_each, signed
+from pvlib_fem.plotting.steps import one_line_each, signed, spaced
 
 #: colours of the kinds of rows; what rises is told by its hatching, too
 LOOKS = {
@@ -46,7 +46,7 @@ def plot_budget(loop: Any, ax: Any = None) -> Any:
         bar = ax.barh(place, abs(square), 0.7, left=left, color=LOOKS[kind], **rises)
         fall = kind == "taken"
         ax.bar_label(bar, [signed(-square) if fall else f"{square:.2f}"], padding=3)
-    names = [name.replace("+", "+ ", 1) for name in budget.index]
+    names = [spaced(name) for name in budget.index]
     weeks = "test" if loop.fit.test_days else "fitted"
     one_line_each(ax, names, f"mean square of the {weeks} days [K²]")
     return ax

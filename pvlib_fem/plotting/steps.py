@@ -16,10 +16,21 @@ from pvlib_fem.plotting.look import (
 
 #: rows of a loop's table before any effect, in words
 BASES = {"fem": "fem (the paper's form)"}
+
 #: the same of a fit's scores; what the dynamics are called is said by themselves
 FITTED = {"standard": "steady", "filter": "+ filter", "fem": "+ bias"}
 DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}
 NOTHING = 0.005  # K: a change that two decimals do not show
+
+
+def spaced(name):
+    """The name of a step, with its sign apart from that of the effect."""
+    return name.replace("+", "+ ", 1)
+
+
+def step_name(name):
+    """The same, in words where it is a base."""
+    return BASES.get(name) or spaced(name)
 
 
 def plot_steps(loop: Any, ax: Any = None) -> Any:
@@ -39,7 +50,7 @@ def plot_steps(loop: Any, ax: Any = None) -> Any:
     ax = new_axes(ax)
     part = "test" if loop.fit.test_days else "fitted"
     errors = loop.table["rmse_test" if loop.fit.test_days else "rmse_train"]
-    names = [BASES.get(name, name.replace("+", "+ ", 1)) for name in errors.index]
+    names = [step_name(name) for name in errors.index]
     added = [name.startswith("+") for name in errors.index]
     colours = [AFTER if a else OTHER for a in added]
     bars = ax.barh(range(len(errors)), errors, 0.7, color=colours)
@@ -101,7 +112,7 @@ def path(fit):
         names = {row: DYNAMICS[form] for form, row in forms.items()}
         unused = [row for form, row in forms.items() if form != fit.dynamics]
     errors = errors.drop(unused, errors="ignore")
-    return errors.rename(lambda name: names.get(name, name.replace("+", "+ ", 1)))
+    return errors.rename(lambda name: names.get(name) or spaced(name))
 
 
 def signed(change):

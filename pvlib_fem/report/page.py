@@ -7,6 +7,7 @@ import pandas as pd
 
 from pvlib_fem.effects import CHANGES, EFFECTS
 from pvlib_fem.findings import CORRECTED, Verdict
+from pvlib_fem.plotting.steps import spaced
 from pvlib_fem.reasons import Reason
 from pvlib_fem.report import advice, budget
 from pvlib_fem.report.document import (
@@ -234,7 +235,7 @@ def errors(loop, gamma=GAMMA):
     verdicts = {f"+{f.effect}": f.verdict for f in loop.findings}
     rows = [
         (
-            name.replace("+", "+ ", 1),
+            spaced(name),
             *(number(row[key]) for key in keys),
             verdicts.get(name, STEPS.get(name, "")),
         )

@@ -5,7 +5,7 @@ from textwrap import TextWrapper
 import numpy as np
 
 from pvlib_fem.findings import CORRECTED, Verdict
-from pvlib_fem.plotting.steps import BASES
+from pvlib_fem.plotting.steps import step_name
 from pvlib_fem.report import budget
 from pvlib_fem.report.document import rounded, spanned, with_error
 from pvlib_fem.report.page import by_reason
@@ -75,7 +75,7 @@ def rows(loop):
     for name, row in loop.table.iterrows():
         cells = "".join(cell(row[key], 7) for key in shown)
         cells += cell(row["energy_error_test"], 9) + " %"
-        title = BASES.get(name, name.replace("+", "+ ", 1))
+        title = step_name(name)
         words = verdict(verdicts[name], loop) if name in verdicts else ""
         if name == CORRECTED:
             own = [one for one in loop.corrections if one.unit == "K"]

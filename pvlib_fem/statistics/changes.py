@@ -100,6 +100,30 @@ class Daily:
         gains[starts] = gained(total[end] - total[starts])
         return self.change(start, end, gains)
 
+    def sloped(self, side):
+        """Largest fall of the sum of squares by a step and a drift of the column."""
+        slow = (self.dates - self.dates[0]) / max(np.ptp(self.dates), 1)
+        late, beside = np.zeros(self.days + 1), np.zeros(self.days + 1)
+        late[:-1] = self.own[::-1].cumsum()[::-1]
+        beside[:-1] = (slow * self.own)[::-1].cumsum()[::-1]
+        total = self.before()
+        known, drift = (total[-1] - total)[:, 2:], slow @ self.fitted
+        product = total[-1, 0] - total[:, 0], slow @ self.rest
+        one = late - np.square(known).sum(axis=1)
+        both = beside - known @ drift
+        other = slow**2 @ self.own - drift @ drift
+        apart = one * other - both**2
+        top = product[0] ** 2 * other + product[1] ** 2 * one
+        top -= 2.0 * product[0] * product[1] * both
+        seen = apart > UNSEEN * max(np.abs(one * other).max(), np.finfo(float).tiny)
+        gains = np.divide(top, apart, out=np.zeros_like(top), where=seen)
+        gains[:side] = gains[len(gains) - side :] = 0.0
+        return float(gains.max())
+
+    def clearly(self, gain, found):
+        """Whether a fall of the sum of squares is clearly more than a change's."""
+        return gain - found.gain > LEVEL * self.spread(found.start, found.end)
+
     def change(self, start, end, gains):
         """The change with its certainty, and the days where it may have begun."""
         spread = self.spread(start, end)
