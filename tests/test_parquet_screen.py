@@ -118,6 +118,23 @@ def test_each_kind_is_found_across_blocks(record, tmp_path, name):
 
 
 @pytest.mark.parametrize(
+    ("first", "last"), [("06-05", "06-15"), ("06-01", "06-04"), ("06-05", "06-08")]
+)
+@pytest.mark.parametrize("gone", [False, True])
+def test_an_anemometer_that_reads_nothing_by_day_alone(tmp_path, first, last, gone):
+    """Its nights are missing values, which take no time, or no rows."""
+    data = fem.datasets.synthetic(days=20, step=600)[list(COLUMNS)].round(2)
+    data = data.assign(relative_humidity=60 + 9 * np.sin(np.arange(len(data))), fan=40)
+    day = (data.index.hour >= 6) & (data.index.hour < 18)
+    year = data.index[0].year
+    data.loc[f"{year}-{first}" : f"{year}-{last}", "wind_speed"] = 0.0
+    data["wind_speed"] = data["wind_speed"].where(day)
+    found = both(data[day] if gone else data, tmp_path)
+    kinds = {one.kind for one in found.found if one.column == "wind_speed"}
+    assert ("stuck" in kinds) == (gone or last == "06-15")
+
+
+@pytest.mark.parametrize(
     "faults",
     [
         [("still", 3, 0, 2880)],

@@ -27,6 +27,7 @@ class Column:
     known: int = 0  # values that stand for one
     low: float = np.inf  # of those that can be
     high: float = -np.inf
+    zeros: int = 0  # values that are 0
     least: float = np.inf  # of those that stand for one, possible or not
     size: float = 0.0  # largest of those that stand for one, without its sign
     odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
@@ -55,6 +56,7 @@ class Column:
                 possible_ones = without(values, rows)
             low, high = np.fmin.reduce(possible_ones), np.fmax.reduce(possible_ones)
         self.known += len(values) - lacking
+        self.zeros += int(np.count_nonzero(values == 0))
         self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
         least = np.fmin.reduce(held)
         self.least = np.fmin(self.least, least)

@@ -6,6 +6,7 @@ import numpy as np
 
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.stuck import DRIVERS, STILL, Runs, seen_by
+from pvlib_fem.record.clean import spans
 from pvlib_fem.relaxation import relax
 
 
@@ -101,6 +102,56 @@ def frozen(clean, standing, limits):
         if kept.any():
             found[name] = spans_of(runs, kept)
     return found
+
+
+@dataclass(eq=False)
+class Calm:
+    """Rows at 0 for longer than a calm lasts, of which gaps take no time."""
+
+    usual: float  # step [s]
+    limits: Limits
+    found: list = field(default_factory=list)  # rows
+    begin: int | None = None  # time of the first of them
+    last: int | None = None  # time of the last row that is there
+    open: list = field(default_factory=list)  # rows of the one that may go on
+    time: float = 0.0  # that it has lasted [s]
+
+    @classmethod
+    def of(cls, clean, usual, limits):
+        """Spans of such rows of the wind in a record, and when they begin."""
+        calm = cls(usual, limits)
+        for block in clean.blocks(("wind_speed",)):
+            calm.add(block["wind_speed"], block.start, block.times, block.inputs.unit)
+        calm.over()
+        return spans(np.concatenate(calm.found or [[]])), calm.begin
+
+    def add(self, values, start, times, unit):
+        there = np.flatnonzero(np.isfinite(values))
+        if not len(there):
+            return
+        times = times[there]
+        first = times[0] if self.last is None else self.last
+        steps = np.minimum(np.diff(times, prepend=first) * unit, self.usual)
+        self.last, rows = times[-1], there + start
+        zero, lasted = values[there] == 0, steps.cumsum()
+        edges = np.append(np.flatnonzero(np.diff(zero, prepend=not zero[0])), len(zero))
+        long = lasted[edges[1:] - 1] - lasted[edges[:-1]] > self.limits.calm
+        # the first may go on from the rows before, the last in those that follow
+        for i in np.union1d(np.flatnonzero(long), [0, len(edges) - 2]):
+            if i or not zero[0]:
+                self.over()
+            if not zero[edges[i]]:
+                continue
+            part = slice(edges[i], edges[i + 1])
+            self.time += steps[part][0 if self.open else 1 :].sum()
+            self.open.append((rows[part], times[edges[i]]))
+
+    def over(self):
+        """Keep the one that has ended, if it has lasted."""
+        if self.time > self.limits.calm and self.open:
+            self.found += [rows for rows, _ in self.open]
+            self.begin = self.open[0][1] if self.begin is None else self.begin
+        self.open, self.time = [], 0.0
 
 
 def spans_of(runs, kept):

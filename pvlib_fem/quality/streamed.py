@@ -10,10 +10,10 @@ from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
 from pvlib_fem.quality.look import Look
 from pvlib_fem.quality.outliers import apart, is_light, slots
 from pvlib_fem.quality.screen import KINDS, empty_error, refuse_share, sentence
-from pvlib_fem.quality.standing import frozen
+from pvlib_fem.quality.standing import Calm, frozen
 from pvlib_fem.quality.stuck import frozen_error, standing_line
 from pvlib_fem.quality.units import doubtful, oddities, refuse_doubtful, refuse_units
-from pvlib_fem.record.clean import CleanRecord, joined, size, spans
+from pvlib_fem.record.clean import CleanRecord, size, spans, united
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 
 PARTS = 1000  # of a day, more than there are
@@ -137,7 +137,7 @@ class Screening:
         before = self.found.setdefault(kind, {}).get(name)
         if before is None or rows[0, 0] < before[0, 0]:
             self.first[kind, name] = time, float(value)
-        both = rows if before is None else joined(before, rows)
+        both = rows if before is None else united(before, rows)
         self.found[kind][name] = both
         self.clean = self.clean.lacking({name: rows})
 
@@ -244,8 +244,9 @@ class Screening:
         """Take out sensors that stand still."""
         clean, columns = self.clean, self.look.columns
         runs = self.look.standing()
-        found = frozen(clean, runs, self.limits)
-        if columns["wind_speed"].never_moves:  # a number that stands for all wind
+        found, wind = frozen(clean, runs, self.limits), columns["wind_speed"]
+        calm, since = self.calm(wind)
+        if wind.never_moves:  # a number that stands for all wind
             found.pop("wind_speed", None)
         if whole := [n for n in found if n in POSSIBLE and columns[n].never_moves]:
             first, last = map(clean.source.at, self.look.ends)
@@ -257,6 +258,15 @@ class Screening:
             at = int(np.flatnonzero(one.first == rows[0, 0])[0])
             time = clean.source.at(begin[at])
             self.take("stuck", name, rows, time, one.value[at])
+        if len(calm) and not wind.never_moves:
+            self.take("stuck", "wind_speed", calm, clean.source.at(since), 0.0)
+
+    def calm(self, wind):
+        """Spans of rows of an anemometer that stands at 0, and when they begin."""
+        usual, limits = self.look.step, self.limits
+        if wind.zeros * usual <= limits.calm:
+            return spans([]), None
+        return Calm.of(self.clean, usual, limits)
 
     def told(self):
         """What was found, in the order of kinds and columns."""

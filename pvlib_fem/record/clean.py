@@ -73,6 +73,14 @@ def joined(one, other):
     return both[np.argsort(both[:, 0], kind="stable")]
 
 
+def united(one, other):
+    """Spans of both, which may overlap, as spans that do not."""
+    both = joined(one, other)
+    ends = np.maximum.accumulate(both[:, 1])
+    first = np.flatnonzero(np.append(True, both[1:, 0] > ends[:-1]))
+    return np.column_stack([both[first, 0], np.append(ends[first[1:] - 1], ends[-1])])
+
+
 def size(some):
     """Number of rows in spans that do not overlap."""
     return int((some[:, 1] - some[:, 0]).sum())
