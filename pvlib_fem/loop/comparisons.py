@@ -7,6 +7,7 @@ course; where the change is elsewhere, they do not.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from pvlib_fem.effects.courses import is_drift, weights_of
 from pvlib_fem.findings import Opinion, Witness
 from pvlib_fem.quality.clearsky import clear_sky
 from pvlib_fem.record.columns import is_power, twin_of
+from pvlib_fem.statistics.changes import UNSEEN
 from pvlib_fem.statistics.clusters import WEEK, cluster_sums
 
 BRIGHT = 200.0  # W/m², above which light is compared
@@ -171,12 +173,17 @@ class Apart:
         shows = self.comparison.shows
         return replace(self, known=tuple(c for c in changes if c.channel in shows))
 
+    @cached_property
+    def usual(self):
+        """What comes and goes of itself, or is known, by the day."""
+        known = (weights_of(effect, self.days) for effect in self.known)
+        usual = [np.ones(len(self.days)), *self.year()]
+        return [*usual, *(w for w in known if np.ptp(w) > 0)]
+
     def along(self, weights, values=None):
         """The change along a course, its error, and what it leaves."""
         values = self.apart if values is None else values
-        known = (weights_of(effect, self.days) for effect in self.known)
-        usual = [np.ones(len(self.days)), *self.year()]
-        columns = [*usual, *(w for w in known if np.ptp(w) > 0), weights]
+        columns = [*self.usual, weights]
         sums = cluster_sums(columns, values, self.days)
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
         kept = list(range(len(columns)))
@@ -187,16 +194,31 @@ class Apart:
         left = values - table @ found
         return float(found[-1]), float(error), left
 
-    def misfit(self, weights):
-        """Twice the log-likelihood that a course lacks, by months and their memory."""
-        left = self.along(weights)[2]
+    def misfits(self, courses):
+        """
+        Twice the log-likelihood that each course lacks, by months and their memory.
+
+        Parameters
+        ----------
+        courses : array
+            Weights by the day, a row for each.
+        """
+        basis = np.linalg.qr(np.column_stack(self.usual))[0]
+        courses = np.atleast_2d(courses).astype(float)
+        rest, own = (v - (v @ basis) @ basis.T for v in (self.apart, courses))
+        size, whole = (np.square(part).sum(axis=1) for part in (own, courses))
+        # a course that is usual, or known, takes nothing more
+        size = np.where(size > UNSEEN * whole, size, np.inf)
+        left = rest - (own @ rest / size)[:, None] * own
         months = np.unique(self.days // MONTH, return_inverse=True)[1]
-        means = np.bincount(months, left) / np.bincount(months)
-        memory = 0.0
-        if len(means) >= FEWEST_MONTHS:
-            memory = max(float(np.corrcoef(means[1:], means[:-1])[0, 1]), 0.0)
-        draws = len(means) * (1.0 - memory) / (1.0 + memory)
-        return draws * float(np.log(np.mean(left**2)))
+        order, ends = np.argsort(months, kind="stable"), np.bincount(months)
+        first = np.append(0, ends.cumsum()[:-1])
+        means = np.add.reduceat(left[:, order], first, axis=1) / ends
+        memory = np.zeros(len(left))
+        if means.shape[1] >= FEWEST_MONTHS:
+            memory = np.maximum([remembered(one) for one in means], 0.0)
+        draws = means.shape[1] * (1.0 - memory) / (1.0 + memory)
+        return draws * np.log(np.mean(left**2, axis=1))
 
     def wandering(self, table):
         """Variance of the last coefficient by what differs from year to year."""
@@ -239,6 +261,11 @@ class Apart:
         unit = self.comparison.unit + ("/year" if is_drift(effect) else "")
         said = (size, error, expected, opinion, unit, float(low), float(high))
         return Witness(self.column, effect.name, *said)
+
+
+def remembered(means):
+    """Correlation of each with the one before."""
+    return float(np.corrcoef(means[1:], means[:-1])[0, 1])
 
 
 def opinion_of(size, expected, doubt):

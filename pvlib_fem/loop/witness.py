@@ -9,10 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import alike, is_dated, weights_of
+from pvlib_fem.effects.courses import COURSES, alike, is_dated, weights_of
 from pvlib_fem.effects.instruments import OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
+    FEWEST_MONTHS,
+    MONTH,
     OUTAGE,
     SLACK,
     Apart,
@@ -138,7 +140,8 @@ def courses(comparisons, agreed, effects):
     Of candidates of one channel those whose course witnesses follow best.
 
     Beside them stands another course of the channel that witnesses follow better: what
-    the record shows along one may be the rest of another.
+    the record shows along one may be the rest of another. So does every course, where
+    they clearly follow a step of another date: the record shows several changes as one.
     """
     channel, left = effects[agreed[0]].channel, {}
     asked = [one for one in comparisons if channel in one.comparison.shows]
@@ -146,8 +149,20 @@ def courses(comparisons, agreed, effects):
     # the nights follow no course
     for name in every if asked else (n for n in agreed if n in every):
         changes = [weights_of(effects[name], one.days) for one in asked]
-        left[name] = sum(map(Apart.misfit, asked, changes))
+        left[name] = float(np.sum(list(map(Apart.misfits, asked, changes))))
     best = min((name for name in agreed if name in left), key=lambda name: left[name])
     room = {name: BETTER if name in agreed else 0.0 for name in left}
     near = [n for n in left if n != best and left[n] < left[best] + room[n]]
-    return (best, *near)
+    if asked and least_by_a_step(asked) + BETTER < left[best]:
+        near += [f"{channel}_{course.name}" for course in COURSES]
+    return tuple(dict.fromkeys((best, *near)))
+
+
+def least_by_a_step(comparisons):
+    """The least that a step leaves witnesses to follow, the best of all its months."""
+    days = np.unique(np.concatenate([one.days for one in comparisons]))
+    dates = np.arange(days[0], days[-1], MONTH)[FEWEST_MONTHS:-FEWEST_MONTHS]
+    if not len(dates):
+        return np.inf
+    steps = (one.days >= dates[:, None] for one in comparisons)
+    return float(np.min(sum(map(Apart.misfits, comparisons, steps))))
