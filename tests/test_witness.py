@@ -10,10 +10,11 @@ import pytest
 from pvlib.location import Location
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
 from pvlib_fem.loop.comparisons import COMPARISONS, SKY, USUAL_WIND, Apart, apart
 from pvlib_fem.loop.propose import Proposals
+from pvlib_fem.loop.witness import courses
 from pvlib_fem.record.columns import is_power, twin_of, vouches
 from pvlib_fem.stored import Stored
 
@@ -205,6 +206,47 @@ def test_what_differs_from_year_to_year_is_in_the_error():
         draws = comparison.wanders * root @ random.normal(size=(len(days), 2000))
         spread = (np.linalg.pinv(table)[-1] @ draws).std()
         assert np.sqrt(found.wandering(table)) == pytest.approx(spread, rel=0.1)
+
+
+def by_power(course, seed=6):
+    """Six years in which power parts from irradiance along a course."""
+    days, random = np.arange(0, 6 * 365, 2) + 18_000, np.random.default_rng(seed)
+    noise = pd.Series(random.normal(0.0, 0.03, len(days))).ewm(halflife=9).mean()
+    comparison = next(c for c in COMPARISONS if c.serves("power_ac"))
+    years = (days - days[0]) / 365.25
+    return Apart(comparison, "power_ac", days, course(years) + noise.to_numpy())
+
+
+def test_what_a_course_leaves_a_witness_is_what_least_squares_leave():
+    one = by_power(lambda years: 0.02 * years)
+    courses = np.stack([one.days - one.days[0], one.days >= one.days[400]])
+    for course, found in zip(courses, one.misfits(courses)):
+        left = pd.Series(one.along(np.asarray(course, float))[2])
+        means = left.groupby(one.days // 28).mean().to_numpy()
+        memory = max(np.corrcoef(means[1:], means[:-1])[0, 1], 0.0)
+        draws = len(means) * (1.0 - memory) / (1.0 + memory)
+        assert found == pytest.approx(draws * np.log((left**2).mean()), rel=1e-6)
+    assert one.misfits(np.ones(len(one.days))) == pytest.approx(
+        one.misfits(np.zeros(len(one.days)))
+    )
+
+
+@pytest.mark.parametrize(
+    ("course", "told"),
+    [
+        (lambda years: 0.02 * years, ("sensitivity_drift",)),
+        (
+            lambda years: 0.05 * (years > 1.5) + 0.1 * (years > 4.0),
+            ("sensitivity_drift", "sensitivity_step", "sensitivity_episode"),
+        ),
+    ],
+)
+def test_a_course_is_named_where_no_step_is_followed_better(course, told):
+    """Of a record that shows a drift of the sensor, and no step of one date."""
+    one = by_power(course)
+    since = pd.Timestamp(0) + pd.Timedelta(days=int(one.days[0]))
+    drift = find({"name": "sensitivity_drift", "since": f"{since:%Y-%m-%d}"})
+    assert courses([one], ["sensitivity_drift"], {drift.name: drift}) == told
 
 
 def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa: F811
