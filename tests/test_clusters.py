@@ -2,8 +2,16 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from pvlib_fem.statistics.clusters import FOLDS, cluster_sums, day_errors
+from pvlib_fem.statistics.clusters import (
+    FOLDS,
+    cluster_sums,
+    day_errors,
+    products_by_day,
+)
+from pvlib_fem.statistics.leastsquares import products
 
 
 @pytest.fixture(scope="module")
@@ -84,3 +92,14 @@ def test_few_weeks_are_folded_by_days():
     columns = np.ones((100, 1))
     sums = cluster_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))
     assert sums.folds.tolist() == [day % FOLDS for day in range(20)]
+
+
+@given(st.lists(st.integers(1, 60), min_size=1, max_size=30), st.integers(1, 9))
+def test_days_of_one_length_are_summed_together_to_the_bits_of_each(lengths, columns):
+    """Whatever the days around them are."""
+    dates = np.repeat(np.arange(len(lengths)), lengths)
+    random = np.random.default_rng(len(dates))
+    columns = list(random.normal(size=(columns, len(dates))))
+    days, found = products_by_day(columns, dates)
+    alone = [products([c[dates == day] for c in columns]) for day in days]
+    np.testing.assert_array_equal(found, alone)

@@ -8,15 +8,17 @@ sums of small matrices.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from pvlib_fem.statistics.leastsquares import products
+from pvlib_fem.statistics.leastsquares import BLOCK, products
 
 FOLDS = 5
 WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
 FEWEST_DAYS = 5  # below this the spread between days is no error
+AT_ONCE = 1 << 14  # rows of short days whose products are made together
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 
 
@@ -80,15 +82,15 @@ class ClusterSums:
         first, _ = starts(dates)
         wide = self.sums.shape[1] + 1
         sums = np.empty((self.days, wide, wide))
-        old = [*range(wide - 2), wide - 1]
-        sums[:, np.ix_(old, old)[0], np.ix_(old, old)[1]] = self.sums
-        part = new / size
-        for place, scale, column in zip(
-            old, np.append(self.scale, 1.0), (*columns, residual)
-        ):
-            found = np.add.reduceat(column * part, first) / scale
-            sums[:, -2, place] = sums[:, place, -2] = found
-        sums[:, -2, -2] = np.add.reduceat(part * part, first)
+        sums[:, :-2, :-2] = self.sums[:, :-1, :-1]
+        sums[:, -1, :-2] = sums[:, :-2, -1] = self.sums[:, -1, :-1]
+        sums[:, -1, -1] = self.sums[:, -1, -1]
+        part, scales = new / size, [*self.scale, 1.0, 1.0]
+        row = [
+            np.add.reduceat(column * part, first) / scale
+            for column, scale in zip((*columns, part, residual), scales)
+        ]
+        sums[:, -2] = sums[:, :, -2] = np.stack(row, axis=1)
         scale = np.append(self.scale, size)
         return replace(self, sums=sums, scale=scale)
 
@@ -163,9 +165,27 @@ def cluster_sums_of(days, sums, rows, folds=FOLDS, fewest=FEWEST_CLUSTERS):
 def products_by_day(columns, dates):
     """The dates of some rows, and products of columns over each."""
     first, ends = starts(dates)
-    parts = [products(columns, slice(*edges)) for edges in zip(first, ends)]
-    size = len(columns)
-    return dates[first], np.array(parts).reshape(-1, size, size)
+    size, rows = len(columns), np.diff(first, append=len(dates))
+    found = np.empty((len(first), size, size))
+    # days of as many rows that follow each other go together, where they are short
+    edges = np.flatnonzero(np.diff(rows, prepend=0, append=0))
+    for start, end in pairwise(edges):
+        length = rows[start]
+        most = AT_ONCE // length if length * size**2 <= BLOCK else 1
+        for day in range(start, end, most):
+            days = slice(day, min(day + most, end))
+            part = slice(first[day], ends[days.stop - 1])
+            found[days] = (
+                products(columns, part) if most == 1 else of_days(columns, part, length)
+            )
+    return dates[first], found
+
+
+def of_days(columns, rows, length):
+    """Products of columns over each day of a length, to the bits of each by itself."""
+    table = np.stack([column[rows] for column in columns])
+    days = table.reshape(len(columns), -1, length).transpose(1, 0, 2)
+    return np.ascontiguousarray(days) @ np.ascontiguousarray(days.transpose(0, 2, 1))
 
 
 def joined(parts):
