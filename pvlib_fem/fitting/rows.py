@@ -92,7 +92,7 @@ class Rows:
     record: Record
     counts: np.ndarray  # booleans
     every: int = 1  # of how many blocks it has one
-    parts: list = field(default_factory=list, repr=False)
+    parts: dict = field(default_factory=dict, repr=False)  # by their size
     usual: dict = field(default_factory=dict, repr=False)  # step, by the drivers
 
     @cached_property
@@ -125,11 +125,13 @@ class Rows:
         if drivers not in self.usual:
             self.usual[drivers] = model.past(inputs).usual
         known, past = model.knowing(inputs, coefficients), None
-        for block, part, rows, measured, dates in self.divided():
+        quick = fast(len(inputs.index), known.effects)
+        size = AT_ONCE if quick and self.every == 1 else BLOCK
+        for block, part, rows, measured, dates in self.divided(size):
             if past is None or self.every > 1:
                 past = Past(self.usual[drivers])
             here, given = known.on(block), (part, coefficients, past)
-            if fast(len(self.record.index), known.effects):
+            if quick:
                 yield Compiled(here, given, self.counts[block], measured, dates)
                 continue
             temperature, slopes = here.answer(*given)
@@ -142,18 +144,21 @@ class Rows:
         share = sum(np.count_nonzero(self.counts[rows]) for rows in parts)
         if len(parts) < FEWEST or 2 * EVERY * share < np.count_nonzero(self.counts):
             return None
-        return replace(self, every=EVERY, parts=[])
+        return replace(self, every=EVERY, parts={})
 
-    def divided(self):
-        """The blocks with what is the same in every pass."""
-        if not self.parts:
-            record, size = self.record, BLOCK if self.every > 1 else AT_ONCE
-            for block in blocks(len(record.index), size)[:: self.every]:
-                rows = np.flatnonzero(self.counts[block])
-                measured = np.array(record["temp_module"][block])
-                part, dates = record.inputs.part(block), record.dates[block][rows]
-                self.parts.append((block, part, rows, measured, dates))
-        return self.parts
+    def divided(self, size):
+        """The blocks of a size with what is the same in every pass."""
+        if size not in self.parts:
+            places = blocks(len(self.record.index), size)[:: self.every]
+            self.parts[size] = [*map(self.part, places)]
+        return self.parts[size]
+
+    def part(self, block):
+        """A block with what is the same in every pass."""
+        record, rows = self.record, np.flatnonzero(self.counts[block])
+        measured = np.array(record["temp_module"][block])
+        part, dates = record.inputs.part(block), record.dates[block][rows]
+        return block, part, rows, measured, dates
 
 
 def normal_sums(model, coefficients, source, names) -> Normal:
