@@ -10,6 +10,7 @@ from pvlib_fem.thermal.steady import SCALES
 
 LONG = 1 << 15  # rows of a record from which loading the loops is worth it
 AT_ONCE = 1 << 17  # rows that the loops are given at a time
+APART = 8  # numbers between columns side by side, else all are of one set of the cache
 MEMORIES = {"ewm": "tau", "balance": "capacity"}
 DYNAMICS = ("steady", "ewm", "balance")  # as the loops number them
 FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
@@ -50,12 +51,15 @@ def line_of(law, own):
 
 
 def of_terms(slopes, names, rows):
-    """Slopes of terms side by side: of heat, loss and offset."""
-    more = np.zeros((3, len(names), rows))
-    for place, name in enumerate(names):
-        own = slopes[name]
-        for column, values in enumerate((own.heat, own.loss, own.offset)):
-            more[column, place] = values
+    """Which of the slopes add to heat, to loss, to offset, and these side by side."""
+    more = []
+    for column in ("heat", "loss", "offset"):
+        values = [getattr(slopes[name], column) for name in names]
+        there = [place for place, one in enumerate(values) if is_there(one)]
+        table = np.empty((len(there), rows + APART))
+        for row, place in zip(table, there):
+            row[:rows] = values[place]
+        more.append((np.array(there, dtype=np.int64), table))
     return tuple(more)
 
 

@@ -74,7 +74,7 @@ def keep(state, since, begun, value, by_memory):
 def steady(law, _, columns, more, seen, __, slopes):
     scale, value, slope, clip = law
     _, air, heat, wind, loss, offset, temperature = columns
-    by_heat, by_loss, by_offset = more
+    (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     (counts, measured), wanted, j = seen, slopes.size > 0, 0
     for i in range(len(air)):
         found = resistance(scale, value, slope, clip, wind[i], loss[i])
@@ -83,9 +83,13 @@ def steady(law, _, columns, more, seen, __, slopes):
         if not (wanted and counts[i]):
             continue
         slopes[0, j], slopes[1, j] = heat[i] * by_0, heat[i] * by_1
-        for k in range(len(by_heat)):
-            slopes[4 + k, j] = by_offset[k, i] + by_heat[k, i] * r_eq
-            slopes[4 + k, j] -= heat[i] * r_eq**2 * by_loss[k, i]
+        slopes[4:-1, j] = 0.0
+        for k in range(len(hot)):
+            slopes[4 + hot[k], j] += by_heat[k, i] * r_eq
+        for k in range(len(lossy)):
+            slopes[4 + lossy[k], j] -= heat[i] * r_eq**2 * by_loss[k, i]
+        for k in range(len(aside)):
+            slopes[4 + aside[k], j] += by_offset[k, i]
         slopes[-1, j] = measured[i] - temperature[i]
         j += 1
     return j
@@ -94,9 +98,9 @@ def steady(law, _, columns, more, seen, __, slopes):
 @compiled
 def ewm(law, memory, columns, more, seen, state, slopes):
     scale, value, slope, clip = law
-    tau, unit, usual, lossy = memory
+    tau, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
-    by_heat, by_loss, by_offset = more
+    (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     (counts, measured), wanted, j = seen, slopes.size > 0, 0
     part, lost = state[0, 4:], state[1, 4:]
     since_h, begun_h, felt, felt_by_tau = state[0, :4]
@@ -114,7 +118,7 @@ def ewm(law, memory, columns, more, seen, state, slopes):
             wind[i], step, fading, tau, usual, since_w, begun_w, windy, windy_by_tau
         )
         known = not (np.isnan(left) or np.isnan(there))
-        if lossy:
+        if leaky:
             stays, since_l, begun_l, leaks, leaks_by_tau = smooth(
                 loss[i], step, fading, tau, usual, since_l, begun_l, leaks, leaks_by_tau
             )
@@ -124,19 +128,24 @@ def ewm(law, memory, columns, more, seen, state, slopes):
         temperature[i] = air[i] + felt * r_eq + offset[i] if known else np.nan
         if not wanted:
             continue
-        for k in range(len(by_heat)):
-            if not np.isnan(left):
+        if not np.isnan(left):
+            for k in range(len(hot)):
                 part[k] = left * part[k] + (1.0 - left) * by_heat[k, i]
-            if not np.isnan(stays):
+        if not np.isnan(stays):
+            for k in range(len(lossy)):
                 lost[k] = stays * lost[k] + (1.0 - stays) * by_loss[k, i]
         if not counts[i]:
             continue
         slopes[0, j], slopes[1, j] = felt * by_0, felt * by_1
         by_tau = by_wind * windy_by_tau - r_eq**2 * leaks_by_tau
         slopes[2, j] = (felt_by_tau * r_eq + felt * by_tau) / unit
-        for k in range(len(by_heat)):
-            slopes[4 + k, j] = by_offset[k, i] + part[k] * r_eq
-            slopes[4 + k, j] -= felt * r_eq**2 * lost[k]
+        slopes[4:-1, j] = 0.0
+        for k in range(len(hot)):
+            slopes[4 + hot[k], j] += part[k] * r_eq
+        for k in range(len(lossy)):
+            slopes[4 + lossy[k], j] -= felt * r_eq**2 * lost[k]
+        for k in range(len(aside)):
+            slopes[4 + aside[k], j] += by_offset[k, i]
         slopes[-1, j] = measured[i] - temperature[i]
         j += 1
     keep(state[0], since_h, begun_h, felt, felt_by_tau)
@@ -150,7 +159,7 @@ def balance(law, memory, columns, more, seen, state, slopes):
     scale, value, slope, clip = law
     capacity, unit, usual, _ = memory
     steps, air, heat, wind, loss, offset, temperature = columns
-    by_heat, by_loss, by_offset = more
+    (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     (counts, measured), wanted, j, own = seen, slopes.size > 0, 0, state[1, 4:]
     since, begun, module, by_memory = state[0, :4]
     of_0, of_1 = state[1, 0], state[1, 1]
@@ -174,14 +183,19 @@ def balance(law, memory, columns, more, seen, state, slopes):
             of_0 = decay * of_0 + by_r * by_0
             of_1 = decay * of_1 + by_r * by_1
             by_memory = decay * by_memory + fall / (capacity * unit)
-            for k in range(len(by_heat)):
-                source = rise * r_eq * by_heat[k, i] - by_r * r_eq**2 * by_loss[k, i]
-                own[k] = decay * own[k] + source
+            for k in range(len(own) - 1):
+                own[k] *= decay
+            for k in range(len(hot)):
+                own[hot[k]] += rise * r_eq * by_heat[k, i]
+            for k in range(len(lossy)):
+                own[lossy[k]] -= by_r * r_eq**2 * by_loss[k, i]
         if not counts[i]:
             continue
         slopes[0, j], slopes[1, j], slopes[2, j] = of_0, of_1, by_memory
-        for k in range(len(by_heat)):
-            slopes[4 + k, j] = by_offset[k, i] + own[k]
+        for k in range(len(own) - 1):
+            slopes[4 + k, j] = own[k]
+        for k in range(len(aside)):
+            slopes[4 + aside[k], j] += by_offset[k, i]
         slopes[-1, j] = measured[i] - temperature[i]
         j += 1
     keep(state[0], since, begun, module, by_memory)
@@ -217,10 +231,10 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     no more than these is the same in all of them.
     """
     steps, air, heat, wind, loss, offset, temperature = columns
-    by_heat, by_loss, by_offset = more
+    (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     counts, measured = seen
     wanted, end = len(total) > 0, len(air)
-    slopes = np.empty((state.shape[1], TILE if wanted else 0))
+    slopes = np.empty((state.shape[1], TILE + 8 if wanted else 0))
     if wanted:
         slopes[2], slopes[3] = 0.0, 1.0
     for part in range(len(edges) - 1):
@@ -238,7 +252,11 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
                     tile(offset, a, b, end),
                     tile(temperature, a, b, end),
                 ),
-                (by_heat[:, a:b], by_loss[:, a:b], by_offset[:, a:b]),
+                (
+                    (hot, by_heat[:, a:b]),
+                    (lossy, by_loss[:, a:b]),
+                    (aside, by_offset[:, a:b]),
+                ),
                 (counts[a:b], measured[a:b]),
                 state,
                 slopes,
