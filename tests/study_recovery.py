@@ -27,7 +27,7 @@ INTRO = """\
 Written by `tests/study_recovery.py` on {day}; `make recovery` makes it again. The
 records are those of {{doc}}`guide/public_records`, and {{doc}}`guide/recovery` says how
 effects are put into them: {injections} in all, {sizes} times the size from which each
-should be found, each instrument along each course at {draws} drawn dates.
+should be found, each instrument along each course, at {draws}.
 
 | bar | share | met |
 |---|---|---|
@@ -70,7 +70,7 @@ def page(found, draws, day):
         day=day,
         injections=len(table),
         sizes=", ".join(f"{size:g}" for size in SIZES),
-        draws=draws,
+        draws="a drawn date" if draws == 1 else f"{draws} drawn dates each",
         clearly=CLEARLY,
         found=FOUND,
         clear=share(clear),
