@@ -10,9 +10,10 @@ from click.testing import CliRunner
 import pvlib_fem as fem
 from pvlib_fem.cli import main
 from pvlib_fem.effects import find
+from pvlib_fem.effects.courses import weights_of, written
 from pvlib_fem.loop.close import searched
-from pvlib_fem.recovery.draw import Injection, drawn
-from pvlib_fem.recovery.inject import Injector
+from pvlib_fem.recovery.draw import Draw, Injection, drawn
+from pvlib_fem.recovery.inject import Injector, readable
 from pvlib_fem.recovery.predict import threshold
 from pvlib_fem.recovery.recover import SIZES, plan
 from pvlib_fem.recovery.result import Recovery, middle_of
@@ -95,6 +96,24 @@ def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     pd.testing.assert_frame_equal(looser[others], record[others])
     changed = looser["temp_module"] != record["temp_module"]
     assert changed[late].mean() > 0.4 and not changed[~late].any()
+
+
+@pytest.mark.parametrize("course", ["step", "drift"])
+def test_an_instrument_reads_something_at_any_size_that_is_put_in(record, done, course):
+    """An anemometer whose wind would be below nothing has failed, and not changed."""
+    search, loop = done
+    days = np.unique(search.case.record.dates)
+    middle, first = (written(day) for day in (days[len(days) // 2], days[0]))
+    dates = {"step": {"at": middle}, "drift": {"since": first}}[course]
+    effect = find({"name": f"wind_gain_{course}", **dates})
+    (name,) = effect.rows()
+    u1 = loop.fit.coefficients["u1"]
+    most = readable(effect, {name: -1.0}, days, {"u1": u1})
+    weights = weights_of(effect, days)
+    assert (1.0 - most * weights / u1).min() == pytest.approx(0.1)
+    assert readable(effect, {name: 1.0}, days, {"u1": u1}) == np.inf
+    draw = Draw(effect, 0, {name: -1.0}, readable=most)
+    assert draw.most == min(most, -effect.rows()[name].lower)
 
 
 def test_the_threshold_is_where_something_begins_to_pass():

@@ -81,6 +81,7 @@ class Draw:
     effect: Effect
     number: int
     way: dict = field(default_factory=dict)  # of length 1
+    readable: float = np.inf  # largest size with which an instrument still reads
 
     def of_size(self, size, predicted, own):
         """So much of it."""
@@ -93,10 +94,10 @@ class Draw:
 
     @property
     def most(self):
-        """The largest size that its bounds allow."""
+        """The largest size that its bounds allow, and its instrument."""
         rows = self.effect.rows()
         ends = {n: rows[n].upper if part > 0 else rows[n].lower for n, part in self}
-        return min(ends[name] / part for name, part in self)
+        return min(self.readable, *(ends[name] / part for name, part in self))
 
     def __iter__(self):
         return ((name, part) for name, part in self.way.items() if part)

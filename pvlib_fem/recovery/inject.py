@@ -98,6 +98,7 @@ class Injector:
         return data
 
 
+MOST_LOST = 0.9  # share of what a model takes as read that is not there
 #: columns of instruments that the model takes as they are, by channel
 READS = {
     "sensitivity": "poa_global",
@@ -120,6 +121,20 @@ def reading(record, effect, change, coefficients):
     else:
         values = values + size * np.nan_to_num(record["poa_global"]) / 1000.0
     return {name: values}
+
+
+def readable(effect, way, days, coefficients):
+    """
+    The largest size of a change with which its instrument reads no more than it can.
+
+    What reads a tenth, or ten times, of what is there has failed, and has not changed.
+    """
+    wholes = {"sensitivity": 1.0, "wind_gain": coefficients.get("u1", np.inf)}
+    if effect.channel not in wholes:
+        return np.inf
+    (part,) = way.values()
+    least = (part * weights_of(effect, days)).min()
+    return MOST_LOST * wholes[effect.channel] / -least if least < 0.0 else np.inf
 
 
 def add(data, label, rows, values):

@@ -12,7 +12,7 @@ from pvlib_fem.loop.propose import Proposals, all_pass, material, rules
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.recovery.draw import Draw, course_of, drawn, holds, same_days, with_ways
-from pvlib_fem.recovery.inject import READS, reading
+from pvlib_fem.recovery.inject import READS, readable, reading
 from pvlib_fem.statistics.changes import Daily
 
 GROWS = 1.3  # from one size to the next, until the rules are passed
@@ -60,7 +60,8 @@ def predictions(case, step, done, draws, seed, effect):
         planned = [replace(d, effect=look.effect) for d, look in zip(planned, looks)]
         found = []
         for draw in with_ways(planned, errors, seed):
-            look = looks[draw.number]
+            look, given = looks[draw.number], (draw.way, days, step.coefficients)
+            draw = replace(draw, readable=readable(draw.effect, *given))
             size = Round(fits, step, done, look, draw).size(look.size(draw))
             found.append((draw, size, look.own(draw)))
         return found, None
