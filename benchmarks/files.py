@@ -7,12 +7,13 @@ own on one thread of BLAS, in time of the processor.
 
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+
+from before import peak
 
 HERE = Path(__file__).parent
 COLUMNS = ("poa_global", "temp_air", "wind_speed", "temp_module")
@@ -95,8 +96,7 @@ def run(work, folder):
     """Print what one work takes in this process."""
     start = time.process_time()
     WORKS[work](folder)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    print(json.dumps([time.process_time() - start, peak]))
+    print(json.dumps([time.process_time() - start, peak()]))
 
 
 if __name__ == "__main__":
