@@ -48,7 +48,7 @@ def test_blocks_are_the_rows_in_the_order_of_time(data, tmp_path):
     ]
     steps = np.concatenate([b.inputs.steps * b.inputs.unit for b in blocks])
     assert steps[0] == 0.0
-    assert (steps[1:] == 60.0).all()
+    assert steps[1:] == pytest.approx(60.0)
 
 
 @pytest.mark.parametrize("form", ["glob", "file", "dataset"])
@@ -72,7 +72,7 @@ def test_hours_that_lack_are_one_long_step(data, tmp_path):
     found, blocks = read_back(record)
     assert found.index.equals(gap.index)
     steps = np.concatenate([b.inputs.steps * b.inputs.unit for b in blocks])
-    assert steps.max() == 601 * 60.0
+    assert steps.max() == pytest.approx(601 * 60.0)
 
 
 def test_single_precision_units_and_zones_are_joined_where_that_is_plain(

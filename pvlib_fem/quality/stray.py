@@ -1,14 +1,13 @@
 """Rows whose time is years from all others."""
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem.record.checks import instants
 
 
 def refuse_stray(index, limits):
     """Refuse rows that are years from all others: their time is not theirs."""
-    gap = pd.Timedelta(seconds=limits.stray_gap).to_timedelta64()
+    gap = np.timedelta64(int(limits.stray_gap), "s")  # in ns too long a gap overflows
     for at in np.flatnonzero(np.diff(instants(index)) > gap) + 1:
         refuse_gap(at, len(index), index[0], index[at - 1], index[at], limits)
 
@@ -19,7 +18,8 @@ def refuse_gap(at, total, start, before, after, limits):
     rows = at if early else total - at
     if rows > max(limits.stray_share * total, 1):
         return
-    years = (after - before).total_seconds() / 31556952
+    ends = after.to_datetime64(), before.to_datetime64()
+    years = (ends[0] - ends[1]) / np.timedelta64(31_556_952, "s")
     raise ValueError(
         f"{'the row' if rows == 1 else f'{rows} rows'} at {start if early else after} "
         f"{'is' if rows == 1 else 'are'} {years:.0f} years "

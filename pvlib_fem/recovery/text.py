@@ -44,7 +44,7 @@ def by_effect(recovery, table):
             middle(half.loc[name]) if name in half.index else "–",
             counted(clear["found"]),
             counted(clear["first"]),
-            share(part["ratio"].median(), "{:.2f}"),
+            share(part["ratio"].dropna().median(), "{:.2f}"),
             share(part["covered"].mean(), "{:.0%}"),
         )
         rows.append(row)
