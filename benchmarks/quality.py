@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from pvanalytics.features import daytime
-from pvanalytics.quality import gaps
-from pvanalytics.quality import time as shifts
+from pvanalytics.quality import gaps, time as shifts
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import COLUMNS
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem.effects import find
@@ -18,8 +17,7 @@ from pvlib_fem.fitting.search import with_tables
 from pvlib_fem.record.checks import as_record
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.statistics.leastsquares import normal
-from pvlib_fem.thermal import compiled
-from pvlib_fem.thermal import model as thermal
+from pvlib_fem.thermal import compiled, model as thermal
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
 DAYS = fem.datasets.synthetic(6, 600, seed=4)

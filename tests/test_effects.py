@@ -12,8 +12,7 @@ from conftest import COLUMNS, DRIVERS
 
 import pvlib_fem as fem
 from pvlib_fem.drivers import completed, water
-from pvlib_fem.effects import PHYSICS as EFFECTS
-from pvlib_fem.effects import find
+from pvlib_fem.effects import PHYSICS as EFFECTS, find
 from pvlib_fem.effects.effect import Tabled, tabled
 from pvlib_fem.record.checks import read
 from pvlib_fem.stored import VERSION

@@ -13,8 +13,7 @@ import pytest
 
 import pvlib_fem
 from pvlib_fem.drivers import DERIVED, MEASURED, needed_for
-from pvlib_fem.effects import CHANGES, CHANNELS, find
-from pvlib_fem.effects import PHYSICS as EFFECTS
+from pvlib_fem.effects import CHANGES, CHANNELS, PHYSICS as EFFECTS, find
 
 DOCS = Path(__file__).parents[1] / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))

@@ -13,8 +13,7 @@ import pandas as pd
 import psutil
 import pytest
 from click.testing import CliRunner
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from pvlib.location import Location
 
 import pvlib_fem as fem

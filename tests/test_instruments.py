@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import COLUMNS, DRIVERS
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from test_effects import coefficients, model_with
 
 import pvlib_fem as fem

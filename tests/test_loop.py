@@ -15,8 +15,7 @@ from conftest import COLUMNS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem.effects import CHANGES
-from pvlib_fem.effects import PHYSICS as EFFECTS
+from pvlib_fem.effects import CHANGES, PHYSICS as EFFECTS
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import STAGES
 from pvlib_fem.loop.prepare import prepared

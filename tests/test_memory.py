@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from conftest import COLUMNS, DRIVERS
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, scores

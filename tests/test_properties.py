@@ -12,8 +12,7 @@ import numpy as np
 import pandas as pd
 import pvlib
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 from numpy.testing import assert_allclose
 
 import pvlib_fem as fem

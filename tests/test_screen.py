@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import COLUMNS
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pvlib
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 

@@ -36,8 +36,7 @@ from pvlib_fem.cli.running import (
 from pvlib_fem.cli.words import note, plainly, say
 from pvlib_fem.cli.writing import check_outputs, picture, write
 from pvlib_fem.drivers.place import site_of
-from pvlib_fem.fleet import report as fleet_report
-from pvlib_fem.fleet import run as run_fleet
+from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
 
 FEW = 5  # failures that are told

@@ -4,8 +4,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import f as fisher
-from scipy.stats import t as student
+from scipy.stats import f as fisher, t as student
 
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.family import Family

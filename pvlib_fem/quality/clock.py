@@ -11,8 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from scipy.stats import median_abs_deviation, norm, theilslopes
-from scipy.stats import t as student
+from scipy.stats import median_abs_deviation, norm, t as student, theilslopes
 
 from pvlib_fem.quality.hours import day_of, hours_of, listed, offsets
 from pvlib_fem.quality.lag import lag, retimed

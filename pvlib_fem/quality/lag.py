@@ -11,8 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import nnls
-from scipy.stats import norm
-from scipy.stats import t as student
+from scipy.stats import norm, t as student
 
 from pvlib_fem.quality.onset import DAY, HOUR, decays, night
 
