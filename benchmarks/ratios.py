@@ -98,8 +98,8 @@ def memory_ratio(bench):
     """Memory that the work adds at its peak, over that of its input."""
     columns = sum(series.to_numpy().nbytes for series in bench.drivers)
     held = columns + bench.drivers[0].index.nbytes
-    before = int(Path("/proc/self/statm").read_text().split()[1])
-    added = peak_memory(bench.time_fem_temperature) - before * resource.getpagesize()
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    added = peak_memory(bench.time_fem_temperature) - pages * resource.getpagesize()
     return added / held
 
 
@@ -110,12 +110,10 @@ def peak_memory(work, *arguments):
     if child == 0:  # its own high-water mark, which starts where the input is
         Path("/proc/self/clear_refs").write_text("5")
         work(*arguments)
-        status = Path("/proc/self/status").read_text()
-        peak = int(status.split("VmHWM:")[1].split()[0]) * 1024
-        os.write(writer, str(peak).encode())
+        os.write(writer, repr(before.peak()).encode())
         os._exit(0)
     os.waitpid(child, 0)
-    return int(os.read(reader, 100))
+    return float(os.read(reader, 100)) * 2**30
 
 
 if __name__ == "__main__":

@@ -200,7 +200,7 @@ def test_the_best_step_that_fades_is_that_of_all_fits(seed, days, rows):
         both = np.column_stack([ones, own * (dates >= start), own * dates])
         left.append((rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]) ** 2)
     best = ((rest - rest.mean()) ** 2).sum() - min(one.sum() for one in left)
-    assert daily(rest, own, dates).sloped(1) == pytest.approx(best, rel=1e-5)
+    assert daily(rest, own, dates).step_that_fades(1) == pytest.approx(best, rel=1e-5)
 
 
 def test_a_step_that_fades_is_no_episode():
@@ -212,8 +212,8 @@ def test_a_step_that_fades_is_no_episode():
     for name, course in courses.items():
         rest = own * course + 0.3 * random.normal(size=1500)
         best, criteria = daily(rest, own, days), fem.Criteria()
-        sloped = best.sloped(criteria.change_side)
-        found = find_episode(best, criteria, sloped)
+        sloped = best.step_that_fades(criteria.change_side)
+        found = find_episode(replace(best, sloped=sloped), criteria)
         assert find_episode(best, criteria) is not None
         assert (found is None) == (name == "fades")
 

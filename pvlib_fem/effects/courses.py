@@ -54,7 +54,7 @@ def drift(since=None):
     return lambda day: (day - (day[0] if first is None else first)) / YEAR
 
 
-def find_step(daily, criteria, sloped=0.0):
+def find_step(daily, criteria):
     """The date from which on a channel is in what is left, or None."""
     side = criteria.change_side
     found = daily.step(side) if daily.days > 2 * side else None
@@ -70,7 +70,7 @@ def find_step(daily, criteria, sloped=0.0):
     return {"at": at, "between": around(found, daily.dates)}
 
 
-def find_episode(daily, criteria, sloped=0.0):
+def find_episode(daily, criteria):
     """The dates between which a channel is in what is left, or None."""
     side = criteria.change_side
     found = daily.episode(side, side)
@@ -82,7 +82,7 @@ def find_episode(daily, criteria, sloped=0.0):
         more = max(found.gain - plain.gain, 0.0) / found.gain
         chances.append(chance_of_step(found.statistic * np.sqrt(more), 0.05, 0.95))
     # a step that fades, of any channel, has one date less and one size more
-    if max(chances) > criteria.change_chance or daily.clearly(sloped, found):
+    if max(chances) > criteria.change_chance or daily.clearly(daily.sloped, found):
         return None
     # over is the day after the last that has it
     dates = daily.dates
@@ -97,7 +97,7 @@ def around(found, dates):
     return [written(dates[max(found.low - 1, 0)] + 1), written(dates[found.high])]
 
 
-def find_drift(daily, criteria, sloped=0.0):
+def find_drift(daily, criteria):
     """A drift needs no date but its first."""
     return {"since": written(daily.dates[0])}
 
@@ -212,14 +212,9 @@ class Dated:
             scanned_from=replace(channel, name=name),
         )
 
-    def found(self, daily, criteria, sloped=0.0):
-        """
-        The effect with the dates that products by the day show, or None.
-
-        ``sloped`` is what a step that fades takes of the sum of squares, the best of
-        all channels.
-        """
-        found = self.course.find(daily, criteria, sloped)
+    def found(self, daily, criteria):
+        """The effect with the dates that products by the day show, or None."""
+        found = self.course.find(daily, criteria)
         return None if found is None else self(**found)
 
 

@@ -122,9 +122,8 @@ class Effect:
     kin : tuple of str, optional
         Channels that one record cannot tell from it, unless a witness does.
     dates : object, optional
-        ``dates.found(daily, criteria, sloped)``: the effect with the dates that
-        products by the day of the tangent of ``scanned_from`` show, or None; where
-        ``sloped`` is what a step that fades takes of their sum of squares.
+        ``dates.found(daily, criteria)``: the effect with the dates that products by
+        the day of the tangent of ``scanned_from`` show, or None.
     choices : int, default 1
         Forms among which its scan chooses, by which its chance is multiplied.
     """

@@ -25,11 +25,9 @@ def held_out(record, filtered, holdout, notes):
     else:
         first = record.dates.min()
         place = record.dates - first
-        there = np.bincount(place) > 0
-        rows = np.bincount(place[filtered], minlength=len(there))
-        table = np.zeros(len(there), dtype=bool)
-        table[there] = days_out(np.flatnonzero(there) + first, rows[there])
-        out = table[place]
+        there = np.flatnonzero(np.bincount(place))
+        rows = np.bincount(place[filtered], minlength=there[-1] + 1)[there]
+        out = np.isin(place, there[days_out(there + first, rows)])
     if not (filtered & out).any():
         notes.append(NONE_OUT)
     return out

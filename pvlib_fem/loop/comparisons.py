@@ -16,7 +16,7 @@ from pvlib_fem.findings import Opinion, Witness
 from pvlib_fem.quality.clearsky import clear_sky
 from pvlib_fem.record.columns import is_power, twin_of
 from pvlib_fem.statistics.changes import UNSEEN
-from pvlib_fem.statistics.clusters import WEEK, cluster_sums
+from pvlib_fem.statistics.clusters import WEEK, cluster_sums, starts
 
 BRIGHT = 200.0  # W/m², above which light is compared
 BREEZE = 1.0  # m/s, above which wind is
@@ -210,10 +210,9 @@ class Apart:
         # a course that is usual, or known, takes nothing more
         size = np.where(size > UNSEEN * whole, size, np.inf)
         left = rest - (own @ rest / size)[:, None] * own
-        months = np.unique(self.days // MONTH, return_inverse=True)[1]
-        order, ends = np.argsort(months, kind="stable"), np.bincount(months)
-        first = np.append(0, ends.cumsum()[:-1])
-        means = np.add.reduceat(left[:, order], first, axis=1) / ends
+        first, _ = starts(self.days // MONTH)
+        days = np.diff(first, append=len(self.days))
+        means = np.add.reduceat(left, first, axis=1) / days
         memory = np.zeros(len(left))
         if means.shape[1] >= FEWEST_MONTHS:
             memory = np.maximum([remembered(one) for one in means], 0.0)

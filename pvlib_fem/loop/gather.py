@@ -59,16 +59,15 @@ def gather(
         criteria=criteria,
     )
 
-    def keep(wide, effect, known, none):
-        """Add an effect that was found by its scan, or say why there is none."""
-        nonlocal found
+    def larger(found, wide, effect, known, none):
+        """The same with an effect that its scan has found, or why there is none."""
         if effect is None:
             failed[wide.name] = none
-            return
+            return found
         there = replace(model, effects=(effect,)).with_drivers(inputs)
         terms = terms_of(effect, there.columns)
         slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
-        found = found.with_effect(effect, tangents(slopes, terms), known)
+        return found.with_effect(effect, tangents(slopes, terms), known)
 
     scanned = []
     for name, (effect, search, terms) in effects.items():
@@ -83,16 +82,18 @@ def gather(
     for wide, search, own, known in scanned:
         if search.scan:
             effect = narrowed(found, search, wide, own, known, inputs)
-            keep(wide, effect, known, because(Reason.NO_WINDOW))
+            found = larger(found, wide, effect, known, because(Reason.NO_WINDOW))
     daily = {}  # products by the day of a channel, which all its courses share
     dated = [one for one in scanned if not one[1].scan]
     for wide, search, own, known in dated:
         if search.channel not in daily:
             daily[search.channel] = Daily.of(*found.beside(wide, own, known))
-    sloped = max((d.sloped(criteria.change_side) for d in daily.values()), default=0.0)
+    fading = (one.step_that_fades(criteria.change_side) for one in daily.values())
+    sloped = max(fading, default=0.0)
     for wide, search, _, known in dated:
-        effect = search.dates.found(daily[search.channel], criteria, sloped)
-        keep(wide, effect, known, because(Reason.NO_DATE))
+        of_channel = replace(daily[search.channel], sloped=sloped)
+        effect = search.dates.found(of_channel, criteria)
+        found = larger(found, wide, effect, known, because(Reason.NO_DATE))
     return replace(found, failed=failed)
 
 

@@ -148,8 +148,9 @@ def courses(comparisons, agreed, effects):
     every = [n for n, e in effects.items() if e.channel == channel and is_dated(e)]
     # the nights follow no course
     for name in every if asked else (n for n in agreed if n in every):
-        changes = [weights_of(effects[name], one.days) for one in asked]
-        left[name] = float(np.sum(list(map(Apart.misfits, asked, changes))))
+        left[name] = sum(
+            one.misfits(weights_of(effects[name], one.days))[0] for one in asked
+        )
     best = min((name for name in agreed if name in left), key=lambda name: left[name])
     room = {name: BETTER if name in agreed else 0.0 for name in left}
     near = [n for n in left if n != best and left[n] < left[best] + room[n]]

@@ -16,7 +16,6 @@ from pvlib_fem.plotting.look import (
 
 #: rows of a loop's table before any effect, in words
 BASES = {"fem": "fem (the paper's form)"}
-
 #: the same of a fit's scores; what the dynamics are called is said by themselves
 FITTED = {"standard": "steady", "filter": "+ filter", "fem": "+ bias"}
 DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}

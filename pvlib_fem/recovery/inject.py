@@ -112,10 +112,9 @@ def reading(record, effect, change, coefficients):
     """What an instrument reads whose change has such a coefficient, by its column."""
     name = READS[effect.channel]
     values, size = record[name], change * weights_of(effect, record.dates)
-    if effect.channel == "sensitivity":
-        values = values / (1.0 + size)
-    elif effect.channel == "wind_gain":  # the loss by wind stays what it was
-        values = values / (1.0 + size / coefficients.get("u1", np.inf))
+    whole = whole_of(effect.channel, coefficients)
+    if whole is not None:
+        values = values / (1.0 + size / whole)
     elif effect.channel == "air_offset":
         values = values - size
     else:
@@ -129,12 +128,18 @@ def readable(effect, way, days, coefficients):
 
     What reads a tenth, or ten times, of what is there has failed, and has not changed.
     """
-    wholes = {"sensitivity": 1.0, "wind_gain": coefficients.get("u1", np.inf)}
-    if effect.channel not in wholes:
+    whole = whole_of(effect.channel, coefficients)
+    if whole is None:
         return np.inf
     (part,) = way.values()
     least = (part * weights_of(effect, days)).min()
-    return MOST_LOST * wholes[effect.channel] / -least if least < 0.0 else np.inf
+    return MOST_LOST * whole / -least if least < 0.0 else np.inf
+
+
+def whole_of(channel, coefficients):
+    """That of which a change is a share, where its instrument reads a share less."""
+    u1 = coefficients.get("u1", np.inf)  # the loss by wind stays what it was
+    return {"sensitivity": 1.0, "wind_gain": u1}.get(channel)
 
 
 def add(data, label, rows, values):

@@ -46,6 +46,7 @@ class Daily:
     sums: np.ndarray  # days, columns + 2 twice: fitted, the column, the residual
     weeks: np.ndarray
     dates: np.ndarray  # of each day, from 1970-01-01
+    sloped: float = 0.0  # what a step that fades takes of the squares, of any channel
 
     @classmethod
     def of(cls, sums, column, given):
@@ -100,21 +101,18 @@ class Daily:
         gains[starts] = gained(total[end] - total[starts])
         return self.change(start, end, gains)
 
-    def sloped(self, side):
+    def step_that_fades(self, side):
         """Largest fall of the sum of squares by a step and a drift of the column."""
         slow = (self.dates - self.dates[0]) / max(np.ptp(self.dates), 1)
-        late, beside = np.zeros(self.days + 1), np.zeros(self.days + 1)
-        late[:-1] = self.own[::-1].cumsum()[::-1]
-        beside[:-1] = (slow * self.own)[::-1].cumsum()[::-1]
         total = self.before()
-        known, drift = (total[-1] - total)[:, 2:], slow @ self.fitted
-        product = total[-1, 0] - total[:, 0], slow @ self.rest
-        one = late - np.square(known).sum(axis=1)
+        late, drift = total[-1] - total, slow @ self.fitted
+        rest, known, slowly = late[:, 0], late[:, 2:], slow @ self.rest
+        beside = np.append((slow * self.own)[::-1].cumsum()[::-1], 0.0)
+        one = late[:, 1] - np.square(known).sum(axis=1)
         both = beside - known @ drift
         other = slow**2 @ self.own - drift @ drift
         apart = one * other - both**2
-        top = product[0] ** 2 * other + product[1] ** 2 * one
-        top -= 2.0 * product[0] * product[1] * both
+        top = rest**2 * other + slowly**2 * one - 2.0 * rest * slowly * both
         seen = apart > UNSEEN * max(np.abs(one * other).max(), np.finfo(float).tiny)
         gains = np.divide(top, apart, out=np.zeros_like(top), where=seen)
         gains[:side] = gains[len(gains) - side :] = 0.0

@@ -10,9 +10,7 @@ from pvlib_fem.thermal.steady import SCALES
 
 LONG = 1 << 15  # rows of a record from which loading the loops is worth it
 AT_ONCE = 1 << 17  # rows that the loops are given at a time
-APART = 8  # numbers between columns side by side, else all are of one set of the cache
 MEMORIES = {"ewm": "tau", "balance": "capacity"}
-DYNAMICS = ("steady", "ewm", "balance")  # as the loops number them
 FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
 
 
@@ -56,7 +54,7 @@ def of_terms(slopes, names, rows):
     for column in ("heat", "loss", "offset"):
         values = [getattr(slopes[name], column) for name in names]
         there = [place for place, one in enumerate(values) if is_there(one)]
-        table = np.empty((len(there), rows + APART))
+        table = np.empty((len(there), rows + loops().APART))
         for row, place in zip(table, there):
             row[:rows] = values[place]
         more.append((np.array(there, dtype=np.int64), table))
@@ -109,8 +107,9 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None):
     temperature = np.empty(rows)
     total = np.zeros((len(edges) - 1 if wanted else 0, size, size))
     memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
-    loops().answer(
-        DYNAMICS.index(model.dynamics),
+    kernels = loops()
+    kernels.answer(
+        getattr(kernels, model.dynamics.upper()),
         (law.scale, float(line[0]), float(line[1]), clip),
         (float(memory), float(inputs.unit), float(past.usual), is_there(added.loss)),
         (*map(whole, columns), temperature),

@@ -13,7 +13,8 @@ from pvlib_fem.relaxation import FORGOTTEN
 from pvlib_fem.thermal.steady import LOGARITHM, LOSS
 
 TILE = 1 << 10  # rows of which slopes are held at a time
-STEADY, EWM, BALANCE = range(3)
+APART = 8  # numbers between columns side by side, else all are of one set of the cache
+STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals
 
 inlined = njit(inline="always", error_model="numpy")
 compiled = njit(cache=True, error_model="numpy")
@@ -234,7 +235,7 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     counts, measured = seen
     wanted, end = len(total) > 0, len(air)
-    slopes = np.empty((state.shape[1], TILE + 8 if wanted else 0))
+    slopes = np.empty((state.shape[1], TILE + APART if wanted else 0))
     if wanted:
         slopes[2], slopes[3] = 0.0, 1.0
     for part in range(len(edges) - 1):
