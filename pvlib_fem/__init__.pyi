@@ -19,7 +19,6 @@ from .fitting.fit import fit_fem as fit_fem
 from .fitting.result import FemFit as FemFit
 from .loop.close import close_loop as close_loop
 from .loop.criteria import Criteria as Criteria
-from .loop.modules import compare_modules as compare_modules
 from .loop.ranking import rank_effects as rank_effects
 from .loop.result import Loop as Loop
 from .modelchain import DynamicCellTemperature as DynamicCellTemperature
@@ -29,6 +28,8 @@ from .record.parquet import ParquetRecord as ParquetRecord, open_parquet as open
 from .recovery.recover import recover as recover
 from .recovery.result import Recovery as Recovery
 from .relaxation import ewm as ewm
+from .sensors.compare import compare_modules as compare_modules
+from .sensors.result import ModuleComparison as ModuleComparison
 from .thermal.temperature import (
     fem_temperature as fem_temperature,
     heat_balance as heat_balance,

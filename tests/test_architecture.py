@@ -35,6 +35,7 @@ ORDER = (
     "report",
     "fitting",
     "loop",
+    "sensors",
     "recovery",
     "fleet",
     "cli",

@@ -572,3 +572,27 @@ def test_an_effect_takes_its_settings_at_the_shell(frame, tmp_path):
     }.items():
         refused = call("fit", path, *effect[:2], "--effect-setting", given)
         assert refused.exit_code != 0 and said in refused.output
+
+
+def test_module_sensors_are_compared_and_their_common_part_goes_into_the_loop(tmp_path):
+    data = datasets.synthetic(70, 1800, seed=2).tz_localize(None)
+    over, random = data["temp_module"] - data["temp_air"], np.random.default_rng(0)
+    for i, share in enumerate((1.0, 1.03, 0.95)):
+        noise = random.normal(0.0, 0.2, len(data))
+        data[f"T{i}"] = data["temp_air"] + share * over + noise
+    path, common = tmp_path / "plant.csv", tmp_path / "common.csv"
+    data.drop(columns="temp_module").to_csv(path, index_label="time")
+    maps = [w for i in range(3) for w in ("--map", f"temp_module_{i}=T{i}")]
+    found = call("modules", path, *maps, "--common", common)
+    assert found.exit_code == 0, found.output
+    assert found.output.startswith("3 module sensors, each beside the median of")
+    assert "temp_module_2  0.9" in found.output
+    loop = call("loop", common)
+    assert loop.exit_code == 0, loop.output
+    refused = call("fit", path, *maps)
+    assert refused.exit_code == 1
+    assert "Of 3 module sensors give one as temp_module, or pvlib-fem" in refused.output
+    none = call("modules", common)
+    assert none.exit_code == 1
+    assert "1 module sensors are there (temp_module)" in none.output
+    assert "--map temp_module_1=COLUMN" in none.output

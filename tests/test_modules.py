@@ -26,7 +26,7 @@ def plant():
 
 
 def test_each_has_its_share_and_its_offset(plant):
-    found = fem.compare_modules(plant)
+    found = fem.compare_modules(plant).table
     assert list(found.index) == [f"temp_module_{i}" for i in range(4)]
     assert found["used"].all() and (found["step"] == "").all()
     for i, name in enumerate(found.index):
@@ -42,7 +42,7 @@ def test_a_step_is_of_the_one_that_has_it(plant):
     data, there = plant.copy(), plant.index >= "2023-09-15"
     over = data["temp_module_2"] - data["temp_air"]
     data["temp_module_2"] -= 0.12 * there * over
-    found = fem.compare_modules(data)
+    found = fem.compare_modules(data).table
     assert (found["step"] != "").to_dict() == {
         name: name == "temp_module_2" for name in found.index
     }
@@ -51,12 +51,48 @@ def test_a_step_is_of_the_one_that_has_it(plant):
     assert step["change"] == pytest.approx(-0.12, abs=max(4 * step["stderr"], 0.01))
 
 
+def test_what_a_fit_leaves_is_told_apart(plant):
+    """Common is what the made over-temperature has, own the noise of each."""
+    data, there = plant.copy(), plant.index >= "2023-09-15"
+    data["temp_module_2"] += 3.0 * there
+    comparison = fem.compare_modules(data)
+    found = comparison.table
+    others = found.drop("temp_module_2")
+    assert (others["common"] > others["own"]).all()
+    assert others["own"].max() < 0.5  # noise of 0.3 K beside that of a median of three
+    assert found["own"]["temp_module_2"] == pytest.approx(1.5, abs=0.3)  # half of 3 K
+    assert (found["left"] ** 2 < 2.0 * (found["common"] ** 2 + found["own"] ** 2)).all()
+    for name, fit in comparison.fits.items():
+        alone = fem.fit_fem(
+            *(data[n] for n in USUAL), data[name], model="faiman", dynamics="balance"
+        )
+        assert fit.coefficients == alone.coefficients
+
+
+def test_what_all_have_in_common_is_a_record_for_the_loop(plant):
+    data, there = plant.copy(), plant.index >= "2023-09-15"
+    over = data["temp_module_2"] - data["temp_air"]
+    data["temp_module_2"] -= 0.12 * there * over
+    comparison = fem.compare_modules(data)
+    assert list(comparison.common) == [*USUAL, "temp_module"]
+    before = plant.iloc[:, 3:].mean(axis=1)
+    gap = comparison.common["temp_module"] - before
+    assert gap.abs().max() < 0.25  # a step of 12 % of 40 K, taken out of one of four
+    words = str(comparison)
+    assert "temp_module_2 alone reads 1" in words and "% less over the air" in words
+    assert "are common to all" in words
+    with pytest.raises(
+        ValueError, match=r"Of 4 module sensors give one as temp_module"
+    ):
+        fem.close_loop(data)
+
+
 def test_what_all_have_is_none_of_theirs(plant):
     """The mounting of all changes, or the pyranometer."""
     data, there = plant.copy(), plant.index >= "2023-09-15"
     for name in data.columns[3:]:
         data[name] += 0.2 * there * (data[name] - data["temp_air"])
-    assert (fem.compare_modules(data)["step"] == "").all()
+    assert (fem.compare_modules(data).table["step"] == "").all()
 
 
 def test_copies_and_failed_sensors_are_said_and_not_used(plant):
@@ -65,13 +101,13 @@ def test_copies_and_failed_sensors_are_said_and_not_used(plant):
         temp_module_5=20.0,
         temp_module_6=plant["temp_module_1"].where(plant.index < "2023-07-01"),
     )
-    found = fem.compare_modules(data)
+    found = fem.compare_modules(data).table
     assert found["used"].to_list() == [True] * 4 + [False] * 3
     copy, still, gone = found["note"].iloc[4:]
     assert copy == "temp_module_4 is a copy of temp_module_0"
     assert "temp_module_5 stands still at 20 for the whole record" in still
     assert gone == "720 values of 4,800 are there"
-    alone = fem.compare_modules(plant)
+    alone = fem.compare_modules(plant).table
     pd.testing.assert_frame_equal(found.iloc[:4], alone)
 
 

@@ -10,6 +10,7 @@ COMMANDS = {
     "fit": "Fit FILE, or several that are joined on their times, and print the report.",
     "fleet": "Close the loop on each of the SYSTEMS of a table, or fit them.",
     "loop": "Find which physical effects the model lacks in FILE, or several.",
+    "modules": "Compare the module sensors of FILE: what is common, what is one's own.",
     "recover": "Put effects into FILE, and find from what size the loop sees them.",
 }
 

@@ -38,6 +38,9 @@ from pvlib_fem.cli.writing import check_outputs, picture, write
 from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.sensors.compare import compare_modules
+from pvlib_fem.stored import saved
 
 FEW = 5  # failures that are told
 
@@ -134,6 +137,29 @@ def recover(files, out, **options):
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
             say(injected(data, path=out, **options))
+
+
+@click.command()
+@reading_options
+@model_option("faiman", "fit takes the paper's wm1 by default")
+@click.option(
+    "--common",
+    type=WRITTEN,
+    help="Write FILE as CSV with what the sensors have in common as temp_module, for "
+    "the command loop.",
+)
+def modules(files, common, model, **options):
+    """Compare the module sensors of FILE: what is common, what is one's own.
+
+    The sensors are the columns temp_module, temp_module_1, temp_module_2 …, three and
+    more; name others with --map temp_module_1=COLUMN.
+    """
+    with plainly():
+        check_outputs(files, common=common)
+        data, _ = read(files, options, needed=COLUMNS[:3])
+        found = compare_modules(data, model=model)
+        say(found)
+        write(common, lambda path: saved(found.common.to_csv(), path))
 
 
 @click.command()

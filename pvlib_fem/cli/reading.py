@@ -14,7 +14,7 @@ from pvlib_fem.cli.options import PER_FILE, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import as_record, datetime_steps
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.columns import COLUMNS, of_several
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.footers import parquet_file
 from pvlib_fem.record.guess import guess
@@ -22,6 +22,7 @@ from pvlib_fem.record.layout import PARQUET
 from pvlib_fem.record.names import unmapped
 from pvlib_fem.record.parquet import open_parquet
 from pvlib_fem.record.units import ForeignUnit, Swapped
+from pvlib_fem.spelling import refusal
 
 COMMANDLINE = ParameterSource.COMMANDLINE
 LOOK = "this command may read it; look at it before you run it:"
@@ -30,7 +31,7 @@ ANEW = (*PER_FILE, "renames", "convert", "units", "guess", "missing")
 ANEW = (*ANEW, "sort", "drop_doubled")
 
 
-def read(files, options, drivers=False):
+def read(files, options, drivers=False, needed=COLUMNS):
     """
     The files as a frame in the package's names.
 
@@ -41,6 +42,8 @@ def read(files, options, drivers=False):
         Those of reading, of which nothing is left in it.
     drivers : bool
         Whether further columns count, so that a likely one is asked about.
+    needed : sequence of str
+        Columns without which nothing can be done.
 
     Returns
     -------
@@ -77,7 +80,7 @@ def read(files, options, drivers=False):
         raise click.exceptions.Exit(0)
     try:
         data = frame(files, layouts, columns, **how)
-        check_columns(data)
+        check_columns(data, needed)
         datetime_steps(data.index, "the time")
     except (ValueError, OSError) as error:
         raise Refused(error, otherwise()) from error
@@ -134,12 +137,13 @@ def opened(files, options):
     )
 
 
-def check_columns(data):
-    if lacking := [name for name in COLUMNS if name not in data]:
-        raise ValueError(
-            f"no column {', '.join(lacking)} among "
-            f"{', '.join(map(str, data.columns))}; name it with --map "
-            f"{lacking[0]}=COLUMN"
+def check_columns(data, needed=COLUMNS):
+    if lacking := [name for name in needed if name not in data]:
+        there = ", ".join(map(str, data.columns))
+        raise refusal(
+            f"no column {', '.join(lacking)} among {there}; name it with --map "
+            f"{lacking[0]}=COLUMN",
+            *of_several(data.columns),
         )
 
 

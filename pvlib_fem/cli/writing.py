@@ -9,6 +9,7 @@ from pvlib_fem.stored import replacing
 
 #: option: what it writes, and the endings of its file
 ENDINGS = {"report": ("a page", (".html", ".htm")), "out": ("JSON", (".json",))}
+ENDINGS["common"] = ("a table", (".csv",))
 
 
 def check_outputs(read=(), **written):

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.reasons import Reason, because
+from pvlib_fem.spelling import Spelled, refusal
 
 #: what every record needs
 COLUMNS = ("poa_global", "temp_air", "wind_speed", "temp_module")
@@ -37,6 +38,10 @@ GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
 SOME = 20_000  # rows that are enough to compare columns
+COMPARED = Spelled(
+    "compare_modules(data).common has what they have in common",
+    "pvlib-fem modules FILE --common NEW.csv writes what they have in common",
+)
 
 
 #: names of power that is not for each m² of module, and of a second sensor
@@ -87,10 +92,17 @@ def with_aliases(data, needed=COLUMNS):
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
     if missing := [name for name in needed if name not in columns]:
-        raise ValueError(
-            f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
-        )
+        words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
+        raise refusal(words, *of_several(columns))
     return columns
+
+
+def of_several(columns):
+    """What a refusal adds where there are module sensors, and none is the usual one."""
+    sensors = [name for name in columns if twin_of(name) == "temp_module"]
+    if "temp_module" in columns or len(sensors) < 2:
+        return ()
+    return f". Of {len(sensors)} module sensors give one as temp_module, or ", COMPARED
 
 
 def numeric(columns):

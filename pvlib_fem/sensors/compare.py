@@ -1,0 +1,144 @@
+"""Several sensors of one plant's modules, fitted and compared."""
+
+from collections.abc import Iterable
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.fitting.fit import fit_fem
+from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.record.checks import as_record
+from pvlib_fem.record.columns import printable, with_aliases
+from pvlib_fem.sensors.own import SUNNY, clean, compared, is_sensor, steps_of
+from pvlib_fem.sensors.result import ModuleComparison
+from pvlib_fem.spelling import Spelled, refusal
+
+NAMED = Spelled("columns=[...]", "--map temp_module_1=COLUMN")
+FEWEST = 3  # sensors, of which two can say which one is off
+USUAL = ("poa_global", "temp_air", "wind_speed")
+COLUMNS = ["share", "offset", "spread", "step", "change", "stderr"]
+COLUMNS += ["left", "common", "own", "rows", "used", "note"]
+
+
+def compare_modules(
+    data: pd.DataFrame,
+    columns: Iterable[str] | None = None,
+    criteria: Criteria | None = None,
+    model: str = "faiman",
+    dynamics: str = "balance",
+) -> ModuleComparison:
+    """
+    What several module sensors have in common, and each of its own.
+
+    What all have in common is weather, weather station or plant; what one has alone is
+    that sensor, or its module. Each is held against the median of the others, and
+    fitted by itself: of what its fit leaves, the part that the others' fits leave, too,
+    is told from its own.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a DatetimeIndex and ``poa_global`` [W/m²], ``temp_air`` [°C],
+        ``wind_speed`` [m/s] and the sensors [°C].
+    columns : iterable of str, optional
+        The sensors; by default ``temp_module`` and all whose names begin so.
+    criteria : Criteria, optional
+        Thresholds other than the usual.
+    model, dynamics : str, default "faiman", "balance"
+        Of the fits, as in :func:`fit_fem`.
+
+    Returns
+    -------
+    ModuleComparison
+
+    Raises
+    ------
+    ValueError
+        If a column lacks, fewer than three sensors are there, or two at most can be
+        used: of two no one says which is off.
+
+    Notes
+    -----
+    A copy of another sensor, one that never moves and one with less than half of the
+    values are told and not used, so that they spoil no mean. A step is looked for as in
+    :func:`close_loop`, in over-temperatures in sun, and told from
+    ``criteria.hint_gain`` on; the largest is taken out before the next is looked for,
+    since it is in the median of the others.
+
+    Examples
+    --------
+    >>> import pvlib_fem as fem
+    >>> data = fem.datasets.synthetic(days=10, step=600)
+    >>> over = data["temp_module"] - data["temp_air"]
+    >>> for i, share in enumerate((1.0, 1.02, 0.9)):
+    ...     data[f"temp_module_{i}"] = data["temp_air"] + share * over + 0.1 * i
+    >>> found = fem.compare_modules(data.drop(columns="temp_module"))
+    >>> found.table["share"].round(2).to_list()
+    [1.04, 1.07, 0.89]
+    >>> loop = fem.close_loop(found.common)
+    """
+    criteria = criteria or Criteria()
+    found = with_aliases(data, needed=USUAL)
+    names = list(columns or (n for n in found if is_sensor(n)))
+    if missing := [name for name in names if name not in found]:
+        raise ValueError(
+            f"data lack {', '.join(missing)}; they have {', '.join(found)}"
+        )
+    if len(names) < FEWEST:
+        there = f" ({', '.join(names)})" if names else ""
+        raise refusal(
+            f"{len(names)} module sensors are there{there}, and at least {FEWEST} are "
+            "needed, since of two no one says which is off; name others with ",
+            NAMED,
+        )
+    usual = (found["poa_global"], found["temp_air"], found["wind_speed"])
+    sensors, notes = clean(usual, {n: found[n] for n in names}, criteria)
+    record = as_record(*usual, found[names[0]])
+    off = {name for name, why in notes.items() if name not in sensors or why[0]}
+    good = [name for name in names if name not in off]
+    if len(good) < FEWEST:
+        why = "; ".join(f"{n}: {notes[n][1]}" for n in names if n in off)
+        raise ValueError(f"fewer than {FEWEST} module sensors can be used: {why}")
+    steps, level = steps_of(record, sensors, good, criteria)
+    fits = {}
+    for name in good:
+        column = pd.Series(sensors[name], record.index)
+        fits[name] = fit_fem(*usual, column, model, dynamics, check_units=False)
+    parts = shared(record, fits)
+    rows = {}
+    for name in names:
+        rows[name] = {"used": name in good, "note": notes[name][1]}
+        rows[name] |= {"rows": 0, "step": ""} | parts.get(name, {})
+        if name in level:
+            over, beside, (share, offset) = compared(record, name, level, good)
+            row = {"share": share, "offset": offset}
+            row["spread"] = root_mean_square(over - share * beside)
+            row["rows"] = int(np.isfinite(sensors[name]).sum())
+            rows[name] |= row | steps.get(name, {})
+    table = pd.DataFrame.from_dict(rows, orient="index").reindex(columns=COLUMNS)
+    mean = np.mean([level[name] for name in good], axis=0)
+    common = data.drop(columns=[label for label in data if printable(label) in names])
+    return ModuleComparison(
+        table.rename_axis("sensor"), fits, common.assign(temp_module=mean)
+    )
+
+
+def shared(record, fits):
+    """What each fit leaves in sun, how much the others leave, too, and the rest."""
+    left = {name: fit.residual.to_numpy() for name, fit in fits.items()}
+    rows = np.isfinite(sum(left.values())) & (record["poa_global"] > SUNNY)
+    found = {}
+    for name, own in left.items():
+        others = np.median([left[n][rows] for n in left if n != name], axis=0)
+        found[name] = {
+            "left": root_mean_square(own[rows]),
+            "common": root_mean_square(others),
+            "own": root_mean_square(own[rows] - others),
+        }
+    return found
+
+
+def root_mean_square(values):
+    """Of those that are known; NaN where none is."""
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan

@@ -1,0 +1,108 @@
+"""What each of several module sensors has of its own, beside the others."""
+
+import numpy as np
+
+from pvlib_fem.effects.courses import find_step, number
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.record.checks import as_record
+from pvlib_fem.record.columns import same, twin_of
+from pvlib_fem.statistics.changes import Daily
+from pvlib_fem.statistics.clusters import cluster_sums
+
+SUNNY = 200.0  # W/m², above which over-temperatures are compared
+PRESENT = 0.5  # of the rows of the one that has most, below which a sensor is not used
+FEWEST_ROWS = 100  # in sun
+
+
+def is_sensor(name):
+    """Whether a column is the module's temperature, by its name."""
+    return name == "temp_module" or twin_of(name) == "temp_module"
+
+
+def clean(usual, sensors, criteria):
+    """Values of each sensor that were measured, and whether and why one is not used."""
+    found, notes = {}, {}
+    for name, column in sensors.items():
+        try:
+            record = as_record(*usual, column)
+            record, faults = screened(record, criteria.limits, check_units=False)
+        except ValueError as error:
+            notes[name] = True, str(error).replace("temp_module", name)
+            continue
+        found[name] = record["temp_module"]
+        lines = [line for line in faults.notes if "temp_module" in line]
+        notes[name] = False, "; ".join(lines).replace("temp_module", name)
+    most = max((np.isfinite(one).sum() for one in found.values()), default=0)
+    first = []
+    for name, values in found.items():
+        there = int(np.isfinite(values).sum())
+        copies = [other for other in first if same(values, found[other])]
+        if there < PRESENT * most:
+            notes[name] = True, f"{there:,} values of {most:,} are there"
+        elif copies:
+            notes[name] = True, f"{name} is a copy of {copies[0]}"
+        else:
+            first.append(name)
+    return found, notes
+
+
+def compared(record, name, sensors, good):
+    """
+    Over-temperatures of a sensor less its offset, and of the others, with its line.
+
+    By the row in sun, elsewhere NaN; share and offset are of days and nights.
+    """
+    air, poa, values = record["temp_air"], record["poa_global"], sensors[name]
+    # NaN where one lacks: the median is of the same sensors at all times
+    others = np.median([sensors[other] for other in good if other != name], axis=0)
+    own, beside = values - air, others - air
+    sunny = (poa > SUNNY) & np.isfinite(own + beside)
+    known = sunny | (poa <= 0.0) & np.isfinite(own + beside)
+    share = offset = np.nan
+    if sunny.sum() >= FEWEST_ROWS:
+        share, offset = np.polyfit(beside[known], own[known], 1).tolist()
+    in_sun = (np.where(sunny, column, np.nan) for column in (own - offset, beside))
+    return *in_sun, (share, offset)
+
+
+def steps_of(record, sensors, good, criteria):
+    """
+    The step of each sensor that has one, and all sensors as they were before theirs.
+
+    The largest is taken out before the next is looked for: it is in the others' median.
+    """
+    level, steps = dict(sensors), {}
+    while True:
+        found = {}
+        for name in (n for n in level if n not in steps):
+            over, beside, (share, _) = compared(record, name, level, good)
+            found[name] = step_of(over, beside, share, record.dates, criteria)
+        found = {name: step for name, step in found.items() if step}
+        if not found:
+            return steps, level
+        first = max(found, key=lambda name: (name in good, abs(found[name]["change"])))
+        step = steps[first] = found[first]
+        later = record.dates >= number(step["step"])
+        air = record["temp_air"]
+        before = air + (level[first] - air) / (1.0 + step["change"])
+        level[first] = np.where(later, before, level[first])
+
+
+def step_of(over, beside, share, dates, criteria):
+    """The date from which a sensor reads another share, and by how much, if any."""
+    known = np.isfinite(over)
+    if not known.any():
+        return {}
+    over, beside, dates = over[known], beside[known], dates[known]
+    sums = cluster_sums([beside, beside], over - share * beside, dates)
+    found = find_step(Daily.of(sums, 1, [0]), criteria)
+    if found is None:
+        return {}
+    later = beside * (dates >= number(found["at"]))
+    sums = cluster_sums([beside, later], over, dates)
+    before, more = sums.solve([0, 1]) / sums.scale
+    if abs(more) * sums.scale[1] < criteria.hint_gain:  # root mean square [K]
+        return {}
+    error = np.sqrt(sums.covariance([0, 1])[1, 1]) / sums.scale[1]
+    sizes = float(more / before), float(error / before)
+    return {"step": found["at"], "change": sizes[0], "stderr": sizes[1]}
