@@ -20,6 +20,7 @@ from pvlib_fem.recovery.text import CLEARLY, lines
 YEARS = ("eurac_bolzano", "nrel_stf")
 SIZES = (0.7, 1.0, 1.5, 2.0)  # times the predicted one
 FOUND, WRONG, NEAR = 0.9, 0.01, 0.3  # the bars
+COVER, WIDE = 0.9, 3.0  # and those of ranges
 
 INTRO = """\
 # What would be found at two measured plants
@@ -35,6 +36,10 @@ should be found, each instrument along each course, at {draws}.
 | with a wrong name: ≤ {wrong:.0%} | {names} | {names_met} |
 | half are found within {near:.0%} of the predicted size: all effects | {halves} | \
 {halves_met} |
+| the range of a coefficient holds what was put in: ≥ {cover:.0%} | {held} | \
+{held_met} |
+| it is at most {wide:g} times as wide as would hold {cover:.0%}, in the median | \
+{times:.1f} times | {times_met} |
 
 A wrong name or a class without the truth is one that the record itself does not show.
 Both records have something of their own of most effects, which comes to light with a
@@ -65,6 +70,7 @@ def page(found, draws, day):
     half = pd.concat([one.half for one in found.values()])
     clear = table.loc[table["multiple"] >= CLEARLY, "found"].astype(bool)
     wrong = table["wrong"].map(bool)
+    held, times = of_ranges(table)
     near = half["multiple"].between(1.0 - NEAR, 1.0 + NEAR)
     yield INTRO.format(
         day=day,
@@ -81,6 +87,12 @@ def page(found, draws, day):
         near=NEAR,
         halves=share(near),
         halves_met=met(near.all()),
+        cover=COVER,
+        held=share(held),
+        held_met=met(held.mean() >= COVER),
+        wide=WIDE,
+        times=times,
+        times_met=met(times <= WIDE),
     )
     for name, one in found.items():
         yield f"## {name}\n"
@@ -91,6 +103,13 @@ def page(found, draws, day):
         yield "|---|---|---|"
         yield from mistaken(one.table)
         yield ""
+
+
+def of_ranges(table):
+    """Whether each range holds what was put in, and how wide they are by the bar."""
+    known = table[table["in_range"].notna()]
+    would_do = (known["ratio"] - 1.0).abs().quantile(COVER)
+    return known["in_range"] == 1.0, known["half_range"].median() / would_do
 
 
 def met(kept):

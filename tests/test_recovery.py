@@ -149,6 +149,8 @@ def test_what_is_twice_the_predicted_size_is_found_and_a_third_is_not(recovery):
     assert not table["wrong"].map(bool).any()
     named = table.loc[("sky_radiation", 2.0)]
     assert named["first"] and named["ratio"] == pytest.approx(1.0, abs=0.25)
+    assert named["in_range"] == 1.0
+    assert abs(named["ratio"] - 1.0) <= named["half_range"] < 2.0
     assert recovery.summary["found"].tolist() == [0.0, 1.0, 0.0, 1.0]
     middle = recovery.half
     assert (middle["lower"] < middle["multiple"]).all()

@@ -41,6 +41,8 @@ class Outcome:
     covered, in_range : float
         Whether the truth is within 1.96 standard errors, and within the finding's
         range; of several coefficients the share, NaN where there is none.
+    half_range : float
+        Half the width of that range over the truth, in the mean of several.
     refused : str
         Why the loop did not take the record, if it did not.
     """
@@ -56,13 +58,14 @@ class Outcome:
     ratio: float = np.nan
     covered: float = np.nan
     in_range: float = np.nan
+    half_range: float = np.nan
     refused: str = ""
 
     @classmethod
     def stored(cls, content: Stored) -> Self:
         """The outcome of a part of a file."""
         flags, texts = ("found", "named", "first"), ("told", "wrong", "misled", "lost")
-        numbers = ("ratio", "covered", "in_range")
+        numbers = ("ratio", "covered", "in_range", "half_range")
         own: dict[str, Any] = {name: content.flag(name) for name in flags}
         own |= {name: content.texts(name) for name in texts}
         own |= {name: content.number(name, unknown=True) for name in numbers}
@@ -138,13 +141,13 @@ def beside(finding, truth):
     within = [
         abs(values[n] - value) <= INTERVAL * errors[n] for n, value in truth.items()
     ]
-    # a loop that knows ranges has them beside the errors
-    ranges = getattr(finding, "ranges", None) or {}
-    inside = [
-        ranges[n][0] <= v <= ranges[n][1] for n, v in truth.items() if n in ranges
-    ]
+    # what is held has no range, and what does not act has no truth to be beside
+    known = [(finding.ranges[n], v) for n, v in truth.items() if n in finding.ranges]
+    inside = [low <= value <= high for (low, high), value in known]
+    halves = [(high - low) / 2.0 / abs(v) for (low, high), v in known if v != 0.0]
     return {
         "ratio": float(along / square),
         "covered": float(np.mean(within)),
         "in_range": float(np.mean(inside)) if inside else np.nan,
+        "half_range": float(np.mean(halves)) if halves else np.nan,
     }

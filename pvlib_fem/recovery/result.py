@@ -69,7 +69,8 @@ class Recovery:
         that that is ``told``, ``wrong`` names, classes without the truth (``misled``)
         and findings of the record itself that are ``lost``; the ``ratio`` of
         coefficient and truth, whether the truth is ``covered`` by 1.96 standard errors
-        and within the range (``in_range``), NaN where it is not in the model; why the
+        and within the range (``in_range``), half of whose width is ``half_range`` of
+        the truth, NaN where it is not in the model; why the
         loop ``refused`` the record.
         """
         rows = []

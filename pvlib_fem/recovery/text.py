@@ -11,7 +11,9 @@ HEAD = (
     f"found from {CLEARLY:g} ×",
     "first",
     "coefficient",
+    "less own",
     "covered",
+    "in range",
 )
 
 
@@ -44,8 +46,10 @@ def by_effect(recovery, table):
             middle(half.loc[name]) if name in half.index else "–",
             counted(clear["found"]),
             counted(clear["first"]),
-            share(part["ratio"].dropna().median(), "{:.2f}"),
+            share(part["ratio"].median(), "{:.2f}"),
+            share((part["ratio"] - part["own"] / part["size"]).median(), "{:.2f}"),
             share(part["covered"].mean(), "{:.0%}"),
+            share(part["in_range"].mean(), "{:.0%}"),
         )
         rows.append(row)
     wide = [max(map(len, column)) for column in zip(*rows)]
