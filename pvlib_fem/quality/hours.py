@@ -37,7 +37,9 @@ def offsets(hours, seconds):
 
 def day_of(origin, seconds):
     """The day that begins nearest to a time."""
-    return (origin + pd.Timedelta(seconds=seconds + DAY / 2)).normalize()
+    # of whole seconds, which reach further than the nanoseconds of a number
+    half_on = np.timedelta64(round(seconds + DAY / 2), "s")
+    return (origin + pd.Timedelta(half_on)).normalize()
 
 
 def listed(jumps, most=4):
