@@ -87,6 +87,24 @@ def test_a_column_added_later_is_as_good_as_one_from_the_start(rows):
     assert fewer.left([0, 1]) == pytest.approx(whole.left([0, 2]), rel=1e-9)
 
 
+def test_columns_times_a_weight_of_each_day_need_no_pass(rows):
+    """Of a column that is nothing, and of one whose weights are, too."""
+    columns, residual, dates = rows
+    columns = [*columns.T, np.zeros(len(dates))]
+    sums = cluster_sums(columns, residual, dates)
+    weights = np.random.default_rng(1).normal(size=(sums.days, 4))
+    weights[: sums.days // 2, 1], weights[:, 3] = 0.0, 0.0
+    places, lengths = (
+        [2, 0, len(columns) - 1, 1],
+        np.unique(dates, return_counts=True)[1],
+    )
+    wide = [columns[p] * np.repeat(w, lengths) for p, w in zip(places, weights.T)]
+    whole = cluster_sums([*columns, *wide], residual, dates)
+    found = sums.along(places, weights)
+    np.testing.assert_allclose(found.sums, whole.sums, rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(found.scale[:-2], whole.scale[:-2])
+
+
 def test_few_weeks_are_folded_by_days():
     columns = np.ones((100, 1))
     sums = cluster_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))

@@ -119,6 +119,27 @@ def test_a_change_of_known_dates_is_fitted(half_a_year, name):
     assert abs(fit.coefficients[key] - values[key]) < 4 * fit.stderr[key]
 
 
+@every
+def test_a_change_weighs_as_much_as_its_exact_answer(half_a_year, name):
+    """Beside the fit it is the channel's tangent from its date on, without a memory."""
+    data, _ = with_change(half_a_year, name)
+    how = dict(holdout=None, effects=[name], check_units=True, fixed=None)
+    how |= dict(criteria=fem.Criteria(min_gain=9.0))  # nothing is added
+    search, _ = searched(data, "faiman", (None, None, None), None, **how)
+    step = search.steps["balance"]
+    quick = search.fits.gathered(step, [CHANGES[name]])
+    effect = quick.effects[name]
+    exact = search.fits.gathered(step, [effect])
+    (key,) = effect.rows()
+    square = np.mean(exact.columns[key] ** 2)
+    gap = np.mean((quick.columns[key] - exact.columns[key]) ** 2)
+    assert gap < 1e-4 * square  # a hundredth of its root mean square
+    one, other = quick.weigh(name), exact.weigh(name)
+    assert one.gain == pytest.approx(other.gain, rel=2e-3)
+    assert one.coefficients[key] == pytest.approx(other.coefficients[key], rel=2e-3)
+    assert one.stderr[key] == pytest.approx(other.stderr[key], rel=1e-2)
+
+
 @pytest.mark.parametrize("size", [-0.2, 0.2, 0.4])
 @pytest.mark.parametrize("name", ["contact_step", "mounting_step"])
 def test_a_share_is_one_of_what_was_there_before(half_a_year, name, size):

@@ -6,10 +6,11 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import f as fisher, t as student
 
+from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.family import Family
 from pvlib_fem.reasons import Because, Reason, because
-from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
+from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums, starts
 
 UNSEEN = 1e-6  # of a column: what rounding leaves of it beside others
 
@@ -139,7 +140,16 @@ class Evidence:
 
     def with_effect(self, effect, columns, known):
         """The same with the tangents of one more effect, on the rows it is known."""
-        partial = {} if known.all() else {effect.name: known}
+        found = self.on_some(effect.name, columns, known)
+        return replace(
+            found,
+            own={**self.own, effect.name: tuple(columns)},
+            effects={**self.effects, effect.name: effect},
+        )
+
+    def on_some(self, name, columns, known):
+        """The same with more columns, on the rows on which they are known."""
+        partial = {} if known.all() else {name: known}
         if partial:
             columns = {n: np.where(known, c, np.nan) for n, c in columns.items()}
         found = self
@@ -149,24 +159,45 @@ class Evidence:
         return replace(
             found,
             columns={**found.columns, **columns},
-            own={**self.own, effect.name: tuple(columns)},
-            effects={**self.effects, effect.name: effect},
             partial=self.partial | partial,
             ready={} if partial else {**found.ready},
         )
 
-    def beside(self, effect, columns, known):
-        """Sums by the day with the one column of an effect, its place, and the rest."""
-        if not known.all():
-            there = self.with_effect(effect, columns, known)
-            (name,) = columns
-            given = there.places(there.confounders)
-            return there.sums([effect.name]), there.order[name], given
-        ((_, column),) = columns.items()
-        others = list(self.columns.values())
-        others = [np.nan_to_num(c) for c in others] if self.partial else others
-        sums = self.sums([]).with_column(others, self.residual, self.dates, column)
-        return sums, len(others), self.places(self.confounders)
+    def along(self, changes):
+        """
+        The same with changes of which columns are the tangents while they are whole.
+
+        The module's memory at their dates is left out, which is minutes of years: so
+        their products follow from those of the columns, at no pass over the rows.
+
+        Parameters
+        ----------
+        changes : list of (Effect, str)
+            Each with its column.
+        """
+        first, ends = starts(self.dates)
+        days, rows = self.dates[first], ends - first
+        columns, own, partial = {}, {}, {}
+        for effect, column in changes:
+            (name,) = own[effect.name] = tuple(effect.rows())
+            columns[name] = self.columns[column] * np.repeat(
+                weights_of(effect, days), rows
+            )
+            if column in self.partial:
+                partial[effect.name] = self.partial[column]
+        places = [self.order[column] for _, column in changes]
+        ready = {}
+        for lacking, sums in ({} if partial else self.ready).items():
+            weights = [weights_of(effect, sums.dates) for effect, _ in changes]
+            ready[lacking] = sums.along(places, np.transpose(weights))
+        return replace(
+            self,
+            columns=self.columns | columns,
+            own=self.own | own,
+            effects=self.effects | {effect.name: effect for effect, _ in changes},
+            partial=self.partial | partial,
+            ready=ready,
+        )
 
     def on_rows_of(self, name):
         """The same on the rows on which an effect is known."""

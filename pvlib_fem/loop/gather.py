@@ -1,12 +1,13 @@
 """Evidence for effects that a fitted model lacks, from one pass over a record."""
 
-from dataclasses import fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import needed_for
-from pvlib_fem.effects.effect import Terms
+from pvlib_fem.effects.effect import Effect, Terms
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.relaxation import relax
@@ -38,84 +39,113 @@ def gather(
     """
     model = replace(model, base=model.base or coefficients)
     inputs = model.with_base(model.with_drivers(record.inputs))
-    inputs, effects, failed = ready(model, inputs, seen, candidates)
-    also = {key: own for *_, terms in effects.values() for key, own in terms.items()}
-    temperature, slopes = model.slopes(inputs, coefficients, also=also)
+    inputs, tried, terms, failed = ready(model, inputs, seen, candidates)
+    temperature, slopes = model.slopes(inputs, coefficients, also=terms)
+    del terms  # as large as the slopes
     base = [name for name in model.free if name not in fixed]
-    more = misfits(temperature - coefficients["bias"], record)
+    wrong = misfits(temperature - coefficients["bias"], record)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
 
     def tangents(slopes, names):
-        return {name: np.ascontiguousarray(slopes[name][rows]) for name in names}
+        # each is let go as its rows are taken, else all would be there twice
+        return {name: np.ascontiguousarray(slopes.pop(name)[rows]) for name in names}
 
     found = Evidence(
-        tangents({**slopes, **more}, (*base, *more)),
+        tangents(slopes, base) | {n: column[rows] for n, column in wrong.items()},
         (record["temp_module"] - temperature)[rows],
         record.dates[rows],
         rows,
         tuple(base),
-        tuple(more),
+        tuple(wrong),
         family=family,
         criteria=criteria,
     )
-
-    def larger(found, wide, effect, known, none):
-        """The same with an effect that its scan has found, or why there is none."""
+    scanned, dated = [], []
+    for one in tried:
+        own = tangents(slopes, one.keys)
+        known = record.known(needed_for(one.wide.drivers))[rows]
+        if not all(np.isfinite(column[known]).all() for column in own.values()):
+            failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
+        elif one.scan:
+            scanned.append((one.scan, one.wide, own, known))
+        elif one.courses:
+            (column,) = own
+            found = found.on_some(column, own, known)
+            dated.append((one.courses, column))
+        else:
+            found = found.with_effect(one.wide, own, known)
+    for scan, wide, own, known in scanned:
+        effect = narrowed(found, scan, wide, own, known, inputs)
         if effect is None:
-            failed[wide.name] = none
-            return found
+            failed[wide.name] = because(Reason.NO_WINDOW)
+            continue
         there = replace(model, effects=(effect,)).with_drivers(inputs)
         terms = terms_of(effect, there.columns)
         slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
-        return found.with_effect(effect, tangents(slopes, terms), known)
+        found = found.with_effect(effect, tangents(slopes, [*terms]), known)
+    return with_changes(found, dated, failed)
 
-    scanned = []
-    for name, (effect, search, terms) in effects.items():
-        known = record.known(needed_for(effect.drivers))[rows]
-        own = tangents(slopes, terms)
-        if not all(np.isfinite(column[known]).all() for column in own.values()):
-            failed[name] = because(Reason.NOT_A_NUMBER)
-        elif search:
-            scanned.append((effect, search, own, known))
-        else:
-            found = found.with_effect(effect, own, known)
-    for wide, search, own, known in scanned:
-        if search.scan:
-            effect = narrowed(found, search, wide, own, known, inputs)
-            found = larger(found, wide, effect, known, because(Reason.NO_WINDOW))
-    daily = {}  # products by the day of a channel, which all its courses share
-    dated = [one for one in scanned if not one[1].scan]
-    for wide, search, own, known in dated:
-        if search.channel not in daily:
-            daily[search.channel] = Daily.of(*found.beside(wide, own, known))
-    fading = (one.step_that_fades(criteria.change_side) for one in daily.values())
-    sloped = max(fading, default=0.0)
-    for wide, search, _, known in dated:
-        of_channel = replace(daily[search.channel], sloped=sloped)
-        effect = search.dates.found(of_channel, criteria)
-        found = larger(found, wide, effect, known, because(Reason.NO_DATE))
-    return replace(found, failed=failed)
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """What is tried first of an effect, or of a channel along its courses."""
+
+    wide: Effect
+    keys: tuple  # of its terms
+    scan: Callable | None = None  # that takes the effect from the wide one
+    courses: tuple = ()  # effects whose dates are to be found
+
+    @property
+    def names(self):
+        return [one.name for one in self.courses or (self.wide,)]
 
 
 def ready(model, inputs, seen, candidates):
     """
-    Inputs with the drivers of all effects, those with search and terms, and why not.
+    Inputs with the drivers of all effects, what is tried, its terms, and why not.
 
-    An effect that is scanned enters as the wide one from which its scan takes it.
+    An effect that is scanned enters as the wide one from which its scan takes it, and
+    all courses of a channel as the channel, whole.
     """
-    effects, failed = {}, {}
+    tried, terms, failed = {}, {}, {}
     for effect in candidates:
         try:
             if effect.prepare:
                 effect = effect.prepare(inputs.columns, seen)
-            wide = effect.scanned_from or effect
+            wide, name = effect.scanned_from or effect, effect.name
+            if effect.dates:
+                wide, name = replace(wide, name=effect.channel), effect.channel
+                if name in tried:
+                    courses = (*tried[name].courses, effect)
+                    tried[name] = replace(tried[name], courses=courses)
+                    continue
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
-            search = effect if effect.scan or effect.dates else None
-            effects[effect.name] = wide, search, terms_of(wide, inputs.columns)
+            courses = (effect,) if effect.dates else ()
+            own = terms_of(wide, inputs.columns)
+            tried[name] = Tried(wide, tuple(own), effect.scan, courses)
+            terms |= own
         except Exception as error:  # whatever an effect does, the others go on
             words = f"{type(error).__name__}: {error}"
             failed[effect.name] = because(Reason.BROKEN, error=words)
-    return inputs, effects, failed
+    return inputs, [*tried.values()], terms, failed
+
+
+def with_changes(found, dated, failed):
+    """The evidence with the channels along those courses whose dates are found."""
+    given, daily = found.places(found.confounders), {}
+    for _, column in dated:
+        daily[column] = Daily.of(found.sums([column]), found.order[column], given)
+    fading = (one.step_that_fades(found.criteria.change_side) for one in daily.values())
+    sloped, changes = max(fading, default=0.0), []
+    for courses, column in dated:
+        of_channel = replace(daily[column], sloped=sloped)
+        for course in courses:
+            effect = course.dates.found(of_channel, found.criteria)
+            if effect is None:
+                failed[course.name] = because(Reason.NO_DATE)
+            else:
+                changes.append((effect, column))
+    return replace(found.along(changes) if changes else found, failed=failed)
 
 
 def terms_of(effect, columns):
@@ -141,7 +171,7 @@ def held(terms):
     )
 
 
-def narrowed(found, search, wide, own, known, inputs):
+def narrowed(found, scan, wide, own, known, inputs):
     """The effect where a scan of what is left shows it, or None."""
     places = {name: inputs[name][found.rows[known]] for name in wide.drivers}
     names, given = list(found.columns), found.places(found.confounders)
@@ -150,7 +180,7 @@ def narrowed(found, search, wide, own, known, inputs):
         tangents = {key: column[known] for key, column in tangents.items()}
     rest = found.rest(found.confounders)[known]
     weeks = calendar_weeks(found.dates[known])
-    return search.scan(rest, tangents, places, weeks, found.criteria)
+    return scan(rest, tangents, places, weeks, found.criteria)
 
 
 def misfits(temperature, record):

@@ -94,6 +94,20 @@ class ClusterSums:
         scale = np.append(self.scale, size)
         return replace(self, sums=sums, scale=scale)
 
+    def along(self, places, weights):
+        """The same with more columns: others, each times a weight of each day."""
+        end, size = self.sums.shape[1] - 1, len(places)
+        both = [*range(end), *places, end]
+        times = np.ones((self.days, len(both)))
+        times[:, end : end + size] = weights
+        sums = self.sums[:, both][:, :, both] * times[:, None] * times[:, :, None]
+        sizes = np.sqrt(np.einsum("dii->i", sums)[end : end + size] / self.rows)
+        sizes[sizes == 0] = 1.0
+        sums[:, end : end + size] /= sizes[:, None]
+        sums[:, :, end : end + size] /= sizes
+        scale = np.append(self.scale, self.scale[places] * sizes)
+        return replace(self, sums=sums, scale=scale)
+
     def about(self, shift):
         """The same of a residual that is less so much of each column."""
         change = np.eye(self.sums.shape[1])
