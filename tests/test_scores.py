@@ -1,5 +1,7 @@
 """Scores in K and in energy, and the delayed sensor."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -46,7 +48,8 @@ def test_energy_error_takes_the_side_of_each_sample():
     assert error.insolation == pytest.approx(2.0)
     assert error.performance_ratio == pytest.approx(0.875)
     arrays = [column.to_numpy() for column in (sun, measured, modelled)]
-    assert scores.energy_error(*arrays, step=60) == error
+    alone = scores.energy_error(*arrays, step=60)
+    assert astuple(alone) == pytest.approx(astuple(error), rel=1e-12)
 
 
 def test_energy_error_leaves_out_what_was_not_measured():
@@ -71,6 +74,7 @@ def test_arrays_need_a_step_and_series_one_index():
 
 MINUTES = pd.date_range("2024-05-01", periods=4, freq="1min")
 SENSOR = pd.Series([20.0, 21.0, 23.0, 22.0], MINUTES)
+ALONE = pd.Series([20.0], pd.DatetimeIndex(["2024-05-01"]))
 
 
 @pytest.mark.parametrize(
@@ -91,7 +95,7 @@ SENSOR = pd.Series([20.0, 21.0, 23.0, 22.0], MINUTES)
         (lambda: scores.delayed_sensor(SENSOR, [30]), "30 s are no whole steps of 60"),
         (lambda: scores.delayed_sensor(SENSOR, [60, 90]), "delays of 90 s are no"),
         (lambda: scores.delayed_sensor(SENSOR[::-1]), "not sorted"),
-        (lambda: scores.delayed_sensor(SENSOR[:1].asfreq(None)), "no whole steps of"),
+        (lambda: scores.delayed_sensor(ALONE), "no whole steps of"),
     ],
 )
 def test_what_is_no_pair_of_temperatures_is_refused(call, message):

@@ -249,7 +249,8 @@ class Evidence:
         coefficients = dict(zip(keys, (step / scale).tolist()))
         stderr = dict(zip(keys, (error / scale).tolist()))
         return Weight(
-            gain=float(np.sign(change) * np.sqrt(abs(change))),
+            # below a µK is rounding, which is not to choose among what is alike
+            gain=round(float(np.sign(change) * np.sqrt(abs(change))), 6),
             p_value=min(1.0, chance * self.effects[name].choices),
             coefficients=coefficients,
             stderr=stderr,

@@ -37,6 +37,7 @@ def by_effect(recovery, table):
     half, rows = recovery.half, [HEAD]
     for name, part in table.groupby("effect", sort=False):
         clear = part[part["multiple"] >= CLEARLY - 1e-9]
+        told = part[part["ratio"].notna()]
         units = {*recovery.units.get(name, {}).values()}
         unit = units.pop() if len(units) == 1 else ""
         row = (
@@ -46,8 +47,8 @@ def by_effect(recovery, table):
             middle(half.loc[name]) if name in half.index else "–",
             counted(clear["found"]),
             counted(clear["first"]),
-            share(part["ratio"].median(), "{:.2f}"),
-            share((part["ratio"] - part["own"] / part["size"]).median(), "{:.2f}"),
+            share(told["ratio"].median(), "{:.2f}"),
+            share((told["ratio"] - told["own"] / told["size"]).median(), "{:.2f}"),
             share(part["covered"].mean(), "{:.0%}"),
             share(part["in_range"].mean(), "{:.0%}"),
         )
