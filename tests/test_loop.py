@@ -661,3 +661,17 @@ def test_a_frost_without_irradiance_is_no_row_that_counts(value):
     loop = fem.close_loop(data, effects=[])
     assert np.isfinite(loop.table.loc[loop.last, "rmse_test"])
     assert np.isfinite(list(loop.fit.coefficients.values())).all()
+
+
+def test_what_later_findings_leave_nothing_of_is_taken_out():
+    """Dirt stands in for a sensor that fades, until that is found."""
+    fading = simulator.PHYSICS | {"sensitivity_drift": 3.0}
+    data = simulator.record(effects=fading, days=730, step=3600, seed=0)
+    names = ["soiling", "sensitivity_drift", "radiative_loss"]
+    loop = fem.close_loop(data[[*COLUMNS, "precipitation"]], effects=names)
+    assert {"+soiling", "- soiling"} < {*loop.table.index}
+    found = {finding.effect: finding for finding in loop.findings}
+    assert found["sensitivity_drift"].added and not found["soiling"].added
+    assert found["soiling"].verdict == "suggestive"
+    assert found["soiling"].failed.name == "distance from nothing"
+    assert not any(name.startswith("soiling") for name in loop.fit.coefficients)

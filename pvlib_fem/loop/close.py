@@ -10,12 +10,12 @@ from pvlib.location import Location
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.courses import same_course
-from pvlib_fem.findings import CORRECTED, Check, Verdict
+from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.loop.budget import budget_of, episodes_of
-from pvlib_fem.loop.confirm import ERRORS, confirmed, distance
+from pvlib_fem.loop.confirm import confirmed, sureness
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.files import in_means, on_days, on_own_steps
@@ -268,21 +268,18 @@ class Search:
 
     def without_idle(self, step):
         """
-        The step without changes of instruments of which nothing is left.
+        The step without findings of which nothing is left.
 
-        What comes later, a step beside a drift, may have taken their place.
+        What comes later, a drift beside dirt, or a step beside a drift, may have taken
+        their place.
         """
-        stderr, least = self.fits.errors(step), self.case.criteria.sure
-        changes = {effect.name for effect in changes_of(step.model)}
-        for finding in [f for f in self.findings if f.effect in changes]:
-            (name,) = finding.coefficients
-            value, error = step.coefficients[name], stderr[name]
-            size = distance(value, error)
-            if size >= least:
+        stderr = self.fits.errors(step)
+        there = {effect.name for effect in step.model.effects}
+        for finding in [f for f in self.findings if f.effect in there]:
+            check, why = sureness(finding, step.coefficients, stderr, self.case)
+            if check.passed:
                 continue
             self.findings.remove(finding)
-            check = Check("distance from nothing", "sure", size, least, unit=ERRORS)
-            why = because(Reason.UNSURE, coefficient=name, value=value, error=error)
             checks = (*finding.checks, check)
             self.vetoed[finding.effect] = replace(
                 finding, verdict=Verdict.SUGGESTIVE, because=why, checks=checks

@@ -42,7 +42,6 @@ def confirmed(finding, case, before, after, stderr):
 
 def refit_checks(finding, case, before, after, stderr):
     """Checks of a refit, each with the reason of its failure."""
-    limits = case.criteria
     rows = case.seen & np.isfinite(before.temperature)
     rows &= case.whole.known(after.model.drivers)
     lost = int(np.isnan(after.temperature[rows]).sum())
@@ -56,19 +55,23 @@ def refit_checks(finding, case, before, after, stderr):
         Check("coefficients at a bound", "", len(bound), 0, most=True),
         because(Reason.AT_BOUND, coefficient=", ".join(bound)),
     )
-    values = after.coefficients
-    sure = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
-    name = max(sure, key=sure.get)
-    size = sure[name]
-    yield (
-        Check("distance from nothing", "sure", size, limits.sure, unit=ERRORS),
+    yield sureness(finding, after.coefficients, stderr, case)
+    check, rise = choosing_check(case, before, after)
+    errors = check.statistic
+    yield check, because(Reason.CONTRADICTED, rise=rise, errors=errors)
+
+
+def sureness(finding, values, stderr, case):
+    """The check that its surest coefficient is not nothing, and why it fails."""
+    sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
+    name = max(sizes, key=sizes.get)
+    size, least = sizes[name], case.criteria.sure
+    return (
+        Check("distance from nothing", "sure", size, least, unit=ERRORS),
         because(
             Reason.UNSURE, coefficient=name, value=values[name], error=stderr[name]
         ),
     )
-    check, rise = choosing_check(case, before, after)
-    errors = check.statistic
-    yield check, because(Reason.CONTRADICTED, rise=rise, errors=errors)
 
 
 def distance(value, error):
