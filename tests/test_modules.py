@@ -79,7 +79,7 @@ def test_what_all_have_in_common_is_a_record_for_the_loop(plant):
     gap = comparison.common["temp_module"] - before
     assert gap.abs().max() < 0.25  # a step of 12 % of 40 K, taken out of one of four
     words = str(comparison)
-    assert "temp_module_2 alone reads 1" in words and "% less over the air" in words
+    assert "temp_module_2 alone: 1" in words and "% less over the air" in words
     assert "are common to all" in words
     with pytest.raises(
         ValueError, match=r"Of 4 module sensors give one as temp_module"
@@ -101,7 +101,11 @@ def test_copies_and_failed_sensors_are_said_and_not_used(plant):
         temp_module_5=20.0,
         temp_module_6=plant["temp_module_1"].where(plant.index < "2023-07-01"),
     )
+    data.insert(3, "temp_module", "off")  # the first, too
     found = fem.compare_modules(data).table
+    words = found["note"].iloc[0]
+    assert "temp_module holds 'off'" in words and not found["used"].iloc[0]
+    found = found.iloc[1:]
     assert found["used"].to_list() == [True] * 4 + [False] * 3
     copy, still, gone = found["note"].iloc[4:]
     assert copy == "temp_module_4 is a copy of temp_module_0"

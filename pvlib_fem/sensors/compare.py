@@ -93,12 +93,12 @@ def compare_modules(
         )
     usual = (found["poa_global"], found["temp_air"], found["wind_speed"])
     sensors, notes = clean(usual, {n: found[n] for n in names}, criteria)
-    record = as_record(*usual, found[names[0]])
     off = {name for name, why in notes.items() if name not in sensors or why[0]}
     good = [name for name in names if name not in off]
     if len(good) < FEWEST:
         why = "; ".join(f"{n}: {notes[n][1]}" for n in names if n in off)
         raise ValueError(f"fewer than {FEWEST} module sensors can be used: {why}")
+    record = as_record(*usual, found[good[0]])
     steps, level = steps_of(record, sensors, good, criteria)
     fits = {}
     for name in good:

@@ -75,8 +75,8 @@ def lines(comparison):
             way = "more" if row.change > 0 else "less"
             size = f"{abs(100 * row.change):.1f} ± {100 * row.stderr:.2g} %"
             yield (
-                f"{row.Index} alone reads {size} {way} over the air from {row.step} "
-                "on: this sensor, or its module"
+                f"{row.Index} alone: {size} {way} over the air from {row.step} on, "
+                "the sensor or its module"
             )
         elif row.used and row.own > row.common:
             yield (
@@ -85,8 +85,8 @@ def lines(comparison):
     left, common = used["left"].median(), used["common"].median()
     if np.isfinite(common):
         yield (
-            f"of {left:.2f} K that a fit leaves (median) {common:.2f} K are common to "
-            "all: weather station, plant or what the model lacks, for the loop to tell"
+            f"{common:.2f} K of {left:.2f} K that a fit leaves (median) are common to "
+            "all: weather station, plant or model"
         )
     for row in table.itertuples():
         if row.note:
