@@ -8,8 +8,11 @@ from pvlib_fem.plotting.look import check_format
 from pvlib_fem.stored import replacing
 
 #: option: what it writes, and the endings of its file
-ENDINGS = {"report": ("a page", (".html", ".htm")), "out": ("JSON", (".json",))}
-ENDINGS["common"] = ("a table", (".csv",))
+ENDINGS = {
+    "report": ("a page", (".html", ".htm")),
+    "out": ("JSON", (".json",)),
+    "common": ("a table", (".csv",)),
+}
 
 
 def check_outputs(read=(), **written):
