@@ -14,7 +14,13 @@ from test_effects import coefficients, model_with
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.effects import CHANGES, CHANNELS, find
-from pvlib_fem.effects.courses import find_episode, find_step, number, same_date
+from pvlib_fem.effects.courses import (
+    find_episode,
+    find_step,
+    number,
+    same_date,
+    weights_of,
+)
 from pvlib_fem.loop.close import searched
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.changes import Daily, chance_of_step
@@ -71,6 +77,10 @@ def with_change(data, *names, seed=0, noise=0.4, **sizes):
     for name, effect in zip(names, effects):
         (key,) = effect.rows()
         values[key] = sizes.get(name, size(name))
+        if effect.channel == "wind_gain":  # so much less is read of the same wind
+            days = (data.index.normalize() - pd.Timestamp(0)).days
+            less = 1.0 + values[key] * weights_of(effect, days) / values["u1"]
+            data = data.assign(wind_speed=data["wind_speed"] / less)
     module = model.predict(*(data[n] for n in DRIVERS), values)
     random = np.random.default_rng(seed).normal(0.0, noise, len(data))
     rest = pd.Series(random, data.index).ewm(halflife=4).mean() * 2.0

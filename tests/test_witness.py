@@ -150,10 +150,10 @@ def under_clouds(fading=0.0, tilt=20.0, late=0, seed=0):
     return pd.Series(np.roll(values, late), index)
 
 
-def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0):
+def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0, searched=None, **more):
     """All comparisons of a record with that irradiance and that wind."""
     dates = (poa.index.normalize() - pd.Timestamp(0)).days.to_numpy()
-    columns = {"poa_global": poa.to_numpy(), "wind_speed": wind}
+    columns = {"poa_global": poa.to_numpy(), "wind_speed": wind, **more}
     places = dict(
         zip(("location", "surface_tilt", "surface_azimuth"), (place, *angles))
     )
@@ -163,8 +163,9 @@ def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0):
 
     record = Record(columns)
     record.dates = dates
-    case = SimpleNamespace(record=record, witnesses=(), place=places, late=late)
-    case.searched = np.ones(len(poa), dtype=bool)
+    others = tuple(name for name in more if not name.startswith("temp"))
+    case = SimpleNamespace(record=record, witnesses=others, place=places, late=late)
+    case.searched = np.ones(len(poa), dtype=bool) if searched is None else searched
     return {one.column: one for one in apart(case)}
 
 
@@ -185,6 +186,24 @@ def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
     assert opinion is (Opinion.AGREES if fading else Opinion.CONTRADICTS)
     if not fading:
         assert found.of(wanted, 0.03, 0.001, {}).opinion is Opinion.CANNOT_TELL
+
+
+def test_what_needs_no_module_is_compared_on_all_weeks():
+    """Its temperature on the weeks of the test is for the test alone."""
+    poa = under_clouds()
+    wind = np.random.default_rng(1).uniform(1.0, 4.0, len(poa))
+    searched = np.arange(len(poa)) // (24 * 7) % 5 != 4
+    more = {"poa_global_2": poa.to_numpy(), "power_ac": 5.0 * poa.to_numpy()}
+    more["temp_module"] = np.where(searched, 25.0 + 0.03 * poa, np.nan)
+    known = asked(poa, wind, searched=searched, **more)
+    more["temp_module"] = 25.0 + 0.03 * poa.to_numpy()
+    found = asked(poa, wind, searched=searched, **more)
+    out = np.unique(np.flatnonzero(~searched) // 24) + found[USUAL_WIND].days[0]
+    for name in (SKY, USUAL_WIND, "poa_global_2"):
+        assert np.isin(out, found[name].days).mean() > 0.1  # clear days are few
+    assert not np.isin(out, found["power_ac"].days).any()
+    for name, one in found.items():
+        np.testing.assert_array_equal(one.apart, known[name].apart)
 
 
 def test_without_a_place_no_clear_sky_is_asked():

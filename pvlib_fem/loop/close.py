@@ -63,8 +63,8 @@ def close_loop(
     its gain is material, no accident among all that are tried, of a possible size,
     and not better explained by structure of unknown cause. Confounders alone come
     after, as classes. A proposal is fitted with all others, and kept unless the
-    *choosing* weeks contradict it. The *test* weeks, which no decision sees, give
-    the errors that are told.
+    *choosing* weeks contradict it. The *test* weeks, of which no decision sees the
+    module's temperature, give the errors that are told.
 
     Parameters
     ----------

@@ -50,6 +50,7 @@ class Comparison:
     ages: bool = False  # whether it fades by itself
     wanders: float = 0.0  # by how much it differs from year to year by itself
     fewest: int = FEWEST_DAYS
+    module: bool = False  # whether the module's temperature is in it
 
 
 def always(record):
@@ -128,7 +129,7 @@ SHELTER = {"air_shelter": lambda change, _: -change}
 CONTACT = {"contact": lambda change, _: -np.log1p(change)}
 
 COMPARISONS = (
-    Comparison(is_power, bright, power, logs, LIGHT, ages=True),
+    Comparison(is_power, bright, power, logs, LIGHT, ages=True, module=True),
     Comparison(
         called(SKY),
         bright,
@@ -150,12 +151,12 @@ COMPARISONS = (
     Comparison(twin("wind_speed"), windy, beside("wind_speed"), logs, WIND),
     Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, "K"),
     Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, "K"),
-    Comparison(twin("temp_module"), bright, over, logs, CONTACT),
+    Comparison(twin("temp_module"), bright, over, logs, CONTACT, module=True),
 )
 
 
 #: whether the plant fed, which is no change of an instrument
-OUTAGE = Comparison(is_power, bright, power, shares, {})
+OUTAGE = Comparison(is_power, bright, power, shares, {}, module=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +304,9 @@ def compared(comparison, case, name, values, near=None):
     """One comparison, on days that are ``near`` the others, or None."""
     record = case.record
     one, other = comparison.parts(record, values)
-    kept = case.searched & comparison.rows(record) & np.isfinite(one + other)
+    kept = comparison.rows(record) & np.isfinite(one + other)
+    if comparison.module:  # whose other weeks are for choosing and for the test
+        kept &= case.searched
     days, place = np.unique(record.dates[kept], return_inverse=True)
     if len(days) < comparison.fewest:
         return None
