@@ -1,6 +1,7 @@
 """Faults of sensors and loggers are found, and none where there is none."""
 
 import dataclasses
+import inspect
 import re
 
 import numpy as np
@@ -187,10 +188,10 @@ def test_a_polar_night_is_no_stuck_pyranometer():
 
 
 def test_every_limit_says_what_it_is_and_its_unit():
-    text = Limits.__doc__.split("Attributes")[1]
+    text = inspect.getdoc(Limits).split("Attributes")[1]
     for field in dataclasses.fields(Limits):
-        assert re.search(rf"^    .*\b{field.name}\b.* : (float|int)$", text, re.M)
-    for entry in re.split(r"\n    \w.* : (?:float|int)\n", text)[1:]:
+        assert re.search(rf"^.*\b{field.name}\b.* : (float|int)$", text, re.M)
+    for entry in re.split(r"\n\w.* : (?:float|int)\n", text)[1:]:
         unit = r"\[(-|s|K|K/s|K m²/W|°C|m/s|%|days|W/m²)\]$"
         assert re.search(unit, entry.rstrip()), entry
 

@@ -1,5 +1,6 @@
 """The loop finds what was hidden, and says what it cannot know."""
 
+import inspect
 import json
 import os
 import re
@@ -511,9 +512,9 @@ def test_every_finding_keeps_the_rules_it_was_asked(two):
 def test_a_criterion_is_a_number_above_nothing_and_is_documented():
     with pytest.raises(ValueError, match="chance = 0 must be more than 0"):
         fem.Criteria(chance=0)
-    documented = fem.Criteria.__doc__
+    documented = inspect.getdoc(fem.Criteria)
     for field in fields(fem.Criteria):
-        row = rf"^    (\w+, )*{field.name}(, \w+)* : "
+        row = rf"^(\w+, )*{field.name}(, \w+)* : "
         assert re.search(row, documented, re.M), field.name
         if field.name != "limits":
             assert fem.Criteria.stages()[field.name] in STAGES

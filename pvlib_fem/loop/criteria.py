@@ -1,5 +1,6 @@
 """Every threshold by which the loop decides, in one place."""
 
+import inspect
 import re
 from dataclasses import dataclass, field
 
@@ -279,8 +280,8 @@ class Criteria:
     @classmethod
     def stages(cls) -> dict[str, str]:
         """Name of each criterion to the stage that uses it, from the text above."""
-        text = cls.__doc__ or ""
-        rows = re.findall(r"^    ([\w, ]+) : .*\n +\*(\w+)\.\*", text, re.M)
+        text = inspect.cleandoc(cls.__doc__ or "")  # indented before Python 3.13
+        rows = re.findall(r"^([\w, ]+) : .*\n +\*(\w+)\.\*", text, re.M)
         return {name: stage for names, stage in rows for name in names.split(", ")}
 
     def __post_init__(self):

@@ -126,9 +126,9 @@ def last_time(table):
 
 
 def refuse_disorder(table, name):
-    steps = np.diff(instants(table.index))
-    if (steps <= np.timedelta64(0)).any():
-        at = 1 + int(np.argmax(steps <= np.timedelta64(0)))
+    back = np.diff(instants(table.index)) <= np.timedelta64(0, "s")
+    if back.any():
+        at = 1 + int(np.argmax(back))
         raise ValueError(
             f"the times of {name} go from {table.index[at - 1]} to {table.index[at]}; "
             "to join files they have to rise: give --sort, --drop-doubled, or --tz "

@@ -114,7 +114,8 @@ def of_days(residual, seconds, dates, folds, step, criteria):
         # what the weekend says as well is the weekend's
         if every != WEEK or days.gain(2, weekend.astype(int)) < enough:
             start = np.datetime64(int(dates[0]), "D")
-            labels = tuple((str(start + i),) * 2 for i in range(every))
+            names = (str(start + np.timedelta64(i, "D")) for i in range(every))
+            labels = tuple((name, name) for name in names)
             yield Days("timetable_days", day % every, labels, period=every * DAY)
         table = days.without(every)
 
