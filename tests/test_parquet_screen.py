@@ -116,6 +116,15 @@ def test_each_kind_is_found_across_blocks(record, tmp_path, name):
     assert name.split(",")[0] in {one.kind for one in found.found}
 
 
+@pytest.mark.parametrize("column", ["poa_global", "temp_air", "temp_module"])
+def test_the_end_of_a_range_is_found_across_blocks(tmp_path, column):
+    data = fem.datasets.synthetic(days=20, step=600)[list(COLUMNS)].round(3)
+    data = data.assign(relative_humidity=60 + 9 * np.sin(np.arange(len(data))), fan=40)
+    data[column] = data[column].clip(upper=data[column].quantile(0.93))
+    found = both(spoiled(data, [(-999.0, 4, 100, 9), ("still", 2, 700, 60)]), tmp_path)
+    assert (column, "end of range") in {(one.column, one.kind) for one in found.found}
+
+
 @pytest.mark.parametrize(
     ("first", "last"), [("06-05", "06-15"), ("06-01", "06-04"), ("06-05", "06-08")]
 )

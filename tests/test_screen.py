@@ -2,6 +2,7 @@
 
 import numpy as np
 import pandas as pd
+import pvlib
 import pytest
 from conftest import COLUMNS
 from hypothesis import given, settings, strategies as st
@@ -364,6 +365,67 @@ def test_masks_join_with_those_of_others(record):
     assert data.mask(mask | other)["temp_module"].isna().sum() == 2
 
 
+# the end of a sensor's range
+
+
+def test_light_at_the_end_of_its_range_is_left_out_with_what_is_remembered(record):
+    """A logger that ends at 700 W/m², which the module is warmer than after."""
+    data = record.assign(poa_global=record["poa_global"].clip(upper=700.0))
+    found = fem.screen(data)
+    ((column, kind, rows),) = kinds(found)
+    assert (column, kind) == ("poa_global", "end of range")
+    at = data["poa_global"] == 700.0
+    after = at.astype(float).rolling(4, min_periods=1).max() > 0  # half an hour
+    assert rows == after.sum() > at.sum()
+    assert found.cleaned["poa_global"].isna().equals(after)
+    assert found.cleaned["poa_global"].max() < 700.0
+    assert found.notes[0].startswith("poa_global stays at 700, the end of its range")
+    before = fem.screen(record)
+    assert before.counts.empty
+
+
+@pytest.mark.parametrize(
+    ("column", "low", "high"),
+    [
+        ("temp_module", None, 40.0),
+        ("temp_module", 15.0, None),
+        ("temp_air", None, 19.0),
+    ],
+)
+def test_a_thermometer_may_end_on_either_side(record, column, low, high):
+    data = record.assign(**{column: record[column].clip(low, high)})
+    found = fem.screen(data)
+    assert [one[:2] for one in kinds(found)] == [(column, "end of range")]
+    at = data[column] == (high if low is None else low)
+    left = found.cleaned[column].isna()
+    assert (left[at]).all()
+    assert left.equals(at) if column == "temp_module" else left.sum() > at.sum()
+
+
+@pytest.mark.parametrize("places", [None, 1, 0])
+@pytest.mark.parametrize("days", [4, 30])
+def test_what_is_measured_has_no_such_end(places, days):
+    """However coarse, and in a few days in which the most may come twice."""
+    data = simulator.record(effects=PHYSICS, days=days, step=300, seed=3)
+    data.attrs = {}
+    data = data if places is None else data.round(places)
+    assert "end of range" not in {*fem.screen(data).counts["kind"]}
+    few = data[data.index < data.index[0] + pd.Timedelta("4D")]
+    few = few.assign(poa_global=few["poa_global"].clip(upper=100.0))
+    assert "end of range" not in {*fem.screen(few).counts["kind"]}  # too few days
+
+
+def test_light_at_the_end_of_its_range_is_no_shade():
+    """What is hotter than modelled, by day and where the sun is high."""
+    data = simulator.record(effects=PHYSICS, days=365, step=600, seed=101)
+    data["poa_global"] = data["poa_global"].clip(upper=750.0)
+    location = pvlib.location.Location(RHINE.latitude, RHINE.longitude, RHINE.tz)
+    angles = RHINE.surface_tilt, RHINE.surface_azimuth
+    loop = fem.close_loop(data, "faiman", location, *angles)
+    assert not [f for f in loop.findings if f.verdict == "named"]
+    assert any("poa_global stays at 750" in note for note in loop.notes)
+
+
 def test_the_frame_keeps_its_form(record):
     data = with_values(record, "temp_air", [7], -999.0)
     data["temp_air"] = data["temp_air"].astype("Float64")
@@ -375,7 +437,8 @@ def test_the_frame_keeps_its_form(record):
     assert list(found.cleaned) == list(data) == list(found.mask)
     assert found.cleaned.index.equals(data.index)
     assert set(found.masks) == {
-        *("fill value", "out of range", "negative by day", "spike", "stuck")
+        *("fill value", "out of range", "negative by day", "spike"),
+        *("end of range", "stuck"),
     }
     with pytest.raises(ValueError, match="temp_air is there twice"):
         fem.screen(pd.concat([data, data[["temp_air"]]], axis=1))

@@ -88,6 +88,13 @@ class Limits:
     spike_air_rate, spike_module_rate : float
         *spike.* Fastest change beyond that: a front moves air by 20 K in ten minutes,
         and 1000 W/m² a light module of 7 kJ/(m² K) by 0.15 K each second. [K/s]
+    end_rows, end_days : int
+        *end of range.* Rows at the most, or the least, that a column reads, and days
+        with such rows, from which its sensor's range may end there: what is measured
+        is at its very most once. [-]
+    end_near : float
+        *end of range.* Part of its span next to that value in which a column has to be
+        less often than at it. [-]
     still_rows : int
         *stuck.* Rows of one value, up to which it is an accident. [-]
     still_time : float
@@ -259,6 +266,10 @@ class Limits:
     spike_air_most: float = 25.0
     spike_air_rate: float = 0.035
     spike_module_rate: float = 0.15
+
+    end_rows: int = 20
+    end_days: int = 5
+    end_near: float = 0.03
 
     still_rows: int = 5
     still_time: float = 1800.0

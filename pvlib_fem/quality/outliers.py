@@ -157,6 +157,53 @@ def spikes(name, values, inputs, limits):
     return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)
 
 
+#: ends of a column at which its sensor, or a logger, may stop: most, and least. Light
+#: and wind have their least of themselves
+ENDS = {
+    "poa_global": (1.0,),
+    "wind_speed": (1.0,),
+    "temp_air": (1.0, -1.0),
+    "temp_module": (1.0, -1.0),
+}
+
+
+def range_ends(name, values, dates, limits):
+    """
+    Values beyond which a column does not go, since its sensor's range ends there.
+
+    There it stays, on several days, and is more often at that one value than anywhere
+    near it. What is measured has a tail instead.
+    """
+    found = []
+    for way in ENDS.get(name, ()):
+        size = way * values
+        most = np.fmax.reduce(size)
+        at = size == most
+        rows = np.count_nonzero(at)
+        if rows < limits.end_rows or len(np.unique(dates[at])) < limits.end_days:
+            continue
+        near = limits.end_near * (most - np.fmin.reduce(size))
+        if few(values[np.isfinite(values)], limits) or not near > 0:
+            continue
+        if rows > np.count_nonzero(size >= most - near) - rows:
+            found.append(float(way * most))
+    return found
+
+
+def at_end(name, values, seconds, ends, limits, since=-np.inf):
+    """
+    Rows of values at such ends, and rows that the module remembers them in.
+
+    What light, air and wind were while they stayed is not known, and the module still
+    has it when they are back. ``since`` is when they were last there before. [s]
+    """
+    rows = np.isin(values, ends)
+    if name == "temp_module" or not ends:
+        return rows
+    last = np.maximum.accumulate(np.where(rows, seconds, since))
+    return seconds - last <= limits.still_time
+
+
 def most_air(time, limits):
     """Change of air there and back within a time that may be."""
     fast = limits.spike_air + limits.spike_air_rate * time / 2.0

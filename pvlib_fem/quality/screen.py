@@ -7,9 +7,11 @@ import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
 from pvlib_fem.quality.outliers import (
+    at_end,
     fill_values,
     negative_by_day,
     out_of_range,
+    range_ends,
     spikes,
 )
 from pvlib_fem.quality.stray import refuse_stray
@@ -30,6 +32,7 @@ KINDS = {
     "negative by day": "is negative by day, as {value:.4g},",
     "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
     "spike": "jumps and returns faster than it can, as to {value:.5g},",
+    "end of range": "stays at {value:.5g}, the end of its range, or did just before,",
     "stuck": "stands still at {value:g}",
 }
 
@@ -194,6 +197,13 @@ RULES = {
     "spike": lambda name, record, limits: spikes(
         name, record[name], record.inputs, limits
     ),
+    "end of range": lambda name, record, limits: at_end(
+        name,
+        record[name],
+        record.inputs.seconds,
+        range_ends(name, record[name], record.dates, limits),
+        limits,
+    ),
 }
 #: those that take no column in another unit
 LATER = tuple(kind for kind in RULES if kind != "fill value")
@@ -218,7 +228,7 @@ def refuse_impossible(found, limits):
     """Refuse a record of which too much cannot be, or is negative by day."""
     for name in POSSIBLE:
         values, fills = found.record[name], found.masks.get("fill value", {})
-        rows = found.of(name, ("fill value", "spike"))
+        rows = found.of(name, ("fill value", "spike", "end of range"))
         if not rows.any():
             continue
         share = rows.sum() / max(np.isfinite(values).sum(), 1)
@@ -247,8 +257,9 @@ class Screening:
     ----------
     masks : dict of DataFrame
         By kind (``"fill value"``, ``"out of range"``, ``"negative by day"``,
-        ``"spike"``, ``"stuck"``): booleans in the form of the data, True where a
-        value is at fault. They join with those of pvanalytics by ``&`` and ``|``.
+        ``"spike"``, ``"end of range"``, ``"stuck"``): booleans in the form of the
+        data, True where a value is at fault. They join with those of pvanalytics by
+        ``&`` and ``|``.
     counts : DataFrame
         A row for each column and kind that was found: ``column``, ``kind``, ``rows``,
         ``first`` (its time) and ``value`` (there).
@@ -314,8 +325,10 @@ def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     all else; and values that repeat at ten times all else. *Out of range* is what no
     sensor can have measured. *Negative by day* is irradiance below 0 at a time of day
     that is light on the days around. *Spikes* are changes there and back that the heat
-    capacity of module or air forbids. *Stuck* are values that repeat while what moves
-    them moves, which takes all four columns. What this finds wrongly is in
+    capacity of module or air forbids. *End of range* is where a sensor or its logger
+    stops, and stays, on several days; of light, air and wind the half hour after it is
+    left out, too, which a module remembers. *Stuck* are values that repeat while what
+    moves them moves, which takes all four columns. What this finds wrongly is in
     :doc:`/quality`.
 
     Examples

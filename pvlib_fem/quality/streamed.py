@@ -8,11 +8,12 @@ import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
 from pvlib_fem.quality.look import Look
-from pvlib_fem.quality.outliers import apart, is_light, slots
+from pvlib_fem.quality.outliers import apart, at_end, is_light, range_ends, slots
 from pvlib_fem.quality.screen import KINDS, empty_error, refuse_share, sentence
 from pvlib_fem.quality.standing import Calm, frozen
 from pvlib_fem.quality.stuck import frozen_error, standing_line
 from pvlib_fem.quality.units import doubtful, oddities, refuse_doubtful, refuse_units
+from pvlib_fem.record.checks import dates_of
 from pvlib_fem.record.clean import CleanRecord, size, spans, united
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 
@@ -111,6 +112,7 @@ class Screening:
                 lone = one.beyond(self.clean, sample[name], limits.lone, 1)
                 self.note("spike", name, *lone)
         self.refuse_impossible()
+        self.ends(doubts)
         self.clean = self.clean.clipped()
         self.standing()
         sample = self.look.sampled(self.clean)
@@ -224,6 +226,27 @@ class Screening:
         usual = pd.Series(mean, days).unstack()  # noqa: PD010  of an index
         light = is_light(usual, *days, self.limits)
         return set(keys[light].tolist()) & negative
+
+    def ends(self, doubts):
+        """Take out what is at the end of a sensor's range."""
+        sample, again = self.look.sampled(self.clean), False
+        dates = dates_of(sample.index)
+        for name, _ in self.ruled(doubts):
+            ends = range_ends(name, sample[name], dates, self.limits)
+            parts, since = [], -np.inf  # when it was there last
+            for block in self.clean.blocks((name,)) if ends else ():
+                values, since_first = block[name], block.times - self.look.ends[0]
+                seconds = since_first * self.look.unit
+                given = name, values, seconds, ends, self.limits, since
+                rows = np.flatnonzero(at_end(*given))
+                parts.append((rows + block.start, block.times[rows], values[rows]))
+                there = np.isin(values, ends)
+                since = max(since, seconds[there].max(initial=since))
+            if parts:
+                self.note("end of range", name, *map(np.concatenate, zip(*parts)))
+                again = True
+        if again:
+            self.look_again()
 
     def refuse_impossible(self):
         """Refuse a record of which too much cannot be, or is negative by day."""
