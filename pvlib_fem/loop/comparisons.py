@@ -255,9 +255,10 @@ class Apart:
         own = float(np.linalg.norm([error, SLACK * expected, aged / SURE]))
         ends = (coefficient * (size + aged + side * own) / expected for side in SIDES)
         low, high = sorted(ends)
-        doubt = float(np.hypot(own, expected * stderr / coefficient))
+        error_or_age = np.hypot(error, aged / SURE)
+        doubt = expected * np.hypot(SLACK, stderr / coefficient)
         expected = float(expected - aged)
-        opinion = opinion_of(size, expected, doubt)
+        opinion = opinion_of(size, expected, error_or_age, doubt)
         unit = self.comparison.unit + ("/year" if is_drift(effect) else "")
         said = (size, error, expected, opinion, unit, float(low), float(high))
         return Witness(self.column, effect.name, *said)
@@ -268,12 +269,18 @@ def remembered(means):
     return float(np.corrcoef(means[1:], means[:-1])[0, 1])
 
 
-def opinion_of(size, expected, doubt):
-    """Whether a size is what is expected, or nearer to nothing, as far as is sure."""
-    share, doubt = size / expected, SURE * doubt / abs(expected)
-    if share - doubt > HALF:
+def opinion_of(size, expected, error, doubt=0.0):
+    """
+    Whether a size is what is expected, or nearer to nothing, as far as is sure.
+
+    ``error`` is that of the size, ``doubt`` that of what is expected, of which half
+    parts the two.
+    """
+    beyond = (size - HALF * expected) / expected
+    sure = SURE * np.hypot(error, HALF * doubt) / abs(expected)
+    if beyond > sure:
         return Opinion.AGREES
-    return Opinion.CONTRADICTS if share + doubt < HALF else Opinion.CANNOT_TELL
+    return Opinion.CONTRADICTS if beyond < -sure else Opinion.CANNOT_TELL
 
 
 def heard_of(case):

@@ -14,6 +14,7 @@ from pvlib_fem.effects.instruments import OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
     FEWEST_MONTHS,
+    HALF,
     MONTH,
     OUTAGE,
     SLACK,
@@ -125,9 +126,9 @@ def nights(found, names, dark, given):
         scale = sums.scale[kept[-2:]]
         size, expected = sums.solve(kept)[-2:] / scale
         covariance = sums.covariance(kept)[-2:, -2:] / np.outer(scale, scale)
-        ways = np.array([1.0, -1.0])
-        doubt = np.hypot(np.sqrt(ways @ covariance @ ways), SLACK * expected)
-        opinion = opinion_of(size, expected, doubt)
+        ways = np.array([1.0, -HALF])
+        apart = np.sqrt(ways @ covariance @ ways)
+        opinion = opinion_of(size, expected, apart, SLACK * expected)
         size, error = float(size), float(np.sqrt(covariance[0, 0]))
         # the same residual, whose error knows no more of other models
         said = (size, error, float(expected), opinion, row.unit)
