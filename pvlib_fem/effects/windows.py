@@ -14,6 +14,7 @@ import numpy as np
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
 STARTS = 5  # of those
+ALIKE = 1e-9  # of a gain, by which no other is larger
 TURNS = 20  # of edges in azimuth and in elevation, until neither moves
 
 
@@ -54,7 +55,7 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
     weigh = partial(gain_of, sign=sign, most=criteria.window_most)
     for _ in range(criteria.most_windows):
         steps = [sky.step(mask, cut, weigh) for cut in (False, True)]
-        new, its = max(steps, key=lambda step: step[1])
+        new, its = steps[largest([gain for _, gain in steps])]
         if its - gain < floor:
             break
         # the cells of the step as a column, beside those that are there already
@@ -122,7 +123,7 @@ class Sky:
         found = [climb(total, there, weigh, start, ends) for start in starts]
         if not found:
             return mask, 0.0
-        (low, high, start, end), gain = max(found, key=lambda one: one[1])
+        (low, high, start, end), gain = found[largest([gain for _, gain in found])]
         new = mask.copy()
         new[low:high, start:end] = not cut
         return new, gain
@@ -199,8 +200,8 @@ def climb(total, there, weigh, window, ends):
         else:
             strip = total[:, first : last + 1, end] - total[:, first : last + 1, start]
         gains = of_pairs(strip, there, weigh)
-        best = np.unravel_index(np.argmax(gains), gains.shape)
-        stays = 0 if gains[best] > gain * (1.0 + 1e-9) else stays + 1
+        best = np.unravel_index(largest(gains), gains.shape)
+        stays = 0 if gains[best] > gain * (1.0 + ALIKE) else stays + 1
         if stays == 2:
             break
         if not stays:
@@ -208,6 +209,18 @@ def climb(total, there, weigh, window, ends):
             pair = tuple(first + int(edge) for edge in best)
             window = (low, high, *pair) if turn % 2 else (*pair, start, end)
     return window, gain
+
+
+def largest(gains):
+    """
+    Place of the first gain that is as large as any but for rounding.
+
+    An edge may stand anywhere in a part of the sky where no sun was, and the last bits
+    of a sum are not to say where: a climb goes on from there.
+    """
+    gains = np.ravel(gains)
+    most = gains.max()
+    return int(np.argmax(gains >= most - ALIKE * abs(most)))
 
 
 def of_pairs(strip, there, weigh):
