@@ -9,7 +9,7 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects.catalogue.shading import within_any
-from pvlib_fem.effects.windows import find_windows, orthonormal
+from pvlib_fem.effects.windows import find_windows, largest, orthonormal
 from pvlib_fem.loop.criteria import Criteria
 
 #: obstacles with edges anywhere, what is left of the beam, and where the module is
@@ -126,3 +126,12 @@ def test_cells_and_windows_are_as_many_as_the_criteria_say():
     coarse = Criteria(window_azimuth=10.0, window_elevation=5.0)
     for window in scene.find(rest, criteria=coarse)[1]:
         assert all(edge % 5.0 == 0.0 for edge in window)
+
+
+def test_rounding_does_not_say_where_an_edge_stands():
+    """Edges in a part of the sky without sun gain the same but for the last bits."""
+    gains = np.array([[0.0, 2.0, 3.0], [3.0, 1.0, 3.0]])
+    for noise in (0.0, 1e-13, -1e-13):
+        assert largest(gains * (1.0 + noise * np.arange(6).reshape(2, 3))) == 2
+    assert largest(gains * [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0 + 1e-6]]) == 5
+    assert largest([-2.0, -1.0, -1.0]) == 1 and largest([0.0, 0.0]) == 0
