@@ -409,6 +409,9 @@ def test_what_is_measured_has_no_such_end(places, days):
     data = simulator.record(effects=PHYSICS, days=days, step=300, seed=3)
     data.attrs = {}
     data = data if places is None else data.round(places)
+    if places == 0:  # steps of 2 K, and of half a m/s
+        data = data.assign(temp_module=2.0 * (data["temp_module"] / 2.0).round())
+        data["wind_speed"] = (2.0 * data["wind_speed"]).round() / 2.0
     assert "end of range" not in {*fem.screen(data).counts["kind"]}
     few = data[data.index < data.index[0] + pd.Timedelta("4D")]
     few = few.assign(poa_global=few["poa_global"].clip(upper=100.0))

@@ -182,10 +182,12 @@ def range_ends(name, values, dates, limits):
         rows = np.count_nonzero(at)
         if rows < limits.end_rows or len(np.unique(dates[at])) < limits.end_days:
             continue
-        near = limits.end_near * (most - np.fmin.reduce(size))
-        if few(values[np.isfinite(values)], limits) or not near > 0:
+        below = size[size < most]
+        if few(values[np.isfinite(values)], limits) or not len(below):
             continue
-        if rows > np.count_nonzero(size >= most - near) - rows:
+        # a coarse sensor has its next value further away
+        near = min(most - limits.end_near * (most - below.min()), below.max())
+        if rows > np.count_nonzero(below >= near):
             found.append(float(way * most))
     return found
 
