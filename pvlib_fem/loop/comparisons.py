@@ -252,10 +252,10 @@ class Apart:
         if expected == 0.0:
             return None
         aged = FADES if self.comparison.ages and is_drift(effect) else 0.0
-        own = float(np.linalg.norm([error, SLACK * expected, aged / SURE]))
+        error_or_age = np.hypot(error, aged / SURE)
+        own = np.hypot(error_or_age, SLACK * expected)
         ends = (coefficient * (size + aged + side * own) / expected for side in SIDES)
         low, high = sorted(ends)
-        error_or_age = np.hypot(error, aged / SURE)
         doubt = expected * np.hypot(SLACK, stderr / coefficient)
         expected = float(expected - aged)
         opinion = opinion_of(size, expected, error_or_age, doubt)

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.quality.limits import possible
+from pvlib_fem.record.checks import dates_of
 
 #: what loggers and files write for "no value", and the ends of whole numbers of 16 bits
 CODES = np.array(
@@ -167,7 +168,7 @@ ENDS = {
 }
 
 
-def range_ends(name, values, dates, limits):
+def range_ends(name, values, index, limits):
     """
     Values beyond which a column does not go, since its sensor's range ends there.
 
@@ -180,7 +181,9 @@ def range_ends(name, values, dates, limits):
         most = np.fmax.reduce(size)
         at = size == most
         rows = np.count_nonzero(at)
-        if rows < limits.end_rows or len(np.unique(dates[at])) < limits.end_days:
+        if rows < limits.end_rows:
+            continue
+        if len(np.unique(dates_of(index[at]))) < limits.end_days:
             continue
         below = size[size < most]
         if few(values[np.isfinite(values)], limits) or not len(below):

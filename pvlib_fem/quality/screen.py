@@ -201,7 +201,7 @@ RULES = {
         name,
         record[name],
         record.inputs.seconds,
-        range_ends(name, record[name], record.dates, limits),
+        range_ends(name, record[name], record.index, limits),
         limits,
     ),
 }

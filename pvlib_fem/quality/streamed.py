@@ -13,7 +13,6 @@ from pvlib_fem.quality.screen import KINDS, empty_error, refuse_share, sentence
 from pvlib_fem.quality.standing import Calm, frozen
 from pvlib_fem.quality.stuck import frozen_error, standing_line
 from pvlib_fem.quality.units import doubtful, oddities, refuse_doubtful, refuse_units
-from pvlib_fem.record.checks import dates_of
 from pvlib_fem.record.clean import CleanRecord, size, spans, united
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 
@@ -230,9 +229,8 @@ class Screening:
     def ends(self, doubts):
         """Take out what is at the end of a sensor's range."""
         sample, again = self.look.sampled(self.clean), False
-        dates = dates_of(sample.index)
         for name, _ in self.ruled(doubts):
-            ends = range_ends(name, sample[name], dates, self.limits)
+            ends = range_ends(name, sample[name], sample.index, self.limits)
             parts, since = [], -np.inf  # when it was there last
             for block in self.clean.blocks((name,)) if ends else ():
                 values, since_first = block[name], block.times - self.look.ends[0]

@@ -9,6 +9,7 @@ from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import printable, with_aliases
+from pvlib_fem.scores import rmse
 from pvlib_fem.sensors.own import SUNNY, clean, compared, is_sensor, steps_of
 from pvlib_fem.sensors.result import ModuleComparison
 from pvlib_fem.spelling import Spelled, refusal
@@ -112,7 +113,7 @@ def compare_modules(
         if name in level:
             over, beside, (share, offset) = compared(record, name, level, good)
             row = {"share": share, "offset": offset}
-            row["spread"] = root_mean_square(over - share * beside)
+            row["spread"] = rmse(over, share * beside)
             row["rows"] = int(np.isfinite(sensors[name]).sum())
             rows[name] |= row | steps.get(name, {})
     table = pd.DataFrame.from_dict(rows, orient="index").reindex(columns=COLUMNS)
@@ -131,14 +132,8 @@ def shared(record, fits):
     for name, own in left.items():
         others = np.median([left[n][rows] for n in left if n != name], axis=0)
         found[name] = {
-            "left": root_mean_square(own[rows]),
-            "common": root_mean_square(others),
-            "own": root_mean_square(own[rows] - others),
+            "left": rmse(own[rows], 0.0),
+            "common": rmse(others, 0.0),
+            "own": rmse(own[rows], others),
         }
     return found
-
-
-def root_mean_square(values):
-    """Of those that are known; NaN where none is."""
-    known = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan

@@ -96,6 +96,9 @@ def lines(comparison):
 def cells(row):
     """A sensor's row of the printout."""
     step = f"{row.change:+.1%} from {row.step}" if row.step else "–"
-    numbers = [f"{n:.2f}" for n in (row.left, row.common, row.own)]
-    found = row.Index, f"{row.share:.3f}", f"{row.offset:+.2f}", step, *numbers
-    return tuple(cell.replace("+nan", "–").replace("nan", "–") for cell in found)
+    left = (shown(value, ".2f") for value in (row.left, row.common, row.own))
+    return row.Index, shown(row.share, ".3f"), shown(row.offset, "+.2f"), step, *left
+
+
+def shown(value, form):
+    return format(value, form) if np.isfinite(value) else "–"
