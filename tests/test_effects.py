@@ -29,6 +29,7 @@ PLANTED = {
     "sensitivity_drift": {"per_year": 0.03},
     "snow": {"share": 0.9},
     "shading": {"share": 0.8},
+    "air_elsewhere": {"share": 0.15},
     "radiative_loss": {"share": 2.4},
     "natural_convection": {"free": 5.6},
     "wind_shape": {"root": 4.0, "stall": -5.0},

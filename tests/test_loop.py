@@ -610,6 +610,7 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "soiling",
         "snow",
         "shading",
+        "air_elsewhere",
         "radiative_loss",
         "natural_convection",
         "wind_shape",
@@ -621,6 +622,19 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "air_shield",
         "season",
     ]
+
+
+@pytest.mark.parametrize("seed", [21, 22])
+def test_air_of_another_station_beside_a_pyrgeometer_is_not_the_sky(seed):
+    """Where the sky lacks more than it should, so does the air that it is held to."""
+    data = simulator.record(effects=PHYSICS, days=365, step=600, seed=seed)
+    noise = np.random.default_rng(seed).normal(size=len(data))
+    away = pd.Series(noise, data.index).ewm(halflife=18).mean()  # 3 h
+    data["temp_air"] += 1.5 * away / away.std()
+    loop = fem.close_loop(data, **PLACE)
+    assert "air_elsewhere" in loop.findings[0].candidates
+    named = [f.effect for f in loop.findings if f.verdict == "named"]
+    assert "sky_radiation" not in named
 
 
 def test_a_holdout_of_everything_is_named(two):

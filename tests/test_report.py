@@ -272,7 +272,7 @@ def test_columns_that_test_most_come_first(record, place):
     assert counts == sorted(counts, reverse=True)
     told = dict(items)
     assert told["precipitation"] == "would test rain, soiling"
-    assert told["relative_humidity"] == "would test sky_radiation"
+    assert told["relative_humidity"] == "would test air_elsewhere, sky_radiation"
     given = next(what for what in told if what.startswith("location"))
     assert "incidence_angle" in told[given]
     useless = record[list(COLUMNS)].assign(p_dc=100.0)

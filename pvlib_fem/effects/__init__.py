@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pvlib_fem.effects.catalogue.air_elsewhere import EFFECT as air_elsewhere
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
 from pvlib_fem.effects.catalogue.incidence_angle import EFFECT as incidence_angle
@@ -41,6 +42,7 @@ PHYSICS = {
         soiling,
         snow,
         shading,
+        air_elsewhere,
         radiative_loss,
         natural_convection,
         wind_shape,

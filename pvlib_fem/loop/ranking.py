@@ -167,7 +167,8 @@ def hindrance(found, name, weight, days):
     """What stands in the way of a candidate, if anything does."""
     effect, least = found.effects[name], found.criteria.enough_days
     if not weight.possible and weight.gain > 0:
-        if effect.confounder:
+        there = {key.split(".")[0] for key in found.base}
+        if effect.confounder or there & {*effect.confused_with}:
             return because(Reason.ANOTHER_CONFOUNDER)
         if "p_dc" in effect.drivers:  # power measures irradiance, too
             return because(Reason.SUSPECT_IRRADIANCE)

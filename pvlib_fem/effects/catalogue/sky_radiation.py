@@ -50,7 +50,7 @@ MEASURED = Effect(
         "dew at night",
         "a thermopile pyranometer that reads below zero under a clear night sky",
         "the bias, by its mean",
-        "air that is not that at the module: measured elsewhere, or means of hours",
+        "air_elsewhere",
     ),
 )
 FROM_HUMIDITY = estimated("humidity", "sky_deficit_humid")
