@@ -313,3 +313,16 @@ def test_a_class_led_by_a_season_holds_the_kin_of_its_changes():
     heard = ours.heard(found, "season", ("contact_drift",), {}, {})
     drifts = {f"{channel}_drift" for channel in ("contact", "sensitivity", "mounting")}
     assert {*heard.candidates} == {"season", *drifts}
+
+
+def test_what_may_lie_on_a_sensor_stays_in_its_class(half_a_year):  # noqa: F811
+    """Power says that it reads less for a while, and not that it is clean."""
+    data, _ = with_change(half_a_year)
+    data = witnessed(data, 0.0)
+    start, end = DATES["episode"].values()
+    data["poa_global"] /= 1.0 + 0.1 * ((data.index >= start) & (data.index < end))
+    first = closed(data).findings[0]
+    assert first.verdict is Verdict.CLASS
+    assert first.candidates == ("sensitivity_episode", "snow", "soiling")
+    assert any(one.opinion is Opinion.AGREES for one in first.witnesses)
+    assert "a cleaning of the sensor" in first.why

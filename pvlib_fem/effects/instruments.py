@@ -142,6 +142,8 @@ def module_offset(temp_air, *, change):
 GAINS = ("sensitivity", "contact", "mounting")
 OFFSETS = ("air_offset", "module_offset")
 WINDS = ("wind_gain", "wind_stall")
+#: what lies on an irradiance sensor, and takes its light as a lower sensitivity does
+COVERS = ("snow", "soiling")
 #: what happens to the weather station, and so to all modules that share it
 STATION = ("sensitivity", *WINDS, "air_offset", "air_shelter")
 

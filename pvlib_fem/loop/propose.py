@@ -164,7 +164,7 @@ class Proposals:
             names = (f"{channel}{course}" for channel in effect.kin)
             yield from (name for name in names if again or name not in self.done)
             # one that is in the model may leave something, as snow that melts does
-            there = {*self.case.untestable, *self.done}
+            there = {*self.case.untestable, *self.done, *self.names}
             yield from (name for name in alike(effect) if name in there)
 
     def again(self, effect):
@@ -303,7 +303,9 @@ def proposed(case, found, weight, heard, checks):
         why = because(Reason.TOO_SHORT, days=case.days, least=least)
         checks = (*checks, Check("days", "enough_days", case.days, least))
     elif effects[0].confounder or ties or (effects[0].channel and not heard.agreed):
-        words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
+        # what witnesses agree with is told from the others by what tells of those
+        asked = [EFFECTS[n] for n in ties if n in EFFECTS] if heard.agreed else []
+        words = dict.fromkeys(e.decided_by for e in asked or effects if e.decided_by)
         verdict = Verdict.CLASS
         measurements = list(words) or ["a driver of its own"]
         why = because(Reason.WOULD_DECIDE, measurements=measurements)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pvlib_fem.effects.courses import COURSES, alike, is_dated, weights_of
-from pvlib_fem.effects.instruments import OFFSETS
+from pvlib_fem.effects.instruments import COVERS, OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
     FEWEST_MONTHS,
@@ -40,9 +40,10 @@ def hearing(comparisons, also, candidates, rivals, effects, weights, coefficient
     Ask all witnesses about the candidates of a class.
 
     One that a witness contradicts is none; if witnesses agree with some, only those
-    are left. ``rivals`` are further ones that explain less, as another course of the
-    same channel, and come in where a witness agrees with them. ``also`` are witnesses
-    by candidate that vouch for no single instrument: they count beside no other.
+    are left, and what may lie on the instrument. ``rivals`` are further ones that
+    explain less, as another course of the same channel, and come in where a witness
+    agrees with them. ``also`` are witnesses by candidate that vouch for no single
+    instrument: they count beside no other.
     """
     changes = [n for n in (*candidates, *rivals) if n in weights and effects[n].channel]
     vouch = {}
@@ -68,6 +69,8 @@ def hearing(comparisons, also, candidates, rivals, effects, weights, coefficient
             n for n in candidates if n in agreed and effects[n].channel != channel
         ]
         kept = asked = (*best, *others)
+        if channel == "sensitivity":
+            kept = (*kept, *(name for name in candidates if name in COVERS))
     else:
         asked = candidates
         kept = [name for name in candidates if name not in against]
