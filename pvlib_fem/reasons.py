@@ -32,6 +32,10 @@ class Reason(Enum):
     )
     OFF_THE_SUN = "the clock of the file does not fit the sun at the location"
     ESTIMATED = "the angles of the plane are estimated: give them"
+    ANOTHER_PLANE = (
+        "the irradiance is not of the stated plane: it has {plane}; look at how its "
+        "sensor stands, and at the angles that are given"
+    )
     ADDS_NOTHING = "it adds nothing in this record's weather"
     COLLINEAR = "the record cannot tell it from the fitted coefficients"
     NOT_A_NUMBER = "it is not a number in all rows whose columns are there"

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+import study_worlds
 from pvlib.location import Location
 
 import pvlib_fem as fem
-from pvlib_fem.quality.plane import plane_of
+from pvlib_fem.quality.plane import Plane, plane_of
 
 SITE = fem.simulator.RHINE
 
@@ -70,6 +71,26 @@ def test_the_loop_says_that_its_plane_is_estimated_and_names_no_obstacle():
     assert abs(loop.place["surface_tilt"] - SITE.surface_tilt) < 10.0
     given = fem.close_loop(data, location=place, surface_tilt=35, surface_azimuth=180)
     assert not any("estimated" in note for note in given.notes)
+
+
+def test_planes_are_two_where_they_part_by_more_than_their_errors():
+    found = Plane(30.0, 355.0, 5.0, 6.0, 40)
+    assert not found.is_another(30.0, 355.0)
+    assert not found.is_another(39.0, 6.0)  # past north
+    assert found.is_another(41.0, 355.0) and found.is_another(30.0, 8.0)
+
+
+@pytest.mark.parametrize("turned", [0.0, 16.0])
+def test_a_sensor_in_another_plane_is_told_and_no_obstacle_is_named(turned):
+    """What a plane far off leaves beside its slopes looks like shade."""
+    effects = fem.simulator.PHYSICS | {"poa_misalignment": turned}
+    site = study_worlds.site(813116)
+    how = dict(days=365, step=300, seed=813116)
+    data = fem.simulator.record(site, effects=effects, **how)
+    loop = fem.close_loop(data, **study_worlds.World(site, 813116).place)
+    assert all(f.effect != "shading" for f in loop.findings)
+    why = str(loop.untestable.get("shading", ""))
+    assert ("not of the stated plane: it has tilt" in why) == (turned > 0.0)
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,10 @@ from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import confirmed, sureness
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.evidence import Weight
 from pvlib_fem.loop.files import in_means, on_days, on_own_steps
 from pvlib_fem.loop.leaks import leaks
-from pvlib_fem.loop.prepare import prepared
+from pvlib_fem.loop.prepare import another_plane, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranges import with_ranges
@@ -237,7 +238,24 @@ class Search:
         """Evidence of all that a step lacks."""
         there = {effect.name for effect in step.model.effects}
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
-        return self.fits.gathered(step, wanted)
+        found = self.fits.gathered(step, wanted)
+        scanned = [e for e in wanted if e.scan and self.material(found, e.name)]
+        if scanned and (plane := another_plane(self.case)) is not None:
+            # before another plane an obstacle has no place
+            for effect in scanned:
+                why = because(Reason.ANOTHER_PLANE, plane=str(plane))
+                self.untestable[effect.name] = why
+                self.fits.case = self.case.without(effect)
+            return self.evidence(step)
+        return found
+
+    def material(self, found, name):
+        """Whether an effect would explain enough to be told, if nothing else did."""
+        if name not in found.effects:
+            return False
+        weight = found.weigh(name, found.confounders)
+        least = self.case.criteria.hint_gain
+        return isinstance(weight, Weight) and weight.gain >= least
 
     def leave_out_leaks(self, base):
         """Drop columns of the user's own that hold the answer."""

@@ -114,6 +114,16 @@ def estimated(look, site):
     return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
 
 
+def another_plane(case):
+    """The plane by the light of clear days, where that is surely not the stated one."""
+    location, *stated = case.site.values()
+    if location is None or None in stated:
+        return None
+    whole = case.whole
+    plane = plane_of(whole["poa_global"], whole.index, location, case.late)
+    return plane if plane is not None and plane.is_another(*stated) else None
+
+
 def late_of(look):
     """By how much a file's times are late beside the sun, as far as that is seen."""
     late = look.health.noon.late

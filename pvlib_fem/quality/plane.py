@@ -22,6 +22,7 @@ GROUPS = 10  # of days, each left out in turn
 LEAST_ERROR = 5.0  # °, of a clear sky and a transposition that are no more than models
 MOST_ERROR = 8.0  # °, above which the angles are not known
 MOST_LEFT = 0.12  # of the clear irradiance, root mean square
+SURE = 2.0  # errors by which two planes have to part to be two
 STARTS = [(tilt, turn) for tilt in (10.0, 35.0, 60.0) for turn in range(0, 360, 45)]
 
 
@@ -40,6 +41,16 @@ class Plane:
         """Both by their names."""
         names = ("surface_tilt", "surface_azimuth")
         return {name: getattr(self, name) for name in names}
+
+    def is_another(self, surface_tilt: float, surface_azimuth: float) -> bool:
+        """Whether it is surely not the plane of these angles."""
+        stated = np.array([surface_tilt, surface_azimuth])
+        apart = turned(stated - [*self.angles.values()])
+        return bool((np.abs(apart) > SURE * np.array(self.errors)).any())
+
+    @property
+    def errors(self):
+        return self.tilt_error, self.azimuth_error
 
     def __str__(self):
         return (
