@@ -5,16 +5,19 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+import study_worlds
 from conftest import COLUMNS, DRIVERS
 from hypothesis import given, strategies as st
 from test_effects import coefficients
 
 import pvlib_fem as fem
-from pvlib_fem import datasets
+from pvlib_fem import datasets, simulator
 from pvlib_fem.effects import find
 from pvlib_fem.findings import Finding, Verdict
+from pvlib_fem.loop.close import searched
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Evidence
-from pvlib_fem.loop.ranges import solved, within
+from pvlib_fem.loop.ranges import everywhere, solved, within
 from pvlib_fem.report.document import spanned
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.stored import Stored
@@ -22,6 +25,10 @@ from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
 SHARE = 0.8  # of the sky
+#: what a loop is given where nothing is
+USUAL = dict(
+    holdout=None, effects=None, check_units=False, criteria=Criteria(), fixed=None
+)
 
 
 @pytest.fixture(scope="module")
@@ -149,3 +156,39 @@ def test_beside_means_of_cells_a_solution_is_that_with_a_column_of_each(seed):
     expected = np.linalg.lstsq(wide, rest, rcond=None)[0]
     np.testing.assert_allclose(shift, expected[[0, 2]], rtol=1e-5, atol=1e-8)
     assert (half > 0).all()
+
+
+def test_what_is_nothing_beside_another_effect_is_not_told():
+    """
+    A winter of snow before a step from which on all is otherwise, and a window.
+
+    The loop named both: the error on test weeks rose from 1.05 to 1.42 K.
+    """
+    site = study_worlds.site(813104, **study_worlds.COLD)
+    effects = simulator.PHYSICS | {"snow": 0.75}
+    data = simulator.record(site, effects=effects, days=365, step=300, seed=813104)
+    place = study_worlds.World(site, 813104).place
+    loop = fem.close_loop(data, **place)
+    assert [f.effect for f in loop.findings if f.added] == ["snow"]
+    doubted = [f for f in loop.findings if "would be" in f.why]
+    assert {f.effect for f in doubted} == {"contact_step", "shading"}
+    for finding in doubted:
+        assert finding.verdict == "suggestive" and not finding.checks[-1].passed
+    error = loop.table["rmse_test"]
+    assert error.iloc[-1] == pytest.approx(error["+snow"], rel=0.01)
+    assert {e.name for e in loop.fit.effects} == {"snow"}
+
+
+def test_no_possible_model_has_a_name_near_nothing(under_a_sky):
+    """It is the model itself, or one that has it less surely."""
+    search, loop = searched(under_a_sky, "faiman", (None,) * 3, None, **USUAL)
+    step = search.steps[loop.last]
+    added = [f for f in loop.findings if f.added]
+    sky = next(f for f in added if f.effect == "sky_radiation")
+    check, why = everywhere(added, search.evidence(step), step)["sky_radiation"]
+    (value,), (error,) = sky.coefficients.values(), sky.stderr.values()
+    assert check.passed and 1.0 < check.statistic <= value / (1.9 * error)
+    assert f"sky_radiation.share would be {why.values['value']:.2g} ±" in str(why)
+    low, high = sky.ranges["sky_radiation.share"]
+    assert low <= why.values["value"] - why.values["half"]
+    assert why.values["value"] + why.values["half"] <= high

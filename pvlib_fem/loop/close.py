@@ -24,7 +24,7 @@ from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import another_plane, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
-from pvlib_fem.loop.ranges import with_ranges
+from pvlib_fem.loop.ranges import everywhere, vouched, with_ranges
 from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
 from pvlib_fem.loop.result import Loop
@@ -223,6 +223,8 @@ class Search:
             if further is step:
                 break
             step, found = self.on_own_steps(self.without_idle(further)), None
+        if self.case.divisible:
+            step, found = self.without_doubtful(step, found or self.evidence(step))
         self.tell("measuring the errors of the test weeks")
         return self.result(step, start, base, found)
 
@@ -295,20 +297,44 @@ class Search:
         there = {effect.name for effect in step.model.effects}
         for finding in [f for f in self.findings if f.effect in there]:
             check, why = sureness(finding, step.coefficients, stderr, self.case)
-            if check.passed:
-                continue
-            self.findings.remove(finding)
-            checks = (*finding.checks, check)
-            self.vetoed[finding.effect] = replace(
-                finding, verdict=Verdict.SUGGESTIVE, because=why, checks=checks
-            )
-            effects = tuple(e for e in step.model.effects if e.name != finding.effect)
-            model = replace(step.model, effects=effects)
-            step = self.steps[f"- {finding.effect}"] = self.fits.fitted(
-                model, step, step.coarse, whole=False
-            )
-            stderr = self.fits.errors(step)
+            if not check.passed:
+                step = self.removed(finding, check, why, step)
+                stderr = self.fits.errors(step)
         return step
+
+    def without_doubtful(self, step, found):
+        """
+        The step without what other possible models do without, and its evidence.
+
+        The last goes first, on which the others do not stand. Of confounders, which
+        stand for each other, none is asked: they are told as classes. Nor is a change
+        that witnesses agree with, who know nothing of these models.
+        """
+        effects = {effect.name: effect for effect in step.model.effects}
+        added = [f for f in self.findings if f.effect in effects]
+        checks = everywhere(added, found, step)
+        for finding in (f for f in reversed(added) if f.effect in checks):
+            check, why = checks[finding.effect]
+            settled = effects[finding.effect].confounder or vouched(finding)
+            if not check.passed and not settled:
+                step = self.on_own_steps(self.removed(finding, check, why, step))
+                return self.without_doubtful(step, self.evidence(step))
+        return step, found
+
+    def removed(self, finding, check, why, step):
+        """The step without a finding, which does not pass a check after all."""
+        self.findings = [f for f in self.findings if f.effect != finding.effect]
+        self.vetoed[finding.effect] = replace(
+            finding,
+            verdict=Verdict.SUGGESTIVE,
+            because=why,
+            checks=(*finding.checks, check),
+        )
+        effects = tuple(e for e in step.model.effects if e.name != finding.effect)
+        model = replace(step.model, effects=effects)
+        fit = self.fits.fitted(model, step, step.coarse, whole=False)
+        self.steps[f"- {finding.effect}"] = fit
+        return fit
 
     def tried(self, finding, found, step):
         """
@@ -344,8 +370,6 @@ class Search:
     def result(self, last, start, base, found):
         """All that was found, as a finished thing."""
         case, notes = self.case, []
-        if found is None and case.divisible:
-            found = self.evidence(last)  # what is told is of the model that is told
         record, tabled = self.fits.prepared(case.whole, last.model)
         rows = case.fitting & record.known(last.model.drivers)
         at_bound = last.at_bound
@@ -367,7 +391,7 @@ class Search:
         )
         findings = [with_errors(f, last, stderr) for f in self.findings]
         findings += self.vetoed.values()
-        ranking, more = self.left_over(found, findings, last)
+        ranking, more, unseen = self.left_over(found, findings, last)
         raw = self.steps[base]
         before = pd.Series(raw.measured - raw.temperature, record.index)
         stretches = episodes_of(case, last)
@@ -380,7 +404,7 @@ class Search:
             table=table,
             base=base,
             last=list(table.index)[-1] if last is not self.steps[base] else base,
-            untestable=dict(self.untestable),
+            untestable=self.untestable | unseen,
             ranking=ranking,
             fit=fit,
             notes=case.notes,
@@ -396,13 +420,12 @@ class Search:
         )
 
     def left_over(self, found, findings, last):
-        """The ranking, and all findings with what is left and the ranges by that."""
+        """The ranking, all findings with their ranges, and what was not to be seen."""
         case = self.case
         if found is None:
             days, least = case.fitting_days, case.criteria.fewest_fitting_days
             few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
-            self.untestable |= {effect.name: few for effect in case.wanted}
-            return table_of({}), findings
+            return table_of({}), findings, {effect.name: few for effect in case.wanted}
         rows = ranked(found, case.days)
         told = (case, found, rows)
         by = sorting(case, found, [])
@@ -411,10 +434,10 @@ class Search:
         tables = [*tables_left(case, found, by)]
         findings += [unexplained(*table) for table in tables]
         findings = with_ranges(findings, found, last, [table for table, _ in tables])
-        self.untestable |= dict(not_seen(case, found, rows, findings))
+        unseen = dict(not_seen(case, found, rows, findings))
         table = table_of({name: as_row(*row) for name, row in rows.items()})
         table = table.sort_values("gain", ascending=False, kind="stable")
-        return Ranking(table), findings
+        return Ranking(table), findings, unseen
 
 
 def changes_of(model):

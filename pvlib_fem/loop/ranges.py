@@ -20,14 +20,22 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import t as student
 
-from pvlib_fem.findings import Opinion
+from pvlib_fem.findings import Check, Opinion
 from pvlib_fem.loop.evidence import UNSEEN
+from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.clusters import cluster_sums
 
 LEVEL = 0.95  # of the interval by each of the models
+#: what a misshapen steady model leaves, in words
+MISFITS = {
+    "misfit:curved": "a loss that bends",
+    "misfit:warm": "a loss that follows the season",
+    "misfit:slow": "a slower mass",
+    "misfit:late": "a record that is late",
+}
 
 
-def with_ranges(findings, found, step, tables):
+def with_ranges(findings, found, step, tables=()):
     """
     The findings that are in the model, with ranges of their coefficients.
 
@@ -55,12 +63,48 @@ def with_ranges(findings, found, step, tables):
     base = found.places(())
     start = found.sums(()).solve(base) / found.sums(()).scale[base]
     reach = dict.fromkeys(found.base, 0.0)
-    for sums, kept, silent in models(added, found, step, tables):
+    for _, sums, kept, silent in models(added, found, step, tables):
         mine = [i for i in base if i in kept and i not in silent]
         shift, half = solved(sums, kept, mine)
         for i, ends in zip(mine, np.abs(shift - start[mine]) + half):
             reach[found.base[i]] = max(reach[found.base[i]], float(ends))
     return [ranged(f, step, reach) if f.added else f for f in findings]
+
+
+def everywhere(added, found, step):
+    """
+    By finding, the check that no possible model has it near nothing, and why it fails.
+
+    Of several coefficients one that is apart from nothing will do. Tables of what no
+    effect explains are not asked: a finding has held against them.
+    """
+    base = found.places(())
+    start = found.sums(()).solve(base) / found.sums(()).scale[base]
+    fitted = np.array([step.coefficients[name] for name in found.base])
+    nearest = {}
+    for words, sums, kept, silent in models(added, found, step, ()):
+        mine = [i for i in base if i in kept and i not in silent]
+        shift, half = solved(sums, kept, mine)
+        value = fitted[mine] + shift - start[mine]
+        told = zip(mine, (np.abs(value) / half).tolist(), value.tolist(), half.tolist())
+        by_place = {i: (one, words, found.base[i], *rest) for i, one, *rest in told}
+        for finding in added:
+            here = [by_place[i] for i in own_of(found, finding) if i in by_place]
+            if here:
+                farthest = max(here)
+                before = nearest.get(finding.effect, farthest)
+                nearest[finding.effect] = min(before, farthest)
+    return {effect: distance(*one) for effect, one in nearest.items()}
+
+
+def distance(times, words, name, value, half):
+    """The check of a coefficient by one model, and why it fails."""
+    return (
+        Check("times its interval from nothing, by all possible models", "", times, 1),
+        because(
+            Reason.ELSEWHERE, model=words, coefficient=name, value=value, half=half
+        ),
+    )
 
 
 def solved(sums, kept, wanted):
@@ -73,24 +117,31 @@ def solved(sums, kept, wanted):
 
 
 def models(added, found, step, tables):
-    """Sums and columns of all models, and the columns of which one says nothing."""
+    """All models in words, their sums and columns, and those of which one is silent."""
     base = found.places(())
-    yield found.sums(()), base, ()
+    yield "as it is", found.sums(()), base, ()
     for name in (*found.misfits, *found.effects):
         silent = [f for f in added if name in same(f, found, step)]
-        yield *beside(found, [name], base), own_of(found, *silent)
+        sums, places = beside(found, [name], base)
+        words = f"beside {MISFITS.get(name, name)}"
+        yield words, sums, places, own_of(found, *silent)
     for finding in added:
         own = own_of(found, finding)
         without = np.zeros(len(found.columns))
         for place in own:
             without[place] = -step.coefficients[found.base[place]]
         kept = [place for place in base if place not in own]
-        yield found.sums(()).about(without), kept, ()
+        words = f"without {finding.effect}"
+        yield words, found.sums(()).about(without), kept, ()
         for name in found.effects.keys() & same(finding, found, step):
             sums, places = beside(found, [name], kept)
-            yield sums.about(without), places, ()
+            yield f"{words} and with {name}", sums.about(without), places, ()
+    columns = {e.name: e.column for e in step.model.effects}
     for table in tables:
-        yield within(found, table.bins), base, ()
+        # in cells of a column, what does no more than follow it is hardly to be seen
+        silent = [f for f in added if columns[f.effect] in table.drivers]
+        words = f"beside a pattern of {table.name}"
+        yield words, within(found, table.bins), base, own_of(found, *silent)
 
 
 def same(finding, found, step):
