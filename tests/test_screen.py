@@ -460,3 +460,23 @@ def test_limits_are_an_argument(record):
     assert fem.screen(data, tolerant).counts.empty
     assert any("jumps and returns" in note for note in fit(data).notes)
     assert not any("jumps" in note for note in fit(data, limits=tolerant).notes)
+
+
+@pytest.mark.parametrize("digits", [None, 2, 1])
+@pytest.mark.parametrize(("step", "every"), [(60, "1h"), (300, "1h"), (900, "3h")])
+def test_a_column_that_is_filled_between_its_values_is_told(step, every, digits):
+    """As weather from a model, or from a station, is joined to a plant's rows."""
+    data = simulator.record(effects=PHYSICS, days=25, step=step, seed=3)
+    assert not any("in between" in note for note in fem.screen(data).notes)
+    means = data.resample(every).mean()
+    air = means["temp_air"].reindex(data.index).interpolate(limit_direction="both")
+    wind = means["wind_speed"].reindex(data.index, method="ffill")
+    filled = data.assign(temp_air=air, wind_speed=wind)
+    if digits is not None:
+        filled = filled.round(digits)
+    minutes = pd.Timedelta(every) // pd.Timedelta("1min")
+    told = " ".join(fem.screen(filled).notes)
+    assert f"wind_speed keeps a value for {minutes} min, and rows are" in told
+    line = f"temp_air is a straight line between values {minutes} min apart"
+    # from minute to minute 0.1 K is no line
+    assert (line in told) == ((step, digits) != (60, 1))

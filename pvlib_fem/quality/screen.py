@@ -15,13 +15,14 @@ from pvlib_fem.quality.outliers import (
     spikes,
 )
 from pvlib_fem.quality.stray import refuse_stray
-from pvlib_fem.quality.stuck import never_moves, refuse_frozen, stuck
+from pvlib_fem.quality.stuck import refuse_frozen, stuck
 from pvlib_fem.quality.units import (
     doubtful,
     oddities,
     refuse_doubtful,
     refuse_units,
 )
+from pvlib_fem.quality.values import never_moves
 from pvlib_fem.record.checks import Record, read
 from pvlib_fem.record.columns import ALIASES, GEOMETRY, printable, with_aliases
 

@@ -6,9 +6,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
+from pvlib_fem.quality.values import never_moves, resolution
 from pvlib_fem.relaxation import ewm
-
-FEW = 1000  # rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,22 +218,6 @@ def becalmed(values, seconds, limits):
     kept = (measured.value == 0) & (measured.time > limits.calm)
     rows[there] = measured.rows(kept, len(there))
     return rows
-
-
-def resolution(values):
-    """Smallest change of a column; 0 of one that never changes."""
-    change = np.abs(np.diff(values))
-    change = change[change > 1e-9]
-    return float(change.min()) if len(change) else 0.0
-
-
-def never_moves(values):
-    """Whether a column has one value only, whatever is missing."""
-    for some in (values[:FEW], values):  # of most columns a few rows tell
-        seen = some[np.isfinite(some)]
-        if len(seen) and np.ptp(seen) > 0:
-            return False
-    return len(seen) > 0
 
 
 def refuse_frozen(record, frozen):

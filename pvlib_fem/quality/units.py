@@ -5,10 +5,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from pvlib_fem.quality.between import between
 from pvlib_fem.quality.lag import lag, retimed
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.onset import HOUR
-from pvlib_fem.quality.stuck import FEW
+from pvlib_fem.quality.values import FEW
 from pvlib_fem.record.units import ForeignUnit, Swapped
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
@@ -356,7 +357,8 @@ def suspicion(inputs, found, limits):
 
 
 def oddities(inputs, limits=None):
-    """What looks odd in the four columns but may be so, a sentence each."""
+    """What looks odd in the columns but may be so, a sentence each."""
+    yield from between(inputs)
     limits, found = limits or Limits(), signs(inputs)
     if found is None:
         return

@@ -1,0 +1,75 @@
+"""Columns that say nothing between times further apart than the record's rows."""
+
+import numpy as np
+
+from pvlib_fem.quality.values import resolution
+
+COLUMNS = (
+    "poa_global",
+    "temp_air",
+    "wind_speed",
+    "relative_humidity",
+    "longwave_down",
+    "wind_direction",
+)
+PERIODS = (6.0 * 3600.0, 3.0 * 3600.0, 3600.0, 1800.0)  # s
+FEWEST_ROWS = 3  # in each of them
+FEWEST = 20  # periods from which to the next the column moves
+MOST = 20.0 * 86400.0  # s of a record that are looked at
+SHARE = 0.99  # of the rows that follow the ends of their period
+
+
+def between(inputs):
+    """What columns lack between values further apart than rows, a sentence each."""
+    step = inputs.step
+    if not step > 0:
+        return
+    rows = slice(0, int(np.searchsorted(inputs.seconds, MOST)))
+    seconds = inputs.seconds[rows]
+    for name in (name for name in COLUMNS if name in inputs.columns):
+        values = inputs[name][rows]
+        for period in (p for p in PERIODS if p >= FEWEST_ROWS * step):
+            if words := filled(values, seconds, step, period):
+                yield (
+                    f"{name} {words.format(period / 60)}, and rows are {step / 60:.2g} "
+                    "min apart: what it does in between is not in the record; give "
+                    "that of a sensor at the site, or means over that time"
+                )
+                break
+
+
+def filled(values, seconds, step, period):
+    """How a column is filled between values a period apart, in words, or nothing."""
+    there = np.isfinite(values)
+    values, seconds = values[there], seconds[there]
+    if len(values) < FEWEST * FEWEST_ROWS:
+        return ""
+    fine = 1.02 * resolution(values) + 1e-6 * np.ptp(values)  # both ends are rounded
+    rows, change = np.arange(len(values)), np.abs(np.diff(values, prepend=values[0]))
+    bend = np.abs(np.diff(values, n=2, prepend=values[0], append=values[-1]))
+    for words, ends in (
+        ("keeps a value for {:.0f} min", change),
+        ("is a straight line between values {:.0f} min apart", bend),
+    ):
+        still = np.mean(ends <= 2.0 * fine)
+        if still < SHARE * (1.0 - 2.0 * step / period):
+            continue
+        knots = ends_of_periods(seconds, ends, step, period)
+        moves = np.abs(np.diff(values[knots])) > 3.0 * fine
+        if np.count_nonzero(moves) < FEWEST:
+            continue
+        if ends is change:
+            told = values[knots][np.searchsorted(knots, rows, "right") - 1]
+        else:
+            told = np.interp(seconds, seconds[knots], values[knots])
+        if np.mean(np.abs(values - told) <= fine) >= SHARE:
+            return words
+    return ""
+
+
+def ends_of_periods(seconds, ends, step, period):
+    """Rows at which a period ends: where within it most changes, or bends."""
+    phase = np.rint(seconds % period / step).astype(int)
+    first = np.argmax(np.bincount(phase, ends)) * step
+    number = np.floor((seconds - first) / period + 0.5 * step / period)
+    return np.flatnonzero(np.diff(number, prepend=number[0] - 1.0))
