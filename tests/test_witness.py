@@ -7,9 +7,11 @@ import numpy as np
 import pandas as pd
 import pvlib
 import pytest
+import study_instruments
 from pvlib.location import Location
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
+from pvlib_fem import close_loop, simulator
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
 from pvlib_fem.loop.comparisons import COMPARISONS, SKY, USUAL_WIND, Apart, apart
@@ -326,3 +328,14 @@ def test_what_may_lie_on_a_sensor_stays_in_its_class(half_a_year):  # noqa: F811
     assert first.candidates == ("sensitivity_episode", "snow", "soiling")
     assert any(one.opinion is Opinion.AGREES for one in first.witnesses)
     assert "a cleaning of the sensor" in first.why
+
+
+def test_what_a_class_shares_with_the_model_is_not_fitted_twice():
+    """Snow is in the model when an episode of the sensor is told beside snow."""
+    world, *_, power = study_instruments.drawn(11001)
+    how = (world.days, world.step, world.seed, world.start)
+    (data,) = simulator.records(world.site, [simulator.OUTDOORS], *how)
+    data = data if power else data.drop(columns="p_dc")
+    loop = close_loop(data, check_units=False, **world.place)
+    names = [effect.name for effect in loop.fit.effects]
+    assert "snow" in names and len(names) == len({*names})

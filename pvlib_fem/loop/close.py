@@ -345,7 +345,8 @@ class Search:
         material is taken.
         """
         tries, held = [], []
-        for name in finding.candidates:
+        there = {effect.name for effect in step.model.effects}
+        for name in (n for n in finding.candidates if n not in there):
             mine = renamed(finding, found, name)
             if mine is None:
                 continue

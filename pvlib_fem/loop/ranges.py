@@ -15,15 +15,16 @@ References
    what is. :doi:`10.1111/rssb.12348`
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.stats import t as student
 
+from pvlib_fem.effects import CHANGES
 from pvlib_fem.findings import Check, Opinion
 from pvlib_fem.loop.evidence import UNSEEN
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.statistics.clusters import cluster_sums
+from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
 
 LEVEL = 0.95  # of the interval by each of the models
 #: what a misshapen steady model leaves, in words
@@ -63,9 +64,9 @@ def with_ranges(findings, found, step, tables=()):
     base = found.places(())
     start = found.sums(()).solve(base) / found.sums(()).scale[base]
     reach = dict.fromkeys(found.base, 0.0)
-    for _, sums, kept, silent in models(added, found, step, tables):
-        mine = [i for i in base if i in kept and i not in silent]
-        shift, half = solved(sums, kept, mine)
+    for model in models(added, found, step, tables):
+        mine = model.told_of(base)
+        shift, half = model.solved(mine)
         for i, ends in zip(mine, np.abs(shift - start[mine]) + half):
             reach[found.base[i]] = max(reach[found.base[i]], float(ends))
     return [ranged(f, step, reach) if f.added else f for f in findings]
@@ -76,20 +77,27 @@ def everywhere(added, found, step):
     By finding, the check that no possible model has it near nothing, and why it fails.
 
     Of several coefficients one that is apart from nothing will do. Tables of what no
-    effect explains are not asked: a finding has held against them.
+    effect explains are not asked: a finding has held against them. Of a change of an
+    instrument no other is asked, which says what has changed, and not whether.
     """
     base = found.places(())
     start = found.sums(()).solve(base) / found.sums(()).scale[base]
     fitted = np.array([step.coefficients[name] for name in found.base])
     nearest = {}
-    for words, sums, kept, silent in models(added, found, step, ()):
-        mine = [i for i in base if i in kept and i not in silent]
-        shift, half = solved(sums, kept, mine)
+    changes = [f for f in added if f.effect in CHANGES]
+    for model in models(added, found, step):
+        mine = model.told_of(base)
+        if model.more in CHANGES:
+            mine = [i for i in mine if i not in own_of(found, *changes)]
+        shift, half = model.solved(mine)
         value = fitted[mine] + shift - start[mine]
-        told = zip(mine, (np.abs(value) / half).tolist(), value.tolist(), half.tolist())
-        by_place = {i: (one, words, found.base[i], *rest) for i, one, *rest in told}
+        apart = (np.abs(value) / half).tolist(), value.tolist(), half.tolist()
         for finding in added:
-            here = [by_place[i] for i in own_of(found, finding) if i in by_place]
+            here = [
+                (times, model.words, found.base[i], *rest)
+                for i, times, *rest in zip(mine, *apart)
+                if i in own_of(found, finding)
+            ]
             if here:
                 farthest = max(here)
                 before = nearest.get(finding.effect, farthest)
@@ -107,6 +115,25 @@ def distance(times, words, name, value, half):
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Another model that the record leaves possible, by sums and their columns."""
+
+    words: str
+    sums: ClusterSums = field(repr=False)
+    kept: list  # columns that it has
+    more: str = ""  # the effect or misfit that it has beside
+    silent: tuple = ()  # columns of which it says nothing
+
+    def told_of(self, places):
+        """Those columns of which it says something."""
+        return [i for i in places if i in self.kept and i not in self.silent]
+
+    def solved(self, wanted):
+        """Shift of some of its columns, and half of their interval."""
+        return solved(self.sums, self.kept, wanted)
+
+
 def solved(sums, kept, wanted):
     """Shift of some of the columns of a model, and half of their interval."""
     own = [kept.index(place) for place in wanted]
@@ -116,15 +143,15 @@ def solved(sums, kept, wanted):
     return (shift / scale)[own], (times * error / scale)[own]
 
 
-def models(added, found, step, tables):
-    """All models in words, their sums and columns, and those of which one is silent."""
+def models(added, found, step, tables=()):
+    """All models that a record leaves possible beside the one that is told."""
     base = found.places(())
-    yield "as it is", found.sums(()), base, ()
+    yield Model("as it is", found.sums(()), base)
     for name in (*found.misfits, *found.effects):
         silent = [f for f in added if name in same(f, found, step)]
-        sums, places = beside(found, [name], base)
         words = f"beside {MISFITS.get(name, name)}"
-        yield words, sums, places, own_of(found, *silent)
+        own = own_of(found, *silent)
+        yield Model(words, *beside(found, [name], base), name, own)
     for finding in added:
         own = own_of(found, finding)
         without = np.zeros(len(found.columns))
@@ -132,16 +159,16 @@ def models(added, found, step, tables):
             without[place] = -step.coefficients[found.base[place]]
         kept = [place for place in base if place not in own]
         words = f"without {finding.effect}"
-        yield words, found.sums(()).about(without), kept, ()
+        yield Model(words, found.sums(()).about(without), kept)
         for name in found.effects.keys() & same(finding, found, step):
             sums, places = beside(found, [name], kept)
-            yield f"{words} and with {name}", sums.about(without), places, ()
+            yield Model(f"{words} and with {name}", sums.about(without), places, name)
     columns = {e.name: e.column for e in step.model.effects}
     for table in tables:
         # in cells of a column, what does no more than follow it is hardly to be seen
         silent = [f for f in added if columns[f.effect] in table.drivers]
-        words = f"beside a pattern of {table.name}"
-        yield words, within(found, table.bins), base, own_of(found, *silent)
+        words, own = f"beside a pattern of {table.name}", own_of(found, *silent)
+        yield Model(words, within(found, table.bins), base, "", own)
 
 
 def same(finding, found, step):
