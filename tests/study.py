@@ -302,7 +302,7 @@ has the true effects' terms of the catalogue, the same fitting rows and the same
 test ones.
 
 The loop's rules were mended on the worlds of seeds 1000 to 9019, of which
-`tests/test_study.py` takes a part, and on some of shift 810000, and looked at on those
+`tests/test_study.py` takes a part, and on some of shifts 810000 and 1010000, and looked at on those
 of shifts 50000, 70000, 90000, 310000, 510000 and 710000, and on the sites of seeds
 990000 to 990007; other seeds are worlds on which none was tried.
 

@@ -144,6 +144,14 @@ OFFSETS = ("air_offset", "module_offset")
 WINDS = ("wind_gain", "wind_stall")
 #: what lies on an irradiance sensor, and takes its light as a lower sensitivity does
 COVERS = ("snow", "soiling")
+#: what takes light from a module or its irradiance sensor, so that power follows it
+LIT = (
+    *COVERS,
+    "shading",
+    "sensitivity_step",
+    "sensitivity_drift",
+    "sensitivity_episode",
+)
 #: what happens to the weather station, and so to all modules that share it
 STATION = ("sensitivity", *WINDS, "air_offset", "air_shelter")
 

@@ -1,6 +1,7 @@
 """Close the loop: from the residual to the missing effect, and what it was worth."""
 
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,7 +16,7 @@ from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.loop.budget import budget_of, episodes_of
-from pvlib_fem.loop.confirm import confirmed, sureness
+from pvlib_fem.loop.confirm import bounds, confirmed, sureness
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Weight
@@ -182,6 +183,8 @@ class Search:
     steps: dict = field(default_factory=dict)
     findings: list = field(default_factory=list)
     vetoed: dict = field(default_factory=dict)  # what a fit spoke against, by name
+    doubted: tuple = ()  # effects that are no more tried, changes on their date
+    before: dict = field(default_factory=dict)  # steps and findings before each finding
     corrections: list = field(default_factory=list)
     untestable: dict = field(default_factory=dict)
     aside: dict = field(default_factory=dict)  # checks of what waits, by name
@@ -209,12 +212,23 @@ class Search:
                 self.steps[CORRECTED] = step
         start = step
         self.leave_out_leaks(step)
-        found = None
-        for turn in range(self.case.criteria.rounds if self.case.divisible else 0):
+        step, found = self.rounds(step)
+        while (doubted := self.doubtful(step, found)) is not None:
+            step, found = self.rounds(self.gone_back(*doubted))
+        self.tell("measuring the errors of the test weeks")
+        return self.result(step, start, base, found)
+
+    def rounds(self, step):
+        """The step when no effect is found any more, and what it leaves."""
+        found, limits = None, self.case.criteria
+        for turn in range(limits.rounds if self.case.divisible else 0):
             self.tell(f"weighing effects, round {turn + 1}")
             found = self.evidence(step)
             done = {n for finding in self.findings for n in finding.candidates}
-            beside = (step.coefficients, changes_of(step.model))
+            beside = (
+                step.coefficients,
+                changes_of((*step.model.effects, *self.doubted)),
+            )
             proposals = Proposals(self.case, found, frozenset(done), *beside)
             new, self.aside = proposals.run(), proposals.aside
             names = ", ".join(f.effect for f in new if f.added)
@@ -223,10 +237,9 @@ class Search:
             if further is step:
                 break
             step, found = self.on_own_steps(self.without_idle(further)), None
-        if self.case.divisible:
-            step, found = self.without_doubtful(step, found or self.evidence(step))
-        self.tell("measuring the errors of the test weeks")
-        return self.result(step, start, base, found)
+        if found is None and self.case.divisible:
+            found = self.evidence(step)  # what is told is of the model that is told
+        return step, found
 
     def on_own_steps(self, step):
         """The last step, fitted to the record's own steps, and with its own base."""
@@ -239,6 +252,7 @@ class Search:
     def evidence(self, step):
         """Evidence of all that a step lacks."""
         there = {effect.name for effect in step.model.effects}
+        there |= {effect.name for effect in self.doubted if not effect.channel}
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
         found = self.fits.gathered(step, wanted)
         scanned = [e for e in wanted if e.scan and self.material(found, e.name)]
@@ -281,6 +295,8 @@ class Search:
                     # beside effects that come later it may hold
                     self.vetoed[finding.effect] = finding
                     continue
+                so_far = (self.steps, self.findings, self.vetoed)
+                self.before[finding.effect] = tuple(map(copy, so_far))
                 step = self.steps[f"+{finding.effect}"] = attempt
                 self.vetoed.pop(finding.effect, None)
             self.findings.append(finding)
@@ -288,7 +304,7 @@ class Search:
 
     def without_idle(self, step):
         """
-        The step without findings of which nothing is left.
+        The step without findings of which nothing is left, or more than can be.
 
         What comes later, a drift beside dirt, or a step beside a drift, may have taken
         their place.
@@ -296,40 +312,46 @@ class Search:
         stderr = self.fits.errors(step)
         there = {effect.name for effect in step.model.effects}
         for finding in [f for f in self.findings if f.effect in there]:
-            check, why = sureness(finding, step.coefficients, stderr, self.case)
-            if not check.passed:
+            asked = sureness(finding, step.coefficients, stderr, self.case)
+            asked = [bounds(finding.coefficients, step), asked]
+            for check, why in (one for one in asked if not one[0].passed):
                 step = self.removed(finding, check, why, step)
                 stderr = self.fits.errors(step)
+                break
         return step
 
-    def without_doubtful(self, step, found):
+    def doubtful(self, step, found):
         """
-        The step without what other possible models do without, and its evidence.
+        The first finding that is near nothing beside an effect that was not found.
 
-        The last goes first, on which the others do not stand. Of confounders, which
-        stand for each other, none is asked: they are told as classes. Nor is a change
-        that witnesses agree with, who know nothing of these models.
+        With the check of that and its reason. Of confounders, which stand for each
+        other, none is asked: they are told as classes. Nor is a change that witnesses
+        agree with, who know nothing of these models.
         """
+        if found is None:
+            return None
         effects = {effect.name: effect for effect in step.model.effects}
         added = [f for f in self.findings if f.effect in effects]
         checks = everywhere(added, found, step)
-        for finding in (f for f in reversed(added) if f.effect in checks):
+        for finding in (f for f in added if f.effect in checks):
             check, why = checks[finding.effect]
             settled = effects[finding.effect].confounder or vouched(finding)
             if not check.passed and not settled:
-                step = self.on_own_steps(self.removed(finding, check, why, step))
-                return self.without_doubtful(step, self.evidence(step))
-        return step, found
+                return finding, effects[finding.effect], check, why
+        return None
+
+    def gone_back(self, finding, effect, check, why):
+        """The step before a finding, on which later ones stand; it is no more tried."""
+        self.steps, self.findings, self.vetoed = map(copy, self.before[finding.effect])
+        self.vetoed[finding.effect] = refused(finding, check, why)
+        self.doubted += (effect,)
+        last = self.steps[list(self.steps)[-1]]
+        return self.on_own_steps(last) if last.model.effects else last
 
     def removed(self, finding, check, why, step):
         """The step without a finding, which does not pass a check after all."""
-        self.findings = [f for f in self.findings if f.effect != finding.effect]
-        self.vetoed[finding.effect] = replace(
-            finding,
-            verdict=Verdict.SUGGESTIVE,
-            because=why,
-            checks=(*finding.checks, check),
-        )
+        self.findings.remove(finding)
+        self.vetoed[finding.effect] = refused(finding, check, why)
         effects = tuple(e for e in step.model.effects if e.name != finding.effect)
         model = replace(step.model, effects=effects)
         fit = self.fits.fitted(model, step, step.coarse, whole=False)
@@ -430,7 +452,7 @@ class Search:
         rows = ranked(found, case.days)
         told = (case, found, rows)
         by = sorting(case, found, [])
-        changes = changes_of(last.model)
+        changes = changes_of(last.model.effects)
         findings = [*findings, *hints(*told, findings, self.aside, changes)]
         tables = [*tables_left(case, found, by)]
         findings += [unexplained(*table) for table in tables]
@@ -441,9 +463,15 @@ class Search:
         return Ranking(table), findings, unseen
 
 
-def changes_of(model):
-    """Effects of a model that are changes of an instrument."""
-    return tuple(effect for effect in model.effects if effect.channel)
+def refused(finding, check, why):
+    """A finding that does not pass a check after all."""
+    checks, verdict = (*finding.checks, check), Verdict.SUGGESTIVE
+    return replace(finding, verdict=verdict, because=why, checks=checks)
+
+
+def changes_of(effects):
+    """Those effects that are changes of an instrument."""
+    return tuple(effect for effect in effects if effect.channel)
 
 
 def with_errors(finding, last, stderr):

@@ -49,16 +49,23 @@ def refit_checks(finding, case, before, after, stderr):
         Check("rows without a temperature", "", lost, 0, most=True),
         because(Reason.NO_TEMPERATURE, rows=lost),
     )
-    effects = {key for e in after.model.effects for key in e.rows()}
-    bound = sorted(effects & set(after.at_bound))
-    yield (
-        Check("coefficients at a bound", "", len(bound), 0, most=True),
-        because(Reason.AT_BOUND, coefficient=", ".join(bound)),
-    )
+    # a confounder that what comes later drives to a bound is what has to go
+    asked = [e for e in after.model.effects if e.name == finding.effect]
+    asked += [e for e in after.model.effects if not e.confounder]
+    yield bounds({key for e in asked for key in e.rows()}, after)
     yield sureness(finding, after.coefficients, stderr, case)
     check, rise = choosing_check(case, before, after)
     errors = check.statistic
     yield check, because(Reason.CONTRADICTED, rise=rise, errors=errors)
+
+
+def bounds(names, step):
+    """The check that none of some coefficients is at a bound, and why it fails."""
+    bound = sorted({*names} & {*step.at_bound})
+    return (
+        Check("coefficients at a bound", "", len(bound), 0, most=True),
+        because(Reason.AT_BOUND, coefficient=", ".join(bound)),
+    )
 
 
 def sureness(finding, values, stderr, case):

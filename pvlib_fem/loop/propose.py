@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects.courses import alike, is_drift, same_date
+from pvlib_fem.effects.courses import alike, is_drift, same_course, same_date
 from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import apart
@@ -96,6 +96,8 @@ class Proposals:
                 }
                 rivals = near | self.rivals(found, alike, given)
                 ties = found.ties(best, rivals, given)
+                ties += tuple(n for n in near if unsure_beside(found, best, n, given))
+                ties = tuple(dict.fromkeys(ties))
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
@@ -105,7 +107,9 @@ class Proposals:
                 )
                 given.append(name)
                 found = found.on_rows_of(name)
-                names = [n for n in names if n not in (name, best, *ties, *others)]
+                # along another course what was alike is another question
+                asked = [n for n in (best, *ties) if answers(found, name, n)]
+                names = [n for n in names if n not in (name, *others, *asked)]
                 continue
             if unknowns == limits.most_structures:
                 break
@@ -182,6 +186,24 @@ def once_more(effect, changes):
     return bool(effect.channel) and any(
         one.channel and same_date(effect, one) for one in changes
     )
+
+
+def answers(found, name, other):
+    """Whether one of a class, once it is taken, leaves no other of it to ask for."""
+    one, two = found.effects[name], found.effects[other]
+    return not (one.channel and two.channel) or same_course(one, two)
+
+
+def unsure_beside(found, name, other, given):
+    """Whether a change is within its error of nothing beside another of its date."""
+    one, two = found.effects[name], found.effects[other]
+    if name == other or not one.channel or not two.channel or not same_date(one, two):
+        return False
+    weight = found.weigh(name, [*given, other])
+    if not isinstance(weight, Weight):
+        return True
+    (size,), (error,) = weight.coefficients.values(), weight.stderr.values()
+    return abs(size) < found.criteria.bound_errors * error
 
 
 def weighed(found, names, given):

@@ -21,19 +21,13 @@ import numpy as np
 from scipy.stats import t as student
 
 from pvlib_fem.effects import CHANGES
-from pvlib_fem.findings import Check, Opinion
+from pvlib_fem.effects.instruments import LIT
+from pvlib_fem.findings import OUTPUT, Check, Opinion
 from pvlib_fem.loop.evidence import UNSEEN
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
 
 LEVEL = 0.95  # of the interval by each of the models
-#: what a misshapen steady model leaves, in words
-MISFITS = {
-    "misfit:curved": "a loss that bends",
-    "misfit:warm": "a loss that follows the season",
-    "misfit:slow": "a slower mass",
-    "misfit:late": "a record that is late",
-}
 
 
 def with_ranges(findings, found, step, tables=()):
@@ -74,27 +68,28 @@ def with_ranges(findings, found, step, tables=()):
 
 def everywhere(added, found, step):
     """
-    By finding, the check that no possible model has it near nothing, and why it fails.
+    By finding, the check that beside no other effect it is near nothing, and why it is.
 
-    Of several coefficients one that is apart from nothing will do. Tables of what no
-    effect explains are not asked: a finding has held against them. Of a change of an
-    instrument no other is asked, which says what has changed, and not whether.
+    Of several coefficients one that is apart from nothing will do. Confounders are not
+    asked, beside all of which it was weighed. Nor is another change of an instrument of
+    a change, since it says what has changed, and not whether; nor power of what takes
+    light, which power follows as the module does.
     """
     base = found.places(())
     start = found.sums(()).solve(base) / found.sums(()).scale[base]
     fitted = np.array([step.coefficients[name] for name in found.base])
     nearest = {}
-    changes = [f for f in added if f.effect in CHANGES]
     for model in models(added, found, step):
+        other = found.effects.get(model.more)
+        if other is None or other.confounder or model.less:
+            continue
         mine = model.told_of(base)
-        if model.more in CHANGES:
-            mine = [i for i in mine if i not in own_of(found, *changes)]
         shift, half = model.solved(mine)
         value = fitted[mine] + shift - start[mine]
         apart = (np.abs(value) / half).tolist(), value.tolist(), half.tolist()
-        for finding in added:
+        for finding in (f for f in added if asks(model.more, f.effect)):
             here = [
-                (times, model.words, found.base[i], *rest)
+                (times, model.more, found.base[i], *rest)
                 for i, times, *rest in zip(mine, *apart)
                 if i in own_of(found, finding)
             ]
@@ -105,12 +100,19 @@ def everywhere(added, found, step):
     return {effect: distance(*one) for effect, one in nearest.items()}
 
 
-def distance(times, words, name, value, half):
-    """The check of a coefficient by one model, and why it fails."""
+def asks(other, effect):
+    """Whether an effect has to be apart from nothing beside another."""
+    if other in CHANGES:
+        return effect not in CHANGES
+    return other != OUTPUT or effect not in LIT
+
+
+def distance(times, other, name, value, half):
+    """The check of a coefficient beside another effect, and why it fails."""
     return (
-        Check("times its interval from nothing, by all possible models", "", times, 1),
+        Check("times its interval from nothing beside others", "", times, 1),
         because(
-            Reason.ELSEWHERE, model=words, coefficient=name, value=value, half=half
+            Reason.ELSEWHERE, other=other, coefficient=name, value=value, half=half
         ),
     )
 
@@ -119,10 +121,10 @@ def distance(times, words, name, value, half):
 class Model:
     """Another model that the record leaves possible, by sums and their columns."""
 
-    words: str
     sums: ClusterSums = field(repr=False)
     kept: list  # columns that it has
     more: str = ""  # the effect or misfit that it has beside
+    less: str = ""  # the finding that it has not
     silent: tuple = ()  # columns of which it says nothing
 
     def told_of(self, places):
@@ -146,29 +148,28 @@ def solved(sums, kept, wanted):
 def models(added, found, step, tables=()):
     """All models that a record leaves possible beside the one that is told."""
     base = found.places(())
-    yield Model("as it is", found.sums(()), base)
+    yield Model(found.sums(()), base)
     for name in (*found.misfits, *found.effects):
         silent = [f for f in added if name in same(f, found, step)]
-        words = f"beside {MISFITS.get(name, name)}"
         own = own_of(found, *silent)
-        yield Model(words, *beside(found, [name], base), name, own)
+        yield Model(*beside(found, [name], base), more=name, silent=own)
     for finding in added:
         own = own_of(found, finding)
         without = np.zeros(len(found.columns))
         for place in own:
             without[place] = -step.coefficients[found.base[place]]
         kept = [place for place in base if place not in own]
-        words = f"without {finding.effect}"
-        yield Model(words, found.sums(()).about(without), kept)
+        less = finding.effect
+        yield Model(found.sums(()).about(without), kept, less=less)
         for name in found.effects.keys() & same(finding, found, step):
             sums, places = beside(found, [name], kept)
-            yield Model(f"{words} and with {name}", sums.about(without), places, name)
+            yield Model(sums.about(without), places, name, less)
     columns = {e.name: e.column for e in step.model.effects}
     for table in tables:
         # in cells of a column, what does no more than follow it is hardly to be seen
         silent = [f for f in added if columns[f.effect] in table.drivers]
-        words, own = f"beside a pattern of {table.name}", own_of(found, *silent)
-        yield Model(words, within(found, table.bins), base, "", own)
+        own = own_of(found, *silent)
+        yield Model(within(found, table.bins), base, silent=own)
 
 
 def same(finding, found, step):

@@ -70,7 +70,8 @@ def hearing(comparisons, also, candidates, rivals, effects, weights, coefficient
         ]
         kept = asked = (*best, *others)
         if channel == "sensitivity":
-            kept = (*kept, *(name for name in candidates if name in COVERS))
+            lying = COVERS if {*COVERS} <= {*alike(effects[best[0]])} else ()
+            kept = (*kept, *(name for name in candidates if name in lying))
     else:
         asked = candidates
         kept = [name for name in candidates if name not in against]

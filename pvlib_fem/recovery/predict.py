@@ -171,7 +171,7 @@ class Round:
         seen = case.searched & record.known(step.model.drivers)
         how = (case.criteria, case.family, step.at_bound)
         found = gather(step.model, step.coefficients, record, seen, wanted, *how)
-        told = (step.coefficients, changes_of(step.model))
+        told = (step.coefficients, changes_of(step.model.effects))
         new = Proposals(case, found, self.done, *told).run()
         days = np.unique(record.dates)
         return any(holds(f, self.look.effect, found.effects, days) for f in new)
