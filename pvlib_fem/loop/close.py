@@ -16,7 +16,7 @@ from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.loop.budget import budget_of, episodes_of
-from pvlib_fem.loop.confirm import bounds, confirmed, sureness
+from pvlib_fem.loop.confirm import bounds, confirmed, refused, sureness
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Weight
@@ -225,10 +225,8 @@ class Search:
             self.tell(f"weighing effects, round {turn + 1}")
             found = self.evidence(step)
             done = {n for finding in self.findings for n in finding.candidates}
-            beside = (
-                step.coefficients,
-                changes_of((*step.model.effects, *self.doubted)),
-            )
+            dated = changes_of((*step.model.effects, *self.doubted))
+            beside = (step.coefficients, dated)
             proposals = Proposals(self.case, found, frozenset(done), *beside)
             new, self.aside = proposals.run(), proposals.aside
             names = ", ".join(f.effect for f in new if f.added)
@@ -461,12 +459,6 @@ class Search:
         table = table_of({name: as_row(*row) for name, row in rows.items()})
         table = table.sort_values("gain", ascending=False, kind="stable")
         return Ranking(table), findings, unseen
-
-
-def refused(finding, check, why):
-    """A finding that does not pass a check after all."""
-    checks, verdict = (*finding.checks, check), Verdict.SUGGESTIVE
-    return replace(finding, verdict=verdict, because=why, checks=checks)
 
 
 def changes_of(effects):

@@ -29,15 +29,17 @@ def confirmed(finding, case, before, after, stderr):
     Finding
         ``suggestive`` where one of the checks fails, of which it is the last.
     """
-    checks = list(finding.checks)
-    for check, reason in refit_checks(finding, case, before, after, stderr):
-        checks.append(check)
+    for check, why in refit_checks(finding, case, before, after, stderr):
         if not check.passed:
-            verdict = Verdict.SUGGESTIVE
-            return replace(
-                finding, verdict=verdict, because=reason, checks=tuple(checks)
-            )
-    return replace(finding, checks=tuple(checks))
+            return refused(finding, check, why)
+        finding = replace(finding, checks=(*finding.checks, check))
+    return finding
+
+
+def refused(finding, check, why):
+    """The finding where it does not pass a check after all."""
+    checks, verdict = (*finding.checks, check), Verdict.SUGGESTIVE
+    return replace(finding, verdict=verdict, because=why, checks=checks)
 
 
 def refit_checks(finding, case, before, after, stderr):
