@@ -76,8 +76,8 @@ def test_the_loop_says_that_its_plane_is_estimated_and_names_no_obstacle():
 def test_planes_are_two_where_they_part_by_more_than_their_errors():
     found = Plane(30.0, 355.0, 5.0, 6.0, 40)
     assert not found.is_another(30.0, 355.0)
-    assert not found.is_another(39.0, 6.0)  # past north
-    assert found.is_another(41.0, 355.0) and found.is_another(30.0, 8.0)
+    assert not found.is_another(44.0, 12.0)  # past north
+    assert found.is_another(46.0, 355.0) and found.is_another(30.0, 14.0)
 
 
 @pytest.mark.parametrize("turned", [0.0, 16.0])
@@ -91,6 +91,8 @@ def test_a_sensor_in_another_plane_is_told_and_no_obstacle_is_named(turned):
     assert all(f.effect != "shading" for f in loop.findings)
     why = str(loop.untestable.get("shading", ""))
     assert ("not of the stated plane: it has tilt" in why) == (turned > 0.0)
+    others = (str(why) for name, why in loop.untestable.items() if name != "shading")
+    assert not any("plane" in why for why in others)
 
 
 @pytest.mark.parametrize(

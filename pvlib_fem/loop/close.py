@@ -22,7 +22,7 @@ from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Weight
 from pvlib_fem.loop.files import in_means, on_days, on_own_steps
 from pvlib_fem.loop.leaks import leaks
-from pvlib_fem.loop.prepare import another_plane, prepared
+from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranges import everywhere, vouched, with_ranges
@@ -253,7 +253,8 @@ class Search:
         there |= {effect.name for effect in self.doubted if not effect.channel}
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
         found = self.fits.gathered(step, wanted)
-        scanned = [e for e in wanted if e.scan and self.material(found, e.name)]
+        scanned = filter(is_before_the_sun, wanted)
+        scanned = [effect for effect in scanned if self.material(found, effect.name)]
         if scanned and (plane := another_plane(self.case)) is not None:
             # before another plane an obstacle has no place
             for effect in scanned:

@@ -51,9 +51,10 @@ def refit_checks(finding, case, before, after, stderr):
         Check("rows without a temperature", "", lost, 0, most=True),
         because(Reason.NO_TEMPERATURE, rows=lost),
     )
-    # a confounder that what comes later drives to a bound is what has to go
-    asked = [e for e in after.model.effects if e.name == finding.effect]
-    asked += [e for e in after.model.effects if not e.confounder]
+    effects = {effect.name: effect for effect in after.model.effects}
+    # a confounder that an effect with a driver has at a bound is what has to go
+    some = effects[finding.effect].confounder
+    asked = [e for e in effects.values() if some or not e.confounder]
     yield bounds({key for e in asked for key in e.rows()}, after)
     yield sureness(finding, after.coefficients, stderr, case)
     check, rise = choosing_check(case, before, after)

@@ -75,8 +75,8 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         sun = {}
     wanted, untestable = candidates({**look.drivers, **sun}, refused, effects)
     if plane is not None:  # an obstacle has no place beside a plane that is not known
-        scans = [effect for effect in wanted if {*GEOMETRY[:2]} & {*effect.drivers}]
-        untestable |= {e.name: because(Reason.ESTIMATED) for e in scans if e.scan}
+        scans = filter(is_before_the_sun, wanted)
+        untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
         wanted = [effect for effect in wanted if effect.name not in untestable]
     whole, seen = used(look, sun)
     case = Case(
@@ -112,6 +112,11 @@ def estimated(look, site):
         return None
     whole = look.whole
     return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+
+
+def is_before_the_sun(effect):
+    """Whether it is looked for where the sun stands, beside the module's plane."""
+    return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
 
 
 def another_plane(case):

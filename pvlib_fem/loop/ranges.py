@@ -71,9 +71,9 @@ def everywhere(added, found, step):
     By finding, the check that beside no other effect it is near nothing, and why it is.
 
     Of several coefficients one that is apart from nothing will do. Confounders are not
-    asked, beside all of which it was weighed. Nor is another change of an instrument of
-    a change, since it says what has changed, and not whether; nor power of what takes
-    light, which power follows as the module does.
+    asked, beside all of which it was weighed. Nor are changes of an instrument, which
+    come after what follows a column, and of which one says what has changed, and not
+    whether; nor power of what takes light, which power follows as the module does.
     """
     base = found.places(())
     start = found.sums(()).solve(base) / found.sums(()).scale[base]
@@ -102,9 +102,7 @@ def everywhere(added, found, step):
 
 def asks(other, effect):
     """Whether an effect has to be apart from nothing beside another."""
-    if other in CHANGES:
-        return effect not in CHANGES
-    return other != OUTPUT or effect not in LIT
+    return other not in CHANGES and (other != OUTPUT or effect not in LIT)
 
 
 def distance(times, other, name, value, half):

@@ -22,7 +22,7 @@ GROUPS = 10  # of days, each left out in turn
 LEAST_ERROR = 5.0  # °, of a clear sky and a transposition that are no more than models
 MOST_ERROR = 8.0  # °, above which the angles are not known
 MOST_LEFT = 0.12  # of the clear irradiance, root mean square
-SURE = 2.0  # errors by which two planes have to part to be two
+SURE = 3.0  # errors by which two planes have to part to be two
 STARTS = [(tilt, turn) for tilt in (10.0, 35.0, 60.0) for turn in range(0, 360, 45)]
 
 
