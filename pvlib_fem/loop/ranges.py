@@ -78,16 +78,16 @@ def everywhere(added, found, step):
     base = found.places(())
     start = found.sums(()).solve(base) / found.sums(()).scale[base]
     fitted = np.array([step.coefficients[name] for name in found.base])
+    effects = found.effects.items()
+    others = [n for n, e in effects if not e.confounder and n not in CHANGES]
     nearest = {}
-    for model in models(added, found, step):
-        other = found.effects.get(model.more)
-        if other is None or other.confounder or model.less:
-            continue
+    for model in larger(added, found, step, others):
         mine = model.told_of(base)
         shift, half = model.solved(mine)
         value = fitted[mine] + shift - start[mine]
         apart = (np.abs(value) / half).tolist(), value.tolist(), half.tolist()
-        for finding in (f for f in added if asks(model.more, f.effect)):
+        lit = LIT if model.more == OUTPUT else ()
+        for finding in (f for f in added if f.effect not in lit):
             here = [
                 (times, model.more, found.base[i], *rest)
                 for i, times, *rest in zip(mine, *apart)
@@ -98,11 +98,6 @@ def everywhere(added, found, step):
                 before = nearest.get(finding.effect, farthest)
                 nearest[finding.effect] = min(before, farthest)
     return {effect: distance(*one) for effect, one in nearest.items()}
-
-
-def asks(other, effect):
-    """Whether an effect has to be apart from nothing beside another."""
-    return other not in CHANGES and (other != OUTPUT or effect not in LIT)
 
 
 def distance(times, other, name, value, half):
@@ -122,7 +117,6 @@ class Model:
     sums: ClusterSums = field(repr=False)
     kept: list  # columns that it has
     more: str = ""  # the effect or misfit that it has beside
-    less: str = ""  # the finding that it has not
     silent: tuple = ()  # columns of which it says nothing
 
     def told_of(self, places):
@@ -147,27 +141,31 @@ def models(added, found, step, tables=()):
     """All models that a record leaves possible beside the one that is told."""
     base = found.places(())
     yield Model(found.sums(()), base)
-    for name in (*found.misfits, *found.effects):
-        silent = [f for f in added if name in same(f, found, step)]
-        own = own_of(found, *silent)
-        yield Model(*beside(found, [name], base), more=name, silent=own)
+    yield from larger(added, found, step, (*found.misfits, *found.effects))
     for finding in added:
         own = own_of(found, finding)
         without = np.zeros(len(found.columns))
         for place in own:
             without[place] = -step.coefficients[found.base[place]]
         kept = [place for place in base if place not in own]
-        less = finding.effect
-        yield Model(found.sums(()).about(without), kept, less=less)
+        yield Model(found.sums(()).about(without), kept)
         for name in found.effects.keys() & same(finding, found, step):
             sums, places = beside(found, [name], kept)
-            yield Model(sums.about(without), places, name, less)
+            yield Model(sums.about(without), places, name)
     columns = {e.name: e.column for e in step.model.effects}
     for table in tables:
         # in cells of a column, what does no more than follow it is hardly to be seen
         silent = [f for f in added if columns[f.effect] in table.drivers]
         own = own_of(found, *silent)
         yield Model(within(found, table.bins), base, silent=own)
+
+
+def larger(added, found, step, names):
+    """Models with one more effect or misfit each."""
+    for name in names:
+        silent = [f for f in added if name in same(f, found, step)]
+        sums, places = beside(found, [name], found.places(()))
+        yield Model(sums, places, name, own_of(found, *silent))
 
 
 def same(finding, found, step):
