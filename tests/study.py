@@ -198,7 +198,8 @@ TOLD = {
     "clock_shift": ("clock",),
     "clock_drift": ("clock", "drift"),
     "dst": ("daylight-saving",),
-    "file_dst": ("daylight-saving",),
+    # where no such time is kept, the file's clock was set, and back
+    "file_dst": ("daylight-saving", "clock was set"),
     "stuck": ("stands still",),
     "swap": ("to be in",),
 }
