@@ -202,6 +202,16 @@ class Effect:
             f"unknown source {source!r} of {self.name}; there are {sources}"
         )
 
+    def estimated(self, source: str, column: str, confounder: bool = False) -> "Effect":
+        """The variant whose driver is estimated: from what, and as which column."""
+        return replace(
+            self,
+            columns=(column,),
+            confounder=confounder,
+            settings={"source": source},
+            source=source,
+        )
+
     def with_constants(self, settings: Mapping[str, Any]) -> "Effect":
         """The effect with those constants that it takes."""
         given = {k: v for k, v in settings.items() if k in self.constants}

@@ -1,5 +1,7 @@
 """Columns that say nothing between times further apart than the record's rows."""
 
+from itertools import product
+
 import numpy as np
 
 from pvlib_fem.quality.values import resolution
@@ -26,45 +28,52 @@ def between(inputs):
         return
     rows = slice(0, int(np.searchsorted(inputs.seconds, MOST)))
     seconds = inputs.seconds[rows]
+    periods = [period for period in PERIODS if period >= FEWEST_ROWS * step]
     for name in (name for name in COLUMNS if name in inputs.columns):
-        values = inputs[name][rows]
-        for period in (p for p in PERIODS if p >= FEWEST_ROWS * step):
-            if words := filled(values, seconds, step, period):
-                yield (
-                    f"{name} {words.format(period / 60)}, and rows are {step / 60:.2g} "
-                    "min apart: what it does in between is not in the record; give "
-                    "that of a sensor at the site, or means over that time"
-                )
-                break
+        if found := filled(inputs[name][rows], seconds, step, periods):
+            words, period = found
+            yield (
+                f"{name} {words.format(period / 60)}, and rows are {step / 60:.2g} "
+                "min apart: what it does in between is not in the record; give "
+                "that of a sensor at the site, or means over that time"
+            )
 
 
-def filled(values, seconds, step, period):
-    """How a column is filled between values a period apart, in words, or nothing."""
+def filled(values, seconds, step, periods):
+    """How a column is filled between values a period apart, in words, and which one."""
     there = np.isfinite(values)
     values, seconds = values[there], seconds[there]
     if len(values) < FEWEST * FEWEST_ROWS:
-        return ""
+        return None
     fine = 1.02 * resolution(values) + 1e-6 * np.ptp(values)  # both ends are rounded
-    rows, change = np.arange(len(values)), np.abs(np.diff(values, prepend=values[0]))
+    change = np.abs(np.diff(values, prepend=values[0]))
     bend = np.abs(np.diff(values, n=2, prepend=values[0], append=values[-1]))
-    for words, ends in (
-        ("keeps a value for {:.0f} min", change),
-        ("is a straight line between values {:.0f} min apart", bend),
-    ):
-        still = np.mean(ends <= 2.0 * fine)
-        if still < SHARE * (1.0 - 2.0 * step / period):
+    forms = [
+        ("keeps a value for {:.0f} min", change, kept),
+        ("is a straight line between values {:.0f} min apart", bend, straight),
+    ]
+    still = {words: np.mean(ends <= 2.0 * fine) for words, ends, _ in forms}
+    for period, (words, ends, between_knots) in product(periods, forms):
+        if still[words] < SHARE * (1.0 - 2.0 * step / period):
             continue
         knots = ends_of_periods(seconds, ends, step, period)
         moves = np.abs(np.diff(values[knots])) > 3.0 * fine
         if np.count_nonzero(moves) < FEWEST:
             continue
-        if ends is change:
-            told = values[knots][np.searchsorted(knots, rows, "right") - 1]
-        else:
-            told = np.interp(seconds, seconds[knots], values[knots])
-        if np.mean(np.abs(values - told) <= fine) >= SHARE:
-            return words
-    return ""
+        apart = np.abs(values - between_knots(values, seconds, knots))
+        if np.mean(apart <= fine) >= SHARE:
+            return words, period
+    return None
+
+
+def kept(values, seconds, knots):
+    """Values that stay from each knot to the next."""
+    return values[knots][np.searchsorted(knots, np.arange(len(values)), "right") - 1]
+
+
+def straight(values, seconds, knots):
+    """Values on straight lines from each knot to the next."""
+    return np.interp(seconds, seconds[knots], values[knots])
 
 
 def ends_of_periods(seconds, ends, step, period):

@@ -39,18 +39,8 @@ MEASURED = Effect(
     source="measured longwave",
     confused_with=("sky_radiation", "temperature_gain", "air_shield", "season"),
 )
-FROM_HUMIDITY = replace(
-    MEASURED,
-    columns=("sky_deficit_humid",),
-    settings={"source": "humidity"},
-    source="humidity",
-)
-FROM_MOISTURE = replace(
-    MEASURED,
-    columns=("sky_deficit_moist",),
-    settings={"source": "humidity, without clouds"},
-    source="humidity, without clouds",
-)
+FROM_HUMIDITY = MEASURED.estimated("humidity", "sky_deficit_humid")
+FROM_MOISTURE = MEASURED.estimated("humidity, without clouds", "sky_deficit_moist")
 
 #: by what is known of the sky, as for loss to it
 VARIANTS = (MEASURED, FROM_HUMIDITY, FROM_MOISTURE)

@@ -27,17 +27,6 @@ def terms(sky_deficit, *, share):
     return Terms(heat=-share * sky_deficit)
 
 
-def estimated(source, column, confounder=False):
-    """The same effect where longwave is not measured."""
-    return replace(
-        MEASURED,
-        columns=(column,),
-        confounder=confounder,
-        settings={"source": source},
-        source=source,
-    )
-
-
 MEASURED = Effect(
     "sky_radiation",
     terms,
@@ -53,10 +42,14 @@ MEASURED = Effect(
         "air_elsewhere",
     ),
 )
-FROM_HUMIDITY = estimated("humidity", "sky_deficit_humid")
-FROM_MOISTURE = estimated("humidity, without clouds", "sky_deficit_moist")
-FROM_CLOUDS = estimated("clouds of the day", "sky_deficit_clouds", confounder=True)
-FROM_AIR = estimated("air temperature alone", "sky_deficit_air", confounder=True)
+FROM_HUMIDITY = MEASURED.estimated("humidity", "sky_deficit_humid")
+FROM_MOISTURE = MEASURED.estimated("humidity, without clouds", "sky_deficit_moist")
+FROM_CLOUDS = MEASURED.estimated(
+    "clouds of the day", "sky_deficit_clouds", confounder=True
+)
+FROM_AIR = MEASURED.estimated(
+    "air temperature alone", "sky_deficit_air", confounder=True
+)
 
 #: by what is known of the sky, the best first
 VARIANTS = (MEASURED, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
