@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
@@ -19,12 +20,11 @@ from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import bounds, confirmed, refused, sureness
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.evidence import Weight
 from pvlib_fem.loop.files import in_means, on_days, on_own_steps
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
-from pvlib_fem.loop.propose import Proposals, renamed, sorting
+from pvlib_fem.loop.propose import Proposals, renamed, sorting, weighed
 from pvlib_fem.loop.ranges import everywhere, vouched, with_ranges
 from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
@@ -251,26 +251,26 @@ class Search:
         """Evidence of all that a step lacks."""
         there = {effect.name for effect in step.model.effects}
         there |= {effect.name for effect in self.doubted if not effect.channel}
+        limits = self.case.criteria
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
         found = self.fits.gathered(step, wanted)
-        scanned = filter(is_before_the_sun, wanted)
-        scanned = [effect for effect in scanned if self.material(found, effect.name)]
-        if scanned and (plane := another_plane(self.case)) is not None:
+        scanned = {e.name: e for e in wanted if is_before_the_sun(e)}
+        names = [name for name in scanned if name in found.effects]
+        weights, least = weighed(found, names, found.confounders), limits.hint_gain
+        shown = [scanned[name] for name, w in weights.items() if w.gain >= least]
+        if shown and self.another_plane is not None:
             # before another plane an obstacle has no place
-            for effect in scanned:
-                why = because(Reason.ANOTHER_PLANE, plane=str(plane))
+            for effect in shown:
+                why = because(Reason.ANOTHER_PLANE, plane=str(self.another_plane))
                 self.untestable[effect.name] = why
                 self.fits.case = self.case.without(effect)
             return self.evidence(step)
         return found
 
-    def material(self, found, name):
-        """Whether an effect would explain enough to be told, if nothing else did."""
-        if name not in found.effects:
-            return False
-        weight = found.weigh(name, found.confounders)
-        least = self.case.criteria.hint_gain
-        return isinstance(weight, Weight) and weight.gain >= least
+    @cached_property
+    def another_plane(self):
+        """The plane of the light, where that is not the stated one; asked for once."""
+        return another_plane(self.case)
 
     def leave_out_leaks(self, base):
         """Drop columns of the user's own that hold the answer."""
@@ -311,12 +311,13 @@ class Search:
         stderr = self.fits.errors(step)
         there = {effect.name for effect in step.model.effects}
         for finding in [f for f in self.findings if f.effect in there]:
-            asked = sureness(finding, step.coefficients, stderr, self.case)
-            asked = [bounds(finding.coefficients, step), asked]
-            for check, why in (one for one in asked if not one[0].passed):
-                step = self.removed(finding, check, why, step)
+            asked = (
+                bounds(finding.coefficients, step),
+                sureness(finding, step.coefficients, stderr, self.case),
+            )
+            if failed := [one for one in asked if not one[0].passed]:
+                step = self.removed(finding, *failed[0], step)
                 stderr = self.fits.errors(step)
-                break
         return step
 
     def doubtful(self, step, found):

@@ -88,16 +88,7 @@ class Proposals:
             table = structure(self.case, found, given, self.sorting, without)
             checks, explained = against(found, best, given, table, floor, limits)
             if all_pass(checks):
-                # of its rivals no more is asked than of physics
-                near = {
-                    n: w.gain
-                    for n, w in weights.items()
-                    if w.gain > 0 and w.possible and found.chance(w) <= limits.chance
-                }
-                rivals = near | self.rivals(found, alike, given)
-                ties = found.ties(best, rivals, given)
-                ties += tuple(n for n in near if unsure_beside(found, best, n, given))
-                ties = tuple(dict.fromkeys(ties))
+                ties = self.tied(found, best, weights, alike, given)
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
@@ -108,8 +99,8 @@ class Proposals:
                 given.append(name)
                 found = found.on_rows_of(name)
                 # along another course what was alike is another question
-                asked = [n for n in (best, *ties) if answers(found, name, n)]
-                names = [n for n in names if n not in (name, *others, *asked)]
+                told = [n for n in (best, *ties) if answers(found, name, n)]
+                names = [n for n in names if n not in (name, *others, *told)]
                 continue
             if unknowns == limits.most_structures:
                 break
@@ -118,6 +109,18 @@ class Proposals:
             spill = max(spill, limits.structure_spill * explained)
             found = found.with_column(f"unknown:{unknowns}", table.values)
             given.append(f"unknown:{unknowns}")
+
+    def tied(self, found, best, weights, alike, given):
+        """What cannot be told from the best one."""
+        # of its rivals no more is asked than of physics
+        near = {
+            n: w.gain
+            for n, w in weights.items()
+            if w.gain > 0 and w.possible and found.chance(w) <= found.criteria.chance
+        }
+        ties = found.ties(best, near | self.rivals(found, alike, given), given)
+        unsure = (n for n in near if unsure_beside(found, best, n, given))
+        return tuple(dict.fromkeys([*ties, *unsure]))
 
     def rivals(self, found, names, given):
         """Gains of those names that are open and possible, as of a class."""

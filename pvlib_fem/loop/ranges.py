@@ -30,7 +30,7 @@ from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
 LEVEL = 0.95  # of the interval by each of the models
 
 
-def with_ranges(findings, found, step, tables=()):
+def with_ranges(findings, found, step, tables):
     """
     The findings that are in the model, with ranges of their coefficients.
 
@@ -55,13 +55,9 @@ def with_ranges(findings, found, step, tables=()):
     added = [finding for finding in findings if finding.added]
     if not added:
         return findings
-    base = found.places(())
-    start = found.sums(()).solve(base) / found.sums(()).scale[base]
     reach = dict.fromkeys(found.base, 0.0)
-    for model in models(added, found, step, tables):
-        mine = model.told_of(base)
-        shift, half = model.solved(mine)
-        for i, ends in zip(mine, np.abs(shift - start[mine]) + half):
+    for _, mine, moves, half in moved(found, models(added, found, step, tables)):
+        for i, ends in zip(mine, np.abs(moves) + half):
             reach[found.base[i]] = max(reach[found.base[i]], float(ends))
     return [ranged(f, step, reach) if f.added else f for f in findings]
 
@@ -75,28 +71,23 @@ def everywhere(added, found, step):
     come after what follows a column, and of which one says what has changed, and not
     whether; nor power of what takes light, which power follows as the module does.
     """
-    base = found.places(())
-    start = found.sums(()).solve(base) / found.sums(()).scale[base]
     fitted = np.array([step.coefficients[name] for name in found.base])
     effects = found.effects.items()
     others = [n for n, e in effects if not e.confounder and n not in CHANGES]
-    nearest = {}
-    for model in larger(added, found, step, others):
-        mine = model.told_of(base)
-        shift, half = model.solved(mine)
-        value = fitted[mine] + shift - start[mine]
+    own, nearest = {f.effect: own_of(found, f) for f in added}, {}
+    for model, mine, moves, half in moved(found, larger(added, found, step, others)):
+        value = fitted[mine] + moves
         apart = (np.abs(value) / half).tolist(), value.tolist(), half.tolist()
         lit = LIT if model.more == OUTPUT else ()
-        for finding in (f for f in added if f.effect not in lit):
+        for effect in (name for name in own if name not in lit):
             here = [
                 (times, model.more, found.base[i], *rest)
                 for i, times, *rest in zip(mine, *apart)
-                if i in own_of(found, finding)
+                if i in own[effect]
             ]
             if here:
                 farthest = max(here)
-                before = nearest.get(finding.effect, farthest)
-                nearest[finding.effect] = min(before, farthest)
+                nearest[effect] = min(nearest.get(effect, farthest), farthest)
     return {effect: distance(*one) for effect, one in nearest.items()}
 
 
@@ -119,13 +110,20 @@ class Model:
     more: str = ""  # the effect or misfit that it has beside
     silent: tuple = ()  # columns of which it says nothing
 
-    def told_of(self, places):
-        """Those columns of which it says something."""
-        return [i for i in places if i in self.kept and i not in self.silent]
 
-    def solved(self, wanted):
-        """Shift of some of its columns, and half of their interval."""
-        return solved(self.sums, self.kept, wanted)
+def moved(found, others):
+    """
+    Of each of some models what it says of the coefficients that are fitted.
+
+    The model, the places of which it says something, by how much they move from where
+    they are, and half of their intervals.
+    """
+    base = found.places(())
+    start = found.sums(()).solve(base) / found.sums(()).scale[base]
+    for model in others:
+        mine = [i for i in base if i in model.kept and i not in model.silent]
+        shift, half = solved(model.sums, model.kept, mine)
+        yield model, mine, shift - start[mine], half
 
 
 def solved(sums, kept, wanted):
@@ -137,7 +135,7 @@ def solved(sums, kept, wanted):
     return (shift / scale)[own], (times * error / scale)[own]
 
 
-def models(added, found, step, tables=()):
+def models(added, found, step, tables):
     """All models that a record leaves possible beside the one that is told."""
     base = found.places(())
     yield Model(found.sums(()), base)
