@@ -74,7 +74,8 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
 
 def all_three(error: np.ndarray) -> dict[str, float]:
     """RMSE, MAE and MBE by name of measured less modelled temperatures. [K]"""
-    there = error[np.isfinite(error)]
+    known = np.isfinite(error)
+    there = error if known.all() else error[known]
     size = np.abs(there)
     return {
         "rmse": float(np.sqrt(mean_of(there**2))),

@@ -7,10 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import COLUMNS, DRIVERS, measured
+from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.fitting.search import natural
+from pvlib_fem.record.checks import Inputs, Record
 from pvlib_fem.statistics.leastsquares import descent
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
@@ -440,3 +442,18 @@ def test_what_cannot_be_held_is_refused(month, options, message):
     usual = [month[n] for n in DRIVERS]
     with pytest.raises(ValueError, match=message):
         fem.fit_fem(*usual, month["temp_air"] + 1.0, **options)
+
+
+@given(st.lists(st.tuples(st.integers(0, 5), st.booleans()), min_size=1, max_size=40))
+def test_rows_are_counted_by_their_date(days):
+    """Though a clock that is set back at midnight has a date come twice."""
+    dates, rows = map(np.array, zip(*days))
+    index = pd.RangeIndex(len(dates))
+    record = Record(Inputs({}, 60.0, 1.0, index, True), {}, {}, 0)
+    vars(record.inputs.times)["dates"] = dates
+    found, counts = record.rows_by_date(rows)
+    assert found.tolist() == sorted({*dates.tolist()})
+    assert counts.tolist() == [int((rows & (dates == day)).sum()) for day in found]
+    assert record.count_days(rows) == len({*dates[rows].tolist()})
+    some = found[::2]
+    assert np.array_equal(record.of_dates(some), np.isin(dates, some))

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from pvlib_fem.statistics.clusters import day_errors
-from pvlib_fem.statistics.leastsquares import answered, descent, normal
+from pvlib_fem.statistics.leastsquares import descent, minimum_of, normal
 
 # NIST StRD, Misra1a (nonlinear regression, lower difficulty), certified values
 MISRA_Y = [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05]
@@ -28,7 +28,7 @@ def sums_of(law):
 
 @pytest.mark.parametrize("start", [(500, 1e-4), (250, 5e-4)])  # NIST's two starts
 def test_a_certified_fit(start):
-    found = answered(descent(start, [1, 1e-6], [1e4, 1e-1]), sums_of(misra))
+    found = minimum_of(descent(start, [1, 1e-6], [1e4, 1e-1]), sums_of(misra))
     assert found.converged and not found.at_bound.any()
     assert found.x == pytest.approx(CERTIFIED, rel=1e-6)
     residual, _ = misra(found.x)
@@ -38,7 +38,7 @@ def test_a_certified_fit(start):
 @pytest.mark.parametrize("upper", [(200, 1e-1), (1e4, 5e-4)])
 def test_a_bound_that_binds_is_scipys_too(upper):
     lower = [1, 1e-6]
-    found = answered(descent((100, 1e-4), lower, upper), sums_of(misra))
+    found = minimum_of(descent((100, 1e-4), lower, upper), sums_of(misra))
     theirs = least_squares(
         lambda b: -misra(b)[0],
         (100, 1e-4),
@@ -55,7 +55,7 @@ def test_a_bound_that_binds_is_scipys_too(upper):
 
 
 def test_too_few_steps_are_no_convergence():
-    assert not answered(
+    assert not minimum_of(
         descent((500, 1e-4), [1, 1e-6], [1e4, 1e-1], 1), sums_of(misra)
     ).converged
 
@@ -67,7 +67,7 @@ def test_a_place_without_a_number_is_no_minimum():
         residual, jacobian = misra(x)
         return residual + (0.0 if x[0] == 250 else np.nan), jacobian
 
-    found = answered(descent((250, 5e-4), [1, 1e-6], [1e4, 1e-1]), sums_of(nowhere))
+    found = minimum_of(descent((250, 5e-4), [1, 1e-6], [1e4, 1e-1]), sums_of(nowhere))
     assert not found.converged
     assert found.x.tolist() == [250, 5e-4]
 

@@ -17,7 +17,7 @@ from numpy.testing import assert_allclose
 
 import pvlib_fem as fem
 from pvlib_fem import layers, scores
-from pvlib_fem.statistics.leastsquares import answered, descent, normal
+from pvlib_fem.statistics.leastsquares import descent, minimum_of, normal
 
 #: over-temperature per irradiance, as pvlib and the paper write it
 LAWS = {
@@ -392,7 +392,7 @@ def test_a_linear_search_is_the_best_of_all_faces_of_its_box(seed, size, room):
     matrix, target = random.normal(size=(12, size)), random.normal(size=12)
     lower, upper = np.full(size, -room), np.full(size, 0.5 * room)
     assume(room > 0.01)
-    found = answered(
+    found = minimum_of(
         descent(0 * lower, lower, upper),
         lambda x: normal(target - matrix @ x, matrix),
     )

@@ -14,7 +14,7 @@ from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.files import fit_files
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.fitting.rows import Rows, daily_sums
+from pvlib_fem.fitting.rows import Rows, with_temperature
 from pvlib_fem.fitting.search import possible
 from pvlib_fem.fitting.stages import (
     METHODS,
@@ -185,6 +185,7 @@ def fit_fem(
         stages = paper_stages(target, record, train, ~out, calm_wind, offset, notes)
         stderr = dict.fromkeys(stages["fem"][1], np.nan)
         at_bound, converged, daily = (), True, None
+        temperature = last(stages)[0].temperature(record.inputs, last(stages)[1])
         notes.append("no errors: the paper's recipe gives none")
     else:
         target, record, stages, minimum = least_squares_stages(
@@ -194,7 +195,7 @@ def fit_fem(
         at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
         converged = minimum.converged
         found = last(stages)[1]
-        daily = daily_sums(target, found, source, at_bound)
+        temperature, daily = with_temperature(target, found, source, at_bound)
         stderr = errors(target, daily, at_bound, notes)
         notes += memory_notes(
             source, target, found, stderr, at_bound, record.count_days(train)
@@ -202,7 +203,7 @@ def fit_fem(
         if not converged:
             notes.append("the search did not converge: do not trust the numbers")
     test = filtered & out
-    table, temperature = score_table(record, stages, train, test)
+    table = score_table(record, stages, temperature, train, test)
     return finished(
         target,
         record,
@@ -320,16 +321,18 @@ def finished(target, record, temperature, parts, minimum, **how):
     )
 
 
-def score_table(record, stages, train, test):
-    """RMSE, MAE and MBE of every stage, and the temperature of the last."""
+def score_table(record, stages, temperature, train, test):
+    """RMSE, MAE and MBE of every stage, of which the last has that temperature."""
     parts = {"train": np.flatnonzero(train), "test": np.flatnonzero(test)}
-    table = {}
+    table, final = {}, [*stages][-1]
     for name, (model, coefficients) in stages.items():
-        temperature = model.temperature(record.inputs, coefficients)
-        error = record["temp_module"] - temperature
+        modelled = temperature
+        if name != final:
+            modelled = model.temperature(record.inputs, coefficients)
+        error = record["temp_module"] - modelled
         table[name] = {
             f"{score}_{part}": value
             for part, rows in parts.items()
             for score, value in scores.all_three(error[rows]).items()
         }
-    return pd.DataFrame.from_dict(table, orient="index"), temperature
+    return pd.DataFrame.from_dict(table, orient="index")

@@ -30,6 +30,7 @@ class Answer:
     temperature: np.ndarray  # [°C]
     slopes: Mapping  # by parameter
     dates: np.ndarray  # day of each row, from 1970-01-01
+    whole: np.ndarray | None = None  # temperature of the other rows, too
 
     def columns(self, names):
         """Some of the slopes, and what is left, side by side."""
@@ -45,6 +46,10 @@ class Answer:
     def by_day(self, names):
         """The dates, and the same products over each."""
         return products_by_day(self.columns(names), self.dates)
+
+    def with_temperature(self, names):
+        """Temperature of all rows, and dates and products by the day."""
+        return self.whole, *self.by_day(names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +141,8 @@ class Rows:
                 continue
             temperature, slopes = here.answer(*given)
             slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
-            yield Answer(measured[rows], temperature[rows], slopes, dates)
+            found = measured[rows], temperature[rows], slopes, dates
+            yield Answer(*found, temperature)
 
     def thinned(self):
         """Some of the blocks, where a search of many may begin, or None of few."""
@@ -169,7 +175,13 @@ def normal_sums(model, coefficients, source, names) -> Normal:
 
 def daily_sums(model, coefficients, source, at_bound) -> DailySums:
     """The sums of a minimum by the day, from one pass over a source."""
+    return with_temperature(model, coefficients, source, at_bound)[1]
+
+
+def with_temperature(model, coefficients, source, at_bound):
+    """Temperature of all rows at a minimum, and sums by the day of those that count."""
     names = tuple(name for name in model.free if name not in at_bound)
     answers = source.answers(model, coefficients)
-    days, sums = joined(answer.by_day(names) for answer in answers)
-    return DailySums(names, cluster_sums_of(days, sums, source.count), source.winds)
+    temperature, *found = zip(*(answer.with_temperature(names) for answer in answers))
+    sums = cluster_sums_of(*joined(zip(*found)), source.count)
+    return np.concatenate(temperature), DailySums(names, sums, source.winds)

@@ -9,7 +9,7 @@ from pvlib_fem.fitting.rows import Rows, normal_sums
 from pvlib_fem.fitting.search import natural, searching, with_tables
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.leastsquares import FLAT, answered
+from pvlib_fem.statistics.leastsquares import FLAT, minimum_of
 from pvlib_fem.thermal.model import INSTANT
 
 METHODS = ("least_squares", "paper")
@@ -23,11 +23,8 @@ def held_out(record, filtered, holdout, notes):
     if holdout is not None:
         out = record.rows(holdout)
     else:
-        first = record.dates.min()
-        place = record.dates - first
-        there = np.flatnonzero(np.bincount(place))
-        rows = np.bincount(place[filtered], minlength=there[-1] + 1)[there]
-        out = np.isin(place, there[days_out(there + first, rows)])
+        dates, rows = record.rows_by_date(filtered)
+        out = record.of_dates(dates[days_out(dates, rows)])
     if not (filtered & out).any():
         notes.append(NONE_OUT)
     return out
@@ -128,7 +125,7 @@ def effect_stages(target, record, train, start):
 
 def minimise(model, source, start, biased, flat):
     """Least squares of one stage on the rows of a source."""
-    return answered(
+    return minimum_of(
         searching(model, source, start, biased, flat),
         lambda asked: normal_sums(model, asked[0], source, asked[1]),
     )

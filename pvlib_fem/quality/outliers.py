@@ -18,6 +18,7 @@ CODES = np.array(
     ]
 )
 
+SAMPLE = 1 << 17  # rows of a long column that tell much of it
 NO_CODE = -98.0, 327.0  # between which there is none
 
 
@@ -69,6 +70,11 @@ def beyond(values, known, factor, fewest, limits):
     Each in ``fewest`` rows or more, and in a small share of all.
     """
     none = np.zeros(len(values), dtype=bool)
+    # of most columns a few rows tell that too many are near the largest
+    largest = max(np.fmax.reduce(values), -np.fmin.reduce(values)) if len(values) else 0
+    some = np.abs(values[:: max(1, len(values) // SAMPLE)]) * factor >= largest
+    if not known.any() and np.count_nonzero(some) > limits.far_share * len(values):
+        return none
     size = np.abs(values)
     size[known] = np.nan
     there = np.isfinite(size)

@@ -2,7 +2,7 @@
 
 import numbers
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cached_property
 
@@ -26,6 +26,33 @@ KEEP_ONE = Spelled(
 
 
 @dataclass(frozen=True, eq=False)
+class Times:
+    """What follows from the times of some rows alone, found once for all columns."""
+
+    index: pd.Index
+    steps: np.ndarray | float
+    unit: float
+
+    @cached_property
+    def seconds(self):
+        """Time of each row since the first. [s]"""
+        steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
+        steps[0] = 0.0
+        return np.cumsum(steps) * self.unit
+
+    @cached_property
+    def dates(self):
+        """Calendar day of each row in the record's own zone, from 1970-01-01."""
+        return dates_of(self.index)
+
+    @cached_property
+    def runs(self):
+        """First row of each run of rows of one date, and the date."""
+        first = np.flatnonzero(np.diff(self.dates, prepend=self.dates[:1] - 1))
+        return first, self.dates[first]
+
+
+@dataclass(frozen=True, eq=False)
 class Inputs:
     """Columns on common times, ready for the kernel."""
 
@@ -34,6 +61,15 @@ class Inputs:
     unit: float  # seconds in one unit of ``steps``
     index: pd.Index
     is_series: bool
+    times: Times | None = field(default=None, repr=False)
+
+    def __post_init__(self):
+        times = self.times
+        # those of other columns are kept, where they are of the same rows
+        of_others = times and times.index is self.index and times.steps is self.steps
+        if not of_others:
+            times = Times(self.index, self.steps, self.unit)
+            object.__setattr__(self, "times", times)
 
     def __getitem__(self, name):
         return self.columns[name]
@@ -49,12 +85,10 @@ class Inputs:
             else np.nan
         )
 
-    @cached_property
+    @property
     def seconds(self):
         """Time of each row since the first. [s]"""
-        steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
-        steps[0] = 0.0
-        return np.cumsum(steps) * self.unit
+        return self.times.seconds
 
     def part(self, rows):
         """The inputs of a slice of the rows."""
@@ -138,15 +172,26 @@ class Record:
         """Number of each row's day among the days that are there, from 0."""
         return pd.factorize(self.dates)[0]
 
-    @cached_property
+    @property
     def dates(self):
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
-        return dates_of(self.index)
+        return self.inputs.times.dates
+
+    def rows_by_date(self, rows):
+        """Dates in order, and how many of some rows each has."""
+        first, dates = self.inputs.times.runs
+        days, place = np.unique(dates, return_inverse=True)
+        counts = np.add.reduceat(rows, first, dtype=int)
+        return days, np.bincount(place, counts).astype(int)
+
+    def of_dates(self, dates):
+        """Booleans of the rows of some dates."""
+        first, days = self.inputs.times.runs
+        return np.repeat(np.isin(days, dates), np.diff(first, append=len(self.dates)))
 
     def count_days(self, rows):
         """How many days some rows are of."""
-        place = (self.dates - self.dates.min())[rows]
-        return int(np.count_nonzero(np.bincount(place)))
+        return int(np.count_nonzero(self.rows_by_date(rows)[1]))
 
     def only(self, names):
         """The same record with some of its columns."""

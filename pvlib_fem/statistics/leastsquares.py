@@ -49,7 +49,7 @@ def normal(residual, jacobian):
     return Normal.of(products([*jacobian.T, residual]))
 
 
-def answered(search, evaluate):
+def minimum_of(search, evaluate):
     """What a search comes to that yields what it asks for, and is sent that."""
     try:
         asked = next(search)
@@ -64,7 +64,7 @@ def descent(start, lower, upper, steps=STEPS, flat=FLAT):
     A search for the least sum of squares, as a generator.
 
     It yields each place and is sent its :class:`Normal`, so that several searches can
-    share a pass; :func:`answered` runs one. Every step solves the bounded linear
+    share a pass; :func:`minimum_of` runs one. Every step solves the bounded linear
     problem on the square root of the small normal matrix, so a long record costs one
     pass a step. The residual is measured minus modelled; the slopes are those of the
     model. ``flat`` is the relative fall of the cost that ends the search: a last step
