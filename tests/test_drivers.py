@@ -200,7 +200,7 @@ def test_snow_lies_from_its_fall_until_it_slides():
 
 @pytest.mark.parametrize("name", ["poa_stored_1h", "poa_stored_3h", "air_stored"])
 def test_what_is_stored_vanishes_where_nothing_changes(name):
-    (column,) = DERIVED[name][0]
+    _, column = DERIVED[name][0]
     index = pd.date_range("2023-01-01", periods=1440, freq="1min")
     steady = pd.Series(400.0, index)
     assert np.abs(derived({column: steady}, name)[name]).max() < 1e-9

@@ -135,9 +135,34 @@ def test_days_are_held_out_by_their_dates(data, folder):
         fem.fit_fem(folder, holdout=rows)
 
 
+@pytest.mark.parametrize("effect", ["rain", "thermal_storage", "soiling", "snow"])
+def test_what_is_remembered_is_of_means(rainy, effect, tmp_path):
+    """The same coefficients, to a part of their error, and a note."""
+    rainy.to_parquet(tmp_path / "record.parquet")
+    how = dict(model="faiman", dynamics="balance", effects=effect, night=True)
+    expected, fit = (fem.fit_fem(what, **how) for what in (rainy, tmp_path))
+    for name, error in expected.stderr.items():
+        off = abs(fit.coefficients[name] - expected.coefficients[name])
+        assert off <= 0.3 * (error if error > 0 else 1e-6)
+    pd.testing.assert_frame_equal(fit.scores, expected.scores, atol=0.005)
+    assert f"means over 120 s, for {effect}" in fit.notes[-1]
+    fit.write_residual(tmp_path / "residual.parquet")
+    left = pd.read_parquet(tmp_path / "residual.parquet")["residual"]
+    assert (left - expected.residual).abs().mean() < 0.02
+
+
+@pytest.fixture(scope="module")
+def rainy():
+    """Forty days of early spring by the minute."""
+    data = fem.simulator.record(days=40, step=60, seed=4, start="2023-02-10")
+    data.attrs = {}
+    return data
+
+
 def test_what_files_cannot_be_asked_is_said(data, folder):
-    with pytest.raises(ValueError, match="soiling needs days_since_rain, which remem"):
-        fem.fit_fem(folder, effects="soiling")
+    shade = {"name": "shading", "windows": [(90, 120, 0, 20)], "sensor": True}
+    with pytest.raises(ValueError, match="shading looks at the hours around each row"):
+        fem.fit_fem(folder, effects=shade)
     with pytest.raises(ValueError, match="lacks p_dc"):
         fem.fit_fem(folder, effects="electrical_output")
     with pytest.raises(ValueError, match="takes no files"):

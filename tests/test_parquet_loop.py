@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem.cli import main
@@ -43,6 +44,32 @@ def test_the_findings_are_those_in_memory(loops):
     assert one.untestable.keys() == other.untestable.keys()
     for a, b in zip(one.findings, other.findings):
         assert b.coefficients == pytest.approx(a.coefficients, rel=0.1, abs=0.1)
+
+
+def test_what_the_files_lack_is_where_the_means_have_it(tmp_path):
+    """The sun by its place, and the clouds of a day by means, at the record's steps."""
+    site = fem.simulator.RHINE
+    effects = PHYSICS | {"sky_radiation": 1.0}
+    data = record(effects=effects, days=84, step=120, seed=4, start="2023-04-01")
+    data = data[[*NAMES[:4], "relative_humidity"]]
+    data.attrs = {}
+    data.to_parquet(tmp_path / "record.parquet")
+    place = dict(
+        location=Location(site.latitude, site.longitude, tz=site.tz),
+        surface_tilt=site.surface_tilt,
+        surface_azimuth=site.surface_azimuth,
+    )
+    one, other = (fem.close_loop(what, **place) for what in (data, tmp_path))
+    assert "sky_radiation" in one.effects and one.effects == other.effects
+    (effect,) = [e for e in one.fit.effects if e.name == "sky_radiation"]
+    assert effect.source == "humidity"
+    own = other.own_steps
+    for name, value in one.fit.coefficients.items():
+        assert abs(own.coefficients[name] - value) < 0.3 * one.fit.stderr[name]
+    assert own.scores["rmse_train"].iloc[-1] == pytest.approx(
+        one.table["rmse_train"].iloc[-1], abs=0.005
+    )
+    assert any("for sky_radiation" in note for note in own.notes)
 
 
 def test_the_last_model_is_fitted_to_the_records_own_steps(loops):

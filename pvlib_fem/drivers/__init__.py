@@ -10,7 +10,7 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
     constants,
     needed_for,
     own_constants,
-    remembers,
+    remembered,
     with_constants,
 )
 from pvlib_fem.drivers.solar import (  # noqa: F401

@@ -8,7 +8,7 @@ What the function takes after the star are its constants, which can be set.
 import inspect
 from dataclasses import replace
 
-from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, stored
+from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, past, stored
 from pvlib_fem.drivers.sky import (
     cloud_share,
     sky_deficit,
@@ -62,9 +62,12 @@ DERIVED = {
     "wetness": (("precipitation",), wetness),
     "days_since_rain": (("precipitation",), days_since_rain),
     "snow_cover": (("snow_depth", "temp_air", "poa_global"), snow_cover),
-    "poa_stored_1h": (("poa_global",), stored(HOUR)),
-    "poa_stored_3h": (("poa_global",), stored(3.0 * HOUR)),
-    "air_stored": (("temp_air",), stored(3.0 * HOUR)),
+    "poa_past_1h": (("poa_global",), past(HOUR)),
+    "poa_past_3h": (("poa_global",), past(3.0 * HOUR)),
+    "air_past": (("temp_air",), past(3.0 * HOUR)),
+    "poa_stored_1h": (("poa_past_1h", "poa_global"), stored),
+    "poa_stored_3h": (("poa_past_3h", "poa_global"), stored),
+    "air_stored": (("air_past", "temp_air"), stored),
     "day": ((), day),
     "day_angle": ((), day_angle),
 }
@@ -163,17 +166,19 @@ def is_derived(name):
 
 #: those that know of a row what was, or will be, hours and weeks from it
 REMEMBERED = (
-    *("elapsed", "beam_around", "cloud_share", "wetness", "days_since_rain"),
-    *("snow_cover", "poa_stored_1h", "poa_stored_3h", "air_stored"),
+    *("beam_around", "cloud_share", "wetness", "days_since_rain", "snow_cover"),
+    *("poa_past_1h", "poa_past_3h", "air_past"),
 )
 
 
-def remembers(name):
-    """Whether a driver, or one behind it, needs more than the row itself."""
-    if not is_derived(name):
-        return False
-    known = getattr(name, "name", name) in REMEMBERED
-    return known or any(map(remembers, made_of(name)[0]))
+def remembered(names):
+    """Those drivers, or those behind them, that need more than the row itself."""
+    found = []
+    for name in filter(is_derived, names):
+        known = getattr(name, "name", name) in REMEMBERED
+        more = [name] if known else remembered(made_of(name)[0])
+        found += [one for one in more if one not in found]
+    return found
 
 
 def behind(names):

@@ -20,17 +20,21 @@ def backwards(column, steps, memory):
     return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
 
 
-def stored(memory):
-    """The driver that a column's memory lags behind the column: 0 when settled."""
+def past(memory):
+    """The driver that is a column's memory."""
 
-    def lag(column, inputs):
-        return smoothed(column, inputs, memory) - column
+    def mean(column, inputs):
+        return smoothed(column, inputs, memory)
 
-    lag.__doc__ = (
-        f"Mean of the past {memory / HOUR:g} h, weighted by age, beyond what is now. "
-        "[unit of the column]"
+    mean.__doc__ = (
+        f"Mean of the past {memory / HOUR:g} h, weighted by age. [unit of the column]"
     )
-    return lag
+    return mean
+
+
+def stored(mean, column, inputs):
+    """Mean of the past, weighted by age, beyond what is now. [unit of the column]"""
+    return mean - column
 
 
 def elapsed(inputs):

@@ -6,11 +6,12 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import MODELLED, behind, remembers
+from pvlib_fem.drivers import MODELLED, behind, completed, remembered
 from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.rows import Answer, Compiled
 from pvlib_fem.fitting.seen import Gaps, Seen, Tally, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
+from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import Inputs, Record
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
@@ -315,8 +316,8 @@ def screened_for(source, target, limits=None, check_units=True):
     Raises
     ------
     ValueError
-        If a column lacks, an effect remembers more than a block, or the record is
-        unusable.
+        If a column lacks, an effect looks at the hours around a row, or the record
+        is unusable.
     """
     refuse_memory(target)
     source.needing((*COLUMNS, *target.drivers))
@@ -344,7 +345,11 @@ def first_pass(screened, target, night):
         seen[block.start] = Seen.of(complete, rows, dates, even(block).steps)
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
-    means = Record(sums.inputs(), dict(screened.missing), {}, 0)
+    inputs = sums.inputs()
+    means = Record(inputs, dict(screened.missing), {}, 0)
+    if names := remembered(target.effect_drivers):
+        own = Alongside.of(completed(inputs, names), names)
+        screened = replace(screened, record=screened.record.with_columns(own))
     return Files(
         screened,
         night,
@@ -360,11 +365,20 @@ def first_pass(screened, target, night):
 
 
 def refuse_memory(target):
-    """Refuse effects that need what was hours or weeks before."""
+    """Refuse effects whose terms look at the hours around."""
     for effect in target.effects:
-        if long := [name for name in effect.drivers if remembers(name)]:
+        if "elapsed" in effect.drivers:
             raise ValueError(
-                f"{effect.name} needs {', '.join(long)}, which remembers more than "
+                f"{effect.name} looks at the hours around each row, which are not in "
                 "the rows that are read at a time; fit it to a DataFrame, such as of "
                 "means over longer steps"
             )
+
+
+def memory_note(target, files):
+    """What the drivers that remember are of; nothing where none does."""
+    if not remembered(target.effect_drivers):
+        return []
+    effects = ", ".join(e.name for e in target.effects if remembered(e.drivers))
+    step = files.means.inputs.step
+    return [f"what happened hours before is of means over {step:g} s, for {effects}"]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import remembers
 from pvlib_fem.fitting.files import fitted, given_days
 from pvlib_fem.fitting.passes import first_pass
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.quality.streamed import screened_blocks
+from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import dates_of
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
@@ -60,7 +60,12 @@ def on_own_steps(loop, screened):
         target.steady_model, target.dynamics, target.effects, held=target.held
     )
     names = (*COLUMNS, *target.drivers)
+    lacks = [name for name in names if name not in screened.record.names]
+    names = tuple(name for name in names if name not in lacks)
     record = replace(screened.record, names=names)
+    if lacks:  # the sun, whose place is known at the times of the means
+        inputs = loop.fit.record.inputs
+        record = record.with_columns(Alongside.of(inputs, lacks))
     own = first_pass(replace(screened, record=record), target, night=True)
     kept = (loop.weeks == Part.FITTING.name.lower()).to_numpy()
     dates = np.unique(loop.fit.record.dates[~kept])
@@ -80,9 +85,9 @@ def unconfirmed(loop, screened):
     model = loop.fit.thermal_model
     if any(correction.applied for correction in loop.corrections):
         return "its own steps are not fitted, since a clock was corrected"
-    long = [e.name for e in model.effects if any(map(remembers, e.drivers))]
-    if long:
-        return f"its own steps are not fitted, since {', '.join(long)} remember hours"
-    if lacks := [n for n in model.drivers if n not in screened.record.names]:
-        return f"its own steps are not fitted, since the files lack {', '.join(lacks)}"
+    if long := [e.name for e in model.effects if "elapsed" in e.drivers]:
+        return (
+            f"its own steps are not fitted, since {', '.join(long)} looks at the hours "
+            "around each"
+        )
     return ""

@@ -18,6 +18,7 @@ class CleanRecord:
     names: tuple
     holes: dict = field(default_factory=dict)  # column to spans of rows, see spans
     clip: bool = False  # whether negative irradiance is 0
+    beside: tuple = ()  # of Alongside: columns that the files do not hold
 
     def __len__(self):
         return len(self.source)
@@ -31,6 +32,10 @@ class CleanRecord:
         """The same with 0 where irradiance is below it."""
         return replace(self, clip=True)
 
+    def with_columns(self, more):
+        """The same with columns that the files do not hold."""
+        return replace(self, beside=(*self.beside, more))
+
     def of(self, name):
         return self.holes.get(name, NONE)
 
@@ -38,6 +43,8 @@ class CleanRecord:
         """The record in blocks, as it is screened."""
         for block in self.source.blocks(self.names if names is None else names):
             columns = self.cleaned(block.inputs.columns, block.start, len(block))
+            for more in self.beside:
+                columns |= more.at(block.index)
             yield replace(block, inputs=replace(block.inputs, columns=columns))
 
     def values(self) -> Iterator[tuple[int, dict]]:
