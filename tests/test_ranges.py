@@ -14,7 +14,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.findings import Finding, Verdict
-from pvlib_fem.loop.close import searched
+from pvlib_fem.loop.close import Search, searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.loop.ranges import everywhere, solved, within
@@ -178,6 +178,28 @@ def test_what_is_nothing_beside_another_effect_is_not_told():
     assert doubted.verdict == "suggestive" and not doubted.checks[-1].passed
     error = loop.table["rmse_test"]
     assert error.iloc[-1] < 1.01 * error["+snow"]
+
+
+def test_a_search_that_goes_back_ends():
+    """A drift that is nothing beside power has no other date, and comes no more."""
+    site = study_worlds.site(1313104, **study_worlds.COLD)
+    effects = simulator.PHYSICS | {"snow": 0.75}
+    data = simulator.record(site, effects=effects, days=365, step=300, seed=1313104)
+    loop = fem.close_loop(data, **study_worlds.World(site, 1313104).place)
+    doubted = [f for f in loop.findings if "would be" in f.why]
+    assert any(f.effect.endswith("_drift") for f in doubted)
+    names = [f.effect for f in loop.findings if f.added and f.verdict == "named"]
+    assert names == ["snow"]
+
+
+def test_what_was_nothing_is_tried_once_more_at_another_date():
+    step = find({"name": "contact_step", "at": "2023-03-01"})
+    drift = find({"name": "contact_drift", "since": "2023-01-01"})
+    search = Search.__new__(Search)
+    search.doubted = (step, drift, find("wind_direction"))
+    assert search.closed == {"contact_drift", "wind_direction"}
+    search.doubted += (find({"name": "contact_step", "at": "2023-09-01"}),)
+    assert search.closed == {"contact_drift", "wind_direction", "contact_step"}
 
 
 def test_no_other_effect_makes_a_name_nothing(under_a_sky):

@@ -11,7 +11,7 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.effects.courses import same_course
+from pvlib_fem.effects.courses import is_drift, same_course
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
@@ -250,7 +250,7 @@ class Search:
     def evidence(self, step):
         """Evidence of all that a step lacks."""
         there = {effect.name for effect in step.model.effects}
-        there |= {effect.name for effect in self.doubted if not effect.channel}
+        there |= self.closed
         limits = self.case.criteria
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
         found = self.fits.gathered(step, wanted)
@@ -266,6 +266,18 @@ class Search:
                 self.fits.case = self.case.without(effect)
             return self.evidence(step)
         return found
+
+    @property
+    def closed(self):
+        """
+        Names of what is no more tried, since it was nothing beside another effect.
+
+        Of a change that has dates another date may be tried, once: else the search
+        might go back from one to the next for long.
+        """
+        names = [effect.name for effect in self.doubted]
+        dated = [e.name for e in self.doubted if e.channel and not is_drift(e)]
+        return {name for name in names if name not in dated or names.count(name) > 1}
 
     @cached_property
     def another_plane(self):
