@@ -19,6 +19,7 @@ from pvlib_fem.effects.courses import (
     find_step,
     number,
     same_date,
+    sudden,
     weights_of,
 )
 from pvlib_fem.loop.close import searched
@@ -256,6 +257,35 @@ def test_the_chance_of_a_step_is_that_of_the_tables(square, chance):
     """Andrews (1993), table I, one parameter, 15 % left out at either end."""
     found = chance_of_step(np.sqrt(square), 0.15, 0.85)
     assert found == pytest.approx(chance, rel=0.12)
+
+
+@pytest.mark.parametrize("down", [1.5, 2.2, 3.0])
+def test_a_step_that_a_drift_hides_has_its_date(down):
+    """Up at once and down over years: by itself none is seen, or at another date."""
+    random, days = np.random.default_rng(3), np.arange(1500)
+    own = np.ones(1500) + 0.1 * random.normal(size=1500)
+    rest = own * ((days >= 500) - down * days / 1500) + 0.5 * random.normal(size=1500)
+    best, criteria = daily(rest, own, days), fem.Criteria()
+    alone = sudden(best, criteria)
+    assert alone is None or abs(alone.start - 500) > 400
+    found = find_step(best, criteria)
+    assert abs(number(found["at"]) - 500) <= 2
+    assert number(found["between"][1]) - number(found["between"][0]) < 15
+    # nor is what is there for a while a step and a drift
+    stretch = own * ((days >= 300) & (days < 1100)) + 0.1 * random.normal(size=1500)
+    assert find_step(daily(stretch, own, days), criteria) is None
+
+
+def test_the_chance_of_a_step_beside_a_drift_is_that_of_noise():
+    random, days = np.random.default_rng(0), np.arange(500)
+    usual = np.linalg.qr(np.column_stack([np.ones(500), days]))[0]
+    late = (days >= days[:, None])[50:450].astype(float)
+    late -= (late @ usual) @ usual.T
+    late /= np.sqrt(np.square(late).sum(axis=1))[:, None]
+    largest = np.abs(random.normal(size=(4000, 500)) @ late.T).max(axis=1)
+    for chance in (0.1, 0.05, 0.01):
+        found = chance_of_step(np.quantile(largest, 1.0 - chance), 0.1, 0.9, True)
+        assert chance < found < 1.6 * chance  # the approximation is on the safe side
 
 
 def test_noise_that_remembers_weeks_shows_a_step_as_rarely_as_is_stated():

@@ -4,6 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import pvlib_fem as fem
+from pvlib_fem import simulator
+from pvlib_fem.loop import propose
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.statistics.axes import axes, sorted_by
 from pvlib_fem.statistics.clusters import calendar_weeks
@@ -131,3 +134,18 @@ def test_rows_without_a_driver_are_a_bin_of_their_own(name):
     assert axis.labels[last] == ("missing", "missing")
     assert len(axis.labels) == len(whole.labels) + 1
     assert "missing" in axis.words([last], 0.1)
+
+
+def test_what_a_larger_unknown_heat_makes_uncertain_is_found_beside_it(monkeypatch):
+    """At weekends warm air blows on the module, which always feels the wind."""
+    effects = simulator.PHYSICS | {"wind_direction": 1.0, "weekend_exhaust": 1.0}
+    data = simulator.record(effects=effects, days=100, step=300, start="2023-04-01")
+    data = data.drop(columns=["longwave_down", "p_dc"])
+    found = fem.close_loop(data)
+    (wind,) = (f for f in found.findings if f.effect == "wind_direction")
+    assert wind.verdict == "named"
+    assert any({*f.candidates} == {"hour", "weekend"} for f in found.unexplained)
+    # its chance alone is large, and nothing that is certain comes before it
+    monkeypatch.setattr(propose, "hidden", lambda *_: None)
+    alone = fem.close_loop(data)
+    assert not any(f.effect == "wind_direction" and f.added for f in alone.findings)

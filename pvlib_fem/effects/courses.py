@@ -56,18 +56,33 @@ def drift(since=None):
 
 def find_step(daily, criteria):
     """The date from which on a channel is in what is left, or None."""
+    found = sudden(daily, criteria)
+    # what grows slowly is no step, and may hide one, or move its date
+    beside = daily.beside_drift()
+    other = sudden(beside, criteria)
+    if other and (found is None or daily.clearly(beside.taken + other.gain, found)):
+        # an episode has as many numbers as a step and a drift
+        stretch = daily.episode(criteria.change_side, criteria.change_side)
+        if stretch is None or stretch.gain <= beside.taken + other.gain:
+            found = other
+    if found is None:
+        return None
+    at = written(daily.dates[found.start])
+    return {"at": at, "between": around(found, daily.dates)}
+
+
+def sudden(daily, criteria):
+    """The best step, if it is no accident and all of it is there at once, or None."""
     side = criteria.change_side
     found = daily.step(side) if daily.days > 2 * side else None
     if found is None:
         return None
     edge = side / daily.days
-    if chance_of_step(found.statistic, edge, 1.0 - edge) > criteria.change_chance:
+    chance = chance_of_step(found.statistic, edge, 1.0 - edge, daily.drifts)
+    if chance > criteria.change_chance:
         return None
     share, error = daily.sharpness(found.start)
-    if share + SURE * error < SHARP:
-        return None  # what grows slowly is no step
-    at = written(daily.dates[found.start])
-    return {"at": at, "between": around(found, daily.dates)}
+    return found if share + SURE * error >= SHARP else None
 
 
 def find_episode(daily, criteria):

@@ -82,12 +82,16 @@ class Proposals:
                 if w.gain > 0 and all_pass(asked[n][1:])
             }
             best = max(good, key=good.get, default=None)
-            if best is None or not all_pass(asked[best]):
+            sure = best is not None and all_pass(asked[best])
+            best = best if sure else hidden(found, weights, asked)
+            if best is None:
                 break
             without = without_of(found, best)
             table = structure(self.case, found, given, self.sorting, without)
+            if not sure and (table is None or table.gain < weights[best].gain):
+                break  # nothing unknown hides it
             checks, explained = against(found, best, given, table, floor, limits)
-            if all_pass(checks):
+            if sure and all_pass(checks):
                 ties = self.tied(found, best, weights, alike, given)
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
@@ -132,7 +136,7 @@ class Proposals:
     @cached_property
     def comparisons(self):
         """What other columns have to say of the instruments."""
-        return [one.beside(self.changes) for one in apart(self.case)]
+        return apart(self.case)
 
     def heard(self, found, best, ties, weights, good):
         """The class of the best one, when its witnesses have been heard."""
@@ -156,7 +160,11 @@ class Proposals:
         also = nights(found, [*candidates, *rivals], dark, given)
         also |= outages(self.case, found.effects[best])
         how = (found.effects, weights, self.coefficients)
-        return hearing(self.comparisons, also, candidates, rivals, *how)
+        # what is found before it is known to a witness, too
+        new = [found.effects[name] for name in self.names]
+        known = (*self.changes, *(effect for effect in new if effect.channel))
+        comparisons = [one.beside(known) for one in self.comparisons]
+        return hearing(comparisons, also, candidates, rivals, *how)
 
     def kin(self, found, candidates):
         """
@@ -239,6 +247,23 @@ def rules(found, candidate, weight, floor):
 
 def all_pass(checks):
     return all(check.passed for check in checks)
+
+
+def hidden(found, weights, asked):
+    """
+    What has a driver of its own and gains most of what may be chance, or None.
+
+    A larger cause that nobody declared makes a gain uncertain: beside it the chance
+    may be small.
+    """
+    gains = {
+        name: weight.gain
+        for name, weight in weights.items()
+        if not (found.effects[name].confounder or found.effects[name].channel)
+        and weight.gain > 0
+        and all(one.passed for one in asked[name] if one.criterion != "chance")
+    }
+    return max(gains, key=gains.get, default=None)
 
 
 def without_of(found, name):

@@ -6,11 +6,11 @@ follows from sums of the days between. So every date, and every stretch, is weig
 at no further pass over the record.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtr
-from scipy.stats import norm
+from scipy.stats import norm, t as student
 
 from pvlib_fem.statistics.clusters import ridge
 
@@ -47,23 +47,51 @@ class Daily:
     weeks: np.ndarray
     dates: np.ndarray  # of each day, from 1970-01-01
     sloped: float = 0.0  # what a step that fades takes of the squares, of any channel
+    taken: float = 0.0  # of the squares by a drift of the column among the fitted
 
     @classmethod
     def of(cls, sums, column, given):
         """The same of sums by the day."""
-        normal = sums.whole[np.ix_(given, given)]
-        root = np.linalg.inv(np.linalg.cholesky(normal + ridge(normal)))
         kept = [*given, column, -1]
-        turn = np.eye(len(kept))
-        turn[: len(given), : len(given)] = root
-        turn[-1, : len(given)] = -sums.solve(given)
-        daily = turn @ sums.sums[:, kept][:, :, kept] @ turn.T
+        return cls.turned(sums.sums[:, kept][:, :, kept], sums.weeks, sums.dates)
+
+    @classmethod
+    def turned(cls, products, weeks, dates):
+        """The same of products by the day: of all that is fitted, then of both."""
+        size = products.shape[1] - 2
+        whole = products.sum(axis=0)
+        normal = whole[:size, :size] + ridge(whole[:size, :size])
+        turn = np.eye(size + 2)
+        turn[:size, :size] = np.linalg.inv(np.linalg.cholesky(normal))
+        turn[-1, :size] = -np.linalg.solve(normal, whole[:size, -1])
+        daily = turn @ products @ turn.T
         own, rest, fitted = daily[:, -2, -2], daily[:, -2, -1], daily[:, -2, :-2]
-        return cls(own, rest, fitted, daily, sums.weeks, sums.dates)
+        return cls(own, rest, fitted, daily, weeks, dates)
+
+    def beside_drift(self):
+        """The same with a drift of the column among all that is fitted."""
+        size = self.sums.shape[1] - 2
+        both = [*range(size), size, size, size + 1]
+        times = np.ones((self.days, len(both)))
+        times[:, size] = self.dates - self.dates[0]
+        times[:, size] /= max(np.ptp(self.dates), 1)
+        products = self.sums[:, both][:, :, both] * times[:, None] * times[:, :, None]
+        found = self.turned(products, self.weeks, self.dates)
+        return replace(found, taken=self.squares - found.squares)
 
     @property
     def days(self):
         return len(self.own)
+
+    @property
+    def drifts(self):
+        """Whether a drift of the column is among the fitted."""
+        return self.taken > 0.0
+
+    @property
+    def squares(self):
+        """Sum of squares of what is left."""
+        return float(self.sums[:, -1, -1].sum())
 
     def before(self):
         """Sums of the days before each, and of all."""
@@ -120,12 +148,14 @@ class Daily:
 
     def clearly(self, gain, found):
         """Whether a fall of the sum of squares is clearly more than a change's."""
-        return gain - found.gain > LEVEL * self.spread(found.start, found.end)
+        return gain - found.gain > LEVEL * self.spread(found.start, found.end)[0]
 
     def change(self, start, end, gains):
         """The change with its certainty, and the days where it may have begun."""
-        spread = self.spread(start, end)
+        spread, draws = self.spread(start, end)
         statistic = np.sqrt(gains[start] / spread) if spread > 0 else np.inf
+        if self.drifts:  # of few weeks more is asked of what is looked for last
+            statistic = as_normal(statistic, draws)
         near = np.flatnonzero(gains > gains[start] - LEVEL * spread)
         near = near[near < end] if end < self.days else near
         return Change(
@@ -141,18 +171,19 @@ class Daily:
         """
         late = np.arange(self.days) >= start
         slow = (self.dates - self.dates[start]).astype(float)
-        weights = np.array([late, slow, late * slow], dtype=float)
+        weights = [late, late * slow] if self.drifts else [late, slow, late * slow]
+        weights = np.array(weights, dtype=float)
         known = weights @ self.fitted
         normal = (weights * self.own) @ weights.T - known @ known.T
         right = weights @ self.rest
         alone = right[0] / normal[0, 0]
         inverse = np.linalg.inv(normal + ridge(normal))
-        error = np.sqrt(inverse[0, 0] * self.spread(start, self.days))
+        error = np.sqrt(inverse[0, 0] * self.spread(start, self.days)[0])
         return float(inverse[0] @ right / alone), float(error / abs(alone))
 
     def spread(self, start, end):
         """
-        Long-run variance of the column's products for each of its squares.
+        Long-run variance of the column's products for each of its squares, and draws.
 
         Of what the change leaves, with the memory that one week has of the one
         before: of the column within the stretch, beside the fitted, and of the column
@@ -169,17 +200,28 @@ class Daily:
             within[:, None] * self.fitted - self.sums[:, :size, :size] @ known
         )
         own = self.rest - change * (within * self.own - self.fitted @ known)
-        inside = long_run(within * own - fitted @ known, self.weeks) / left
-        return max(inside, long_run(own, self.weeks) / self.own.sum())
+        inside = long_run(within * own - fitted @ known, self.weeks)[0] / left
+        whole, draws = long_run(own, self.weeks)
+        return max(inside, whole / self.own.sum()), draws
 
 
 def long_run(scores, weeks):
-    """Variance of the sum of scores by the day, whose weeks may remember."""
+    """
+    Variance of the sum of scores by the day, whose weeks may remember, and its draws.
+
+    As many weeks that remember nothing would tell it as well.
+    """
     scores = np.bincount(np.unique(weeks, return_inverse=True)[1], scores)
     square = scores @ scores
     memory = scores[1:] @ scores[:-1] / square if square > 0 else 0.0
     memory = min(max(memory, 0.0), MOST_MEMORY)
-    return square * (1.0 + memory) / (1.0 - memory)
+    longer = (1.0 + memory) / (1.0 - memory)
+    return square * longer, max(len(scores) / longer, 1.0)
+
+
+def as_normal(statistic, draws):
+    """Standard errors of the normal law with the chance of Student's by few draws."""
+    return float(norm.isf(student.sf(statistic, draws)))
 
 
 def gained(part):
@@ -202,9 +244,12 @@ def best_pair(total, starts, ends, shortest):
     return best
 
 
-def chance_of_step(statistic, first, last):
+def chance_of_step(statistic, first, last, drifts=False):
     """
     Chance that any date looks as good where there is no step [1]_.
+
+    Beside a drift two dates have less in common: of a bridge that is free of its slope
+    the variance at ``t`` is 1 - 3 t (1 - t) of the bridge's, which goes into the rate.
 
     Parameters
     ----------
@@ -212,6 +257,8 @@ def chance_of_step(statistic, first, last):
         Standard errors of the best one.
     first, last : float
         Share of the record before the first date that is tried, and the last.
+    drifts : bool
+        Whether a drift is fitted beside it.
 
     References
     ----------
@@ -223,6 +270,9 @@ def chance_of_step(statistic, first, last):
     if b < 1.0:
         return 1.0
     odds = np.log(last * (1.0 - first) / (first * (1.0 - last)))
+    if drifts:  # the integral of 3 / (1 - 3 t (1 - t)) from the first to the last
+        ends = np.arctan(2.0 * np.sqrt(3.0) * (np.array([first, last]) - 0.5))
+        odds += 2.0 * np.sqrt(3.0) * np.diff(ends)[0]
     return float(min(1.0, b * norm.pdf(b) * ((1.0 - b**-2) * odds + 4.0 * b**-2)))
 
 
