@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import study_ranges
 from study_records import refit, root, smallest
-from study_worlds import CLEARLY, World, site
+from study_worlds import CLEARLY, IN_PHYSICS, World, site
 
 from pvlib_fem import close_loop, simulator
 from pvlib_fem.effects import CHANGES, find
@@ -32,6 +32,8 @@ SIZES = {
     "none": (0.0, 0.0),
 }
 ODDS = [0.18, 0.18, 0.1, 0.08, 0.13, 0.13, 0.2]
+#: effects of the simulator's physics, of which a part of the sun's heat is power
+PRESENT = {*simulator.OUTDOORS, "electrical_output"} | IN_PHYSICS
 #: what one record cannot tell from each other is one truth
 SAME = {"contact": ("contact", "mounting"), "module_offset": ("module_offset",)}
 
@@ -97,9 +99,12 @@ def looked(seed):
     told = [f for f in added if {*f.candidates} & {*CHANGES}]
     right = [f for f in added if truths & {*f.candidates}]
     wrong = [f.effect for f in told if f.verdict == "named" and f.effect not in truths]
+    there = PRESENT | {*CHANGES}
+    other = [f.effect for f in added if f.verdict == "named" and f.effect not in there]
     misled = ["|".join(f.candidates) for f in told if not truths & {*f.candidates}]
     row = dict(seed=seed, channel=channel, course=course, size=size, power=power)
     row |= dict(days=world.days, found=bool(right), wrong=wrong, misled=misled)
+    row["other"] = other
     row["verdict"] = str(right[0].verdict) if right else ""
     row["first"] = bool(right) and right[0] is added[0]
     row["findings"] = "; ".join(
@@ -226,6 +231,8 @@ def page(table, first):
     yield f"| the same, first of all findings | {share(there['first'])} |"
     wrong, misled = (table[name].map(bool) for name in ("wrong", "misled"))
     yield f"| wrong names of a change | {share(wrong)} |"
+    other = share(table["other"].map(bool))
+    yield f"| names of another effect that is not there | {other} |"
     yield f"| classes of changes without the truth | {share(misled)} |"
     alarms = share((wrong | misled)[none.index])
     yield f"| a change told where there is none | {alarms} |"

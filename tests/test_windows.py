@@ -8,6 +8,7 @@ import pytest
 from pvlib.location import Location
 
 from pvlib_fem.drivers import sun
+from pvlib_fem.effects import windows
 from pvlib_fem.effects.catalogue.shading import within_any
 from pvlib_fem.effects.windows import find_windows, largest, orthonormal
 from pvlib_fem.loop.criteria import Criteria
@@ -100,6 +101,22 @@ def test_where_nothing_stands_nothing_is_found(seed):
     assert scene.find(scene.rest([], 0.0)) == (0.0, ())
     once = scene.tangent * (np.arange(len(scene.tangent)) // 288 == 90)
     assert scene.find(scene.rest([], 0.0) + 0.8 * once) == (0.0, ())
+
+
+def test_what_lasts_for_some_days_is_no_obstacle(monkeypatch):
+    """Snow of ten days in spring, at heights of the noon sun that no other has."""
+    scene = Scene(50.0)
+    scene.noise[50 * 288 :] = 0.0
+    days = np.arange(len(scene.noise)) // 288
+    first = (days < 10) & (abs(scene.azimuth - 180.0) < 20.0)
+    for column in (scene.tangent, *scene.beside[:1]):
+        column[days >= 50] = 0.0  # a record of winter and spring
+    whole = 0.8 * scene.tangent * first + scene.noise
+    known = np.column_stack(scene.beside)
+    rest = whole - known @ np.linalg.lstsq(known, whole, rcond=None)[0]
+    assert scene.find(rest) == (0.0, ())
+    monkeypatch.setattr(windows, "as_normal", lambda errors, draws: errors)
+    assert scene.find(rest)[1]
 
 
 def test_a_record_without_sun_has_no_window():

@@ -11,6 +11,8 @@ from functools import partial
 
 import numpy as np
 
+from pvlib_fem.statistics.changes import as_normal
+
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
 STARTS = 5  # of those
@@ -61,7 +63,9 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
         # the cells of the step as a column, beside those that are there already
         column = tangent * (new ^ mask).ravel()[sky.place]
         known = np.column_stack([basis, tangent * mask.ravel()[sky.place]])
-        if certainty(rest, column, known, weeks) < criteria.window_errors:
+        # that there is an obstacle takes more than which shape it has
+        errors = certainty(rest, column, known, weeks, few=not mask.any())
+        if errors < criteria.window_errors:
             break
         mask, gain = new, its
     if not sign * sky.share(mask) >= criteria.window_share:
@@ -243,8 +247,13 @@ def orthonormal(columns):
     return columns @ (turns[:, kept] / np.sqrt(squares[kept]))
 
 
-def certainty(rest, column, known, weeks):
-    """Standard errors, by the spread between weeks, that a share is from nothing."""
+def certainty(rest, column, known, weeks, few=False):
+    """
+    Standard errors, by the spread between weeks, that a share is from nothing.
+
+    Where they may be ``few`` those of the normal law that have the chance of Student's:
+    a small window is crossed by the sun in few weeks, whose spread says little.
+    """
     known = known[:, np.abs(known).sum(axis=0) > 0]
     both = np.column_stack([column, known])
     found = np.linalg.lstsq(known, np.column_stack([column, rest]), rcond=None)[0]
@@ -252,4 +261,9 @@ def certainty(rest, column, known, weeks):
     share = (column @ rest) / max(column @ column, 1e-300)
     week = np.unique(weeks, return_inverse=True)[1]
     scores = np.bincount(week, column * (rest - share * column))
-    return abs(column @ rest) / max(np.sqrt(scores @ scores), 1e-300)
+    errors = abs(column @ rest) / max(np.sqrt(scores @ scores), 1e-300)
+    if not few:
+        return errors
+    squares = np.bincount(week, column**2)
+    draws = squares.sum() ** 2 / max(squares @ squares, 1e-300)
+    return as_normal(errors, max(draws - 1.0, 1.0))
