@@ -1,6 +1,7 @@
 """Effects put into a record, and what the loop finds of them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -11,9 +12,12 @@ import pvlib_fem as fem
 from pvlib_fem.cli import main
 from pvlib_fem.effects import find
 from pvlib_fem.effects.courses import weights_of, written
+from pvlib_fem.findings import Finding, Verdict
 from pvlib_fem.loop.close import searched
+from pvlib_fem.reasons import Reason, because
 from pvlib_fem.recovery.draw import Draw, Injection, drawn
 from pvlib_fem.recovery.inject import Injector, readable
+from pvlib_fem.recovery.judge import judged
 from pvlib_fem.recovery.predict import threshold
 from pvlib_fem.recovery.recover import SIZES, plan
 from pvlib_fem.recovery.result import Recovery, middle_of
@@ -114,6 +118,29 @@ def test_an_instrument_reads_something_at_any_size_that_is_put_in(record, done, 
     assert readable(effect, {name: 1.0}, days, {"u1": u1}) == np.inf
     draw = Draw(effect, 0, {name: -1.0}, readable=most)
     assert draw.most == min(most, -effect.rows()[name].lower)
+
+
+def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
+    """Though it holds a change, too, that the record shows by itself."""
+    step = injection("sensitivity_step", 0.1, **DATES)
+    effect = find({"name": "sensitivity_step", **DATES})
+    told = finding("sensitivity_step", "sensitivity_drift", place=DATES["at"])
+    other = finding("sensitivity_drift")
+    fit = SimpleNamespace(effects=(effect,), record=done[0].case.record)
+    loop = SimpleNamespace(findings=(told,), fit=fit)
+    found = judged(step, effect, loop, baseline=(other,))
+    assert found.found and found.first and not found.lost and not found.misled
+    # what does not hold it is the record's own
+    own = SimpleNamespace(findings=(other,), fit=fit)
+    found = judged(step, effect, own, baseline=(other,))
+    assert not found.found and not found.told and not found.lost
+
+
+def finding(name, *others, place=""):
+    verdict = Verdict.CLASS if others else Verdict.NAMED
+    (row,) = find(name).rows()
+    known = ({row: 0.1}, {row: 0.01}, because(Reason.NO_DATE), ())
+    return Finding(name, (name, *others), verdict, 0.5, *known, place=place)
 
 
 def test_the_threshold_is_where_something_begins_to_pass():

@@ -98,12 +98,12 @@ def judged(injection, effect, loop, baseline):
     """What a loop's findings are beside the truth and those of the record itself."""
     before = [f for f in baseline if f.added]
     added = [f for f in loop.findings if f.added]
-    new = [f for f in added if not any(same(f, other) for other in before)]
-    effects, days = (
-        {e.name: e for e in loop.fit.effects},
-        np.unique(loop.fit.record.dates),
-    )
-    right = [f for f in new if holds(f, effect, effects, days)]
+    effects = {e.name: e for e in loop.fit.effects}
+    days = np.unique(loop.fit.record.dates)
+    # nothing that the record itself shows is put in: a class that holds it is of it,
+    # though it holds something that the record shows, too
+    right = [f for f in added if holds(f, effect, effects, days)]
+    new = [f for f in added if f in right or not any(same(f, one) for one in before)]
     others = [f for f in new if effect.name not in f.candidates]
     names = [f.effect for f in others if f.verdict is Verdict.NAMED]
     classes = [words(f) for f in others if f.verdict is Verdict.CLASS]
