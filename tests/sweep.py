@@ -64,10 +64,12 @@ class Setting:
         return replace(usual, **{self.name: other})
 
 
-def settings(usual):
-    """The usual criteria, or limits, then each of them halved and doubled."""
+def settings(usual, names=()):
+    """The usual criteria, or limits, then each, or some, of them halved and doubled."""
     yield Setting()
     for field in fields(usual):
+        if names and field.name not in names:
+            continue
         if isinstance(getattr(usual, field.name), int | float):
             yield from (Setting(field.name, way) for way in TIMES)
 
@@ -188,10 +190,10 @@ def looked_at(world, case, change):
     return rows
 
 
-def swept(world, case, change):
+def swept(names, world, case, change):
     """What the loop says of one record by each criterion."""
     data, rows = file_of(world, case, change), []
-    for setting in settings(Criteria()):
+    for setting in settings(Criteria(), names):
         row = {"name": setting.name, "way": setting.way, "family": case.family}
         row |= {"seed": world.seed, "truth": case.label, "truths": len(case.truths)}
         try:
@@ -250,11 +252,11 @@ def foreign(data, random):
     )
 
 
-def run(look, tasks, processes=2):
+def run(look, tasks, processes=2, shared=()):
     """A row for each record and setting."""
     tasks = list(tasks)
     rows, begin = [], time.perf_counter()
-    for (_, case, _), some in zip(tasks, spread(look, tasks, processes)):
+    for (_, case, _), some in zip(tasks, spread(look, tasks, processes, shared)):
         rows += some
         passed = time.perf_counter() - begin
         print(f"{case.family}: {case.label}, {passed:.0f} s", file=sys.stderr)
@@ -396,14 +398,19 @@ def main():
     parser.add_argument("--table", type=Path, help="all rows, pickled")
     parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--criteria", nargs="*", default=(), help="these alone")
     options = parser.parse_args()
     begin = time.perf_counter()
-    limits = run(looked_at, instruments(), options.processes)
-    table = run(swept, records(), options.processes)
+    limits = pd.DataFrame()
+    if not options.criteria:
+        limits = run(looked_at, instruments(), options.processes)
+    table = run(swept, records(), options.processes, (options.criteria,))
     if options.table:
         table.to_pickle(options.table)
     seconds = time.perf_counter() - begin
-    lines = [*page(table, seconds, options.date), *page_of_limits(limits)]
+    lines = [*page(table, seconds, options.date)]
+    if not limits.empty:
+        lines += page_of_limits(limits)
     text = "\n".join(lines) + "\n"
     if options.out:
         options.out.write_text(text, encoding="utf-8")
