@@ -9,7 +9,7 @@ import pandas as pd
 
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.memory import memory_notes
-from pvlib_fem.fitting.passes import Asked, Files, first_pass, memory_note, screened_for
+from pvlib_fem.fitting.passes import Asked, Files, first_pass, means_note, screened_for
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import as_searched, natural, searching
 from pvlib_fem.fitting.stages import (
@@ -146,7 +146,7 @@ def fitted(files, target, notes) -> FileFit:
     stderr = errors(target, daily, at_bound, notes)
     found, days = last(stages)[1], int((files.rows[train] > 0).sum())
     notes += memory_notes(files, target, found, stderr, at_bound, days)
-    notes += memory_note(target, files)
+    notes += means_note(target, files)
     if not minimum.converged:
         notes.append("the search did not converge: do not trust the numbers")
     coefficients, means = public(target, found), files.means

@@ -375,7 +375,7 @@ def refuse_memory(target):
             )
 
 
-def memory_note(target, files):
+def means_note(target, files):
     """What the drivers that remember are of; nothing where none does."""
     if not remembered(target.effect_drivers):
         return []

@@ -76,11 +76,7 @@ class Proposals:
             weights = weighed(found, names, given)
             floor = max(material(found, given, limits), spill)
             asked = {n: rules(found, n, w, floor) for n, w in weights.items()}
-            good = {
-                n: w.gain
-                for n, w in weights.items()
-                if w.gain > 0 and all_pass(asked[n][1:])
-            }
+            good = gaining(weights, (n for n in weights if all_pass(asked[n][1:])))
             best = max(good, key=good.get, default=None)
             sure = best is not None and all_pass(asked[best])
             best = best if sure else hidden(found, weights, asked)
@@ -117,11 +113,10 @@ class Proposals:
     def tied(self, found, best, weights, alike, given):
         """What cannot be told from the best one."""
         # of its rivals no more is asked than of physics
-        near = {
-            n: w.gain
-            for n, w in weights.items()
-            if w.gain > 0 and w.possible and found.chance(w) <= found.criteria.chance
-        }
+        possible = [n for n, w in weights.items() if w.possible]
+        chances = {n: found.chance(weights[n]) for n in possible}
+        most = found.criteria.chance
+        near = gaining(weights, (n for n in possible if chances[n] <= most))
         ties = found.ties(best, near | self.rivals(found, alike, given), given)
         unsure = (n for n in near if unsure_beside(found, best, n, given))
         return tuple(dict.fromkeys([*ties, *unsure]))
@@ -131,7 +126,7 @@ class Proposals:
         taken = {n for finding in self.new for n in finding.candidates}
         names = [name for name in names if name not in {*self.done, *taken}]
         weights = weighed(found, names, given)
-        return {n: w.gain for n, w in weights.items() if w.gain > 0 and w.possible}
+        return gaining(weights, (n for n, w in weights.items() if w.possible))
 
     @cached_property
     def comparisons(self):
@@ -249,6 +244,11 @@ def all_pass(checks):
     return all(check.passed for check in checks)
 
 
+def gaining(weights, names):
+    """Gains of those of some names that gain anything."""
+    return {name: weights[name].gain for name in names if weights[name].gain > 0}
+
+
 def hidden(found, weights, asked):
     """
     What has a driver of its own and gains most of what may be chance, or None.
@@ -256,13 +256,10 @@ def hidden(found, weights, asked):
     A larger cause that nobody declared makes a gain uncertain: beside it the chance
     may be small.
     """
-    gains = {
-        name: weight.gain
-        for name, weight in weights.items()
-        if not (found.effects[name].confounder or found.effects[name].channel)
-        and weight.gain > 0
-        and all(one.passed for one in asked[name] if one.criterion != "chance")
-    }
+    effects = found.effects
+    driven = [n for n in weights if not (effects[n].confounder or effects[n].channel)]
+    others = {n: [c for c in asked[n] if c.criterion != "chance"] for n in driven}
+    gains = gaining(weights, (n for n in driven if all_pass(others[n])))
     return max(gains, key=gains.get, default=None)
 
 

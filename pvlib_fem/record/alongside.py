@@ -16,33 +16,35 @@ class Alongside:
 
     Attributes
     ----------
-    times : array of datetime64
+    start : datetime64
+    seconds : array
+        Times since the start. [s]
     columns : dict of array
+        What turns goes on past 360°, the shorter way from one to the next.
     """
 
-    times: np.ndarray
+    start: np.datetime64
+    seconds: np.ndarray = field(repr=False)
     columns: dict = field(repr=False)
 
     @classmethod
     def of(cls, inputs, names):
         """Those columns of some inputs."""
-        return cls(instants(inputs.index), {name: inputs[name] for name in names})
+        columns = {name: inputs[name] for name in names}
+        turning = {n: np.unwrap(columns[n], period=360.0) for n in ROUND if n in names}
+        start = instants(inputs.index[:1])[0]
+        return cls(start, since(start, inputs.index), columns | turning)
 
     def at(self, index):
         """The columns at other times."""
-        start = self.times[0]
-        known, wanted = (
-            (times - start) / np.timedelta64(1, "s")
-            for times in (self.times, instants(index))
-        )
-        return {
-            name: between(wanted, known, values, name in ROUND)
+        wanted = since(self.start, index)
+        found = {
+            name: np.interp(wanted, self.seconds, values)
             for name, values in self.columns.items()
         }
+        return found | {n: found[n] % 360.0 for n in ROUND if n in found}
 
 
-def between(wanted, known, values, turns):
-    """Values between others; of what turns the shorter way round."""
-    if not turns:
-        return np.interp(wanted, known, values)
-    return np.interp(wanted, known, np.unwrap(values, period=360.0)) % 360.0
+def since(start, index):
+    """Times since a first one. [s]"""
+    return (instants(index) - start) / np.timedelta64(1, "s")

@@ -47,7 +47,7 @@ class Daily:
     weeks: np.ndarray
     dates: np.ndarray  # of each day, from 1970-01-01
     sloped: float = 0.0  # what a step that fades takes of the squares, of any channel
-    taken: float = 0.0  # of the squares by a drift of the column among the fitted
+    taken: float | None = None  # of the squares by a drift, if one is among the fitted
 
     @classmethod
     def of(cls, sums, column, given):
@@ -86,7 +86,7 @@ class Daily:
     @property
     def drifts(self):
         """Whether a drift of the column is among the fitted."""
-        return self.taken > 0.0
+        return self.taken is not None
 
     @property
     def squares(self):
