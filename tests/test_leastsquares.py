@@ -54,6 +54,22 @@ def test_a_bound_that_binds_is_scipys_too(upper):
     assert found.at_bound.any()
 
 
+@pytest.mark.parametrize("flat", [1e-4, 1e-8, 1e-13])
+def test_a_last_step_that_is_not_looked_at_leaves_next_to_nothing(flat):
+    """By the slopes at the end, one more step would gain far less than was asked."""
+    places = []
+
+    def seen(b):
+        places.append(b)
+        return sums_of(misra)(b)
+
+    found = minimum_of(descent((250, 5e-4), [1, 1e-6], [1e4, 1e-1], flat=flat), seen)
+    assert not np.array_equal(found.x, places[-1])
+    end = sums_of(misra)(found.x)
+    more = end.fall(np.linalg.solve(end.normal, end.gradient))
+    assert 0.0 <= more <= max(0.01 * flat, 1e-17) * end.squares
+
+
 def test_too_few_steps_are_no_convergence():
     assert not minimum_of(
         descent((500, 1e-4), [1, 1e-6], [1e4, 1e-1], 1), sums_of(misra)

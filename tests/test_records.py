@@ -7,6 +7,7 @@ from conftest import COLUMNS, DRIVERS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets
+from pvlib_fem.record.checks import dates_of
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +148,18 @@ def test_nullable_numbers_are_numbers(good):
     nullable = column("temp_air", lambda s: s.astype("Float64"))(good)
     nullable.iloc[5, nullable.columns.get_loc("temp_air")] = pd.NA
     assert fit(nullable).record.missing["temp_air"] == 1
+
+
+@pytest.mark.parametrize("unit", ["s", "ns"])
+@pytest.mark.parametrize(
+    "zone", [None, "UTC", "Etc/GMT+7", "+05:30", "Europe/Rome", "America/Caracas"]
+)
+def test_the_day_of_a_row_is_that_of_its_clock(zone, unit):
+    """Of any zone, over changes to and from daylight-saving time, before 1970 too."""
+    for start in ("1969-12-30", "2016-04-29", "2023-03-25", "2023-10-28"):
+        times = pd.date_range(start, periods=400, freq="13min", tz=zone).as_unit(unit)
+        clock = times.strftime("%Y-%m-%d").to_numpy().astype("datetime64[D]")
+        assert dates_of(times).tolist() == clock.astype(int).tolist()
 
 
 def test_nan_and_gaps_stay_where_they_are(good):

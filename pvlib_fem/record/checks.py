@@ -386,7 +386,11 @@ def instants(index):
 
 def dates_of(index):
     """Calendar day of each time in its own zone, from 1970-01-01."""
-    local = index.tz_localize(None).to_numpy()
+    offset = None if index.tz is None else index.tz.utcoffset(None)
+    if offset is None:  # no zone, or one of several offsets
+        local = index.tz_localize(None).to_numpy()
+    else:
+        local = instants(index) + np.timedelta64(offset)
     return local.astype("datetime64[D]").astype(np.int32)
 
 

@@ -10,6 +10,7 @@ HALVINGS = 12
 BLOCK = 200_000  # multiplications of a product below which BLAS has one thread
 DONE = 1e-9  # relative step that ends it
 FLAT = 1e-13  # relative fall of the cost that ends it: nine digits of x
+NEXT = 1e-2  # of a rougher end: what the step after an unseen one may promise
 
 
 @dataclass(frozen=True)
@@ -74,11 +75,15 @@ def descent(start, lower, upper, steps=STEPS, flat=FLAT):
     x = np.clip(np.asarray(start, float), lower, upper)
     converged = not len(x)  # with nothing to vary it is there
     at = None if converged else (yield x)
+    before, enough = np.inf, NEXT * flat if flat > FLAT else 0.0
     for _ in range(0 if converged else steps):
         step = bounded_step(at, lower - x, upper - x)
-        if 0.0 <= at.fall(step) <= flat * at.squares:
+        fall = at.fall(step) / max(at.squares, np.finfo(float).tiny)
+        next_fall = fall * fall / before if np.isfinite(before) else np.inf
+        if 0.0 <= fall <= flat or 0.0 <= next_fall < enough:
             x, converged = np.clip(x + step, lower, upper), True
             break
+        before = fall
         for halving in range(HALVINGS):
             new = np.clip(x + step / 2**halving, lower, upper)
             there = yield new
@@ -109,6 +114,9 @@ def bounded_step(at, lower, upper):
     matrix = root[:, None] * vectors[:, known].T
     right = vectors[:, known].T @ (at.gradient / scale) / root
     low, high = lower * scale, upper * scale
+    step = vectors[:, known] @ (right / root)
+    if ((low <= step) & (step <= high)).all():
+        return step / scale
     free = high > low
     step = np.zeros(len(scale))
     if free.any():

@@ -9,7 +9,7 @@ from pvlib_fem.effects.effect import Known, is_there
 from pvlib_fem.thermal.steady import SCALES
 
 LONG = 1 << 15  # rows of a record from which loading the loops is worth it
-AT_ONCE = 1 << 17  # rows that the loops are given at a time
+AT_ONCE = 1 << 18  # rows that the loops are given at a time
 MEMORIES = {"ewm": "tau", "balance": "capacity"}
 FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
 

@@ -1,9 +1,11 @@
 """
-The dynamics row by row, compiled by numba: one loop, no temporaries.
+The dynamics tile by tile, compiled by numba: no temporaries but those of a tile.
 
 The same equations as in :mod:`pvlib_fem.thermal.dynamics`, which is their reference.
-Here a steady model is a straight line in wind on a scale of its own. What is called in
-the loops takes numbers alone, since numba counts references to arrays.
+Here a steady model is a straight line in wind on a scale of its own. Only what carries
+on from row to row goes row by row; all else is loops without branches over the rows of
+a tile, which the compiler does several rows at a time. So rows that do not count have
+slopes of nothing, in the place of being left out.
 """
 
 import numpy as np
@@ -12,8 +14,9 @@ from numba import njit
 from pvlib_fem.relaxation import FORGOTTEN
 from pvlib_fem.thermal.steady import LOGARITHM, LOSS
 
-TILE = 1 << 10  # rows of which slopes are held at a time
+TILE = 1 << 9  # rows of which slopes and what they need stay in the cache
 APART = 8  # numbers between columns side by side, else all are of one set of the cache
+WORK = 10  # columns of a tile that are held beside its slopes
 STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals
 
 inlined = njit(inline="always", error_model="numpy")
@@ -21,34 +24,37 @@ compiled = njit(cache=True, error_model="numpy")
 
 
 @inlined
-def resistance(scale, value, slope, clip, wind, loss):
-    """Resistance with further losses, its slopes by the line, and by wind."""
-    felt = min(wind, clip)
-    r_eq, by_line = value + slope * felt, 1.0
+def resistances(law, leaky, winds, losses, r_eq, by_line):
+    """Resistances of some rows with further losses, and their slopes by the line."""
+    scale, value, slope, clip = law
+    rows = len(r_eq)
+    for i in range(rows):
+        r_eq[i], by_line[i] = value + slope * min(winds[i], clip), 1.0
     if scale == LOGARITHM:
-        r_eq = by_line = np.exp(r_eq)
+        for i in range(rows):
+            r_eq[i] = by_line[i] = np.exp(r_eq[i])
     elif scale == LOSS:
-        r_eq = 1.0 / r_eq
-        by_line = -(r_eq**2)
-    if loss != 0.0:
-        share = 1.0 / (1.0 + loss * r_eq)
-        share = share if share > 0.0 else np.nan
-        r_eq, by_line = r_eq * share, by_line * share**2
-    by_wind = by_line * slope if wind < clip else 0.0
-    return r_eq, by_line, by_line * felt, by_wind
+        for i in range(rows):
+            r_eq[i] = 1.0 / r_eq[i]
+            by_line[i] = -r_eq[i] * r_eq[i]
+    if leaky:
+        for i in range(rows):
+            share = 1.0 / (1.0 + losses[i] * r_eq[i])
+            share = share if share > 0.0 else np.nan
+            r_eq[i], by_line[i] = r_eq[i] * share, by_line[i] * share * share
 
 
 @inlined
-def fade(step, tau, usual):
-    """Share of the past that is left after a step; 0 after a gap."""
-    gap = step > FORGOTTEN * tau and step > 2.0 * usual
-    return 0.0 if gap else np.exp(-step / tau)
+def fade(step, ratio, usual):
+    """Share of the past that is left after so many time constants; 0 after a gap."""
+    gap = ratio > FORGOTTEN and step > 2.0 * usual
+    return 0.0 if gap else np.exp(-ratio)
 
 
 @inlined
 def faded(step, tau, usual):
-    """The same, and its slope by tau."""
-    decay = fade(step, tau, usual)
+    """The same of a step, and its slope by tau."""
+    decay = fade(step, step / tau, usual)
     return decay, decay * step / tau / tau
 
 
@@ -71,137 +77,185 @@ def keep(state, since, begun, value, by_memory):
     state[0], state[1], state[2], state[3] = since, begun, value, by_memory
 
 
+@inlined
+def leaves(counts, measured, temperature, slopes):
+    """What is left of the rows that count, the slope by a bias, and no others yet."""
+    slopes[4:-1, : len(counts)] = 0.0
+    for i in range(len(counts)):
+        slopes[3, i] = 1.0 if counts[i] else 0.0
+        slopes[-1, i] = measured[i] - temperature[i] if counts[i] else 0.0
+
+
+@inlined
+def set_aside(counts, aside, by_offset, slopes):
+    """Add the slopes by what is added to the temperature itself."""
+    for k in range(len(aside)):
+        for i in range(len(counts)):
+            slopes[4 + aside[k], i] += by_offset[k, i] if counts[i] else 0.0
+
+
 @compiled
-def steady(law, _, columns, more, seen, __, slopes):
-    scale, value, slope, clip = law
-    _, air, heat, wind, loss, offset, temperature = columns
+def steady(law, memory, columns, more, seen, _, slopes, work):
+    clip, leaky = law[3], memory[3]
+    __, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
-    (counts, measured), wanted, j = seen, slopes.size > 0, 0
-    for i in range(len(air)):
-        found = resistance(scale, value, slope, clip, wind[i], loss[i])
-        r_eq, by_0, by_1, _ = found
-        temperature[i] = air[i] + heat[i] * r_eq + offset[i]
-        if not (wanted and counts[i]):
-            continue
-        slopes[0, j], slopes[1, j] = heat[i] * by_0, heat[i] * by_1
-        slopes[4:-1, j] = 0.0
-        for k in range(len(hot)):
-            slopes[4 + hot[k], j] += by_heat[k, i] * r_eq
-        for k in range(len(lossy)):
-            slopes[4 + lossy[k], j] -= heat[i] * r_eq**2 * by_loss[k, i]
-        for k in range(len(aside)):
-            slopes[4 + aside[k], j] += by_offset[k, i]
-        slopes[-1, j] = measured[i] - temperature[i]
-        j += 1
-    return j
+    (counts, measured), rows = seen, len(air)
+    r_eq, by_line = work[0, :rows], work[1, :rows]
+    resistances(law, leaky, wind, loss, r_eq, by_line)
+    for i in range(rows):
+        temperature[i] = air[i] + heat[i] * r_eq[i] + offset[i]
+    if slopes.size == 0:
+        return
+    leaves(counts, measured, temperature, slopes)
+    for i in range(rows):
+        by_0 = heat[i] * by_line[i]
+        slopes[0, i] = by_0 if counts[i] else 0.0
+        slopes[1, i] = by_0 * min(wind[i], clip) if counts[i] else 0.0
+    for k in range(len(hot)):
+        for i in range(rows):
+            slopes[4 + hot[k], i] += by_heat[k, i] * r_eq[i] if counts[i] else 0.0
+    for k in range(len(lossy)):
+        for i in range(rows):
+            by_r = heat[i] * r_eq[i] * r_eq[i] * by_loss[k, i]
+            slopes[4 + lossy[k], i] -= by_r if counts[i] else 0.0
+    set_aside(counts, aside, by_offset, slopes)
 
 
 @compiled
-def ewm(law, memory, columns, more, seen, state, slopes):
-    scale, value, slope, clip = law
+def ewm(law, memory, columns, more, seen, state, slopes, work):
+    slope, clip = law[2], law[3]
     tau, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
-    (counts, measured), wanted, j = seen, slopes.size > 0, 0
-    part, lost = state[0, 4:], state[1, 4:]
+    (counts, measured), rows = seen, len(air)
+    felts, felts_by_tau, lefts = work[0, :rows], work[1, :rows], work[2, :rows]
+    winds, winds_by_tau = work[3, :rows], work[4, :rows]
+    leaks, leaks_by_tau, stays = work[5, :rows], work[6, :rows], work[7, :rows]
+    r_eq, by_line = work[8, :rows], work[9, :rows]
     since_h, begun_h, felt, felt_by_tau = state[0, :4]
     since_w, begun_w, windy, windy_by_tau = state[1, :4]
-    since_l, begun_l, leaks, leaks_by_tau = state[2, :4]
-    last, fading, stays = np.nan, (0.0, 0.0), np.nan
-    for i in range(len(air)):
+    since_l, begun_l, leak, leak_by_tau = state[2, :4]
+    last, fading = np.nan, (0.0, 0.0)
+    for i in range(rows):
         step = steps[i]
         if step != last:
             last, fading = step, faded(step, tau, usual)
-        left, since_h, begun_h, felt, felt_by_tau = smooth(
+        lefts[i], since_h, begun_h, felt, felt_by_tau = smooth(
             heat[i], step, fading, tau, usual, since_h, begun_h, felt, felt_by_tau
         )
         there, since_w, begun_w, windy, windy_by_tau = smooth(
             wind[i], step, fading, tau, usual, since_w, begun_w, windy, windy_by_tau
         )
-        known = not (np.isnan(left) or np.isnan(there))
+        felts[i] = np.nan if np.isnan(lefts[i]) or np.isnan(there) else felt
+        winds[i], felts_by_tau[i], winds_by_tau[i] = windy, felt_by_tau, windy_by_tau
         if leaky:
-            stays, since_l, begun_l, leaks, leaks_by_tau = smooth(
-                loss[i], step, fading, tau, usual, since_l, begun_l, leaks, leaks_by_tau
+            stays[i], since_l, begun_l, leak, leak_by_tau = smooth(
+                loss[i], step, fading, tau, usual, since_l, begun_l, leak, leak_by_tau
             )
-            known = known and not np.isnan(stays)
-        found = resistance(scale, value, slope, clip, windy, leaks)
-        r_eq, by_0, by_1, by_wind = found
-        temperature[i] = air[i] + felt * r_eq + offset[i] if known else np.nan
-        if not wanted:
-            continue
-        if not np.isnan(left):
-            for k in range(len(hot)):
-                part[k] = left * part[k] + (1.0 - left) * by_heat[k, i]
-        if not np.isnan(stays):
-            for k in range(len(lossy)):
-                lost[k] = stays * lost[k] + (1.0 - stays) * by_loss[k, i]
-        if not counts[i]:
-            continue
-        slopes[0, j], slopes[1, j] = felt * by_0, felt * by_1
-        by_tau = by_wind * windy_by_tau - r_eq**2 * leaks_by_tau
-        slopes[2, j] = (felt_by_tau * r_eq + felt * by_tau) / unit
-        slopes[4:-1, j] = 0.0
-        for k in range(len(hot)):
-            slopes[4 + hot[k], j] += part[k] * r_eq
-        for k in range(len(lossy)):
-            slopes[4 + lossy[k], j] -= felt * r_eq**2 * lost[k]
-        for k in range(len(aside)):
-            slopes[4 + aside[k], j] += by_offset[k, i]
-        slopes[-1, j] = measured[i] - temperature[i]
-        j += 1
+            leaks[i] = np.nan if np.isnan(stays[i]) else leak
+            leaks_by_tau[i] = leak_by_tau
     keep(state[0], since_h, begun_h, felt, felt_by_tau)
     keep(state[1], since_w, begun_w, windy, windy_by_tau)
-    keep(state[2], since_l, begun_l, leaks, leaks_by_tau)
-    return j
+    keep(state[2], since_l, begun_l, leak, leak_by_tau)
+    resistances(law, leaky, winds, leaks, r_eq, by_line)
+    for i in range(rows):
+        temperature[i] = air[i] + felts[i] * r_eq[i] + offset[i]
+    if slopes.size == 0:
+        return
+    leaves(counts, measured, temperature, slopes)
+    for i in range(rows):
+        by_0 = felts[i] * by_line[i]
+        by_wind = by_line[i] * slope if winds[i] < clip else 0.0
+        by_tau = felts_by_tau[i] * r_eq[i] + felts[i] * by_wind * winds_by_tau[i]
+        slopes[0, i] = by_0 if counts[i] else 0.0
+        slopes[1, i] = by_0 * min(winds[i], clip) if counts[i] else 0.0
+        slopes[2, i] = by_tau / unit if counts[i] else 0.0
+    if leaky:
+        for i in range(rows):
+            by_leak = felts[i] * r_eq[i] * r_eq[i] * leaks_by_tau[i]
+            slopes[2, i] -= by_leak / unit if counts[i] else 0.0
+    part, lost = state[0, 4:], state[1, 4:]
+    for i in range(rows if len(hot) else 0):
+        left = lefts[i]
+        if np.isnan(left):
+            continue
+        for k in range(len(hot)):
+            part[k] = left * part[k] + (1.0 - left) * by_heat[k, i]
+            slopes[4 + hot[k], i] += part[k] * r_eq[i] if counts[i] else 0.0
+    for i in range(rows if len(lossy) else 0):
+        stay = stays[i]
+        if np.isnan(stay):
+            continue
+        by_r = felts[i] * r_eq[i] * r_eq[i]
+        for k in range(len(lossy)):
+            lost[k] = stay * lost[k] + (1.0 - stay) * by_loss[k, i]
+            slopes[4 + lossy[k], i] -= by_r * lost[k] if counts[i] else 0.0
+    set_aside(counts, aside, by_offset, slopes)
 
 
 @compiled
-def balance(law, memory, columns, more, seen, state, slopes):
-    scale, value, slope, clip = law
-    capacity, unit, usual, _ = memory
+def balance(law, memory, columns, more, seen, state, slopes, work):
+    clip = law[3]
+    capacity, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
-    (counts, measured), wanted, j, own = seen, slopes.size > 0, 0, state[1, 4:]
+    (counts, measured), rows, wanted = seen, len(air), slopes.size > 0
+    r_eq, by_line, targets = work[0, :rows], work[1, :rows], work[2, :rows]
+    decays, falls = work[3, :rows], work[4, :rows]
+    resistances(law, leaky, wind, loss, r_eq, by_line)
+    for i in range(rows):
+        targets[i] = air[i] + heat[i] * r_eq[i]
+        falls[i] = steps[i] / (capacity * r_eq[i])
+    for i in range(rows):
+        decays[i] = fade(steps[i], falls[i], usual)
     since, begun, module, by_memory = state[0, :4]
-    of_0, of_1 = state[1, 0], state[1, 1]
-    for i in range(len(air)):
-        step = steps[i] + since
-        found = resistance(scale, value, slope, clip, wind[i], loss[i])
-        r_eq, by_0, by_1, _ = found
-        target = air[i] + heat[i] * r_eq
+    for i in range(rows):
+        target = targets[i]
         if np.isnan(target):
-            since, temperature[i] = step, np.nan
-        else:
-            tau, since = capacity * r_eq, 0.0
-            decay = fade(step, tau, usual) if begun else 0.0
-            fall, rise = (module - target) * decay * (step / tau), 1.0 - decay
-            module, begun = decay * module + rise * target, 1.0
-            temperature[i] = module + offset[i]
-        if not wanted:
+            since, temperature[i] = since + steps[i], np.nan
             continue
-        if not np.isnan(target):
-            by_r = rise * heat[i] + fall / r_eq
-            of_0 = decay * of_0 + by_r * by_0
-            of_1 = decay * of_1 + by_r * by_1
-            by_memory = decay * by_memory + fall / (capacity * unit)
-            for k in range(len(own) - 1):
-                own[k] *= decay
-            for k in range(len(hot)):
-                own[hot[k]] += rise * r_eq * by_heat[k, i]
-            for k in range(len(lossy)):
-                own[lossy[k]] -= by_r * r_eq**2 * by_loss[k, i]
-        if not counts[i]:
-            continue
-        slopes[0, j], slopes[1, j], slopes[2, j] = of_0, of_1, by_memory
-        for k in range(len(own) - 1):
-            slopes[4 + k, j] = own[k]
-        for k in range(len(aside)):
-            slopes[4 + aside[k], j] += by_offset[k, i]
-        slopes[-1, j] = measured[i] - temperature[i]
-        j += 1
+        if since > 0.0:
+            falls[i] = (steps[i] + since) / (capacity * r_eq[i])
+            decays[i] = fade(steps[i] + since, falls[i], usual)
+        if not begun:
+            decays[i] = 0.0
+        decay = decays[i]
+        falls[i] *= (module - target) * decay
+        module, begun, since = decay * module + (1.0 - decay) * target, 1.0, 0.0
+        temperature[i] = module + offset[i]
     keep(state[0], since, begun, module, by_memory)
-    state[1, 0], state[1, 1] = of_0, of_1
-    return j
+    if not wanted:
+        return
+    leaves(counts, measured, temperature, slopes)
+    by_r, adds_0, adds_1 = work[5, :rows], work[6, :rows], work[7, :rows]
+    for i in range(rows):
+        by_r[i] = (1.0 - decays[i]) * heat[i] + falls[i] / r_eq[i]
+        adds_0[i] = by_r[i] * by_line[i]
+        adds_1[i] = adds_0[i] * min(wind[i], clip)
+        falls[i] /= capacity * unit
+    of_0, of_1, own = state[1, 0], state[1, 1], state[1, 4:]
+    for i in range(rows):
+        if not np.isnan(targets[i]):
+            decay = decays[i]
+            of_0 = decay * of_0 + adds_0[i]
+            of_1 = decay * of_1 + adds_1[i]
+            by_memory = decay * by_memory + falls[i]
+        slopes[0, i] = of_0 if counts[i] else 0.0
+        slopes[1, i] = of_1 if counts[i] else 0.0
+        slopes[2, i] = by_memory if counts[i] else 0.0
+    state[0, 3], state[1, 0], state[1, 1] = by_memory, of_0, of_1
+    for i in range(rows if len(hot) + len(lossy) else 0):
+        if not np.isnan(targets[i]):
+            for k in range(len(own) - 1):
+                own[k] *= decays[i]
+            for k in range(len(hot)):
+                own[hot[k]] += (1.0 - decays[i]) * r_eq[i] * by_heat[k, i]
+            for k in range(len(lossy)):
+                own[lossy[k]] -= by_r[i] * r_eq[i] * r_eq[i] * by_loss[k, i]
+        if counts[i]:
+            for k in range(len(own) - 1):
+                slopes[4 + k, i] = own[k]
+    set_aside(counts, aside, by_offset, slopes)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
@@ -235,9 +289,8 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     counts, measured = seen
     wanted, end = len(total) > 0, len(air)
-    slopes = np.empty((state.shape[1], TILE + APART if wanted else 0))
-    if wanted:
-        slopes[2], slopes[3] = 0.0, 1.0
+    slopes = np.zeros((state.shape[1], TILE + APART if wanted else 0))
+    work = np.empty((WORK, TILE + APART))
     for part in range(len(edges) - 1):
         for first in range(edges[part], edges[part + 1], TILE):
             a, b = first, min(first + TILE, edges[part + 1])
@@ -261,12 +314,13 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
                 (counts[a:b], measured[a:b]),
                 state,
                 slopes,
+                work,
             )
             if dynamics == STEADY:
-                rows = steady(*given)
+                steady(*given)
             elif dynamics == EWM:
-                rows = ewm(*given)
+                ewm(*given)
             else:
-                rows = balance(*given)
+                balance(*given)
             if wanted:
-                add_products(slopes, rows, total[part])
+                add_products(slopes, b - a, total[part])
