@@ -318,6 +318,22 @@ def test_a_step_is_found_with_its_date(half_a_year, channel):
     assert number(high) - number(low) < 30
 
 
+@pytest.mark.parametrize("channel, little", [("contact", -0.05), ("air_shelter", 1.0)])
+def test_a_small_step_is_no_season(half_a_year, channel, little):
+    """Worth 0.2 K, of which a season takes half: it is a step nevertheless."""
+    name = f"{channel}_step"
+    data, _ = with_change(half_a_year, name, **{name: little})
+    loop = closed(data)
+    first = loop.findings[0]
+    assert first.added and name in first.candidates
+    assert not {"season", f"{channel}_drift"} & {*first.candidates}
+    (gain, _, _, share, *_), limits = first.checks, loop.criteria
+    assert (gain.criterion, share.criterion) == ("min_gain", "tied")
+    assert first.gain == gain.statistic >= limits.min_gain
+    beside = first.gain * share.statistic**0.5  # what is left of it
+    assert beside < limits.min_gain and share.statistic >= limits.tied
+
+
 def test_an_episode_is_no_step(half_a_year):
     data, _ = with_change(half_a_year, "module_offset_episode")
     first = closed(data).findings[0]

@@ -74,7 +74,8 @@ class Criteria:
     min_gain : float
         *weighing.* Gain that is worth an effect: root of the fall of the mean
         square on fitting weeks left out in turn. A third of the 0.4 K of a
-        contact sensor. [K]
+        contact sensor. Of a change of an instrument it counts beside what is in the
+        model, of all else beside the confounders, too. [K]
     min_share : float
         *weighing.* The same, as a share of the mean square that is left. [-]
     chance : float
@@ -96,7 +97,8 @@ class Criteria:
     rival, tied : float
         *classes.* A candidate of this share of the best one's mean square is a
         rival; beside it, the best is tied if less than ``tied`` of its own mean
-        square is left. [-]
+        square is left. A change of an instrument that keeps less beside the
+        confounders is none. [-]
     confounder_rival, confounder_tied : float
         *classes.* The same of confounders, which the sun drives all alike. [-]
     structure_keeps : float

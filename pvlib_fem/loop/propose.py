@@ -74,8 +74,7 @@ class Proposals:
             # says which member of its class is nearer, which no residual decides
             names = [n for n in names if not once_more(found.effects[n], changes)]
             weights = weighed(found, names, given)
-            floor = max(material(found, given, limits), spill)
-            asked = {n: rules(found, n, w, floor) for n, w in weights.items()}
+            asked = {n: rules(found, n, w, given, spill) for n, w in weights.items()}
             good = gaining(weights, (n for n in weights if all_pass(asked[n][1:])))
             best = max(good, key=good.get, default=None)
             sure = best is not None and all_pass(asked[best])
@@ -86,16 +85,16 @@ class Proposals:
             table = structure(self.case, found, given, self.sorting, without)
             if not sure and (table is None or table.gain < weights[best].gain):
                 break  # nothing unknown hides it
-            checks, explained = against(found, best, given, table, floor, limits)
+            checks, explained = against(found, best, given, table, spill)
             if sure and all_pass(checks):
                 ties = self.tied(found, best, weights, alike, given)
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
                 changes.append(found.effects[name])
-                self.new.append(
-                    proposed(self.case, found, weights[name], heard, checks)
-                )
+                gain = worth(found, name, weights[name], given)
+                weight = replace(weights[name], gain=gain)
+                self.new.append(proposed(self.case, found, weight, heard, checks))
                 given.append(name)
                 found = found.on_rows_of(name)
                 # along another course what was alike is another question
@@ -218,17 +217,20 @@ def weighed(found, names, given):
     return {name: w for name, w in weights.items() if isinstance(w, Weight)}
 
 
-def material(found, given, criteria):
+def material(found, given, spill=0.0):
     """Fall of the mean square that is worth an effect. [K²]"""
-    return max(criteria.min_gain**2, criteria.min_share * found.left(given))
+    criteria = found.criteria
+    return max(criteria.min_gain**2, criteria.min_share * found.left(given), spill)
 
 
-def rules(found, candidate, weight, floor):
+def rules(found, name, weight, given, spill=0.0):
     """The checks of a candidate by itself: its size, its chance, its bounds."""
-    limits, change = found.criteria, bool(found.effects[candidate].channel)
-    name = "min_gain" if floor <= limits.min_gain**2 else "min_share"
-    return (
-        Check("gain", name, weight.gain, float(np.sqrt(floor)), unit="K"),
+    limits, change = found.criteria, bool(found.effects[name].channel)
+    floor = material(found, beside(found, name, given), spill)
+    size = worth(found, name, weight, given)
+    criterion = "min_gain" if floor <= limits.min_gain**2 else "min_share"
+    checks = [
+        Check("gain", criterion, size, float(np.sqrt(floor)), unit="K"),
         Check(
             f"chance among {weight.family} hypotheses",
             "change_chance" if change else "chance",
@@ -237,7 +239,34 @@ def rules(found, candidate, weight, floor):
             most=True,
         ),
         Check("coefficients are possible", "bound_slack", float(weight.possible), 1.0),
-    )
+    ]
+    if change:
+        share = (max(weight.gain, 0.0) / size) ** 2 if size > 0 else 0.0
+        share = Check("share kept beside confounders", "tied", share, limits.tied)
+        checks.append(share)
+    return tuple(checks)
+
+
+def worth(found, name, weight, given):
+    """What an effect takes off the error of the model to which it is added. [K]"""
+    if not found.effects[name].channel:
+        return weight.gain
+    square = found.gain(name, beside(found, name, given))
+    return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
+
+
+def beside(found, name, given):
+    """
+    Beside what the gain of an effect is what it is worth.
+
+    A confounder is the rival of whatever has no driver. A change of an instrument
+    has its channel and its date to be told by: the confounders part it from what
+    comes with the seasons, and are not in the model to which it is added.
+    """
+    if not found.effects[name].channel:
+        return list(given)
+    confounders = found.confounders
+    return [other for other in given if other not in confounders]
 
 
 def all_pass(checks):
@@ -269,21 +298,23 @@ def without_of(found, name):
     return [*own, *needed_for(own)]
 
 
-def against(found, name, given, table, floor, criteria):
+def against(found, name, given, table, spill=0.0):
     """
     Whether an effect holds against the strongest table of unknown structure.
 
     It does where the table is not material, where the effect leaves little of the
     table, or keeps enough of its own beside it. Also the table's square.
     """
+    criteria, without = found.criteria, beside(found, name, given)
+    floor = material(found, without, spill)
     if table is None or table.gain**2 < floor:
         return (), 0.0
     wider = found.with_column("unknown", table.values)
     # several confounders together may make what none of them makes alone
     with_it = found.confounders if found.effects[name].confounder else [name]
     left = wider.gain("unknown", [*given, *with_it]) / table.gain**2
-    keeps = wider.gain(name, [*given, "unknown"])
-    share = keeps / found.gain(name, given)
+    share = wider.gain(name, [*given, "unknown"]) / found.gain(name, given)
+    keeps = wider.gain(name, [*without, "unknown"])
     explains = Check(
         f"share left of the table by {table.name}",
         "structure_left",

@@ -20,15 +20,14 @@ def hints(case, found, rows, findings, aside, changes):
     limits, days = case.criteria, case.days
     done = {name for finding in findings for name in finding.candidates}
     rows = sorted(rows.items(), key=lambda row: -row[1][0].gain if row[1][0] else 0.0)
-    floor = material(found, found.confounders, limits)
     for name, (weight, ties, _) in rows:
         if name in done or weight is None or weight.gain < limits.hint_gain:
             continue
         effect = found.effects[name]
         if effect.channel and (done & {*ties} or once_more(effect, changes)):
             continue  # another course or channel says the same
-        gain, *others = rules(found, name, weight, floor)
-        if not all_pass(others):
+        gain, *others = rules(found, name, weight, found.confounders)
+        if gain.statistic < limits.hint_gain or not all_pass(others):
             continue
         why, checks = (
             because(Reason.NOT_MATERIAL, least=gain.threshold),
@@ -47,7 +46,7 @@ def hints(case, found, rows, findings, aside, changes):
             name,
             (name, *ties),
             Verdict.SUGGESTIVE,
-            weight.gain,
+            gain.statistic,
             weight.coefficients,
             weight.stderr,
             why,
@@ -61,7 +60,7 @@ def tables_left(case, found, by):
     limits, given = case.criteria, []
     for i in range(limits.most_structures):
         table = structure(case, found, given, by)
-        floor = material(found, given, limits)
+        floor = material(found, given)
         if table is None or table.gain**2 < floor:
             return
         yield table, floor

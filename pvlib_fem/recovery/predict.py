@@ -8,7 +8,7 @@ from pvlib_fem.effects.effect import Effect
 from pvlib_fem.loop.close import changes_of
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.gather import gather
-from pvlib_fem.loop.propose import Proposals, all_pass, material, rules
+from pvlib_fem.loop.propose import Proposals, all_pass, rules
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.recovery.draw import Draw, course_of, drawn, holds, same_days, with_ways
@@ -128,8 +128,8 @@ class Look:
         if self.effect.channel and not self.dated(more, draw):
             return False
         weight = more.weigh(self.name, self.given)
-        floor = material(more, self.given, more.criteria)
-        return weight.gain > 0 and all_pass(rules(more, self.name, weight, floor))
+        asked = rules(more, self.name, weight, self.given)
+        return weight.gain > 0 and all_pass(asked)
 
     def dated(self, more, draw):
         """Whether sums by the day show its dates."""
