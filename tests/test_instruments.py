@@ -22,6 +22,7 @@ from pvlib_fem.effects.courses import (
     sudden,
     weights_of,
 )
+from pvlib_fem.findings import Verdict
 from pvlib_fem.loop.close import searched
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.changes import Daily, chance_of_step
@@ -332,6 +333,26 @@ def test_a_small_step_is_no_season(half_a_year, channel, little):
     assert first.gain == gain.statistic >= limits.min_gain
     beside = first.gain * share.statistic**0.5  # what is left of it
     assert beside < limits.min_gain and share.statistic >= limits.tied
+
+
+def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
+    """
+    From a day on its cups stand in winds below 1.8 m/s.
+
+    A model that is misshapen in low wind explains as much, since before that day there
+    was little such wind: beside it no date shows, and the step is in its class.
+    """
+    data = datasets.synthetic(400, 3600, seed=3, noise=0).tz_localize(None)
+    data, _ = with_change(data)
+    wind, day = data["wind_speed"], "2023-08-15"
+    data["wind_speed"] = wind.where((wind >= 1.8) | (data.index < day), 0.0)
+    loop = closed(data)
+    first = loop.findings[0]
+    assert first.added and first.verdict is Verdict.CLASS
+    assert {"wind_stall_step", "wind_shape"} <= {*first.candidates}
+    (effect,) = (e for e in loop.fit.effects if e.name == "wind_stall_step")
+    low, high = effect.settings["between"]
+    assert low <= day <= high and number(high) - number(low) < 14
 
 
 def test_an_episode_is_no_step(half_a_year):

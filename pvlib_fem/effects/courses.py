@@ -258,6 +258,11 @@ def is_dated(effect):
     return not effect.terms.course.lacks(effect.terms.dates)
 
 
+def is_step(effect):
+    """Whether an effect's course is from a date on."""
+    return effect.terms.course.name == "step"
+
+
 def is_drift(effect):
     """Whether an effect's course is one that grows from year to year."""
     return effect.terms.course.name == "drift"

@@ -231,7 +231,7 @@ class Search:
             new, self.aside = proposals.run(), proposals.aside
             names = ", ".join(f.effect for f in new if f.added)
             self.tell(f"fitting {names or 'no further effect'}")
-            further = self.added(new, found, step)
+            further = self.added(new, proposals.found, step)
             if further is step:
                 break
             step, found = self.on_own_steps(self.without_idle(further)), None

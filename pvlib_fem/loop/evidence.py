@@ -60,6 +60,9 @@ class Evidence:
     family : Family
         Numbers of hypotheses among which a chance is counted.
     criteria : Criteria
+    masked : tuple of (Effect, str)
+        Steps whose date shows where no confounder is by, and not beside all of them,
+        each with its column as in :meth:`along`.
     """
 
     columns: dict = field(repr=False)
@@ -74,6 +77,7 @@ class Evidence:
     partial: dict = field(default_factory=dict)
     family: Family = field(default_factory=Family)
     criteria: Criteria = field(default_factory=Criteria)
+    masked: tuple = ()
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
     def sums(self, names) -> ClusterSums:

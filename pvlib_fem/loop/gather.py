@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects.courses import is_step
 from pvlib_fem.effects.effect import Effect, Terms
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
@@ -132,20 +133,31 @@ def ready(model, inputs, seen, candidates):
 
 def with_changes(found, dated, failed):
     """The evidence with the channels along those courses whose dates are found."""
-    given, daily = found.places(found.confounders), {}
-    for _, column in dated:
-        daily[column] = Daily.of(found.sums([column]), found.order[column], given)
-    fading = (one.step_that_fades(found.criteria.change_side) for one in daily.values())
-    sloped, changes = max(fading, default=0.0), []
+    beside, alone = (daily_of(found, dated, given) for given in (found.confounders, []))
+    changes, masked = [], []
     for courses, column in dated:
-        of_channel = replace(daily[column], sloped=sloped)
         for course in courses:
-            effect = course.dates.found(of_channel, found.criteria)
-            if effect is None:
-                failed[course.name] = because(Reason.NO_DATE)
-            else:
+            effect = course.dates.found(beside[column], found.criteria)
+            if effect is not None:
                 changes.append((effect, column))
-    return replace(found.along(changes) if changes else found, failed=failed)
+                continue
+            failed[course.name] = because(Reason.NO_DATE)
+            # the two dates of an episode are in whatever a season leaves
+            if is_step(course):
+                effect = course.dates.found(alone[column], found.criteria)
+                masked += [] if effect is None else [(effect, column)]
+    found = found.along(changes) if changes else found
+    return replace(found, failed=failed, masked=tuple(masked))
+
+
+def daily_of(found, dated, given):
+    """Products by the day of each channel's column, beside some effects."""
+    places, daily = found.places(given), {}
+    for _, column in dated:
+        daily[column] = Daily.of(found.sums([column]), found.order[column], places)
+    fading = (one.step_that_fades(found.criteria.change_side) for one in daily.values())
+    sloped = max(fading, default=0.0)
+    return {name: replace(one, sloped=sloped) for name, one in daily.items()}
 
 
 def terms_of(effect, columns):

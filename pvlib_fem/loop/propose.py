@@ -48,8 +48,18 @@ class Proposals:
         self.select(changes, [*self.found.confounders, *self.names])
         # what changes slowly may look like a season, and is not to be lost beside it
         slow = [name for name in changes if is_drift(effects[name])]
-        self.select(others, self.names, slow)
+        masked = self.masked()
+        if masked:
+            self.found = self.found.along(masked)
+        self.select(others, self.names, [*slow, *(effect.name for effect, _ in masked)])
         return self.new
+
+    def masked(self):
+        """Steps that a confounder may stand for, of no date of another change."""
+        new = (self.found.effects[name] for name in self.names)
+        there = [*self.changes, *(effect for effect in new if effect.channel)]
+        masked = self.found.masked
+        return [one for one in masked if not once_more(one[0], there)]
 
     @property
     def names(self):

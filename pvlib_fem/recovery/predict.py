@@ -172,9 +172,10 @@ class Round:
         how = (case.criteria, case.family, step.at_bound)
         found = gather(step.model, step.coefficients, record, seen, wanted, *how)
         told = (step.coefficients, changes_of(step.model.effects))
-        new = Proposals(case, found, self.done, *told).run()
+        proposals = Proposals(case, found, self.done, *told)
+        new, effects = proposals.run(), proposals.found.effects
         days = np.unique(record.dates)
-        return any(holds(f, self.look.effect, found.effects, days) for f in new)
+        return any(holds(f, self.look.effect, effects, days) for f in new)
 
     def moved(self, record, size):
         """Columns of the record with so much of it."""
