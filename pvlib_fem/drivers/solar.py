@@ -102,7 +102,9 @@ def geometry(index, location=None, surface_tilt=None, surface_azimuth=None):
         columns |= dict(sun(index, location))
     for name, value in zip(GEOMETRY[2:], (surface_tilt, surface_azimuth)):
         if value is not None:
-            columns[name] = pd.Series(value, index, dtype=float)
+            # one number, in the memory of one
+            everywhere = np.broadcast_to(float(value), len(index))
+            columns[name] = pd.Series(everywhere, index, copy=False)
     return columns
 
 

@@ -190,9 +190,11 @@ def used(look, sun):
     stands, whole = look.health.mask | look.still, look.whole
     kept = {n: c for n, c in whole.inputs.columns.items() if n not in look.refused}
     kept |= {name: column.to_numpy() for name, column in sun.items()}
-    frozen = {name: rows for name, rows in look.health.frozen.items() if name in kept}
-    kept |= {name: np.where(rows, np.nan, kept[name]) for name, rows in frozen.items()}
-    kept["temp_module"] = np.where(stands, np.nan, kept["temp_module"])
+    blank = {name: rows for name, rows in look.health.frozen.items() if name in kept}
+    blank["temp_module"] = stands | blank.get("temp_module", False)
+    # what needs no gap is no copy
+    blank = {name: rows for name, rows in blank.items() if rows.any()}
+    kept |= {name: np.where(rows, np.nan, kept[name]) for name, rows in blank.items()}
     return replace(whole, inputs=replace(whole.inputs, columns=kept)), ~stands
 
 
