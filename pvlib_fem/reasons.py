@@ -75,6 +75,10 @@ class Reason(Enum):
     AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"
     UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
     ELSEWHERE = "beside {other}, {coefficient} would be {value:.2g} ± {half:.2g}"
+    TAKEN_OVER = (
+        "beside all that was found it takes {gain:.2f} K off the error; material is "
+        "{least:.2f} K"
+    )
     CONTRADICTED = (
         "the choosing weeks contradict it: their error rises by {rise:.2g} K, "
         "{errors:.1f} standard errors of the difference"

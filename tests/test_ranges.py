@@ -18,6 +18,7 @@ from pvlib_fem.loop.close import Search, searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.loop.ranges import everywhere, solved, within
+from pvlib_fem.loop.rules import gained
 from pvlib_fem.report.document import spanned
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.stored import Stored
@@ -158,6 +159,43 @@ def test_beside_means_of_cells_a_solution_is_that_with_a_column_of_each(seed):
     assert (half > 0).all()
 
 
+@given(st.integers(0, 2**32 - 1))
+def test_what_a_model_lacks_is_weighed_as_if_it_had_never_been_there(seed):
+    (one, east, north), rest, dates, random = series(seed, days=80)
+    effect = find("wind_direction")
+    names = [*effect.rows()]
+    columns = {"u0": one} | dict(zip(names, (east, north)))
+    rows = np.arange(len(dates))
+    fitted = dict(zip(names, random.normal(size=2)))
+    whole = Evidence(columns, rest, dates, rows, ("u0", *names), ())
+    before = rest + fitted[names[0]] * east + fitted[names[1]] * north
+    without = Evidence(columns, before, dates, rows, ("u0",), (), {effect.name: names})
+    expected = without.gain(effect.name)
+    assert whole.lacking(effect, fitted).gain(effect.name) == pytest.approx(expected)
+    whole.sums(())  # from sums that are there it is the same
+    assert whole.lacking(effect, fitted).gain(effect.name) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("kept", "counts"), [(0.7, 1.0), (0.3, 0.3)])
+def test_a_driver_is_worth_what_it_is_in_the_model(kept, counts):
+    """Where a confounder that is not in it leaves half of that; else what it leaves."""
+    random, rows = np.random.default_rng(0), 60_000
+    (name, wind), season = find("wind_direction").rows(), find("season")
+    driver, other, noise, rest = random.normal(size=(4, rows))
+    alike = np.sqrt(1.0 - kept) * driver + np.sqrt(kept) * other
+    own = dict.fromkeys(season.rows(), noise)
+    own[next(iter(own))] = alike
+    dates = np.repeat(np.arange(300), 200)
+    columns = {"u0": np.ones(rows), name: driver, wind: random.normal(size=rows)} | own
+    effects = {"wind_direction": find("wind_direction"), "season": season}
+    mine = {"wind_direction": (name, wind), "season": tuple(own)}
+    residual = 0.5 * driver + 0.1 * rest
+    how = (dates, np.arange(rows), ("u0",), (), mine, effects)
+    found = Evidence(columns, residual, *how)
+    check = gained(found, "wind_direction", found.confounders)
+    assert check.statistic == pytest.approx(0.5 * np.sqrt(counts), rel=0.02)
+
+
 def test_what_is_nothing_beside_another_effect_is_not_told():
     """
     A winter of snow before a step from which on all is otherwise, and a window.
@@ -190,6 +228,18 @@ def test_a_search_that_goes_back_ends():
     assert any(f.effect.endswith("_drift") for f in doubted)
     names = [f.effect for f in loop.findings if f.added and f.verdict == "named"]
     assert names == ["snow"]
+
+
+def test_a_confounder_that_is_no_more_tried_is_a_rival_all_the_same():
+    """Else what it explains is open to an effect that has a driver."""
+    data = simulator.record(effects=simulator.PHYSICS, days=365, step=3600, seed=0)
+    search, loop = searched(data, "faiman", (None,) * 3, None, **USUAL)
+    (first,) = loop.effects[:1]
+    search.findings, search.doubted = [], (find(first),)
+    found = search.evidence(search.start)
+    assert first in found.confounders
+    search.further(search.start, found)
+    assert not any(first in finding.candidates for finding in search.findings)
 
 
 def test_what_was_nothing_is_tried_once_more_at_another_date():

@@ -17,19 +17,20 @@ from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.loop.budget import budget_of, episodes_of
-from pvlib_fem.loop.confirm import bounds, confirmed, refused, sureness
+from pvlib_fem.loop.confirm import bounds, confirmed, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.files import in_means, on_days, on_own_steps
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
-from pvlib_fem.loop.propose import Proposals, renamed, sorting, weighed
+from pvlib_fem.loop.propose import Proposals, renamed, sorting
 from pvlib_fem.loop.ranges import everywhere, vouched, with_ranges
 from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
 from pvlib_fem.loop.result import Loop
-from pvlib_fem.loop.steps import BASES, SCORES, Fits, error_table
+from pvlib_fem.loop.rules import in_the_end, weighed
+from pvlib_fem.loop.steps import BASES, SCORES, Fits, Step, error_table
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.weeks import Part, named
@@ -184,6 +185,7 @@ class Search:
     findings: list = field(default_factory=list)
     vetoed: dict = field(default_factory=dict)  # what a fit spoke against, by name
     doubted: tuple = ()  # effects that are no more tried, changes on their date
+    start: Step | None = None  # the one without effects from which the search begins
     before: dict = field(default_factory=dict)  # steps and findings before each finding
     corrections: list = field(default_factory=list)
     untestable: dict = field(default_factory=dict)
@@ -210,7 +212,7 @@ class Search:
             if correction.applied:
                 self.clock = case.clock
                 self.steps[CORRECTED] = step
-        start = step
+        self.start = start = step
         self.leave_out_leaks(step)
         step, found = self.rounds(step)
         while (doubted := self.doubtful(step, found)) is not None:
@@ -224,20 +226,27 @@ class Search:
         for turn in range(limits.rounds if self.case.divisible else 0):
             self.tell(f"weighing effects, round {turn + 1}")
             found = self.evidence(step)
-            done = {n for finding in self.findings for n in finding.candidates}
-            dated = changes_of((*step.model.effects, *self.doubted))
-            beside = (step.coefficients, dated)
-            proposals = Proposals(self.case, found, frozenset(done), *beside)
-            new, self.aside = proposals.run(), proposals.aside
-            names = ", ".join(f.effect for f in new if f.added)
-            self.tell(f"fitting {names or 'no further effect'}")
-            further = self.added(new, proposals.found, step)
-            if further is step:
+            last, step = step, self.further(step, found)
+            if step is last:
                 break
-            step, found = self.on_own_steps(self.without_idle(further)), None
+            found = None  # as large as that of the next round
+            step = self.on_own_steps(self.within_bounds(step))
+            self.fits.let_go()
         if found is None and self.case.divisible:
             found = self.evidence(step)  # what is told is of the model that is told
         return step, found
+
+    def further(self, step, found):
+        """The last step that holds, of those with what one more round proposes."""
+        done = {n for finding in self.findings for n in finding.candidates}
+        done |= self.closed
+        dated = changes_of((*step.model.effects, *self.doubted))
+        beside = (step.coefficients, dated)
+        proposals = Proposals(self.case, found, frozenset(done), *beside)
+        new, self.aside = proposals.run(), proposals.aside
+        names = ", ".join(f.effect for f in new if f.added)
+        self.tell(f"fitting {names or 'no further effect'}")
+        return self.added(new, proposals.found, step)
 
     def on_own_steps(self, step):
         """The last step, fitted to the record's own steps, and with its own base."""
@@ -250,7 +259,8 @@ class Search:
     def evidence(self, step):
         """Evidence of all that a step lacks."""
         there = {effect.name for effect in step.model.effects}
-        there |= self.closed
+        # a confounder that is no more tried is the rival of the others all the same
+        there |= {e.name for e in self.doubted if not e.confounder} & self.closed
         limits = self.case.criteria
         wanted = [effect for effect in self.case.wanted if effect.name not in there]
         found = self.fits.gathered(step, wanted)
@@ -308,48 +318,42 @@ class Search:
                     continue
                 so_far = (self.steps, self.findings, self.vetoed)
                 self.before[finding.effect] = tuple(map(copy, so_far))
+                self.steps.pop(f"+{finding.effect}", None)  # the last one comes last
                 step = self.steps[f"+{finding.effect}"] = attempt
                 self.vetoed.pop(finding.effect, None)
             self.findings.append(finding)
         return step
 
-    def without_idle(self, step):
-        """
-        The step without findings of which nothing is left, or more than can be.
-
-        What comes later, a drift beside dirt, or a step beside a drift, may have taken
-        their place.
-        """
-        stderr = self.fits.errors(step)
+    def within_bounds(self, step):
+        """The step without findings that beside later ones are more than can be."""
         there = {effect.name for effect in step.model.effects}
         for finding in [f for f in self.findings if f.effect in there]:
-            asked = (
-                bounds(finding.coefficients, step),
-                sureness(finding, step.coefficients, stderr, self.case),
-            )
-            if failed := [one for one in asked if not one[0].passed]:
-                step = self.removed(finding, *failed[0], step)
-                stderr = self.fits.errors(step)
+            check, why = bounds(finding.coefficients, step)
+            if not check.passed:
+                step = self.removed(finding, check, why, step)
         return step
 
     def doubtful(self, step, found):
         """
-        The first finding that is near nothing beside an effect that was not found.
+        The first finding that does not stand in the last model, or None.
 
-        With the check of that and its reason. Of confounders, which stand for each
-        other, none is asked: they are told as classes. Nor is a change that witnesses
-        agree with, who know nothing of these models.
+        Beside all that came later it is no more material, or it is near nothing beside
+        an effect that was not found. With the check of that and its reason. Of the
+        latter confounders, which stand for each other, are not asked: they are told as
+        classes. Nor is a change that witnesses agree with, who know nothing of these
+        models.
         """
         if found is None:
             return None
         effects = {effect.name: effect for effect in step.model.effects}
         added = [f for f in self.findings if f.effect in effects]
-        checks = everywhere(added, found, step)
-        for finding in (f for f in added if f.effect in checks):
-            check, why = checks[finding.effect]
-            settled = effects[finding.effect].confounder or vouched(finding)
-            if not check.passed and not settled:
-                return finding, effects[finding.effect], check, why
+        asked = [f for f in added if not vouched(f)]
+        ends, others = in_the_end(asked, found, step), everywhere(added, found, step)
+        others = {name: others[name] for name in others if not effects[name].confounder}
+        mine = {finding.effect: finding for finding in asked}
+        for name, (check, why) in (*ends.items(), *others.items()):
+            if not check.passed and name in mine:
+                return mine[name], effects[name], check, why
         return None
 
     def gone_back(self, finding, effect, check, why):
@@ -357,7 +361,9 @@ class Search:
         self.steps, self.findings, self.vetoed = map(copy, self.before[finding.effect])
         self.vetoed[finding.effect] = refused(finding, check, why)
         self.doubted += (effect,)
-        last = self.steps[list(self.steps)[-1]]
+        # before the first effect the last of the steps is the other of the two dynamics
+        later = [one for name, one in self.steps.items() if name[0] in "+-"]
+        last = later[-1] if later else self.start
         return self.on_own_steps(last) if last.model.effects else last
 
     def removed(self, finding, check, why, step):

@@ -74,8 +74,8 @@ class Criteria:
     min_gain : float
         *weighing.* Gain that is worth an effect: root of the fall of the mean
         square on fitting weeks left out in turn. A third of the 0.4 K of a
-        contact sensor. Of a change of an instrument it counts beside what is in the
-        model, of all else beside the confounders, too. [K]
+        contact sensor. Of what has a driver, or a date, it counts beside what is in
+        the model; in the end it is asked of all that is told. [K]
     min_share : float
         *weighing.* The same, as a share of the mean square that is left. [-]
     chance : float
@@ -103,7 +103,8 @@ class Criteria:
         *classes.* The same of confounders, which the sun drives all alike. [-]
     structure_keeps : float
         *structure.* Share of its mean square that an effect has to keep beside a
-        table of unknown structure that explains more. [-]
+        table of unknown structure that explains more, and an effect with a driver
+        beside the confounders; one that keeps less has to be material beside them. [-]
     structure_left : float
         *structure.* Share of a table's mean square that may be left beside an
         effect which explains it. [-]

@@ -142,6 +142,17 @@ class Evidence:
         ready = {key: sums.adding(columns) for key, sums in self.ready.items()}
         return replace(self, residual=residual, ready=ready)
 
+    def lacking(self, effect, coefficients):
+        """The same of a model that has all but one of its effects, to weigh that."""
+        keys = tuple(effect.rows())
+        found = self.adding({key: coefficients[key] for key in keys})
+        return replace(
+            found,
+            base=tuple(name for name in self.base if name not in keys),
+            own={**self.own, effect.name: keys},
+            effects={**self.effects, effect.name: effect},
+        )
+
     def with_effect(self, effect, columns, known):
         """The same with the tangents of one more effect, on the rows it is known."""
         found = self.on_some(effect.name, columns, known)

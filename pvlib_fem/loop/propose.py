@@ -13,6 +13,15 @@ from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import apart
 from pvlib_fem.loop.evidence import Evidence, Weight
+from pvlib_fem.loop.rules import (
+    all_pass,
+    beside,
+    gained,
+    gaining,
+    material,
+    rules,
+    weighed,
+)
 from pvlib_fem.loop.witness import Hearing, hearing, nights, outages
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.checks import usual_step
@@ -102,7 +111,7 @@ class Proposals:
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
                 changes.append(found.effects[name])
-                gain = worth(found, name, weights[name], given)
+                gain = gained(found, name, given).statistic
                 weight = replace(weights[name], gain=gain)
                 self.new.append(proposed(self.case, found, weight, heard, checks))
                 given.append(name)
@@ -219,73 +228,6 @@ def unsure_beside(found, name, other, given):
         return True
     (size,), (error,) = weight.coefficients.values(), weight.stderr.values()
     return abs(size) < found.criteria.bound_errors * error
-
-
-def weighed(found, names, given):
-    """Weights of those names that can be weighed."""
-    weights = {name: found.weigh(name, given) for name in names}
-    return {name: w for name, w in weights.items() if isinstance(w, Weight)}
-
-
-def material(found, given, spill=0.0):
-    """Fall of the mean square that is worth an effect. [K²]"""
-    criteria = found.criteria
-    return max(criteria.min_gain**2, criteria.min_share * found.left(given), spill)
-
-
-def rules(found, name, weight, given, spill=0.0):
-    """The checks of a candidate by itself: its size, its chance, its bounds."""
-    limits, change = found.criteria, bool(found.effects[name].channel)
-    floor = material(found, beside(found, name, given), spill)
-    size = worth(found, name, weight, given)
-    criterion = "min_gain" if floor <= limits.min_gain**2 else "min_share"
-    checks = [
-        Check("gain", criterion, size, float(np.sqrt(floor)), unit="K"),
-        Check(
-            f"chance among {weight.family} hypotheses",
-            "change_chance" if change else "chance",
-            found.chance(weight),
-            limits.change_chance if change else limits.chance,
-            most=True,
-        ),
-        Check("coefficients are possible", "bound_slack", float(weight.possible), 1.0),
-    ]
-    if change:
-        share = (max(weight.gain, 0.0) / size) ** 2 if size > 0 else 0.0
-        share = Check("share kept beside confounders", "tied", share, limits.tied)
-        checks.append(share)
-    return tuple(checks)
-
-
-def worth(found, name, weight, given):
-    """What an effect takes off the error of the model to which it is added. [K]"""
-    if not found.effects[name].channel:
-        return weight.gain
-    square = found.gain(name, beside(found, name, given))
-    return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
-
-
-def beside(found, name, given):
-    """
-    Beside what the gain of an effect is what it is worth.
-
-    A confounder is the rival of whatever has no driver. A change of an instrument
-    has its channel and its date to be told by: the confounders part it from what
-    comes with the seasons, and are not in the model to which it is added.
-    """
-    if not found.effects[name].channel:
-        return list(given)
-    confounders = found.confounders
-    return [other for other in given if other not in confounders]
-
-
-def all_pass(checks):
-    return all(check.passed for check in checks)
-
-
-def gaining(weights, names):
-    """Gains of those of some names that gain anything."""
-    return {name: weights[name].gain for name in names if weights[name].gain > 0}
 
 
 def hidden(found, weights, asked):

@@ -3,14 +3,8 @@
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Check, Finding, Kind, Verdict
-from pvlib_fem.loop.propose import (
-    all_pass,
-    kind_of,
-    material,
-    once_more,
-    rules,
-    structure,
-)
+from pvlib_fem.loop.propose import kind_of, once_more, structure
+from pvlib_fem.loop.rules import all_pass, material, rules
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import GEOMETRY
 

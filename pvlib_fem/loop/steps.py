@@ -150,6 +150,10 @@ class Fits:
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
+    def let_go(self):
+        """Forget tables of the record's own steps, which are many rows, until a fit."""
+        self.ready.pop("whole", None)
+
     def gathered(self, step, candidates):
         """Evidence of some effects beside a step, on the coarse fitting rows."""
         case = self.case

@@ -8,7 +8,8 @@ from pvlib_fem.effects.effect import Effect
 from pvlib_fem.loop.close import changes_of
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.gather import gather
-from pvlib_fem.loop.propose import Proposals, all_pass, rules
+from pvlib_fem.loop.propose import Proposals
+from pvlib_fem.loop.rules import all_pass, rules
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.recovery.draw import Draw, course_of, drawn, holds, same_days, with_ways

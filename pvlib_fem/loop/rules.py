@@ -1,0 +1,110 @@
+"""The rules that an effect passes by itself: its size, its chance, its bounds."""
+
+import numpy as np
+
+from pvlib_fem.findings import Check
+from pvlib_fem.reasons import Because, Reason, because
+
+
+def weighed(found, names, given):
+    """Weights of those names that can be weighed."""
+    weights = {name: found.weigh(name, given) for name in names}
+    return {name: w for name, w in weights.items() if not isinstance(w, Because)}
+
+
+def gaining(weights, names):
+    """Gains of those of some names that gain anything."""
+    return {name: weights[name].gain for name in names if weights[name].gain > 0}
+
+
+def rules(found, name, weight, given, spill=0.0):
+    """The checks of a candidate by itself: its size, its chance, its bounds."""
+    limits, change = found.criteria, bool(found.effects[name].channel)
+    gain = gained(found, name, given, spill)
+    checks = [
+        gain,
+        Check(
+            f"chance among {weight.family} hypotheses",
+            "change_chance" if change else "chance",
+            found.chance(weight),
+            limits.change_chance if change else limits.chance,
+            most=True,
+        ),
+        Check("coefficients are possible", "bound_slack", float(weight.possible), 1.0),
+    ]
+    if change:
+        size = gain.statistic
+        share = (max(weight.gain, 0.0) / size) ** 2 if size > 0 else 0.0
+        share = Check("share kept beside confounders", "tied", share, limits.tied)
+        checks.append(share)
+    return tuple(checks)
+
+
+def gained(found, name, given, spill=0.0):
+    """The check that an effect is material."""
+    counted = beside(found, name, given)
+    floor = material(found, counted, spill)
+    criterion = "min_gain" if floor <= found.criteria.min_gain**2 else "min_share"
+    size, least = root(found.gain(name, counted)), float(np.sqrt(floor))
+    return Check("gain", criterion, size, least, unit="K")
+
+
+def in_the_end(findings, found, step):
+    """
+    By finding, the check that it is material beside all others of the last model.
+
+    It was weighed beside what was found so far, and in one round with what a fit spoke
+    against later. Confounders are not asked once more: their tangents at a model that
+    has the effect hold some of it. The one that is worth least comes first. Of what is
+    held or at a bound no tangent is there.
+    """
+    effects = {effect.name: effect for effect in step.model.effects}
+    fitted, checks = {*found.base}, {}
+    for name in (finding.effect for finding in findings):
+        if not fitted >= {*effects[name].rows()}:
+            continue
+        less = found.lacking(effects[name], step.coefficients)
+        check = gained(less, name, [])
+        size, least = check.statistic, check.threshold
+        checks[name] = check, because(Reason.TAKEN_OVER, gain=size, least=least)
+    return dict(sorted(checks.items(), key=lambda one: one[1][0].statistic))
+
+
+def material(found, given, spill=0.0):
+    """Fall of the mean square that is worth an effect. [K²]"""
+    criteria = found.criteria
+    return max(criteria.min_gain**2, criteria.min_share * found.left(given), spill)
+
+
+def beside(found, name, given):
+    """
+    Beside what the gain of an effect is what it is worth.
+
+    A confounder is the rival of whatever has no driver. What has one, or a date and a
+    channel, has that to be told by: confounders part it from what comes with the
+    weather and the seasons, and those that are not found are not in the model to which
+    it is added. A driver has to keep more beside them than a change, to which all of
+    its rivals are put.
+    """
+    given = [other for other in given if other != name]
+    if found.effects[name].confounder:
+        return given
+    confounders = found.confounders
+    bare = [other for other in given if other not in confounders]
+    if found.effects[name].channel:
+        return bare
+    alone, kept = found.gain(name, bare), found.gain(name, given)
+    if kept < found.criteria.structure_keeps * alone:
+        return given
+    # some effects show only where others are taken off
+    larger = kept / material(found, given) > alone / material(found, bare)
+    return given if larger else bare
+
+
+def root(square):
+    """Root of a fall of the mean square; of a rise less than nothing. [K]"""
+    return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
+
+
+def all_pass(checks):
+    return all(check.passed for check in checks)
