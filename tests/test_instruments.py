@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+import study_instruments
 from conftest import COLUMNS, DRIVERS
 from hypothesis import given, strategies as st
 from test_effects import coefficients, model_with
 
 import pvlib_fem as fem
-from pvlib_fem import datasets
+from pvlib_fem import datasets, simulator
 from pvlib_fem.effects import CHANGES, CHANNELS, find
 from pvlib_fem.effects.courses import (
     find_episode,
@@ -353,6 +354,23 @@ def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
     (effect,) = (e for e in loop.fit.effects if e.name == "wind_stall_step")
     low, high = effect.settings["between"]
     assert low <= day <= high and number(high) - number(low) < 14
+
+
+def test_a_step_that_a_season_stands_for_is_dated_beside_what_is_found_with_it():
+    """
+    From May on a pyranometer reads 7 % less, under a sky and in a wind of its own.
+
+    A season explains it as well. Beside the steady model alone the sky hides its date.
+    """
+    world, channel, course, size, at, _ = study_instruments.drawn(14085)
+    assert (channel, course) == ("sensitivity", "step")
+    how = (world.days, world.step, world.seed, world.start)
+    (data,) = simulator.records(world.site, [simulator.OUTDOORS], *how)
+    after = data.index >= data.index[0] + pd.Timedelta(days=at[0])
+    data = study_instruments.changed(data, channel, size, after.astype(float))
+    loop = fem.close_loop(data, check_units=False, **world.place)
+    (found,) = (f for f in loop.findings if f.added and "season" in f.candidates)
+    assert {"sensitivity_step", "sensitivity_drift"} < {*found.candidates}
 
 
 def test_an_episode_is_no_step(half_a_year):

@@ -10,6 +10,7 @@ from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.family import Family
 from pvlib_fem.reasons import Because, Reason, because
+from pvlib_fem.statistics.changes import Daily
 from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums, starts
 
 UNSEEN = 1e-6  # of a column: what rounding leaves of it beside others
@@ -61,8 +62,8 @@ class Evidence:
         Numbers of hypotheses among which a chance is counted.
     criteria : Criteria
     masked : tuple of (Effect, str)
-        Steps whose date shows where no confounder is by, and not beside all of them,
-        each with its column as in :meth:`along`.
+        Steps whose date does not show beside all confounders, each with its column as
+        in :meth:`along`.
     """
 
     columns: dict = field(repr=False)
@@ -213,6 +214,16 @@ class Evidence:
             partial=self.partial | partial,
             ready=ready,
         )
+
+    def daily(self, columns, given=()):
+        """Products by the day of columns along which something may change, by name."""
+        places, daily = self.places(given), {}
+        for name in columns:
+            daily[name] = Daily.of(self.sums([name, *given]), self.order[name], places)
+        side = self.criteria.change_side
+        fading = [one.step_that_fades(side) for one in daily.values()]
+        sloped = max(fading, default=0.0)
+        return {name: replace(one, sloped=sloped) for name, one in daily.items()}
 
     def on_rows_of(self, name):
         """The same on the rows on which an effect is known."""

@@ -12,7 +12,6 @@ from pvlib_fem.effects.effect import Effect, Terms
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.relaxation import relax
-from pvlib_fem.statistics.changes import Daily
 from pvlib_fem.statistics.clusters import calendar_weeks
 
 
@@ -133,31 +132,19 @@ def ready(model, inputs, seen, candidates):
 
 def with_changes(found, dated, failed):
     """The evidence with the channels along those courses whose dates are found."""
-    beside, alone = (daily_of(found, dated, given) for given in (found.confounders, []))
+    daily = found.daily([column for _, column in dated], found.confounders)
     changes, masked = [], []
     for courses, column in dated:
         for course in courses:
-            effect = course.dates.found(beside[column], found.criteria)
+            effect = course.dates.found(daily[column], found.criteria)
             if effect is not None:
                 changes.append((effect, column))
                 continue
             failed[course.name] = because(Reason.NO_DATE)
             # the two dates of an episode are in whatever a season leaves
-            if is_step(course):
-                effect = course.dates.found(alone[column], found.criteria)
-                masked += [] if effect is None else [(effect, column)]
+            masked += [(course, column)] if is_step(course) else []
     found = found.along(changes) if changes else found
     return replace(found, failed=failed, masked=tuple(masked))
-
-
-def daily_of(found, dated, given):
-    """Products by the day of each channel's column, beside some effects."""
-    places, daily = found.places(given), {}
-    for _, column in dated:
-        daily[column] = Daily.of(found.sums([column]), found.order[column], places)
-    fading = (one.step_that_fades(found.criteria.change_side) for one in daily.values())
-    sloped = max(fading, default=0.0)
-    return {name: replace(one, sloped=sloped) for name, one in daily.items()}
 
 
 def terms_of(effect, columns):

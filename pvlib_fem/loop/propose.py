@@ -64,11 +64,17 @@ class Proposals:
         return self.new
 
     def masked(self):
-        """Steps that a confounder may stand for, of no date of another change."""
+        """
+        Steps that a confounder may stand for, of no date of another change.
+
+        Dated beside what is in the model and what is found in this round.
+        """
         new = (self.found.effects[name] for name in self.names)
         there = [*self.changes, *(effect for effect in new if effect.channel)]
-        masked = self.found.masked
-        return [one for one in masked if not once_more(one[0], there)]
+        masked, criteria = self.found.masked, self.found.criteria
+        daily = self.found.daily(sorted({column for _, column in masked}), self.names)
+        masked = [(s.dates.found(daily[c], criteria), c) for s, c in masked]
+        return [(s, c) for s, c in masked if s is not None and not once_more(s, there)]
 
     @property
     def names(self):
