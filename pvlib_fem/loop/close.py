@@ -212,13 +212,13 @@ class Search:
             if correction.applied:
                 self.clock = case.clock
                 self.steps[CORRECTED] = step
-        self.start = start = step
+        self.start = step
         self.leave_out_leaks(step)
         step, found = self.rounds(step)
         while (doubted := self.doubtful(step, found)) is not None:
             step, found = self.rounds(self.gone_back(*doubted))
         self.tell("measuring the errors of the test weeks")
-        return self.result(step, start, base, found)
+        return self.result(step, base, found)
 
     def rounds(self, step):
         """The step when no effect is found any more, and what it leaves."""
@@ -347,13 +347,13 @@ class Search:
             return None
         effects = {effect.name: effect for effect in step.model.effects}
         added = [f for f in self.findings if f.effect in effects]
-        asked = [f for f in added if not vouched(f)]
-        ends, others = in_the_end(asked, found, step), everywhere(added, found, step)
-        others = {name: others[name] for name in others if not effects[name].confounder}
-        mine = {finding.effect: finding for finding in asked}
-        for name, (check, why) in (*ends.items(), *others.items()):
-            if not check.passed and name in mine:
-                return mine[name], effects[name], check, why
+        asked = {f.effect: f for f in added if not vouched(f)}
+        checks = [*in_the_end(asked, found, step).items()]
+        others = everywhere(added, found, step).items()
+        checks += [one for one in others if not effects[one[0]].confounder]
+        for name, (check, why) in checks:
+            if name in asked and not check.passed:
+                return asked[name], effects[name], check, why
         return None
 
     def gone_back(self, finding, effect, check, why):
@@ -408,7 +408,7 @@ class Search:
         material = left[0] - left[nearest] > self.case.criteria.min_gain**2
         return held[nearest if material else 0]
 
-    def result(self, last, start, base, found):
+    def result(self, last, base, found):
         """All that was found, as a finished thing."""
         case, notes = self.case, []
         record, tabled = self.fits.prepared(case.whole, last.model)
@@ -452,7 +452,7 @@ class Search:
             place=case.place,
             residual_before=before.rename("residual"),
             weeks=pd.Series(named(case.parts), record.index, name="weeks"),
-            plain=(self.steps[base].model, start.coefficients),
+            plain=(self.steps[base].model, self.start.coefficients),
             criteria=case.criteria,
             family=case.family.physics,
             weighed=found is not None,

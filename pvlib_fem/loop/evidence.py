@@ -11,7 +11,7 @@ from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.family import Family
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.statistics.changes import Daily
-from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums, starts
+from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums, root, starts
 
 UNSEEN = 1e-6  # of a column: what rounding leaves of it beside others
 
@@ -265,7 +265,6 @@ class Evidence:
         step = sums.solve(kept)[len(nuisance) :]
         covariance = sums.covariance(kept)[len(nuisance) :, len(nuisance) :]
         error = np.sqrt(np.diag(covariance))
-        change = self.gain(name, given)
         freedom = max(len(sums.by_cluster) - 1, 1)
         statistic = step @ np.linalg.solve(covariance, step) / len(own)
         chance = float(fisher.sf(statistic, len(own), freedom))
@@ -275,8 +274,7 @@ class Evidence:
         coefficients = dict(zip(keys, (step / scale).tolist()))
         stderr = dict(zip(keys, (error / scale).tolist()))
         return Weight(
-            # below a µK is rounding, which is not to choose among what is alike
-            gain=round(float(np.sign(change) * np.sqrt(abs(change))), 6),
+            gain=root(self.gain(name, given)),
             p_value=min(1.0, chance * self.effects[name].choices),
             coefficients=coefficients,
             stderr=stderr,

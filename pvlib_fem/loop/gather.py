@@ -142,7 +142,8 @@ def with_changes(found, dated, failed):
                 continue
             failed[course.name] = because(Reason.NO_DATE)
             # the two dates of an episode are in whatever a season leaves
-            masked += [(course, column)] if is_step(course) else []
+            if is_step(course):
+                masked.append((course, column))
     found = found.along(changes) if changes else found
     return replace(found, failed=failed, masked=tuple(masked))
 

@@ -16,7 +16,6 @@ from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.rules import (
     all_pass,
     beside,
-    gained,
     gaining,
     material,
     rules,
@@ -117,7 +116,7 @@ class Proposals:
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
                 changes.append(found.effects[name])
-                gain = gained(found, name, given).statistic
+                gain = asked[name][0].statistic
                 weight = replace(weights[name], gain=gain)
                 self.new.append(proposed(self.case, found, weight, heard, checks))
                 given.append(name)

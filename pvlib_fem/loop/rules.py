@@ -4,6 +4,7 @@ import numpy as np
 
 from pvlib_fem.findings import Check
 from pvlib_fem.reasons import Because, Reason, because
+from pvlib_fem.statistics.clusters import root
 
 
 def weighed(found, names, given):
@@ -49,9 +50,9 @@ def gained(found, name, given, spill=0.0):
     return Check("gain", criterion, size, least, unit="K")
 
 
-def in_the_end(findings, found, step):
+def in_the_end(names, found, step):
     """
-    By finding, the check that it is material beside all others of the last model.
+    By name, the check that a finding is material beside all others of the model.
 
     It was weighed beside what was found so far, and in one round with what a fit spoke
     against later. Confounders are not asked once more: their tangents at a model that
@@ -60,7 +61,7 @@ def in_the_end(findings, found, step):
     """
     effects = {effect.name: effect for effect in step.model.effects}
     fitted, checks = {*found.base}, {}
-    for name in (finding.effect for finding in findings):
+    for name in names:
         if not fitted >= {*effects[name].rows()}:
             continue
         less = found.lacking(effects[name], step.coefficients)
@@ -99,11 +100,6 @@ def beside(found, name, given):
     # some effects show only where others are taken off
     larger = kept / material(found, given) > alone / material(found, bare)
     return given if larger else bare
-
-
-def root(square):
-    """Root of a fall of the mean square; of a rise less than nothing. [K]"""
-    return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
 
 
 def all_pass(checks):

@@ -118,9 +118,17 @@ class ClusterSums:
         """Best coefficients of the kept columns."""
         return ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, -1])
 
+    @cached_property
+    def lefts(self):
+        """What is left by the columns that are kept, of those asked for so far."""
+        return {}
+
     def left(self, kept):
         """Mean square that the kept columns leave on days that did not solve them."""
-        return self.losses(kept, self.by_fold) / self.rows
+        kept = tuple(kept)
+        if kept not in self.lefts:  # each of many rivals asks for what is beside it
+            self.lefts[kept] = self.losses(list(kept), self.by_fold) / self.rows
+        return self.lefts[kept]
 
     def losses(self, kept, parts):
         """Sum of squares left in the parts, each by a solution without it."""
@@ -153,6 +161,15 @@ class ClusterSums:
         explained = ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, column])
         square = self.whole[column, column] - explained @ self.whole[kept, column]
         return np.sqrt(max(square, 0.0) / self.rows)
+
+
+def root(square):
+    """
+    Root of a fall of the mean square; of a rise less than nothing. [K]
+
+    Below a µK is rounding, which is not to choose among what is alike.
+    """
+    return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
 
 
 def cluster_sums(columns, residual, dates, folds=FOLDS, fewest=FEWEST_CLUSTERS):
