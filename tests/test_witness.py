@@ -1,6 +1,7 @@
 """What other columns say of an instrument that has changed."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,7 +15,14 @@ from test_instruments import DATES, closed, dated, half_a_year, with_change  # n
 from pvlib_fem import close_loop, simulator
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
-from pvlib_fem.loop.comparisons import COMPARISONS, SKY, USUAL_WIND, Apart, apart
+from pvlib_fem.loop.comparisons import (
+    COMPARISONS,
+    SKY,
+    USUAL_WIND,
+    Apart,
+    apart,
+    usual,
+)
 from pvlib_fem.loop.propose import Proposals
 from pvlib_fem.loop.witness import courses
 from pvlib_fem.record.columns import is_power, twin_of, vouches
@@ -213,6 +221,20 @@ def test_without_a_place_no_clear_sky_is_asked():
     assert SKY not in asked(poa, np.full(len(poa), 2.0), place=None)
 
 
+def test_what_changes_for_a_while_is_no_outlier_however_sharp_a_comparison():
+    """A dozen standard errors for three weeks; snow, whose days differ, is one."""
+    random = np.random.default_rng(0)
+    values = random.normal(0.05, 0.01, 260)
+    values[40:61] -= 0.12
+    snow = np.arange(80, 100)
+    values[snow] -= random.uniform(0.1, 2.0, len(snow))
+    values[70] = np.nan
+    kept = usual(values)
+    assert not kept[70]
+    assert kept[snow].sum() <= 2
+    assert np.delete(kept, [70, *snow]).mean() > 0.98
+
+
 def test_what_differs_from_year_to_year_is_in_the_error():
     """A step and a drift of a series that forgets over a year, drawn often."""
     days = np.arange(0, 4 * 365, 7) + 18_000
@@ -238,18 +260,31 @@ def by_power(course, seed=6):
     return Apart(comparison, "power_ac", days, course(years) + noise.to_numpy())
 
 
-def test_what_a_course_leaves_a_witness_is_what_least_squares_leave():
-    one = by_power(lambda years: 0.02 * years)
-    courses = np.stack([one.days - one.days[0], one.days >= one.days[400]])
-    for course, found in zip(courses, one.misfits(courses)):
-        left = pd.Series(one.along(np.asarray(course, float))[2])
-        means = left.groupby(one.days // 28).mean().to_numpy()
-        memory = max(np.corrcoef(means[1:], means[:-1])[0, 1], 0.0)
-        draws = len(means) * (1.0 - memory) / (1.0 + memory)
-        assert found == pytest.approx(draws * np.log((left**2).mean()), rel=1e-6)
-    assert one.misfits(np.ones(len(one.days))) == pytest.approx(
-        one.misfits(np.zeros(len(one.days)))
-    )
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+def test_what_courses_leave_a_witness_is_what_least_squares_leave(unit):
+    """By as many draws as what the best of them leaves has, in whatever unit."""
+    one = by_power(lambda years: 0.05 * (years > 1.5) + 0.1 * (years > 4.0))
+    one = replace(one, apart=one.apart * unit)
+    dates = one.days[[200, 273, 500, 730, 900]]
+    steps = (one.days >= dates[:, None]).astype(float)
+    slowly = (one.days - one.days[0]).astype(float)
+    usual = np.column_stack(one.usual)
+
+    def left(*columns):
+        both = np.column_stack([usual, *columns])
+        return one.apart - both @ np.linalg.lstsq(both, one.apart, rcond=None)[0]
+
+    best = pd.Series(left(steps[1], steps[3]))
+    means = best.groupby(one.days // 28).mean().to_numpy()
+    memory = max(np.corrcoef(means[1:], means[:-1])[0, 1], 0.0)
+    draws = len(means) * (1.0 - memory) / (1.0 + memory)
+    courses, by_two = one.misfits([slowly, np.ones(len(slowly))], dates)
+    want = [draws * np.log(np.mean(left(c) ** 2)) for c in (slowly, 0.0 * slowly)]
+    np.testing.assert_allclose(courses, want, rtol=1e-6)
+    for i, first in enumerate(steps):
+        for j, second in enumerate(steps):
+            want = draws * np.log(np.mean(left(first, second) ** 2))
+            assert by_two[i, j] == pytest.approx(want, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -268,6 +303,17 @@ def test_a_course_is_named_where_no_step_is_followed_better(course, told):
     since = pd.Timestamp(0) + pd.Timedelta(days=int(one.days[0]))
     drift = find({"name": "sensitivity_drift", "since": f"{since:%Y-%m-%d}"})
     assert courses([one], ["sensitivity_drift"], {drift.name: drift}) == told
+
+
+@pytest.mark.parametrize("lasts", [True, False])
+def test_a_step_is_named_where_nothing_for_a_while_is_followed_better(lasts):
+    """A sensor that reads otherwise for a year and a half reads as before after it."""
+    one = by_power(lambda years: 0.1 * (years > 1.5) * (lasts | (years < 3.0)))
+    at = pd.Timestamp(0) + pd.Timedelta(days=int(one.days[0] + (2 - lasts) * 547.5))
+    step = find({"name": "sensitivity_step", "at": f"{at:%Y-%m-%d}"})
+    told = courses([one], ["sensitivity_step"], {step.name: step})
+    assert told[0] == "sensitivity_step"
+    assert ("sensitivity_episode" in told) is not lasts
 
 
 def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa: F811

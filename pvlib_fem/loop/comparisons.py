@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from pvlib_fem.effects.courses import is_drift, weights_of
 from pvlib_fem.findings import Opinion, Witness
@@ -31,6 +32,7 @@ FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
 FEWEST_MONTHS = 4  # of which a memory from one to the next can be told
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
+NEIGHBOURS = 4  # compared days before and after one that may be as it is
 OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
 HAZE = 0.02  # of a clear sky's light, from year to year: aerosol and water [-]
 WINDINESS = 0.1  # of the mean wind, from season to season and from year to year [-]
@@ -195,30 +197,45 @@ class Apart:
         left = values - table @ found
         return float(found[-1]), float(error), left
 
-    def misfits(self, courses):
+    def misfits(self, courses, dates):
         """
-        Twice the log-likelihood that each course lacks, by months and their memory.
+        Twice the log-likelihood that courses lack, and that steps at two dates lack.
+
+        By months and the memory of what the best of all leaves: part of a change that
+        is left would be remembered for long.
 
         Parameters
         ----------
         courses : array
             Weights by the day, a row for each.
+        dates : array
+            Of steps, in days since 1970-01-01.
+
+        Returns
+        -------
+        array, array
+            By course; by both dates, of which twice the same one is one step.
         """
         basis = np.linalg.qr(np.column_stack(self.usual))[0]
-        courses = np.atleast_2d(courses).astype(float)
-        rest, own = (v - (v @ basis) @ basis.T for v in (self.apart, courses))
-        size, whole = (np.square(part).sum(axis=1) for part in (own, courses))
-        # a course that is usual, or known, takes nothing more
-        size = np.where(size > UNSEEN * whole, size, np.inf)
-        left = rest - (own @ rest / size)[:, None] * own
+        rows = np.vstack([courses, self.days >= dates[:, None]]).astype(float)
+        rest, own = (v - (v @ basis) @ basis.T for v in (self.apart, rows))
+        sizes = np.square(own).sum(axis=1)
+        # a course that is usual, or known, takes nothing
+        own[sizes <= UNSEEN * np.square(rows).sum(axis=1)] = 0.0
+        own, steps = own[: len(courses)], own[len(courses) :]
+        alone, pairs = taken(rest, own), taken_by_two(rest, steps)
+        best = own[[np.argmax(alone)]]
+        if np.max(pairs, initial=0.0) > np.max(alone):
+            best = steps[[*np.unravel_index(np.argmax(pairs), pairs.shape)]]
+        left = rest - best.T @ np.linalg.lstsq(best.T, rest, rcond=None)[0]
         first, _ = starts(self.days // MONTH)
-        days = np.diff(first, append=len(self.days))
-        means = np.add.reduceat(left, first, axis=1) / days
-        memory = np.zeros(len(left))
-        if means.shape[1] >= FEWEST_MONTHS:
-            memory = np.maximum([remembered(one) for one in means], 0.0)
-        draws = means.shape[1] * (1.0 - memory) / (1.0 + memory)
-        return draws * np.log(np.mean(left**2, axis=1))
+        means = np.add.reduceat(left, first) / np.diff(first, append=len(left))
+        memory = 0.0
+        if len(means) >= FEWEST_MONTHS:
+            memory = max(remembered(means), 0.0)
+        draws = len(means) * (1.0 - memory) / (1.0 + memory)
+        whole, days = rest @ rest, len(rest)
+        return tuple(draws * np.log((whole - part) / days) for part in (alone, pairs))
 
     def wandering(self, table):
         """Variance of the last coefficient by what differs from year to year."""
@@ -262,6 +279,25 @@ class Apart:
         unit = self.comparison.unit + ("/year" if is_drift(effect) else "")
         said = (size, error, expected, opinion, unit, float(low), float(high))
         return Witness(self.column, effect.name, *said)
+
+
+def taken(rest, columns):
+    """What each column takes of a sum of squares."""
+    sizes = np.square(columns).sum(axis=1)
+    products = columns @ rest
+    return np.divide(products**2, sizes, out=np.zeros(len(sizes)), where=sizes > 0)
+
+
+def taken_by_two(rest, columns):
+    """What each two columns take together, and what one takes twice the same."""
+    both, products, alone = columns @ columns.T, columns @ rest, taken(rest, columns)
+    sizes = np.diag(both)
+    apart = np.outer(sizes, sizes) - both**2
+    top = products**2 * sizes[:, None]
+    top = top + top.T - 2.0 * np.outer(products, products) * both
+    larger = np.maximum.outer(alone, alone)
+    seen = apart > UNSEEN * np.outer(sizes, sizes)
+    return np.divide(top, apart, out=larger, where=seen)
 
 
 def remembered(means):
@@ -326,7 +362,22 @@ def compared(comparison, case, name, values, near=None):
 
 
 def usual(values):
-    """Days that are near the others."""
+    """
+    Days that are near most others, or near those around them.
+
+    What changes for a while stays, however sharp the comparison is, and snow, whose
+    days differ from each other, goes.
+    """
     known = np.isfinite(values)
-    low, middle, high = np.quantile(values[known], [0.25, 0.5, 0.75])
-    return known & (np.abs(values - middle) <= OUTLIER * max(high - low, 1e-9))
+    if known.sum() <= NEIGHBOURS:
+        return np.zeros(len(values), dtype=bool)
+    there = values[known]
+    low, middle, high = np.quantile(there, [0.25, 0.5, 0.75])
+    near = sliding_window_view(
+        np.pad(there, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1
+    )
+    around = np.median(np.delete(near, NEIGHBOURS, axis=1), axis=1)
+    away = np.minimum(np.abs(there - middle), np.abs(there - around))
+    kept = known.copy()
+    kept[known] = away <= OUTLIER * max(high - low, 1e-9)
+    return kept

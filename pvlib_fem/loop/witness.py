@@ -18,7 +18,6 @@ from pvlib_fem.loop.comparisons import (
     MONTH,
     OUTAGE,
     SLACK,
-    Apart,
     compared,
     opinion_of,
 )
@@ -146,29 +145,25 @@ def courses(comparisons, agreed, effects):
 
     Beside them stands another course of the channel that witnesses follow better: what
     the record shows along one may be the rest of another. So does every course, where
-    they clearly follow a step of another date: the record shows several changes as one.
+    they clearly follow steps of one or two other dates: the record shows several
+    changes as one, or a step where something ends.
     """
-    channel, left = effects[agreed[0]].channel, {}
+    channel = effects[agreed[0]].channel
     asked = [one for one in comparisons if channel in one.comparison.shows]
     every = [n for n, e in effects.items() if e.channel == channel and is_dated(e)]
-    # the nights follow no course
-    for name in every if asked else (n for n in agreed if n in every):
-        left[name] = sum(
-            one.misfits(weights_of(effects[name], one.days))[0] for one in asked
-        )
-    best = min((name for name in agreed if name in left), key=lambda name: left[name])
+    if not asked:  # the nights follow no course
+        return tuple(name for name in agreed if name in every)
+    days = np.unique(np.concatenate([one.days for one in asked]))
+    dates = np.arange(days[0], days[-1], MONTH)[FEWEST_MONTHS:-FEWEST_MONTHS]
+    followed, steps = 0.0, 0.0
+    for one in asked:
+        weights = [weights_of(effects[name], one.days) for name in every]
+        lacks, by_two = one.misfits(weights, dates)
+        followed, steps = followed + lacks, steps + by_two
+    left = dict(zip(every, followed))
+    best = min((name for name in agreed if name in left), key=left.get)
     room = {name: BETTER if name in agreed else 0.0 for name in left}
     near = [n for n in left if n != best and left[n] < left[best] + room[n]]
-    if asked and least_by_a_step(asked) + BETTER < left[best]:
+    if np.min(steps, initial=np.inf) + BETTER < left[best]:
         near += [f"{channel}_{course.name}" for course in COURSES]
     return tuple(dict.fromkeys((best, *near)))
-
-
-def least_by_a_step(comparisons):
-    """The least that a step leaves witnesses to follow, the best of all its months."""
-    days = np.unique(np.concatenate([one.days for one in comparisons]))
-    dates = np.arange(days[0], days[-1], MONTH)[FEWEST_MONTHS:-FEWEST_MONTHS]
-    if not len(dates):
-        return np.inf
-    steps = (one.days >= dates[:, None] for one in comparisons)
-    return float(np.min(sum(map(Apart.misfits, comparisons, steps))))
