@@ -75,8 +75,8 @@ def drawn(seed):
     return world, channel, course, size, at, bool(random.random() < 0.5)
 
 
-def looked(seed):
-    """What the loop says of one record."""
+def made(seed):
+    """The record of a world before and after its change, and all that was drawn."""
     world, channel, course, size, at, power = drawn(seed)
     how = (world.days, world.step, world.seed, world.start)
     (data,) = simulator.records(world.site, [simulator.OUTDOORS], *how)
@@ -89,10 +89,16 @@ def looked(seed):
     }[course]
     if not power:
         data = data.drop(columns="p_dc")
+    after = changed(data, channel, size, np.asarray(weight, dtype=float))
+    return data, after, (world, channel, course, size, at, power)
+
+
+def looked(seed):
+    """What the loop says of one record."""
+    before, data, (world, channel, course, size, at, power) = made(seed)
     off = None
     if channel != "none":
-        off = close_loop(data, check_units=False, **world.place)
-    data = changed(data, channel, size, np.asarray(weight, dtype=float))
+        off = close_loop(before, check_units=False, **world.place)
     loop = close_loop(data, check_units=False, **world.place)
     added = [f for f in loop.findings if f.added]
     truths = {f"{name}_{course}" for name in SAME.get(channel, (channel,))}

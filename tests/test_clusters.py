@@ -65,6 +65,25 @@ def test_errors_are_those_of_weeks_left_out(rows):
     )
 
 
+@pytest.mark.parametrize("times", [1.0, 1e3])
+def test_a_day_that_is_left_by_much_does_not_rule(rows, times):
+    """Weighted least squares, in which usual days count alike."""
+    columns, residual, dates = rows
+    kept, residual = [0, 1, 3], times * (residual + 40.0 * (dates == dates[500]))
+    sums = cluster_sums(list(columns.T), residual, dates)
+    weights = sums.day_weights(kept)
+    x = columns[:, kept]
+    left = residual - x @ np.linalg.lstsq(x, residual, rcond=None)[0]
+    squares = np.add.reduceat(left**2, np.flatnonzero(np.diff(dates, prepend=0)))
+    most = 2.0 * np.median(squares)
+    assert (weights[squares <= most] == 1.0).all() and weights.min() < 0.01
+    np.testing.assert_allclose((weights * squares)[squares > most], most, rtol=1e-6)
+    root = np.sqrt(np.repeat(weights, 25))
+    want = np.linalg.lstsq(x * root[:, None], residual * root, rcond=None)[0]
+    found = sums.reweighted(kept)
+    np.testing.assert_allclose(found.solve([0, 1, 2]) / found.scale, want, rtol=1e-6)
+
+
 def test_given_others_is_what_they_do_not_explain(rows):
     columns, _, _ = rows
     sums = summed(rows)

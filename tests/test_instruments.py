@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 from test_effects import coefficients, model_with
 
 import pvlib_fem as fem
-from pvlib_fem import datasets, simulator
+from pvlib_fem import datasets
 from pvlib_fem.effects import CHANGES, CHANNELS, find
 from pvlib_fem.effects.courses import (
     find_episode,
@@ -206,6 +206,13 @@ def daily(rest, own, dates):
     return Daily.of(cluster_sums(columns, rest, dates), 1, [0])
 
 
+def by_day_weights(rest, own, dates):
+    """A constant, the column and the residual, by the root of a day's weight."""
+    sums = cluster_sums([np.ones(len(rest))], rest, dates)
+    root = np.sqrt(np.repeat(sums.day_weights([0]), np.bincount(dates)))
+    return root, own * root, rest * root
+
+
 @given(st.integers(0, 2**32 - 1), st.integers(3, 9), st.integers(2, 5))
 def test_the_best_step_is_that_of_all_fits(seed, days, rows):
     """Against least squares of every date, row by row."""
@@ -213,12 +220,13 @@ def test_the_best_step_is_that_of_all_fits(seed, days, rows):
     dates = np.repeat(np.arange(days), rows)
     own, rest = random.normal(size=(2, len(dates)))
     found = daily(rest, own, dates).step(1)
-    ones, left = np.ones(len(dates)), []
+    ones, own, rest = by_day_weights(rest, own, dates)
+    left = []
     for start in range(1, days):
         both = np.column_stack([ones, own * (dates >= start)])
         left.append((rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]) ** 2)
     squares = [one.sum() for one in left]
-    best = ((rest - rest.mean()) ** 2).sum() - min(squares)
+    best = ((rest - ones * (ones @ rest) / (ones @ ones)) ** 2).sum() - min(squares)
     assert found.gain == pytest.approx(best, rel=1e-5)
     assert found.start == 1 + int(np.argmin(squares))
 
@@ -228,13 +236,16 @@ def test_the_best_step_that_fades_is_that_of_all_fits(seed, days, rows):
     """Against least squares of every date, row by row."""
     random = np.random.default_rng(seed)
     dates = np.repeat(np.arange(days), rows)
-    own, rest = random.normal(size=(2, len(dates)))
-    ones, left = np.ones(len(dates)), []
+    drawn = random.normal(size=(2, len(dates)))
+    ones, own, rest = by_day_weights(*reversed(drawn), dates)
+    left = []
     for start in range(1, days):
         both = np.column_stack([ones, own * (dates >= start), own * dates])
         left.append((rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]) ** 2)
-    best = ((rest - rest.mean()) ** 2).sum() - min(one.sum() for one in left)
-    assert daily(rest, own, dates).step_that_fades(1) == pytest.approx(best, rel=1e-5)
+    best = ((rest - ones * (ones @ rest) / (ones @ ones)) ** 2).sum()
+    best -= min(one.sum() for one in left)
+    found = daily(*reversed(drawn), dates).step_that_fades(1)
+    assert found == pytest.approx(best, rel=1e-5)
 
 
 def test_a_step_that_fades_is_no_episode():
@@ -259,6 +270,23 @@ def test_the_chance_of_a_step_is_that_of_the_tables(square, chance):
     """Andrews (1993), table I, one parameter, 15 % left out at either end."""
     found = chance_of_step(np.sqrt(square), 0.15, 0.85)
     assert found == pytest.approx(chance, rel=0.12)
+
+
+def test_days_of_snow_do_not_hide_a_date():
+    """Half a noise from a day on, in a year of which two weeks are left by 8 of it."""
+    random, days = np.random.default_rng(4), np.arange(365)
+    dates = np.repeat(days, 12)
+    own = np.ones(len(dates)) + 0.1 * random.normal(size=len(dates))
+    noise = np.repeat(random.normal(0.0, 0.3, 365), 12) + random.normal(size=len(dates))
+    snow = -8.0 * np.isin(dates, [*range(10, 17), *range(40, 47)])
+    rest = own * 0.5 * (dates >= 200) + noise + snow
+    criteria = fem.Criteria()
+    sums = cluster_sums([np.ones(len(rest)), own], rest, dates)
+    alike = Daily.turned(sums.sums, sums.weeks, sums.dates)
+    assert sudden(alike, criteria) is None
+    found = find_step(daily(rest, own, dates), criteria)
+    low, high = map(number, found["between"])
+    assert low <= 200 <= high and high - low < 15
 
 
 @pytest.mark.parametrize("down", [1.5, 2.2, 3.0])
@@ -356,19 +384,35 @@ def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
     assert low <= day <= high and number(high) - number(low) < 14
 
 
+def of_a_world(seed, *change):
+    """The loop of a record with full physics, one of whose instruments changes."""
+    _, data, (world, *drawn) = study_instruments.made(seed)
+    assert drawn[:2] == [*change]
+    data = data.drop(columns="p_dc", errors="ignore")
+    return fem.close_loop(data, check_units=False, **world.place)
+
+
+def test_whatever_channel_shows_a_date_all_are_asked():
+    """
+    A pyranometer reads a seventh more for two months.
+
+    Beside all confounders only what shelters a thermometer has that date by itself.
+    """
+    loop = of_a_world(21037, "sensitivity", "episode")
+    (found,) = (f for f in loop.findings if f.added and {*f.candidates} & {*CHANGES})
+    assert "sensitivity_episode" in found.candidates
+    (effect,) = (e for e in loop.fit.effects if e.name == found.effect)
+    low, high = effect.settings["between"]
+    assert low <= "2023-09-05" <= high
+
+
 def test_a_step_that_a_season_stands_for_is_dated_beside_what_is_found_with_it():
     """
     From May on a pyranometer reads 7 % less, under a sky and in a wind of its own.
 
     A season explains it as well. Beside the steady model alone the sky hides its date.
     """
-    world, channel, course, size, at, _ = study_instruments.drawn(14085)
-    assert (channel, course) == ("sensitivity", "step")
-    how = (world.days, world.step, world.seed, world.start)
-    (data,) = simulator.records(world.site, [simulator.OUTDOORS], *how)
-    after = data.index >= data.index[0] + pd.Timedelta(days=at[0])
-    data = study_instruments.changed(data, channel, size, after.astype(float))
-    loop = fem.close_loop(data, check_units=False, **world.place)
+    loop = of_a_world(14085, "sensitivity", "step")
     (found,) = (f for f in loop.findings if f.added and "season" in f.candidates)
     assert {"sensitivity_step", "sensitivity_drift"} < {*found.candidates}
 

@@ -61,8 +61,8 @@ class Evidence:
     family : Family
         Numbers of hypotheses among which a chance is counted.
     criteria : Criteria
-    masked : tuple of (Effect, str)
-        Steps whose date does not show beside all confounders, each with its column as
+    undated : tuple of (Effect, str)
+        Changes whose date does not show beside all confounders, each with its column as
         in :meth:`along`.
     """
 
@@ -78,7 +78,7 @@ class Evidence:
     partial: dict = field(default_factory=dict)
     family: Family = field(default_factory=Family)
     criteria: Criteria = field(default_factory=Criteria)
-    masked: tuple = ()
+    undated: tuple = ()
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
     def sums(self, names) -> ClusterSums:
@@ -262,8 +262,9 @@ class Evidence:
         beyond = np.array([sums.given(column, nuisance) for column in own])
         if (beyond < UNSEEN).any():
             return because(Reason.COLLINEAR)
-        step = sums.solve(kept)[len(nuisance) :]
-        covariance = sums.covariance(kept)[len(nuisance) :, len(nuisance) :]
+        solved, covariance = self.solved(name, sums, kept)
+        step = solved[len(nuisance) :]
+        covariance = covariance[len(nuisance) :, len(nuisance) :]
         error = np.sqrt(np.diag(covariance))
         freedom = max(len(sums.by_cluster) - 1, 1)
         statistic = step @ np.linalg.solve(covariance, step) / len(own)
@@ -285,6 +286,17 @@ class Evidence:
             rows=sums.rows,
             family=family,
         )
+
+    def solved(self, name, sums, kept):
+        """
+        Best coefficients of an effect and of others, and their covariance.
+
+        A change is there on each of its days, so that none which is left by much is to
+        rule. Physics may be on few days, and those are left by much without it.
+        """
+        if self.effects[name].channel:
+            sums, kept = sums.reweighted(kept), [*range(len(kept))]
+        return sums.solve(kept), sums.covariance(kept)
 
     def possible(self, keys, coefficients, stderr):
         """Whether coefficients are in their bounds, as far as a tangent can say."""

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import needed_for
-from pvlib_fem.effects.courses import is_step
 from pvlib_fem.effects.effect import Effect, Terms
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
@@ -133,7 +132,7 @@ def ready(model, inputs, seen, candidates):
 def with_changes(found, dated, failed):
     """The evidence with the channels along those courses whose dates are found."""
     daily = found.daily([column for _, column in dated], found.confounders)
-    changes, masked = [], []
+    changes, undated = [], []
     for courses, column in dated:
         for course in courses:
             effect = course.dates.found(daily[column], found.criteria)
@@ -141,11 +140,9 @@ def with_changes(found, dated, failed):
                 changes.append((effect, column))
                 continue
             failed[course.name] = because(Reason.NO_DATE)
-            # the two dates of an episode are in whatever a season leaves
-            if is_step(course):
-                masked.append((course, column))
+            undated.append((course, column))
     found = found.along(changes) if changes else found
-    return replace(found, failed=failed, masked=tuple(masked))
+    return replace(found, failed=failed, undated=tuple(undated))
 
 
 def terms_of(effect, columns):

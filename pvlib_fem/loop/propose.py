@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects.courses import alike, is_drift, same_course, same_date
+from pvlib_fem.effects.courses import alike, is_drift, is_step, same_course, same_date
 from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import apart
@@ -54,26 +54,37 @@ class Proposals:
         self.select([n for n in driven if n not in changes], self.found.confounders)
         # weather comes in stretches, too: what follows a column comes before a date
         self.select(changes, [*self.found.confounders, *self.names])
-        # what changes slowly may look like a season, and is not to be lost beside it
-        slow = [name for name in changes if is_drift(effects[name])]
-        masked = self.masked()
-        if masked:
-            self.found = self.found.along(masked)
-        self.select(others, self.names, [*slow, *(effect.name for effect, _ in masked)])
+        # what changes for good may look like a season, and is not to be lost beside it
+        self.select(others, self.names, self.lasting(changes))
         return self.new
 
-    def masked(self):
+    def lasting(self, changes):
         """
-        Steps that a confounder may stand for, of no date of another change.
+        Drifts and steps that a confounder may stand for, of no date of another change.
 
-        Dated beside what is in the model and what is found in this round.
+        Steps that no date shows beside all confounders are dated beside what is in the
+        model and what is found in this round. The two dates of an episode are in
+        whatever a season leaves.
         """
         new = (self.found.effects[name] for name in self.names)
         there = [*self.changes, *(effect for effect in new if effect.channel)]
-        masked, criteria = self.found.masked, self.found.criteria
-        daily = self.found.daily(sorted({column for _, column in masked}), self.names)
-        masked = [(s.dates.found(daily[c], criteria), c) for s, c in masked]
-        return [(s, c) for s, c in masked if s is not None and not once_more(s, there)]
+        steps = self.undated(is_step)
+        daily = self.found.daily(sorted({column for _, column in steps}), self.names)
+        dated = [(e.dates.found(daily[c], self.found.criteria), c) for e, c in steps]
+        dated = [(e, c) for e, c in dated if e is not None and not once_more(e, there)]
+        effects = [self.found.effects[n] for n in changes]
+        lasting = [e for e in effects if is_drift(e) or is_step(e)]
+        lasting = [e.name for e in lasting if not once_more(e, there)]
+        if dated:
+            self.found = self.found.along(dated)
+        return [*lasting, *(effect.name for effect, _ in dated)]
+
+    def undated(self, fits):
+        """Changes whose date did not show and does not yet, of a kind, and columns."""
+        there = self.found.effects
+        return [
+            (e, c) for e, c in self.found.undated if fits(e) and e.name not in there
+        ]
 
     @property
     def names(self):
@@ -102,6 +113,11 @@ class Proposals:
             good = gaining(weights, (n for n in weights if all_pass(asked[n][1:])))
             best = max(good, key=good.get, default=None)
             sure = best is not None and all_pass(asked[best])
+            if sure and (others := self.of_its_date(found.effects[best])):
+                # whatever channel shows a date, all are asked what they have of it
+                self.found, found = self.found.along(others), found.along(others)
+                names += [effect.name for effect, _ in others]
+                continue
             best = best if sure else hidden(found, weights, asked)
             if best is None:
                 break
@@ -132,6 +148,13 @@ class Proposals:
             spill = max(spill, limits.structure_spill * explained)
             found = found.with_column(f"unknown:{unknowns}", table.values)
             given.append(f"unknown:{unknowns}")
+
+    def of_its_date(self, effect):
+        """Other channels along the course of a change, whose own date did not show."""
+        if not effect.channel:
+            return []
+        others = self.undated(lambda other: same_course(effect, other))
+        return [(one.make(**effect.settings), column) for one, column in others]
 
     def tied(self, found, best, weights, alike, given):
         """What cannot be told from the best one."""

@@ -51,9 +51,11 @@ class Daily:
 
     @classmethod
     def of(cls, sums, column, given):
-        """The same of sums by the day."""
-        kept = [*given, column, -1]
-        return cls.turned(sums.sums[:, kept][:, :, kept], sums.weeks, sums.dates)
+        """The same of sums by the day, of which one left by much is not to rule."""
+        both = sums.of([*given, column])
+        weights = both.day_weights([*range(len(given))])
+        products = both.sums * weights[:, None, None]
+        return cls.turned(products, sums.weeks, sums.dates)
 
     @classmethod
     def turned(cls, products, weeks, dates):

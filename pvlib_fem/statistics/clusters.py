@@ -19,6 +19,7 @@ WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
 FEWEST_DAYS = 5  # below this the spread between days is no error
 AT_ONCE = 1 << 14  # rows of short days whose products are made together
+USUAL = 2.0  # times what is left of half of the days
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 
 
@@ -72,8 +73,7 @@ class ClusterSums:
 
     def of(self, kept):
         """Those of some columns alone."""
-        both = [*kept, self.sums.shape[1] - 1]
-        sums = self.sums[:, both][:, :, both]
+        sums = those(self.sums, [*kept, self.sums.shape[1] - 1])
         return replace(self, sums=sums, scale=self.scale[kept])
 
     def with_column(self, columns, residual, dates, new):
@@ -100,7 +100,9 @@ class ClusterSums:
         both = [*range(end), *places, end]
         times = np.ones((self.days, len(both)))
         times[:, end : end + size] = weights
-        sums = self.sums[:, both][:, :, both] * times[:, None] * times[:, :, None]
+        sums = those(self.sums, both)
+        sums *= times[:, None]
+        sums *= times[:, :, None]
         sizes = np.sqrt(np.einsum("dii->i", sums)[end : end + size] / self.rows)
         sizes[sizes == 0] = 1.0
         sums[:, end : end + size] /= sizes[:, None]
@@ -113,6 +115,26 @@ class ClusterSums:
         change = np.eye(self.sums.shape[1])
         change[-1, :-1] = -shift * self.scale
         return replace(self, sums=change @ self.sums @ change.T)
+
+    def day_weights(self, kept):
+        """
+        By how much each day counts where one that is left by much is not to rule.
+
+        A day of snow may be left by as much as a month of others. Usual days count
+        alike, and others by the square that the kept columns leave of them, as in
+        weighted least squares.
+        """
+        found = np.zeros(self.sums.shape[1])
+        found[kept], found[-1] = -self.solve(kept), 1.0
+        left = self.sums @ found @ found
+        most = max(USUAL * np.median(left), np.finfo(float).tiny)
+        return most / np.maximum(left, most)
+
+    def reweighted(self, kept):
+        """Those of the kept columns alone, each day by its weight."""
+        sums = self.of(kept)
+        weights = sums.day_weights([*range(len(kept))])
+        return replace(sums, sums=sums.sums * weights[:, None, None])
 
     def solve(self, kept):
         """Best coefficients of the kept columns."""
@@ -161,6 +183,13 @@ class ClusterSums:
         explained = ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, column])
         square = self.whole[column, column] - explained @ self.whole[kept, column]
         return np.sqrt(max(square, 0.0) / self.rows)
+
+
+def those(sums, columns):
+    """Products of some columns, in their order, as an array of their own."""
+    columns = np.asarray(columns)
+    places = columns[:, None] * sums.shape[-1] + columns
+    return sums.reshape(len(sums), -1).take(places, axis=1)
 
 
 def root(square):
