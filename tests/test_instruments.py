@@ -406,6 +406,17 @@ def test_whatever_channel_shows_a_date_all_are_asked():
     assert low <= "2023-09-05" <= high
 
 
+def test_snow_under_a_low_sun_is_no_obstacle():
+    """
+    At 56° north the sun of midwinter crosses a window of the sky that no other sees.
+
+    What snow takes then is not there on the days of that window that have no snow.
+    """
+    loop = of_a_world(21036, "contact", "episode")
+    named = {f.effect for f in loop.findings if f.verdict is Verdict.NAMED}
+    assert "shading" not in named and "snow" in named
+
+
 def test_a_step_that_a_season_stands_for_is_dated_beside_what_is_found_with_it():
     """
     From May on a pyranometer reads 7 % less, under a sky and in a wind of its own.

@@ -298,6 +298,25 @@ class Evidence:
             sums, kept = sums.reweighted(kept), [*range(len(kept))]
         return sums.solve(kept), sums.covariance(kept)
 
+    def parted(self, name, there, given):
+        """
+        What an effect of one tangent is on some rows and on the others, by itself each.
+
+        With the covariance of the two; None where the tangent is nothing on either.
+        """
+        column = self.columns[self.own[name][0]]
+        both = {"there": np.where(there, column, 0.0)}
+        both["elsewhere"] = column - both["there"]
+        if not all(np.ptp(part) > 0 for part in both.values()):
+            return None
+        found = self
+        for part, values in both.items():
+            found = found.with_column(part, values)
+        sums, kept = found.sums(given), found.places([*given, *both])
+        scale = sums.scale[kept[-2:]]
+        covariance = sums.covariance(kept)[-2:, -2:] / np.outer(scale, scale)
+        return sums.solve(kept)[-2:] / scale, covariance
+
     def possible(self, keys, coefficients, stderr):
         """Whether coefficients are in their bounds, as far as a tangent can say."""
 

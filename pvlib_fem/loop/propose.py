@@ -20,6 +20,7 @@ from pvlib_fem.loop.rules import (
     material,
     rules,
     weighed,
+    without_snow,
 )
 from pvlib_fem.loop.witness import Hearing, hearing, nights, outages
 from pvlib_fem.reasons import Reason, because
@@ -92,6 +93,13 @@ class Proposals:
         return [finding.effect for finding in self.new]
 
     @cached_property
+    def snow_lies(self):
+        """Rows of the record on which there is snow, as far as that is measured."""
+        columns = self.case.record.inputs.columns
+        depth = columns.get("snow_depth", np.zeros(len(self.case.record.index)))
+        return np.asarray(depth) > 0.0
+
+    @cached_property
     def sorting(self):
         """All ways to sort the rows, found once a round."""
         return sorting(self.case, self.found, self.found.confounders)
@@ -110,6 +118,9 @@ class Proposals:
             names = [n for n in names if not once_more(found.effects[n], changes)]
             weights = weighed(found, names, given)
             asked = {n: rules(found, n, w, given, spill) for n, w in weights.items()}
+            for name in (n for n in asked if "windows" in found.effects[n].settings):
+                lies = self.snow_lies[found.rows]
+                asked[name] += without_snow(found, name, lies, given)
             good = gaining(weights, (n for n in weights if all_pass(asked[n][1:])))
             best = max(good, key=good.get, default=None)
             sure = best is not None and all_pass(asked[best])

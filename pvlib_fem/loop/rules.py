@@ -41,6 +41,26 @@ def rules(found, name, weight, given, spill=0.0):
     return tuple(checks)
 
 
+def without_snow(found, name, lies, given):
+    """
+    The check that what a window of the sky takes is there while no snow lies, too.
+
+    Where the sun is low a window of the sky may be a winter's, and what is lost in it
+    snow. It fails where it is surely less than half without snow of what it is with it.
+    """
+    parted = None if name in found.partial else found.parted(name, lies, given)
+    if parted is None:
+        return ()
+    (covered, bare), covariance = parted
+    half = found.criteria.structure_keeps
+    ways = np.array([-half, 1.0])
+    error = np.sqrt(ways @ covariance @ ways)
+    distance = float((bare - half * covered) / error)
+    words = "without snow it is more than half of what it is with it"
+    least = -found.criteria.bound_errors
+    return (Check(words, "bound_errors", distance, least, unit="standard errors"),)
+
+
 def gained(found, name, given, spill=0.0):
     """The check that an effect is material."""
     counted = beside(found, name, given)

@@ -118,17 +118,10 @@ def nights(found, names, dark, given):
         if effect.channel not in OFFSETS or name in found.partial:
             continue
         (row,) = effect.rows().values()
-        column = found.columns[found.own[name][0]]
-        parts = {NIGHT: np.where(dark, column, 0.0), "day": np.where(dark, 0.0, column)}
-        if not all(np.ptp(part) > 0 for part in parts.values()):
+        parted = found.parted(name, dark, given)
+        if parted is None:
             continue
-        split = found
-        for part, values in parts.items():
-            split = split.with_column(part, values)
-        sums, kept = split.sums(given), split.places([*given, *parts])
-        scale = sums.scale[kept[-2:]]
-        size, expected = sums.solve(kept)[-2:] / scale
-        covariance = sums.covariance(kept)[-2:, -2:] / np.outer(scale, scale)
+        (size, expected), covariance = parted
         ways = np.array([1.0, -HALF])
         apart = np.sqrt(ways @ covariance @ ways)
         opinion = opinion_of(size, expected, apart, SLACK * expected)
