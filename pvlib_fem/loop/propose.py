@@ -126,7 +126,9 @@ class Proposals:
             sure = best is not None and all_pass(asked[best])
             if sure and (others := self.of_its_date(found.effects[best])):
                 # whatever channel shows a date, all are asked what they have of it
-                self.found, found = self.found.along(others), found.along(others)
+                bare, self.found = self.found, self.found.along(others)
+                # their columns are as long as the record: once, where none is unknown
+                found = self.found if found is bare else found.along(others)
                 names += [effect.name for effect, _ in others]
                 continue
             best = best if sure else hidden(found, weights, asked)
