@@ -305,6 +305,16 @@ def test_a_course_is_named_where_no_step_is_followed_better(course, told):
     assert courses([one], ["sensitivity_drift"], {drift.name: drift}) == told
 
 
+@pytest.mark.parametrize("size", [0.0, 0.1])
+def test_a_witness_without_noise_follows_what_is_there(size):
+    one = by_power(lambda years: years)
+    years = (one.days - one.days[0]) / 365.25
+    one = replace(one, apart=size * (years > 2.0))
+    courses, by_two = one.misfits([years, years > 2.0], one.days[[300, 600]])
+    assert np.isfinite(courses).all() and np.isfinite(by_two).all()
+    assert (courses[1] < min(courses[0], by_two.min())) == (size > 0)
+
+
 @pytest.mark.parametrize("lasts", [True, False])
 def test_a_step_is_named_where_nothing_for_a_while_is_followed_better(lasts):
     """A sensor that reads otherwise for a year and a half reads as before after it."""

@@ -231,11 +231,14 @@ class Apart:
         first, _ = starts(self.days // MONTH)
         means = np.add.reduceat(left, first) / np.diff(first, append=len(left))
         memory = 0.0
-        if len(means) >= FEWEST_MONTHS:
+        if len(means) >= FEWEST_MONTHS and np.ptp(means) > 0:
             memory = max(remembered(means), 0.0)
         draws = len(means) * (1.0 - memory) / (1.0 + memory)
-        whole, days = rest @ rest, len(rest)
-        return tuple(draws * np.log((whole - part) / days) for part in (alone, pairs))
+        whole = rest @ rest
+        # of what follows a course to the last digit rounding is left
+        floor = max(UNSEEN**2 * whole, np.finfo(float).tiny)
+        lacks = (np.maximum(whole - part, floor) / len(rest) for part in (alone, pairs))
+        return tuple(draws * np.log(one) for one in lacks)
 
     def wandering(self, table):
         """Variance of the last coefficient by what differs from year to year."""
