@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import COURSES, alike, is_dated, weights_of
+from pvlib_fem.effects.courses import COURSES, alike, is_dated, number, weights_of
 from pvlib_fem.effects.instruments import COVERS, OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
@@ -85,6 +85,12 @@ def any_is(opinion, witnesses):
     return any(one.opinion is opinion for one in witnesses)
 
 
+def days_open(effect):
+    """Days between which the date of a change lies; none of what has no date."""
+    low, high = (number(day) for day in effect.settings.get("between") or (0, 0))
+    return high - low
+
+
 def outages(case, effect):
     """
     Whether the plant fed while something was so for a while, of each power.
@@ -137,9 +143,10 @@ def courses(comparisons, agreed, effects):
     Of candidates of one channel those whose course witnesses follow best.
 
     Beside them stands another course of the channel that witnesses follow better: what
-    the record shows along one may be the rest of another. So does every course, where
-    they clearly follow steps of one or two other dates: the record shows several
-    changes as one, or a step where something ends.
+    the record shows along one may be the rest of another. So does one that they follow
+    nearly as well, where the record knows no date to the month, as of what is slow. And
+    every course does, where they clearly follow steps of one or two other dates: the
+    record shows several changes as one, or a step where something ends.
     """
     channel = effects[agreed[0]].channel
     asked = [one for one in comparisons if channel in one.comparison.shows]
@@ -155,7 +162,8 @@ def courses(comparisons, agreed, effects):
         followed, steps = followed + lacks, steps + by_two
     left = dict(zip(every, followed))
     best = min((name for name in agreed if name in left), key=left.get)
-    room = {name: BETTER if name in agreed else 0.0 for name in left}
+    known = days_open(effects[best]) <= MONTH
+    room = {name: 0.0 if known and name not in agreed else BETTER for name in left}
     near = [n for n in left if n != best and left[n] < left[best] + room[n]]
     if np.min(steps, initial=np.inf) + BETTER < left[best]:
         near += [f"{channel}_{course.name}" for course in COURSES]
