@@ -12,7 +12,7 @@ import study_instruments
 from pvlib.location import Location
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
-from pvlib_fem import close_loop, simulator
+from pvlib_fem import close_loop
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
 from pvlib_fem.loop.comparisons import (
@@ -388,10 +388,7 @@ def test_what_may_lie_on_a_sensor_stays_in_its_class(half_a_year):  # noqa: F811
 
 def test_what_a_class_shares_with_the_model_is_not_fitted_twice():
     """Snow is in the model when an episode of the sensor is told beside snow."""
-    world, *_, power = study_instruments.drawn(11001)
-    how = (world.days, world.step, world.seed, world.start)
-    (data,) = simulator.records(world.site, [simulator.OUTDOORS], *how)
-    data = data if power else data.drop(columns="p_dc")
+    data, _, (world, *_) = study_instruments.made(11001)
     loop = close_loop(data, check_units=False, **world.place)
     names = [effect.name for effect in loop.fit.effects]
     assert "snow" in names and len(names) == len({*names})

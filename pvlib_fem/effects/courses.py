@@ -268,14 +268,20 @@ def is_drift(effect):
     return effect.terms.course.name == "drift"
 
 
+def interval(effect):
+    """Days between which a change may have begun; None of what grows from the first."""
+    dates = effect.settings
+    begin = dates.get("at") or dates.get("start")
+    if begin is None:
+        return None
+    return tuple(number(day) for day in dates.get("between") or (begin, begin))
+
+
 def same_date(one, other):
     """Whether two changes may have begun on one date, as far as those are known."""
-    ends = []
-    for dates in (one.settings, other.settings):
-        begin = dates.get("at") or dates.get("start")
-        if begin is None:  # what grows from the first day has no date
-            return False
-        ends.append([number(day) for day in dates.get("between") or (begin, begin)])
+    ends = interval(one), interval(other)
+    if None in ends:
+        return False
     (low, high), (first, last) = ends
     return low <= last and first <= high
 

@@ -16,7 +16,7 @@ from pvlib_fem.effects.courses import is_drift, weights_of
 from pvlib_fem.findings import Opinion, Witness
 from pvlib_fem.quality.clearsky import clear_sky
 from pvlib_fem.record.columns import is_power, twin_of
-from pvlib_fem.statistics.changes import UNSEEN
+from pvlib_fem.statistics.changes import UNSEEN, gained_by_two
 from pvlib_fem.statistics.clusters import WEEK, cluster_sums, starts
 
 BRIGHT = 200.0  # W/m², above which light is compared
@@ -295,12 +295,9 @@ def taken_by_two(rest, columns):
     """What each two columns take together, and what one takes twice the same."""
     both, products, alone = columns @ columns.T, columns @ rest, taken(rest, columns)
     sizes = np.diag(both)
-    apart = np.outer(sizes, sizes) - both**2
-    top = products**2 * sizes[:, None]
-    top = top + top.T - 2.0 * np.outer(products, products) * both
-    larger = np.maximum.outer(alone, alone)
-    seen = apart > UNSEEN * np.outer(sizes, sizes)
-    return np.divide(top, apart, out=larger, where=seen)
+    pairs = [np.meshgrid(part, part) for part in (products, sizes)]
+    together = gained_by_two(*pairs, both, UNSEEN * np.outer(sizes, sizes))
+    return np.maximum(together, np.maximum.outer(alone, alone))
 
 
 def remembered(means):

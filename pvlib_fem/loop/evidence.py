@@ -61,6 +61,8 @@ class Evidence:
     family : Family
         Numbers of hypotheses among which a chance is counted.
     criteria : Criteria
+    snowy : array of bool, optional
+        Of the rows, those with snow on the ground, as far as that is measured.
     undated : tuple of (Effect, str)
         Changes whose date does not show beside all confounders, each with its column as
         in :meth:`along`.
@@ -78,6 +80,7 @@ class Evidence:
     partial: dict = field(default_factory=dict)
     family: Family = field(default_factory=Family)
     criteria: Criteria = field(default_factory=Criteria)
+    snowy: np.ndarray | None = field(default=None, repr=False)
     undated: tuple = ()
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
@@ -237,6 +240,7 @@ class Evidence:
             residual=self.residual[known],
             dates=self.dates[known],
             rows=self.rows[known],
+            snowy=None if self.snowy is None else self.snowy[known],
             partial={n: k for n, k in others.items() if not k.all()},
             ready={},
         )

@@ -58,6 +58,7 @@ def gather(
         tuple(wrong),
         family=family,
         criteria=criteria,
+        snowy=snowy(record, rows),
     )
     scanned, dated = [], []
     for one in tried:
@@ -143,6 +144,12 @@ def with_changes(found, dated, failed):
             undated.append((course, column))
     found = found.along(changes) if changes else found
     return replace(found, failed=failed, undated=tuple(undated))
+
+
+def snowy(record, rows):
+    """Which of some rows have snow on the ground; None where that is not measured."""
+    depth = record.inputs.columns.get("snow_depth")
+    return None if depth is None else depth[rows] > 0.0
 
 
 def terms_of(effect, columns):

@@ -20,7 +20,6 @@ from pvlib_fem.loop.rules import (
     material,
     rules,
     weighed,
-    without_snow,
 )
 from pvlib_fem.loop.witness import Hearing, hearing, nights, outages
 from pvlib_fem.reasons import Reason, because
@@ -67,9 +66,7 @@ class Proposals:
         model and what is found in this round. The two dates of an episode are in
         whatever a season leaves.
         """
-        new = (self.found.effects[name] for name in self.names)
-        there = [*self.changes, *(effect for effect in new if effect.channel)]
-        steps = self.undated(is_step)
+        there, steps = self.known, self.undated(is_step)
         daily = self.found.daily(sorted({column for _, column in steps}), self.names)
         dated = [(e.dates.found(daily[c], self.found.criteria), c) for e, c in steps]
         dated = [(e, c) for e, c in dated if e is not None and not once_more(e, there)]
@@ -92,12 +89,11 @@ class Proposals:
         """Those of the new findings."""
         return [finding.effect for finding in self.new]
 
-    @cached_property
-    def snow_lies(self):
-        """Rows of the record on which there is snow, as far as that is measured."""
-        columns = self.case.record.inputs.columns
-        depth = columns.get("snow_depth", np.zeros(len(self.case.record.index)))
-        return np.asarray(depth) > 0.0
+    @property
+    def known(self):
+        """Changes of the model, and those found in this round."""
+        new = (self.found.effects[name] for name in self.names)
+        return (*self.changes, *(effect for effect in new if effect.channel))
 
     @cached_property
     def sorting(self):
@@ -111,16 +107,12 @@ class Proposals:
         # what cannot be told from a finding is no finding of its own
         taken = {*self.done, *(n for f in self.new for n in f.candidates)}
         names = [n for n in names if n not in taken or self.again(found.effects[n])]
-        changes = list(self.changes)
         while names:
             # what is left of a change on its own date is no change of its own: that
             # says which member of its class is nearer, which no residual decides
-            names = [n for n in names if not once_more(found.effects[n], changes)]
+            names = [n for n in names if not once_more(found.effects[n], self.known)]
             weights = weighed(found, names, given)
             asked = {n: rules(found, n, w, given, spill) for n, w in weights.items()}
-            for name in (n for n in asked if "windows" in found.effects[n].settings):
-                lies = self.snow_lies[found.rows]
-                asked[name] += without_snow(found, name, lies, given)
             good = gaining(weights, (n for n in weights if all_pass(asked[n][1:])))
             best = max(good, key=good.get, default=None)
             sure = best is not None and all_pass(asked[best])
@@ -144,7 +136,6 @@ class Proposals:
                 checks = (*asked[best], *checks)
                 heard = self.heard(found, best, ties, weights, good)
                 name, *others = heard.candidates
-                changes.append(found.effects[name])
                 gain = asked[name][0].statistic
                 weight = replace(weights[name], gain=gain)
                 self.new.append(proposed(self.case, found, weight, heard, checks))
@@ -215,9 +206,7 @@ class Proposals:
         also |= outages(self.case, found.effects[best])
         how = (found.effects, weights, self.coefficients)
         # what is found before it is known to a witness, too
-        new = [found.effects[name] for name in self.names]
-        known = (*self.changes, *(effect for effect in new if effect.channel))
-        comparisons = [one.beside(known) for one in self.comparisons]
+        comparisons = [one.beside(self.known) for one in self.comparisons]
         return hearing(comparisons, also, candidates, rivals, *how)
 
     def kin(self, found, candidates):

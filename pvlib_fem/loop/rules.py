@@ -38,19 +38,23 @@ def rules(found, name, weight, given, spill=0.0):
         share = (max(weight.gain, 0.0) / size) ** 2 if size > 0 else 0.0
         share = Check("share kept beside confounders", "tied", share, limits.tied)
         checks.append(share)
+    if "windows" in found.effects[name].settings:
+        checks += without_snow(found, name, given)
     return tuple(checks)
 
 
-def without_snow(found, name, lies, given):
+def without_snow(found, name, given):
     """
     The check that what a window of the sky takes is there while no snow lies, too.
 
     Where the sun is low a window of the sky may be a winter's, and what is lost in it
     snow. It fails where it is surely less than half without snow of what it is with it.
     """
-    parted = None if name in found.partial else found.parted(name, lies, given)
+    if found.snowy is None or name in found.partial:
+        return []
+    parted = found.parted(name, found.snowy, given)
     if parted is None:
-        return ()
+        return []
     (covered, bare), covariance = parted
     half = found.criteria.structure_keeps
     ways = np.array([-half, 1.0])
@@ -58,7 +62,7 @@ def without_snow(found, name, lies, given):
     distance = float((bare - half * covered) / error)
     words = "without snow it is more than half of what it is with it"
     least = -found.criteria.bound_errors
-    return (Check(words, "bound_errors", distance, least, unit="standard errors"),)
+    return [Check(words, "bound_errors", distance, least, unit="standard errors")]
 
 
 def gained(found, name, given, spill=0.0):

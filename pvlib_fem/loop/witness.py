@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import COURSES, alike, is_dated, number, weights_of
+from pvlib_fem.effects.courses import COURSES, alike, interval, is_dated, weights_of
 from pvlib_fem.effects.instruments import COVERS, OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
@@ -85,12 +85,6 @@ def any_is(opinion, witnesses):
     return any(one.opinion is opinion for one in witnesses)
 
 
-def days_open(effect):
-    """Days between which the date of a change lies; none of what has no date."""
-    low, high = (number(day) for day in effect.settings.get("between") or (0, 0))
-    return high - low
-
-
 def outages(case, effect):
     """
     Whether the plant fed while something was so for a while, of each power.
@@ -162,7 +156,8 @@ def courses(comparisons, agreed, effects):
         followed, steps = followed + lacks, steps + by_two
     left = dict(zip(every, followed))
     best = min((name for name in agreed if name in left), key=left.get)
-    known = days_open(effects[best]) <= MONTH
+    low, high = interval(effects[best]) or (0, 0)
+    known = high - low <= MONTH
     room = {name: 0.0 if known and name not in agreed else BETTER for name in left}
     near = [n for n in left if n != best and left[n] < left[best] + room[n]]
     if np.min(steps, initial=np.inf) + BETTER < left[best]:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import ndtr
 from scipy.stats import norm, t as student
 
-from pvlib_fem.statistics.clusters import ridge
+from pvlib_fem.statistics.clusters import ridge, those
 
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 LEVEL = 7.35  # of a likelihood ratio, 95 % of dates, Hansen (2000), table I
@@ -77,7 +77,7 @@ class Daily:
         times = np.ones((self.days, len(both)))
         times[:, size] = self.dates - self.dates[0]
         times[:, size] /= max(np.ptp(self.dates), 1)
-        products = self.sums[:, both][:, :, both] * times[:, None] * times[:, :, None]
+        products = those(self.sums, both) * times[:, None] * times[:, :, None]
         found = self.turned(products, self.weeks, self.dates)
         return replace(found, taken=self.squares - found.squares)
 
@@ -141,10 +141,8 @@ class Daily:
         one = late[:, 1] - np.square(known).sum(axis=1)
         both = beside - known @ drift
         other = slow**2 @ self.own - drift @ drift
-        apart = one * other - both**2
-        top = rest**2 * other + slowly**2 * one - 2.0 * rest * slowly * both
-        seen = apart > UNSEEN * max(np.abs(one * other).max(), np.finfo(float).tiny)
-        gains = np.divide(top, apart, out=np.zeros_like(top), where=seen)
+        least = UNSEEN * max(np.abs(one * other).max(), np.finfo(float).tiny)
+        gains = gained_by_two((rest, slowly), (one, other), both, least)
         gains[:side] = gains[len(gains) - side :] = 0.0
         return float(gains.max())
 
@@ -232,6 +230,19 @@ def gained(part):
     left = square - np.square(known).sum(axis=-1)
     seen = left > UNSEEN * np.abs(square).max()
     return np.divide(product**2, left, out=np.zeros_like(product), where=seen)
+
+
+def gained_by_two(products, squares, both, least):
+    """
+    Fall of the sum of squares by two columns together.
+
+    From the product of each with the residual, its square, and their product; 0 where
+    the two are alike but for ``least`` of the product of their squares.
+    """
+    (first, second), (one, other) = products, squares
+    apart = one * other - both**2
+    top = first**2 * other + second**2 * one - 2.0 * first * second * both
+    return np.divide(top, apart, out=np.zeros_like(top), where=apart > least)
 
 
 def best_pair(total, starts, ends, shortest):

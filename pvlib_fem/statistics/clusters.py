@@ -165,7 +165,7 @@ class ClusterSums:
     def covariance(self, kept):
         """Covariance of the solution from leaving out each week in turn (CR3)."""
         sums = self.by_cluster
-        normals = sums[:, kept][:, :, kept]
+        normals = those(sums, kept)
         whole = normals.sum(axis=0)
         inverse = np.linalg.inv(whole + ridge(whole))
         scores = sums[:, kept, -1] - normals @ self.solve(kept)
