@@ -24,13 +24,14 @@ from pvlib_fem.loop.files import in_means, on_days, on_own_steps
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
-from pvlib_fem.loop.propose import Proposals, renamed, sorting
+from pvlib_fem.loop.propose import Proposals, renamed
 from pvlib_fem.loop.ranges import everywhere, vouched, with_ranges
 from pvlib_fem.loop.ranking import as_row, ranked
 from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.rules import in_the_end, weighed
 from pvlib_fem.loop.steps import BASES, SCORES, Fits, Step, error_table
+from pvlib_fem.loop.structure import sorting
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.weeks import Part, named

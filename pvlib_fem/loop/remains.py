@@ -3,8 +3,9 @@
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Check, Finding, Kind, Verdict
-from pvlib_fem.loop.propose import kind_of, once_more, structure
+from pvlib_fem.loop.propose import kind_of, once_more
 from pvlib_fem.loop.rules import all_pass, material, rules
+from pvlib_fem.loop.structure import structure
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import GEOMETRY
 
