@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.linalg.blas import dtbsv
 
-from pvlib_fem.record.checks import read
+from pvlib_fem.record.inputs import read
 from pvlib_fem.types import Numeric, Times
 
 # rows solved at a time: all arrays stay in the cache, and the matrix product below the

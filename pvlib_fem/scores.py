@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import as_numbers, read
+from pvlib_fem.record.checks import as_numbers
+from pvlib_fem.record.inputs import read
 from pvlib_fem.types import Numeric
 
 __all__ = [

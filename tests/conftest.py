@@ -10,7 +10,7 @@ from pvlib_fem.datasets.files import FOLDER
 from pvlib_fem.drivers import sun
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import alone
-from pvlib_fem.record.checks import as_record
+from pvlib_fem.record.inputs import as_record
 
 # the same few examples in every run; `make fuzz` takes many, and others each time
 settings.register_profile("few", max_examples=25, deadline=None, derandomize=True)

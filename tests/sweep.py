@@ -24,8 +24,8 @@ from pvlib_fem.quality.check import check
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
-from pvlib_fem.record.checks import as_record, with_columns
 from pvlib_fem.record.columns import COLUMNS, numeric, with_aliases
+from pvlib_fem.record.inputs import as_record, with_columns
 
 #: worlds of each family, of one effect with the third of its sizes
 PART = {

@@ -14,7 +14,7 @@ import pvlib_fem as fem
 from pvlib_fem.effects import find
 from pvlib_fem.fitting.rows import Rows, daily_sums, normal_sums
 from pvlib_fem.fitting.search import with_tables
-from pvlib_fem.record.checks import as_record
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.statistics.leastsquares import normal
 from pvlib_fem.thermal import compiled, model as thermal

@@ -10,7 +10,7 @@ from pvlib_fem.quality.clock import clock_shift
 from pvlib_fem.quality.lag import lag
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY
-from pvlib_fem.record.checks import as_record
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, PHYSICS, RHINE
 
 

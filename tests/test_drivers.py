@@ -9,8 +9,8 @@ from pvlib.location import Location
 from pvlib_fem import datasets, simulator
 from pvlib_fem.drivers import DERIVED, completed, memory, needed_for, sky, solar, sun
 from pvlib_fem.effects import PHYSICS as EFFECTS
-from pvlib_fem.record.checks import read
 from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.record.inputs import read
 
 SITE = Location(35.0, -106.0)
 #: of plane and site: (tilt, azimuth, latitude)

@@ -14,7 +14,7 @@ import pvlib_fem as fem
 from pvlib_fem.drivers import completed, water
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
 from pvlib_fem.effects.effect import Tabled, tabled
-from pvlib_fem.record.checks import read
+from pvlib_fem.record.inputs import read
 from pvlib_fem.stored import VERSION
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS

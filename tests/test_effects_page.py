@@ -161,7 +161,7 @@ def test_a_file_and_a_line_make_an_effect(tmp_path):
     script = (
         "import effects_page, pvlib_fem, numpy as np;"
         "from pvlib_fem.drivers import completed, needed_for;"
-        "from pvlib_fem.record.checks import read;"
+        "from pvlib_fem.record.inputs import read;"
         "assert needed_for(['water_excess']) == ['temp_water'];"
         "data = {'temp_water': np.array([9., 9.]), 'temp_air': np.array([5., 6.])};"
         "found = completed(read(data, step=60.0), ['water_excess']);"

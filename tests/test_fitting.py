@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 import pvlib_fem as fem
 from pvlib_fem import datasets
 from pvlib_fem.fitting.search import natural
-from pvlib_fem.record.checks import Inputs, Record
+from pvlib_fem.record.inputs import Inputs, Record
 from pvlib_fem.statistics.leastsquares import descent
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS

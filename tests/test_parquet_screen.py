@@ -8,8 +8,8 @@ import pvlib_fem as fem
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.streamed import screened_blocks
 from pvlib_fem.quality.units import oddities
-from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.inputs import as_record
 
 pytest.importorskip("pyarrow")
 DRIVERS = ("relative_humidity", "fan")

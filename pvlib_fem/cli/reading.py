@@ -13,11 +13,12 @@ from click.core import ParameterSource
 from pvlib_fem.cli.options import PER_FILE, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.record.checks import as_record, datetime_steps
+from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.columns import COLUMNS, of_several
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.footers import parquet_file
 from pvlib_fem.record.guess import guess
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.record.layout import PARQUET
 from pvlib_fem.record.names import unmapped
 from pvlib_fem.record.parquet import open_parquet

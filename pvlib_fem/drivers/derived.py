@@ -1,7 +1,7 @@
 """The registry of derived drivers: what each is computed from, and how.
 
 A driver is computed by a function of its columns and, last, of the
-:class:`~pvlib_fem.record.checks.Inputs` that they stand in, which bring the times.
+:class:`~pvlib_fem.record.inputs.Inputs` that they stand in, which bring the times.
 What the function takes after the star are its constants, which can be set.
 """
 

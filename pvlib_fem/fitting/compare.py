@@ -12,8 +12,9 @@ from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.record.checks import as_record, usual_step
+from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.steady import STEADY_MODELS
 

@@ -28,8 +28,8 @@ from pvlib_fem.paper.recipe import MODELS, paper_stages
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
-from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import ALIASES, COLUMNS, with_aliases
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
 from pvlib_fem.thermal.model import thermal_model

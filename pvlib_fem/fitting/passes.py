@@ -12,8 +12,8 @@ from pvlib_fem.fitting.rows import Answer, Compiled
 from pvlib_fem.fitting.seen import Gaps, Seen, Tally, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.alongside import Alongside
-from pvlib_fem.record.checks import Inputs, Record
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.inputs import Inputs, Record
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
 from pvlib_fem.statistics.clusters import cluster_sums_of, joined

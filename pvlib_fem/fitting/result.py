@@ -15,8 +15,8 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.through_time import through_time
 from pvlib_fem.modelchain import FIT, FITS, DynamicCellTemperature, fit_in
-from pvlib_fem.record.checks import Record
 from pvlib_fem.record.columns import COLUMNS, printable, with_aliases
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.summary import Summary, summary_from, summary_of
 from pvlib_fem.report.document import number, value_and_error
 from pvlib_fem.report.fit_page import brief, fit_page

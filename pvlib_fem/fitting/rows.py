@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from pvlib_fem.fitting.daily import DailySums
-from pvlib_fem.record.checks import Record
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.statistics.clusters import (
     cluster_sums_of,
     joined,

@@ -11,8 +11,8 @@ from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.clock import Clock
-from pvlib_fem.record.checks import Record
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks

@@ -21,7 +21,6 @@ from pvlib_fem.quality.stuck import stuck
 from pvlib_fem.quality.twin import twin_clock
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.checks import Record, as_record, with_columns
 from pvlib_fem.record.columns import (
     COLUMNS,
     GEOMETRY,
@@ -32,6 +31,7 @@ from pvlib_fem.record.columns import (
     vouches,
     with_aliases,
 )
+from pvlib_fem.record.inputs import Record, as_record, with_columns
 
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 NEAR_HOUR = 0.25  # h beside a whole one, as near as a file of half hours shows it

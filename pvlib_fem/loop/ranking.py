@@ -18,13 +18,13 @@ from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.checks import as_record, with_columns
 from pvlib_fem.record.columns import (
     COLUMNS as USUAL,
     numeric,
     usable_drivers,
     with_aliases,
 )
+from pvlib_fem.record.inputs import as_record, with_columns
 
 
 def rank_effects(

@@ -74,7 +74,7 @@ def check(
     Parameters
     ----------
     record : Record
-        From ``record.checks.as_record``, with the drivers that are to be used.
+        From ``record.inputs.as_record``, with the drivers that are to be used.
     location : pvlib.location.Location, optional
         For :func:`solar_noon_shift`.
     surface_tilt, surface_azimuth : float, optional

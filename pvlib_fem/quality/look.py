@@ -10,8 +10,9 @@ from pvlib_fem.quality.outliers import MOST_JUMP, NO_CODE, as_codes, few, jumps
 from pvlib_fem.quality.standing import Standing, table
 from pvlib_fem.quality.stray import refuse_gap
 from pvlib_fem.quality.stuck import DRIVERS, STILL
-from pvlib_fem.record.checks import Inputs, datetime_steps
+from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.clean import covered
+from pvlib_fem.record.inputs import Inputs
 
 SOME = 1 << 20  # rows of which what is usual in a column is told
 

@@ -23,8 +23,8 @@ from pvlib_fem.quality.units import (
     refuse_units,
 )
 from pvlib_fem.quality.values import never_moves
-from pvlib_fem.record.checks import Record, read
 from pvlib_fem.record.columns import ALIASES, GEOMETRY, printable, with_aliases
+from pvlib_fem.record.inputs import Record, read
 
 #: what a value can be found at fault for, in the order in which it is asked, and how
 #: it is said after the column's name

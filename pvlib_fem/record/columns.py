@@ -35,6 +35,7 @@ UNITS = {
 }
 #: where the sun stands and how the module does, under pvlib's names [°]
 GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
+ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full circle
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
 SOME = 20_000  # rows that are enough to compare columns

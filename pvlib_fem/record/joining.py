@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants, usual_step
-from pvlib_fem.record.resampling import ANGLES, means
+from pvlib_fem.record.columns import ANGLES
 
 LEAST = 0.5  # share of the shorter file's rows that has to find a partner
 
@@ -168,11 +168,25 @@ def onto(table, index, step, own, states, directions):
     since[inside] = (ends[place[inside]] - at[inside]) / np.timedelta64(1, "s")
     rows = since < step
     table, place = table[rows], place[rows]
-    parts, labels = {}, np.arange(len(index))
+    parts = {}
     for name, column in table.items():
         if not pd.api.types.is_numeric_dtype(column) or name in states:
             parts[name] = nearest[name].to_numpy()
             continue
         values = column.to_numpy(float, na_value=np.nan)
-        parts[name] = means(values, place, labels, 1, name in directions)
+        parts[name] = means(values, place, len(index), name in directions)
     return pd.DataFrame(parts, index)
+
+
+def means(values, place, size, angle):
+    """Means of the rows at each of so many places, NaN where none is there."""
+    if angle:
+        turned = np.radians(values)
+        east, north = (
+            means(part, place, size, False) for part in (np.sin(turned), np.cos(turned))
+        )
+        return np.degrees(np.arctan2(east, north)) % 360.0
+    there = ~np.isnan(values)
+    counts = np.bincount(place[there], minlength=size)
+    sums = np.bincount(place[there], values[there], size)
+    return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)

@@ -10,14 +10,7 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import (
-    SECONDS,
-    Inputs,
-    as_numbers,
-    check_order,
-    dates_of,
-    instants,
-)
+from pvlib_fem.record.checks import SECONDS, as_numbers, check_order, dates_of, instants
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.footers import (
     common_columns,
@@ -27,6 +20,7 @@ from pvlib_fem.record.footers import (
     in_order,
     parquet_file,
 )
+from pvlib_fem.record.inputs import Inputs
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
 from pvlib_fem.stored import replacing

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import Inputs, instants, usual_step
-
-ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")
+from pvlib_fem.record.checks import instants, usual_step
+from pvlib_fem.record.columns import ANGLES
+from pvlib_fem.record.inputs import Inputs
 
 
 def coarse(record, step=300.0, present=0.5):
@@ -115,26 +115,6 @@ def grown(values, size):
         return values
     more = max(size, 2 * len(values)) - len(values)
     return np.concatenate([values, np.zeros(more, values.dtype)])
-
-
-def means(values, place, labels, least, angle):
-    """Means of the rows at each label, NaN where too few are there."""
-    if angle:
-        turned = np.radians(values)
-        east, north = (
-            means(part, place, labels, least, False)
-            for part in (np.sin(turned), np.cos(turned))
-        )
-        return np.degrees(np.arctan2(east, north)) % 360.0
-    there = ~np.isnan(values)
-    first = labels[0]
-    size = labels[-1] - first + 2  # the last half step has a label of its own
-    at = place - first + (place < first)
-    counts = np.bincount(at, there, size)
-    sums = np.bincount(at, np.where(there, values, 0.0), size)
-    kept = labels - first
-    enough = counts[kept] >= least
-    return np.where(enough, sums[kept] / np.maximum(counts[kept], 1), np.nan)
 
 
 def covered(mask, record, other):

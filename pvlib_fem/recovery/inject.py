@@ -16,8 +16,8 @@ from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.quality.lag import retimed
-from pvlib_fem.record.checks import Record
 from pvlib_fem.record.columns import printable
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.thermal.model import ThermalModel
 
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from pvlib_fem.fitting.fit import fit_fem
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import printable, with_aliases
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.scores import rmse
 from pvlib_fem.sensors.own import SUNNY, clean, compared, is_sensor, steps_of
 from pvlib_fem.sensors.result import ModuleComparison

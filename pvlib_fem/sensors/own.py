@@ -4,8 +4,8 @@ import numpy as np
 
 from pvlib_fem.effects.courses import find_step, number
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.record.checks import as_record
 from pvlib_fem.record.columns import same, twin_of
+from pvlib_fem.record.inputs import as_record
 from pvlib_fem.statistics.changes import Daily
 from pvlib_fem.statistics.clusters import cluster_sums
 

@@ -10,8 +10,9 @@ from pvlib_fem.drivers import MODELLED, behind, completed, needed_for
 from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
 from pvlib_fem.quality.limits import possible
 from pvlib_fem.quality.outliers import out_of_range
-from pvlib_fem.record.checks import at_time, read
+from pvlib_fem.record.checks import at_time
 from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.record.inputs import read
 from pvlib_fem.relaxation import usual_step
 from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
 from pvlib_fem.thermal.dynamics import balanced, smoothed, steady

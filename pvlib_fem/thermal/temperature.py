@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import at_time, read
+from pvlib_fem.record.checks import at_time
+from pvlib_fem.record.inputs import read
 from pvlib_fem.relaxation import relax, smoothed
 from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS, steady_model
 from pvlib_fem.types import Numeric, Times

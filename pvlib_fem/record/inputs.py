@@ -1,0 +1,313 @@
+"""Columns on common times, checked once: what all else works on."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.checks import (
+    as_numbers,
+    as_times,
+    common_index,
+    dates_of,
+    datetime_steps,
+    no_datetimes,
+    plain_steps,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """What follows from the times of some rows alone, found once for all columns."""
+
+    index: pd.Index
+    steps: np.ndarray | float
+    unit: float
+
+    @cached_property
+    def seconds(self):
+        """Time of each row since the first. [s]"""
+        steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
+        steps[0] = 0.0
+        return np.cumsum(steps) * self.unit
+
+    @cached_property
+    def dates(self):
+        """Calendar day of each row in the record's own zone, from 1970-01-01."""
+        return dates_of(self.index)
+
+    @cached_property
+    def runs(self):
+        """First row of each run of rows of one date, and the date."""
+        first = np.flatnonzero(np.diff(self.dates, prepend=self.dates[:1] - 1))
+        return first, self.dates[first]
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """Columns on common times, ready for the kernel."""
+
+    columns: dict[str, np.ndarray]
+    steps: np.ndarray | float  # time since the row before, in units
+    unit: float  # seconds in one unit of ``steps``
+    index: pd.Index
+    is_series: bool
+    times: Times | None = field(default=None, repr=False)
+
+    def __post_init__(self):
+        times = self.times
+        # those of other columns are kept, where they are of the same rows
+        of_others = times and times.index is self.index and times.steps is self.steps
+        if not of_others:
+            times = Times(self.index, self.steps, self.unit)
+            object.__setattr__(self, "times", times)
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+    @property
+    def step(self):
+        """Usual time between rows; NaN of a single one. [s]"""
+        if np.ndim(self.steps) == 0:
+            return self.steps * self.unit
+        return (
+            float(np.median(self.steps[1:])) * self.unit
+            if len(self.steps) > 1
+            else np.nan
+        )
+
+    @property
+    def seconds(self):
+        """Time of each row since the first. [s]"""
+        return self.times.seconds
+
+    def part(self, rows):
+        """The inputs of a slice of the rows."""
+        steps = self.steps if np.ndim(self.steps) == 0 else self.steps[rows]
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
+
+    def restore(self, values, name=None):
+        """Give values back in the form the input came in."""
+        return pd.Series(values, self.index, name=name) if self.is_series else values
+
+    def resume(self, initial):
+        """State to carry on from, and the steps counted from its time."""
+        if initial is None:
+            return None, self.steps
+        if isinstance(initial, pd.Series):
+            initial = self.past(initial)
+            since = self.index[0] - initial.index[-1]
+            if not since > pd.Timedelta(0):
+                raise ValueError(
+                    f"initial is at {initial.index[-1]}, not before the first sample "
+                    f"at {self.index[0]}; carry the state from earlier rows"
+                )
+            steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
+            steps[0] = since.total_seconds() / self.unit
+            return float(as_numbers("initial", initial, initial.index)[-1]), steps
+        if np.ndim(self.steps):
+            raise ValueError(
+                "initial is a number, but the steps are uneven; give the output of "
+                "the record before as a Series, which brings its time"
+            )
+        if not np.isfinite(initial):
+            raise ValueError(
+                f"initial = {initial} must be a finite number; drop it to start anew"
+            )
+        return float(initial), self.steps
+
+    def past(self, initial):
+        """What is known of a Series that goes before, in times that can be told."""
+        initial = initial.dropna()
+        if initial.empty:
+            raise ValueError("initial holds no value; drop it to start anew")
+        times = initial.index
+        if not isinstance(self.index, pd.DatetimeIndex):
+            raise ValueError(
+                "initial is a Series, but values bring no times; give the "
+                "state as a number"
+            )
+        if not isinstance(times, pd.DatetimeIndex):
+            raise ValueError(
+                f"initial has no DatetimeIndex but a {type(times).__name__}; set one "
+                "with pd.to_datetime"
+            )
+        if (times.tz is None) != (self.index.tz is None):
+            raise ValueError(
+                f"initial has times in zone {times.tz}, values in {self.index.tz}; "
+                "give both a zone or neither"
+            )
+        datetime_steps(times, "initial")  # refuses what is not sorted
+        return initial
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A measured record that has passed its checks."""
+
+    inputs: Inputs
+    missing: dict[str, int]  # NaN by column
+    impossible: dict[str, int]  # values not used, by column
+    clipped: int  # negative irradiance, set to 0
+
+    @property
+    def index(self):
+        return self.inputs.index
+
+    def __getitem__(self, name):
+        return self.inputs.columns[name]
+
+    @property
+    def days(self):
+        """Number of each row's day among the days that are there, from 0."""
+        return pd.factorize(self.dates)[0]
+
+    @property
+    def dates(self):
+        """Calendar day of each row in the record's own zone, from 1970-01-01."""
+        return self.inputs.times.dates
+
+    def rows_by_date(self, rows):
+        """Dates in order, and how many of some rows each has."""
+        first, dates = self.inputs.times.runs
+        days, place = np.unique(dates, return_inverse=True)
+        counts = np.add.reduceat(rows, first, dtype=int)
+        return days, np.bincount(place, counts).astype(int)
+
+    def of_dates(self, dates):
+        """Booleans of the rows of some dates."""
+        first, days = self.inputs.times.runs
+        return np.repeat(np.isin(days, dates), np.diff(first, append=len(self.dates)))
+
+    def count_days(self, rows):
+        """How many days some rows are of."""
+        return int(np.count_nonzero(self.rows_by_date(rows)[1]))
+
+    def only(self, names):
+        """The same record with some of its columns."""
+        inputs = {name: self.inputs.columns[name] for name in names}
+        missing = {name: n for name, n in self.missing.items() if name in inputs}
+        inputs = replace(self.inputs, columns=inputs)
+        return replace(self, inputs=inputs, missing=missing)
+
+    def having(self, columns):
+        """The same record with other values of some columns, or with more of them."""
+        columns = {**self.inputs.columns, **columns}
+        return replace(self, inputs=replace(self.inputs, columns=columns))
+
+    def lacking(self, rows):
+        """The same record with NaN in some rows of its columns, by name."""
+        return self.having({n: np.where(at, np.nan, self[n]) for n, at in rows.items()})
+
+    def known(self, names):
+        """Rows that have all of some columns."""
+        rows = np.ones(len(self.index), dtype=bool)
+        for name in names:
+            rows &= np.isfinite(self[name])
+        return rows
+
+    def rows(self, holdout):
+        """Boolean array of a user's choice of rows."""
+        if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
+            raise ValueError("holdout must be a boolean Series, True where held out")
+        if not holdout.index.equals(self.index):
+            raise ValueError("holdout and the record have different indexes")
+        return holdout.to_numpy()
+
+
+def read(columns, step=None, times=None, purpose="this model"):
+    """
+    Bring series, arrays and numbers onto common times.
+
+    Parameters
+    ----------
+    columns : dict
+        Name to Series, array or number; at least one is not a number. Their
+        values may be NaN, not infinite.
+    step : float, optional
+        Even time step of arrays. [s]
+    times : DatetimeIndex or array, optional
+        Times of arrays: datetimes, or numbers. [s]
+    purpose : str
+        Who asks, for the messages.
+
+    Raises
+    ------
+    ValueError
+        Naming the column, the first offending time and the remedy.
+    """
+    series = {k: v for k, v in columns.items() if isinstance(v, pd.Series)}
+    lengths = {k: len(v) for k, v in columns.items() if np.ndim(v)}
+    if not lengths:
+        raise ValueError(
+            f"{purpose} needs a series, not single numbers: what a module does now "
+            "depends on what it went through before; give Series with a "
+            "DatetimeIndex, or arrays with step"
+        )
+    for name, value in columns.items():
+        if np.ndim(value) > 1:
+            raise ValueError(f"{name} has {np.ndim(value)} dimensions; give one column")
+    if len(set(lengths.values())) > 1:
+        raise ValueError(
+            f"the lengths differ: {lengths}; give all columns the same rows"
+        )
+    rows = next(iter(lengths.values()))
+    if rows == 0:
+        raise ValueError(f"{next(iter(lengths))} is empty; give at least one row")
+    index = common_index(series)
+    if index is None and times is not None:
+        index = as_times(times, rows)
+    elif times is not None:
+        raise ValueError("a Series brings its own times; drop the argument times")
+    if index is None or not isinstance(index, pd.DatetimeIndex):
+        index, steps, unit = plain_steps(index, rows, step, purpose, series)
+    else:
+        if step is not None:
+            raise ValueError(
+                f"step = {step}, but the times are given already; drop step"
+            )
+        steps, unit = datetime_steps(index, next(iter(series), "times"))
+    checked = {
+        name: np.broadcast_to(as_numbers(name, value, index), rows)
+        for name, value in columns.items()
+    }
+    return Inputs(checked, steps, unit, index, bool(series))
+
+
+def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
+    """The columns on their common times, as they are."""
+    columns = {
+        "poa_global": poa_global,
+        "temp_air": temp_air,
+        "wind_speed": wind_speed,
+        "temp_module": temp_module,
+        **drivers,
+    }
+    for name, column in columns.items():
+        if not isinstance(column, pd.Series):
+            raise ValueError(
+                f"{name} is a {type(column).__name__}; a fit needs Series with a "
+                "DatetimeIndex, since days are held out"
+            )
+        if not isinstance(column.index, pd.DatetimeIndex):
+            raise ValueError(no_datetimes(name, column.index))
+    inputs = read(columns, purpose="fit_fem")
+    for name in columns:
+        if np.isnan(inputs[name]).all():
+            raise ValueError(
+                f"{name} holds no value from {inputs.index[0]} to "
+                f"{inputs.index[-1]}; check the column's name and the logger"
+            )
+    missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in columns}
+    inputs = Inputs(inputs.columns, inputs.steps, inputs.unit, inputs.index, True)
+    return Record(inputs, missing, {}, 0)
+
+
+def with_columns(record, columns):
+    """The record with further columns, which stand on its index."""
+    arrays = {name: column.to_numpy(float) for name, column in columns.items()}
+    missing = {name: int(np.isnan(values).sum()) for name, values in arrays.items()}
+    inputs = replace(record.inputs, columns={**record.inputs.columns, **arrays})
+    return replace(record, inputs=inputs, missing={**record.missing, **missing})
