@@ -25,6 +25,9 @@ from pvlib_fem.effects.courses import (
 )
 from pvlib_fem.findings import Verdict
 from pvlib_fem.loop.close import searched
+from pvlib_fem.loop.evidence import Evidence
+from pvlib_fem.loop.propose import slow_ones
+from pvlib_fem.loop.rules import weighed
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.changes import Daily, chance_of_step
 from pvlib_fem.statistics.clusters import cluster_sums
@@ -417,15 +420,83 @@ def test_snow_under_a_low_sun_is_no_obstacle():
     assert "shading" not in named and "snow" in named
 
 
-def test_a_step_that_a_season_stands_for_is_dated_beside_what_is_found_with_it():
+def test_a_step_that_the_sky_hides_is_dated_beside_what_is_found_with_it():
     """
     From May on a pyranometer reads 7 % less, under a sky and in a wind of its own.
 
-    A season explains it as well. Beside the steady model alone the sky hides its date.
+    Beside the steady model alone its date is in September.
     """
     loop = of_a_world(14085, "sensitivity", "step")
-    (found,) = (f for f in loop.findings if f.added and "season" in f.candidates)
-    assert {"sensitivity_step", "sensitivity_drift"} < {*found.candidates}
+    (found,) = (f for f in loop.findings if f.added and {*f.candidates} & {*CHANGES})
+    assert "sensitivity_step" in found.candidates and "season" not in found.candidates
+    (effect,) = (e for e in loop.fit.effects if e.name == found.effect)
+    low, high = effect.settings["between"]
+    assert low <= "2023-05-02" <= high and number(high) - number(low) < 30
+
+
+def with_columns(columns, rest, dates):
+    """Evidence of what a constant leaves."""
+    columns = {"u0": np.ones(len(rest))} | columns
+    return Evidence(columns, rest, dates, np.arange(len(rest)), ("u0",), ())
+
+
+def test_what_was_a_step_beside_nothing_is_an_episode_beside_what_grows():
+    """
+    Seven years of a pyranometer that fades, one winter of a sensor that lies bare.
+
+    By itself the end of that winter is a step; beside the drift both its dates show.
+    """
+    random, days = np.random.default_rng(0), np.arange(14_665, 17_165)
+    dates = np.repeat(days, 6)
+    light = random.uniform(0.0, 1.0, len(dates))
+    contact = light * random.uniform(0.8, 1.2, len(dates))
+    noise = np.repeat(random.normal(0.0, 1.0, len(days)), 6) * light
+    noise += random.normal(0.0, 0.5, len(dates))
+    bare = dated("contact_episode", start="2012-10-18", end="2013-04-12")
+    fades = dated("sensitivity_drift", since="2010-02-25")
+    size, per_year = (np.repeat(weights_of(one, days), 6) for one in (bare, fades))
+    rest = 2.0 * per_year * light - 3.0 * size * contact + noise
+    found = with_columns({"light": light, "contact": contact}, rest, dates)
+    changing = [(CHANGES[f"contact_{c}"], "contact") for c in ("step", "episode")]
+    ((alone, _),) = found.shown(changing, ())
+    assert alone.name == "contact_step"
+    larger = found.along([(fades, "light")])
+    ((beside, _),) = larger.shown(changing, [fades.name])
+    assert beside.settings["start"] == "2012-10-18"
+    assert beside.settings["end"] == "2013-04-12"
+
+
+@pytest.mark.parametrize(("until", "slow"), [("2023-10-20", []), ("2024-02-01", [1])])
+def test_a_step_of_no_known_month_may_have_come_slowly(until, slow):
+    """A drift that explains nearly as much stands in its class."""
+    random, days = np.random.default_rng(0), np.arange(19_600, 20_000)
+    dates = np.repeat(days, 6)
+    one, noise = random.normal(size=(2, len(dates)))
+    drift = dated("contact_drift", since="2023-08-31")
+    step = dated("contact_step", at="2023-10-01", between=["2023-10-01", until])
+    rest = 0.3 * (np.repeat(weights_of(drift, days), 6) * one + noise)
+    found = with_columns({"one": one}, rest, dates)
+    found = found.along([(step, "one"), (drift, "one")])
+    names = [step.name, drift.name]
+    weights = weighed(found, names, [])
+    assert slow_ones(found, names[:1], weights) == [names[i] for i in slow]
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_evidence_without_an_effect_is_what_it_was_before(seed):
+    random, days = np.random.default_rng(seed), np.arange(19_600, 19_700)
+    dates = np.repeat(days, 3)
+    one, rest = random.normal(size=(2, len(dates)))
+    found = with_columns({"one": one}, rest, dates)
+    expected = found.sums(())
+    step = dated("contact_step")
+    drift = dated("contact_drift")
+    larger = found.along([(step, "one"), (drift, "one")])
+    less = larger.without([step.name, "snow"])
+    assert less.weigh(drift.name) == larger.weigh(drift.name)
+    again = less.without([drift.name])
+    assert {*again.columns} == {*found.columns} and not again.effects
+    np.testing.assert_array_equal(again.sums(()).sums, expected.sums)
 
 
 def test_an_episode_is_no_step(half_a_year):

@@ -13,6 +13,7 @@ from test_effects import coefficients
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem.effects import CHANGES, find
+from pvlib_fem.effects.courses import is_drift
 from pvlib_fem.findings import Finding, Verdict
 from pvlib_fem.loop.close import Search, searched
 from pvlib_fem.loop.criteria import Criteria
@@ -219,13 +220,15 @@ def test_what_is_nothing_beside_another_effect_is_not_told():
 
 
 def test_a_search_that_goes_back_ends():
-    """A drift that is nothing beside power has no other date, and comes no more."""
+    """A drift that is nothing beside others has no other date, and comes no more."""
     site = study_worlds.site(1313104, **study_worlds.COLD)
     effects = simulator.PHYSICS | {"snow": 0.75}
     data = simulator.record(site, effects=effects, days=365, step=300, seed=1313104)
-    loop = fem.close_loop(data, **study_worlds.World(site, 1313104).place)
-    doubted = [f for f in loop.findings if "would be" in f.why]
-    assert any(f.effect.endswith("_drift") for f in doubted)
+    place = study_worlds.World(site, 1313104).place.values()
+    search, loop = searched(data, "faiman", (*place,), None, **USUAL)
+    (drift,) = (e for e in search.doubted if e.channel and is_drift(e))
+    assert drift.name in search.closed
+    assert not any(drift.name in f.candidates for f in loop.findings if f.added)
     names = [f.effect for f in loop.findings if f.added and f.verdict == "named"]
     assert names == ["snow"]
 

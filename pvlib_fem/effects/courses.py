@@ -277,6 +277,12 @@ def interval(effect):
     return tuple(number(day) for day in dates.get("between") or (begin, begin))
 
 
+def known_within(effect, days):
+    """Whether the date of a change is known to so many days, if it has one."""
+    low, high = interval(effect) or (0, 0)
+    return high - low <= days
+
+
 def same_date(one, other):
     """Whether two changes may have begun on one date, as far as those are known."""
     ends = interval(one), interval(other)

@@ -63,9 +63,8 @@ class Evidence:
     criteria : Criteria
     snowy : array of bool, optional
         Of the rows, those with snow on the ground, as far as that is measured.
-    undated : tuple of (Effect, str)
-        Changes whose date does not show beside all confounders, each with its column as
-        in :meth:`along`.
+    changing : tuple of (Effect, str)
+        Changes whose dates are to be found, each with its column as in :meth:`along`.
     """
 
     columns: dict = field(repr=False)
@@ -81,7 +80,7 @@ class Evidence:
     family: Family = field(default_factory=Family)
     criteria: Criteria = field(default_factory=Criteria)
     snowy: np.ndarray | None = field(default=None, repr=False)
-    undated: tuple = ()
+    changing: tuple = ()
     ready: dict = field(repr=False, default_factory=dict)  # sums by what is partial
 
     def sums(self, names) -> ClusterSums:
@@ -217,6 +216,35 @@ class Evidence:
             partial=self.partial | partial,
             ready=ready,
         )
+
+    def without(self, names):
+        """The same without some effects, and without their columns."""
+        names = {*names} & {*self.effects}
+        gone = {column for name in names for column in self.own[name]}
+        columns = {n: column for n, column in self.columns.items() if n not in gone}
+        places = [self.order[name] for name in columns]
+        own, effects, partial = (
+            {n: part for n, part in parts.items() if n not in names}
+            for parts in (self.own, self.effects, self.partial)
+        )
+        ready = {
+            key: sums.of(places)
+            for key, sums in self.ready.items()
+            if names.isdisjoint(key)
+        }
+        parts = dict(columns=columns, own=own, effects=effects, partial=partial)
+        return replace(self, **parts, ready=ready)
+
+    def shown(self, changing, given):
+        """
+        Changes with the dates that what is left beside some effects shows.
+
+        Those that show none are not among them. Each has its column, as in
+        :meth:`along`.
+        """
+        daily = self.daily(sorted({column for _, column in changing}), given)
+        dated = [(e.dates.found(daily[c], self.criteria), c) for e, c in changing]
+        return [(effect, column) for effect, column in dated if effect is not None]
 
     def daily(self, columns, given=()):
         """Products by the day of columns along which something may change, by name."""

@@ -60,7 +60,7 @@ def gather(
         criteria=criteria,
         snowy=snowy(record, rows),
     )
-    scanned, dated = [], []
+    scanned, changing = [], []
     for one in tried:
         own = tangents(slopes, one.keys)
         known = record.known(needed_for(one.wide.drivers))[rows]
@@ -71,7 +71,7 @@ def gather(
         elif one.courses:
             (column,) = own
             found = found.on_some(column, own, known)
-            dated.append((one.courses, column))
+            changing += [(course, column) for course in one.courses]
         else:
             found = found.with_effect(one.wide, own, known)
     for scan, wide, own, known in scanned:
@@ -83,7 +83,7 @@ def gather(
         terms = terms_of(effect, there.columns)
         slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
         found = found.with_effect(effect, tangents(slopes, [*terms]), known)
-    return with_changes(found, dated, failed)
+    return with_changes(found, tuple(changing), failed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,20 +130,15 @@ def ready(model, inputs, seen, candidates):
     return inputs, [*tried.values()], terms, failed
 
 
-def with_changes(found, dated, failed):
+def with_changes(found, changing, failed):
     """The evidence with the channels along those courses whose dates are found."""
-    daily = found.daily([column for _, column in dated], found.confounders)
-    changes, undated = [], []
-    for courses, column in dated:
-        for course in courses:
-            effect = course.dates.found(daily[column], found.criteria)
-            if effect is not None:
-                changes.append((effect, column))
-                continue
-            failed[course.name] = because(Reason.NO_DATE)
-            undated.append((course, column))
-    found = found.along(changes) if changes else found
-    return replace(found, failed=failed, undated=tuple(undated))
+    found = replace(found, changing=changing, failed=failed)
+    if changes := found.shown(changing, found.confounders):
+        found = found.along(changes)
+    dateless = [e.name for e, _ in changing if e.name not in found.effects]
+    return replace(
+        found, failed=failed | dict.fromkeys(dateless, because(Reason.NO_DATE))
+    )
 
 
 def snowy(record, rows):

@@ -5,10 +5,17 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects.courses import alike, is_drift, is_step, same_course, same_date
+from pvlib_fem.effects.courses import (
+    alike,
+    is_drift,
+    is_step,
+    known_within,
+    same_course,
+    same_date,
+)
 from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
-from pvlib_fem.loop.comparisons import apart
+from pvlib_fem.loop.comparisons import MONTH, apart
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.rules import all_pass, gaining, rules, weighed
 from pvlib_fem.loop.structure import against, sorting, structure, without_of
@@ -36,17 +43,45 @@ class Proposals:
     def run(self):
         """The findings, which the fits have yet to confirm."""
         effects = self.found.effects
-        driven = [n for n, effect in effects.items() if not effect.confounder]
+        driven = [n for n, e in effects.items() if not (e.confounder or e.channel)]
         others = [n for n, effect in effects.items() if effect.confounder]
-        changes = [n for n in driven if effects[n].channel]
-        self.select([n for n in driven if n not in changes], self.found.confounders)
+        self.select(driven, self.found.confounders)
         # weather comes in stretches, too: what follows a column comes before a date
-        self.select(changes, [*self.found.confounders, *self.names])
+        given = [*self.found.confounders, *self.names]
+        if self.new:
+            self.found = self.dated_beside(self.found, given)
+        self.select(self.changing, given)
         # what changes for good may look like a season, and is not to be lost beside it
-        self.select(others, self.names, self.lasting(changes))
+        self.select(others, self.names, self.lasting())
         return self.new
 
-    def lasting(self, changes):
+    @property
+    def changing(self):
+        """Names of all changes that have a date."""
+        return [n for n, effect in self.found.effects.items() if effect.channel]
+
+    def dated_beside(self, found, given, kept=()):
+        """
+        The evidence with changes at the dates that show beside what is found by now.
+
+        Where something is unknown that grows or begins later, it moves the dates of
+        others. Those of what is kept, or in a class, stay.
+        """
+        kept = {*kept, *(name for finding in self.new for name in finding.candidates)}
+        movable = [
+            (e, c) for e, c in found.changing if e.name not in kept and not is_drift(e)
+        ]
+        changes = found.shown(movable, given)
+
+        def anew(found):
+            found = found.without(e.name for e, _ in movable)
+            return found.along(changes) if changes else found
+
+        bare, self.found = self.found, anew(self.found)
+        # their columns are as long as the record: once, where none is unknown
+        return self.found if found is bare else anew(found)
+
+    def lasting(self):
         """
         Drifts and steps that a confounder may stand for, of no date of another change.
 
@@ -54,11 +89,10 @@ class Proposals:
         model and what is found in this round. The two dates of an episode are in
         whatever a season leaves.
         """
-        there, steps = self.known, self.undated(is_step)
-        daily = self.found.daily(sorted({column for _, column in steps}), self.names)
-        dated = [(e.dates.found(daily[c], self.found.criteria), c) for e, c in steps]
-        dated = [(e, c) for e, c in dated if e is not None and not once_more(e, there)]
-        effects = [self.found.effects[n] for n in changes]
+        there = self.known
+        dated = self.found.shown(self.undated(is_step), self.names)
+        dated = [(e, c) for e, c in dated if not once_more(e, there)]
+        effects = [self.found.effects[n] for n in self.changing]
         lasting = [e for e in effects if is_drift(e) or is_step(e)]
         lasting = [e.name for e in lasting if not once_more(e, there)]
         if dated:
@@ -69,7 +103,7 @@ class Proposals:
         """Changes whose date did not show and does not yet, of a kind, and columns."""
         there = self.found.effects
         return [
-            (e, c) for e, c in self.found.undated if fits(e) and e.name not in there
+            (e, c) for e, c in self.found.changing if fits(e) and e.name not in there
         ]
 
     @property
@@ -93,8 +127,9 @@ class Proposals:
         limits, found = self.case.criteria, self.found
         given, unknowns, spill = list(given), 0, 0.0
         # what cannot be told from a finding is no finding of its own
-        taken = {*self.done, *(n for f in self.new for n in f.candidates)}
-        names = [n for n in names if n not in taken or self.again(found.effects[n])]
+        gone = {*self.done, *(n for f in self.new for n in f.candidates)}
+        gone -= {e.name for e, _ in found.changing if self.again(e)}
+        names = [n for n in names if n not in gone]
         while names:
             # what is left of a change on its own date is no change of its own: that
             # says which member of its class is nearer, which no residual decides
@@ -131,7 +166,11 @@ class Proposals:
                 found = found.on_rows_of(name)
                 # along another course what was alike is another question
                 told = [n for n in (best, *ties) if answers(found, name, n)]
-                names = [n for n in names if n not in (name, *others, *told)]
+                gone |= {name, *others, *told}
+                if found.effects[name].channel:
+                    found = self.dated_beside(found, given, gone)
+                    names = self.changing
+                names = [n for n in names if n not in gone]
                 continue
             if unknowns == limits.most_structures:
                 break
@@ -157,7 +196,8 @@ class Proposals:
         near = gaining(weights, (n for n in possible if chances[n] <= most))
         ties = found.ties(best, near | self.rivals(found, alike, given), given)
         unsure = (n for n in near if unsure_beside(found, best, n, given))
-        return tuple(dict.fromkeys([*ties, *unsure]))
+        ties = tuple(dict.fromkeys([*ties, *unsure]))
+        return (*ties, *slow_ones(found, (best, *ties), weights))
 
     def rivals(self, found, names, given):
         """Gains of those names that are open and possible, as of a class."""
@@ -246,6 +286,29 @@ def unsure_beside(found, name, other, given):
         return True
     (size,), (error,) = weight.coefficients.values(), weight.stderr.values()
     return abs(size) < found.criteria.bound_errors * error
+
+
+def slow_ones(found, candidates, weights):
+    """
+    Drifts that explain nearly as much as steps of the same channels.
+
+    Of steps whose date is not known to the month: what is told as one of them may have
+    come slowly.
+    """
+    first = found.effects[candidates[0]]
+    if not (first.channel and is_step(first)) or known_within(first, MONTH):
+        return []
+    channels = {found.effects[n].channel for n in candidates}
+    least = found.criteria.rival * weights[first.name].gain ** 2
+    gains = gaining(weights, (n for n, w in weights.items() if w.possible))
+    return [
+        name
+        for name, gain in gains.items()
+        if name not in candidates
+        and found.effects[name].channel in channels
+        and is_drift(found.effects[name])
+        and gain**2 >= least
+    ]
 
 
 def hidden(found, weights, asked):

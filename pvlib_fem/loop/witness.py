@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import COURSES, alike, interval, is_dated, weights_of
+from pvlib_fem.effects.courses import COURSES, alike, is_dated, known_within, weights_of
 from pvlib_fem.effects.instruments import COVERS, OFFSETS
 from pvlib_fem.findings import NIGHT, OUTPUT, Opinion, Witness
 from pvlib_fem.loop.comparisons import (
@@ -156,8 +156,7 @@ def courses(comparisons, agreed, effects):
         followed, steps = followed + lacks, steps + by_two
     left = dict(zip(every, followed))
     best = min((name for name in agreed if name in left), key=left.get)
-    low, high = interval(effects[best]) or (0, 0)
-    known = high - low <= MONTH
+    known = known_within(effects[best], MONTH)
     room = {name: 0.0 if known and name not in agreed else BETTER for name in left}
     near = [n for n in left if n != best and left[n] < left[best] + room[n]]
     if np.min(steps, initial=np.inf) + BETTER < left[best]:
