@@ -193,6 +193,8 @@ class Evidence:
         changes : list of (Effect, str)
             Each with its column.
         """
+        if not changes:
+            return self
         first, ends = starts(self.dates)
         days, rows = self.dates[first], ends - first
         columns, own, partial = {}, {}, {}

@@ -132,13 +132,10 @@ def ready(model, inputs, seen, candidates):
 
 def with_changes(found, changing, failed):
     """The evidence with the channels along those courses whose dates are found."""
-    found = replace(found, changing=changing, failed=failed)
-    if changes := found.shown(changing, found.confounders):
-        found = found.along(changes)
+    found = found.along(found.shown(changing, found.confounders))
     dateless = [e.name for e, _ in changing if e.name not in found.effects]
-    return replace(
-        found, failed=failed | dict.fromkeys(dateless, because(Reason.NO_DATE))
-    )
+    failed |= dict.fromkeys(dateless, because(Reason.NO_DATE))
+    return replace(found, changing=changing, failed=failed)
 
 
 def snowy(record, rows):

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects.courses import (
@@ -73,13 +73,14 @@ class Proposals:
         ]
         changes = found.shown(movable, given)
 
-        def anew(found):
-            found = found.without(e.name for e, _ in movable)
-            return found.along(changes) if changes else found
+        names = [effect.name for effect, _ in movable]
+        return self.both(found, lambda one: one.without(names).along(changes))
 
-        bare, self.found = self.found, anew(self.found)
-        # their columns are as long as the record: once, where none is unknown
-        return self.found if found is bare else anew(found)
+    def both(self, found, change):
+        """What a change makes of the evidence, and of it with what is unknown."""
+        bare, self.found = self.found, change(self.found)
+        # columns are as long as the record: once, where none is unknown
+        return self.found if found is bare else change(found)
 
     def lasting(self):
         """
@@ -95,8 +96,7 @@ class Proposals:
         effects = [self.found.effects[n] for n in self.changing]
         lasting = [e for e in effects if is_drift(e) or is_step(e)]
         lasting = [e.name for e in lasting if not once_more(e, there)]
-        if dated:
-            self.found = self.found.along(dated)
+        self.found = self.found.along(dated)
         return [*lasting, *(effect.name for effect, _ in dated)]
 
     def undated(self, fits):
@@ -141,9 +141,7 @@ class Proposals:
             sure = best is not None and all_pass(asked[best])
             if sure and (others := self.of_its_date(found.effects[best])):
                 # whatever channel shows a date, all are asked what they have of it
-                bare, self.found = self.found, self.found.along(others)
-                # their columns are as long as the record: once, where none is unknown
-                found = self.found if found is bare else found.along(others)
+                found = self.both(found, partial(Evidence.along, changes=others))
                 names += [effect.name for effect, _ in others]
                 continue
             best = best if sure else hidden(found, weights, asked)
