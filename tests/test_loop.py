@@ -375,12 +375,21 @@ def test_a_correction_that_the_choosing_weeks_contradict_is_withdrawn():
     assert clock.checks[0].criterion == "contradiction" and "contradict" in clock.why
 
 
+@pytest.mark.parametrize("snowy", [False, True])
 @pytest.mark.parametrize(
     ("switch", "share"), [("shading", 0.8), ("shading_sensor", -0.8)]
 )
-def test_shade_is_found_in_its_window_and_on_its_side(switch, share):
+def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
     """An obstacle at 108 to 135° of azimuth and below 28° takes 80 % of the beam."""
-    loop = fem.close_loop(hidden(switch, days=365, start="2023-01-01"), **PLACE)
+    days = HALF | {"days": 365, "start": "2023-01-01"}
+    if snowy:
+        site = replace(RHINE, temp_mean=4.0, rain_days=0.35)
+        effects = PHYSICS | {switch: 1.0}
+        data = simulator.record(site, effects, **days)
+        assert 0.2 < (data["snow_depth"] > 0).mean() < 0.5
+    else:
+        data = hidden(switch, **days)
+    loop = fem.close_loop(data, **PLACE)
     first = loop.findings[0]
     assert (first.effect, first.verdict) == ("shading", "named")
     assert first.coefficients["shading.share"] == pytest.approx(share, rel=0.15)

@@ -39,27 +39,27 @@ def rules(found, name, weight, given, spill=0.0):
         share = Check("share kept beside confounders", "tied", share, limits.tied)
         checks.append(share)
     if "windows" in found.effects[name].settings:
-        checks += without_snow(found, name, given)
+        checks += without_snow(found, name, weight, given)
     return tuple(checks)
 
 
-def without_snow(found, name, given):
+def without_snow(found, name, weight, given):
     """
     The check that what a window of the sky takes is there while no snow lies, too.
 
     Where the sun is low a window of the sky may be a winter's, and what is lost in it
     snow. It fails where it is surely less than half without snow of what it is with it.
+    Before the sensor an obstacle's share is negative.
     """
     if found.snowy is None or name in found.partial:
         return []
     parted = found.parted(name, found.snowy, given)
     if parted is None:
         return []
-    (covered, bare), covariance = parted
-    half = found.criteria.structure_keeps
-    ways = np.array([-half, 1.0])
-    error = np.sqrt(ways @ covariance @ ways)
-    distance = float((bare - half * covered) / error)
+    shares, covariance = parted
+    (whole,) = weight.coefficients.values()
+    ways = np.sign(whole) * np.array([-found.criteria.structure_keeps, 1.0])
+    distance = float(ways @ shares / np.sqrt(ways @ covariance @ ways))
     words = "without snow it is more than half of what it is with it"
     least = -found.criteria.bound_errors
     return [Check(words, "bound_errors", distance, least, unit="standard errors")]
