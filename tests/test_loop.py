@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from pvlib_fem.effects import CHANGES, PHYSICS as EFFECTS
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import STAGES
 from pvlib_fem.loop.prepare import prepared
+from pvlib_fem.loop.propose import Proposals
 from pvlib_fem.loop.steps import Fits
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.resampling import coarse
@@ -644,6 +646,15 @@ def test_air_of_another_station_beside_a_pyrgeometer_is_not_the_sky(seed):
     assert "air_elsewhere" in loop.findings[0].candidates
     named = [f.effect for f in loop.findings if f.verdict == "named"]
     assert "sky_radiation" not in named
+
+
+def test_what_is_left_along_a_driver_of_the_model_may_be_its_law():
+    """Not so of another driver: rain is itself, sky in the model or not."""
+    found = SimpleNamespace(effects=EFFECTS)
+    proposals = Proposals(None, found, frozenset({"sky_radiation", "snow"}), {})
+    assert list(proposals.kin(found, ["air_elsewhere"])) == ["sky_radiation"]
+    assert list(proposals.kin(found, ["rain"])) == []
+    assert list(proposals.kin(found, ["season"])) == []
 
 
 def test_a_holdout_of_everything_is_named(two):

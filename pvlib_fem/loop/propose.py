@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
-from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects import EFFECTS, PHYSICS
 from pvlib_fem.effects.courses import (
     alike,
     is_drift,
@@ -237,13 +237,18 @@ class Proposals:
 
     def kin(self, found, candidates):
         """
-        Changes that no record by itself tells from those of a class.
+        What no record by itself tells from those of a class.
 
-        Channels that a better model would tell apart, along the same course, and
-        effects that could not be tried for want of a column.
+        Of changes the channels that a better model would tell apart, along the same
+        course, and effects that could not be tried for want of a column. Of others what
+        is in the model along the same driver, whose law may be another.
         """
-        changes = (found.effects[name] for name in candidates)
-        for effect in (effect for effect in changes if effect.channel):
+        effects = [found.effects[name] for name in candidates]
+        there = [n for n in PHYSICS if n in self.done or n in self.names]
+        for effect in (e for e in effects if e.name in PHYSICS and not e.confounder):
+            drivers = PHYSICS[effect.name].drivers
+            yield from (n for n in there if PHYSICS[n].drivers == drivers)
+        for effect in (effect for effect in effects if effect.channel):
             course, again = effect.name.removeprefix(effect.channel), self.again(effect)
             names = (f"{channel}{course}" for channel in effect.kin)
             yield from (name for name in names if again or name not in self.done)
