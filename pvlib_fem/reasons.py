@@ -68,6 +68,10 @@ class Reason(Enum):
         "part from the sensor along the same course"
     )
     WOULD_DECIDE = "{measurements:; or } would decide"
+    WITHIN_UNKNOWN = (
+        "what is left follows {drivers: and }, and where these are alike nothing of it "
+        "is there; {measurements:; or } would decide"
+    )
     TOO_SHORT = "{days} days are too few for a name, of {least}"
     NO_TEMPERATURE = (
         "fitted with all others it leaves {rows:,} rows without a temperature"

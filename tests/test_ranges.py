@@ -268,3 +268,22 @@ def test_no_other_effect_makes_a_name_nothing(under_a_sky):
     value, half = (why.values[name] for name in ("value", "half"))
     rounding = 1e-12  # it may be the model that sets the range
     assert low - rounding <= value - half and value + half <= high + rounding
+
+
+@pytest.mark.parametrize("seed", [1815012, 1915002])
+def test_water_at_set_hours_is_no_obstacle(seed):
+    """
+    Both are cool in the hours of some months.
+
+    Of the first nothing is left in hours and months that are alike; the second loses
+    more than half to the timetable of the pump, and is no name by what is left of it.
+    """
+    site = study_worlds.site(seed)
+    effects = simulator.PHYSICS | {"irrigation": 1.5}
+    data = simulator.record(site, effects=effects, days=365, step=300, seed=seed)
+    loop = fem.close_loop(data, **study_worlds.World(site, seed).place)
+    (shade,) = (f for f in loop.findings if f.effect == "shading")
+    assert shade.verdict != "named"
+    if shade.added:
+        assert "nothing of it is there; a look at the horizon" in shade.why
+    assert any("timetable" in f.effect for f in loop.unexplained)

@@ -172,6 +172,10 @@ class Proposals:
                 continue
             if unknowns == limits.most_structures:
                 break
+            if not all_pass(checks):
+                # most of what it explained is the unknown's, and what is left of it no
+                # cause of its own in this round
+                names = [n for n in names if n != best]
             unknowns += 1
             self.aside[best] = (*asked[best], *checks)
             spill = max(spill, limits.structure_spill * explained)

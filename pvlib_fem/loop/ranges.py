@@ -22,10 +22,11 @@ from scipy.stats import t as student
 
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects.instruments import LIT
-from pvlib_fem.findings import OUTPUT, Check, Opinion
+from pvlib_fem.findings import OUTPUT, Check, Opinion, Verdict
 from pvlib_fem.loop.evidence import UNSEEN
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
+from pvlib_fem.statistics.tables import Structure
 
 LEVEL = 0.95  # of the interval by each of the models
 
@@ -37,7 +38,8 @@ def with_ranges(findings, found, step, tables):
     A range reaches as far to either side as the most distant end of the intervals of
     all models lies to one: what is not known may pull either way, and as hard as what
     is known. It ends where a coefficient cannot be, and of a change that witnesses
-    agree with at the last of their own intervals.
+    agree with at the last of their own intervals. A name of which nothing is there in
+    the cells of a table is a class.
 
     Parameters
     ----------
@@ -55,11 +57,31 @@ def with_ranges(findings, found, step, tables):
     added = [finding for finding in findings if finding.added]
     if not added:
         return findings
-    reach = dict.fromkeys(found.base, 0.0)
-    for _, mine, moves, half in moved(found, models(added, found, step, tables)):
+    reach, unknown = dict.fromkeys(found.base, 0.0), {}
+    fitted = np.array([step.coefficients[name] for name in found.base])
+    for model, mine, moves, half in moved(found, models(added, found, step, tables)):
         for i, ends in zip(mine, np.abs(moves) + half):
             reach[found.base[i]] = max(reach[found.base[i]], float(ends))
-    return [ranged(f, step, reach) if f.added else f for f in findings]
+        if model.table:
+            signs = np.sign(fitted[mine])
+            nothing = signs * (fitted[mine] + moves) <= half
+            lost = {i for i, none in zip(mine, nothing) if none}
+            names = (f.effect for f in added if lost >= {*own_of(found, f)})
+            unknown |= dict.fromkeys(names, model.table)
+    findings = [ranged(f, step, reach) if f.added else f for f in findings]
+    return [of_the_unknown(f, step, unknown.get(f.effect)) for f in findings]
+
+
+def of_the_unknown(finding, step, table):
+    """A name as a class where nothing of it is there in the cells of the unknown."""
+    if finding.verdict is not Verdict.NAMED or table is None:
+        return finding
+    (effect,) = (e for e in step.model.effects if e.name == finding.effect)
+    words = [effect.decided_by or "a driver of its own"]
+    why = because(
+        Reason.WITHIN_UNKNOWN, drivers=list(table.drivers), measurements=words
+    )
+    return replace(finding, verdict=Verdict.CLASS, because=why)
 
 
 def everywhere(added, found, step):
@@ -109,6 +131,7 @@ class Model:
     kept: list  # columns that it has
     more: str = ""  # the effect or misfit that it has beside
     silent: tuple = ()  # columns of which it says nothing
+    table: Structure | None = None  # of what is unknown, within whose cells it looks
 
 
 def moved(found, others):
@@ -155,7 +178,7 @@ def models(added, found, step, tables):
         # in cells of a column, what does no more than follow it is hardly to be seen
         silent = [f for f in added if columns[f.effect] in table.drivers]
         own = own_of(found, *silent)
-        yield Model(within(found, table.bins), base, silent=own)
+        yield Model(within(found, table.bins), base, silent=own, table=table)
 
 
 def larger(added, found, step, names):
