@@ -125,7 +125,7 @@ class Proposals:
     def select(self, names, given, alike=()):
         """Add findings of some names, one after the other; others may look alike."""
         limits, found = self.case.criteria, self.found
-        given, unknowns, spill = list(given), 0, 0.0
+        given, unknowns, spill, lost = list(given), 0, 0.0, set()
         # what cannot be told from a finding is no finding of its own
         gone = {*self.done, *(n for f in self.new for n in f.candidates)}
         gone -= {e.name for e, _ in found.changing if self.again(e)}
@@ -136,7 +136,8 @@ class Proposals:
             names = [n for n in names if not once_more(found.effects[n], self.known)]
             weights = weighed(found, names, given)
             asked = {n: rules(found, n, w, given, spill) for n, w in weights.items()}
-            good = gaining(weights, (n for n in weights if all_pass(asked[n][1:])))
+            standing = {n: w for n, w in weights.items() if n not in lost}
+            good = gaining(standing, (n for n in standing if all_pass(asked[n][1:])))
             best = max(good, key=good.get, default=None)
             sure = best is not None and all_pass(asked[best])
             if sure and (others := self.of_its_date(found.effects[best])):
@@ -144,7 +145,7 @@ class Proposals:
                 found = self.both(found, partial(Evidence.along, changes=others))
                 names += [effect.name for effect, _ in others]
                 continue
-            best = best if sure else hidden(found, weights, asked)
+            best = best if sure else hidden(found, standing, asked)
             if best is None:
                 break
             without = without_of(found, best)
@@ -174,8 +175,8 @@ class Proposals:
                 break
             if not all_pass(checks):
                 # most of what it explained is the unknown's, and what is left of it no
-                # cause of its own in this round
-                names = [n for n in names if n != best]
+                # cause of its own in this round, but in a class
+                lost.add(best)
             unknowns += 1
             self.aside[best] = (*asked[best], *checks)
             spill = max(spill, limits.structure_spill * explained)
