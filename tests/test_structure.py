@@ -6,8 +6,8 @@ import pytest
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
-from pvlib_fem.loop import propose
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.rules import Weighing
 from pvlib_fem.statistics.axes import axes, sorted_by
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.tables import find_structure
@@ -146,6 +146,6 @@ def test_what_a_larger_unknown_heat_makes_uncertain_is_found_beside_it(monkeypat
     assert wind.verdict == "named"
     assert any({*f.candidates} == {"hour", "weekend"} for f in found.unexplained)
     # its chance alone is large, and nothing that is certain comes before it
-    monkeypatch.setattr(propose, "hidden", lambda *_: None)
+    monkeypatch.setattr(Weighing, "hidden", None)
     alone = fem.close_loop(data)
     assert not any(f.effect == "wind_direction" and f.added for f in alone.findings)

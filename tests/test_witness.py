@@ -368,7 +368,8 @@ def test_a_class_led_by_a_season_holds_the_kin_of_its_changes():
     names = ("season", "contact_drift")
     found = SimpleNamespace(effects={name: EFFECTS[name] for name in names})
     ours = Proposals(SimpleNamespace(untestable={}), found, frozenset(), {})
-    heard = ours.heard(found, "season", ("contact_drift",), {}, {})
+    weighing = SimpleNamespace(found=found, best="season", weights={}, good={})
+    heard = ours.heard(weighing, ("contact_drift",))
     drifts = {f"{channel}_drift" for channel in ("contact", "sensitivity", "mounting")}
     assert {*heard.candidates} == {"season", *drifts}
 

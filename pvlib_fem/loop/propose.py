@@ -17,7 +17,7 @@ from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import MONTH, apart
 from pvlib_fem.loop.evidence import Evidence, Weight
-from pvlib_fem.loop.rules import all_pass, gaining, rules, weighed
+from pvlib_fem.loop.rules import Weighing, all_pass, gaining, weighed
 from pvlib_fem.loop.structure import against, sorting, structure, without_of
 from pvlib_fem.loop.witness import Hearing, hearing, nights, outages
 from pvlib_fem.reasons import Reason, because
@@ -134,38 +134,25 @@ class Proposals:
             # what is left of a change on its own date is no change of its own: that
             # says which member of its class is nearer, which no residual decides
             names = [n for n in names if not once_more(found.effects[n], self.known)]
-            weights = weighed(found, names, given)
-            asked = {n: rules(found, n, w, given, spill) for n, w in weights.items()}
-            standing = {n: w for n, w in weights.items() if n not in lost}
-            good = gaining(standing, (n for n in standing if all_pass(asked[n][1:])))
-            best = max(good, key=good.get, default=None)
-            sure = best is not None and all_pass(asked[best])
+            weighing = Weighing.of(found, names, given, spill, lost)
+            best, sure = weighing.best, weighing.sure
             if sure and (others := self.of_its_date(found.effects[best])):
                 # whatever channel shows a date, all are asked what they have of it
                 found = self.both(found, partial(Evidence.along, changes=others))
                 names += [effect.name for effect, _ in others]
                 continue
-            best = best if sure else hidden(found, standing, asked)
+            best = best if sure else weighing.hidden
             if best is None:
                 break
             without = without_of(found, best)
             table = structure(self.case, found, given, self.sorting, without)
-            if not sure and (table is None or table.gain < weights[best].gain):
+            if not sure and (table is None or table.gain < weighing.weights[best].gain):
                 break  # nothing unknown hides it
             checks, explained = against(found, best, given, table, spill)
             if sure and all_pass(checks):
-                ties = self.tied(found, best, weights, alike, given)
-                checks = (*asked[best], *checks)
-                heard = self.heard(found, best, ties, weights, good)
-                name, *others = heard.candidates
-                gain = asked[name][0].statistic
-                weight = replace(weights[name], gain=gain)
-                self.new.append(proposed(self.case, found, weight, heard, checks))
+                name, told = self.taken(weighing, checks, alike)
                 given.append(name)
-                found = found.on_rows_of(name)
-                # along another course what was alike is another question
-                told = [n for n in (best, *ties) if answers(found, name, n)]
-                gone |= {name, *others, *told}
+                found, gone = found.on_rows_of(name), gone | told
                 if found.effects[name].channel:
                     found = self.dated_beside(found, given, gone)
                     names = self.changing
@@ -178,10 +165,23 @@ class Proposals:
                 # cause of its own in this round, but in a class
                 lost.add(best)
             unknowns += 1
-            self.aside[best] = (*asked[best], *checks)
+            self.aside[best] = (*weighing.asked[best], *checks)
             spill = max(spill, limits.structure_spill * explained)
             found = found.with_column(f"unknown:{unknowns}", table.values)
             given.append(f"unknown:{unknowns}")
+
+    def taken(self, weighing, checks, alike):
+        """The name of the best one, now a finding, and all that is told with it."""
+        found, ties = weighing.found, self.tied(weighing, alike)
+        heard = self.heard(weighing, ties)
+        name, *others = heard.candidates
+        gain = weighing.asked[name][0].statistic
+        weight = replace(weighing.weights[name], gain=gain)
+        checks = (*weighing.asked[weighing.best], *checks)
+        self.new.append(proposed(self.case, found, weight, heard, checks))
+        # along another course what was alike is another question
+        told = [n for n in (weighing.best, *ties) if answers(found, name, n)]
+        return name, {name, *others, *told}
 
     def of_its_date(self, effect):
         """Other channels along the course of a change, whose own date did not show."""
@@ -190,8 +190,10 @@ class Proposals:
         others = self.undated(lambda other: same_course(effect, other))
         return [(one.make(**effect.settings), column) for one, column in others]
 
-    def tied(self, found, best, weights, alike, given):
+    def tied(self, weighing, alike):
         """What cannot be told from the best one."""
+        found, best, weights = weighing.found, weighing.best, weighing.weights
+        given = weighing.given
         # of its rivals no more is asked than of physics
         possible = [n for n, w in weights.items() if w.possible]
         chances = {n: found.chance(weights[n]) for n in possible}
@@ -214,8 +216,10 @@ class Proposals:
         """What other columns have to say of the instruments."""
         return apart(self.case)
 
-    def heard(self, found, best, ties, weights, good):
+    def heard(self, weighing, ties):
         """The class of the best one, when its witnesses have been heard."""
+        found, weights, good = weighing.found, weighing.weights, weighing.good
+        best = weighing.best
         candidates = (best, *ties)
         kin = (n for n in self.kin(found, candidates) if can_be(weights.get(n)))
         candidates = tuple(dict.fromkeys([*candidates, *kin]))
@@ -317,20 +321,6 @@ def slow_ones(found, candidates, weights):
         and is_drift(found.effects[name])
         and gain**2 >= least
     ]
-
-
-def hidden(found, weights, asked):
-    """
-    What has a driver of its own and gains most of what may be chance, or None.
-
-    A larger cause that nobody declared makes a gain uncertain: beside it the chance
-    may be small.
-    """
-    effects = found.effects
-    driven = [n for n in weights if not (effects[n].confounder or effects[n].channel)]
-    others = {n: [c for c in asked[n] if c.criterion != "chance"] for n in driven}
-    gains = gaining(weights, (n for n in driven if all_pass(others[n])))
-    return max(gains, key=gains.get, default=None)
 
 
 def proposed(case, found, weight, heard, checks):

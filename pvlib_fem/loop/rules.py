@@ -1,10 +1,69 @@
 """The rules that an effect passes by itself: its size, its chance, its bounds."""
 
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.findings import Check
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.statistics.clusters import root
+
+
+@dataclass(frozen=True, eq=False)
+class Weighing:
+    """What candidates are worth beside what is given, and which rules they pass."""
+
+    found: Any  # evidence
+    given: tuple  # names beside which they are weighed
+    weights: dict  # by name
+    asked: dict  # checks of each by itself
+    lost: frozenset  # names that can be no more than in a class
+
+    @classmethod
+    def of(cls, found, names, given, spill=0.0, lost=()):
+        """The candidates of some names."""
+        weights = weighed(found, names, given)
+        asked = {n: rules(found, n, w, given, spill) for n, w in weights.items()}
+        return cls(found, tuple(given), weights, asked, frozenset(lost))
+
+    @cached_property
+    def standing(self):
+        """Weights of those that may be told by themselves."""
+        return {n: w for n, w in self.weights.items() if n not in self.lost}
+
+    @cached_property
+    def good(self):
+        """Gains of those that are no accident, possible, and as large as they are."""
+        names = (n for n in self.standing if all_pass(self.asked[n][1:]))
+        return gaining(self.standing, names)
+
+    @cached_property
+    def best(self):
+        """The one that gains most, or None."""
+        return max(self.good, key=self.good.get, default=None)
+
+    @cached_property
+    def sure(self):
+        """Whether the best one is material, too."""
+        return self.best is not None and all_pass(self.asked[self.best])
+
+    @cached_property
+    def hidden(self):
+        """
+        What has a driver of its own and gains most of what may be chance, or None.
+
+        A larger cause that nobody declared makes a gain uncertain: beside it the chance
+        may be small.
+        """
+        effects, others = self.found.effects, {}
+        for name in self.standing:
+            if not (effects[name].confounder or effects[name].channel):
+                checks = self.asked[name]
+                others[name] = [c for c in checks if c.criterion != "chance"]
+        gains = gaining(self.weights, (n for n in others if all_pass(others[n])))
+        return max(gains, key=gains.get, default=None)
 
 
 def weighed(found, names, given):
