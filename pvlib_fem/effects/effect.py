@@ -344,8 +344,13 @@ def tabled(effect, columns):
     """The effect by its slopes on these columns, or as it is where not linear."""
     if isinstance(effect, Tabled):
         return effect
-    rows = effect.rows()
-    known = Tabled(effect, effect.slopes(columns, effect.start))
+    rows, start, units = effect.rows(), effect.start, {}
+    for name, row in rows.items():
+        # where it starts it adds nothing; if not, it is not linear, as is seen below
+        step = 1e-4 * (row.upper - row.lower)
+        there = effect.at(columns, {**start, name: start[name] + step})
+        units[name] = Terms().plus(there, 1.0 / step)
+    known = Tabled(effect, units)
     # somewhere inside the bounds, and nowhere special
     inside = {
         name: row.lower + 0.37 * (row.upper - row.lower) for name, row in rows.items()

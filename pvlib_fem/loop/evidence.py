@@ -300,7 +300,7 @@ class Evidence:
         step = solved[len(nuisance) :]
         covariance = covariance[len(nuisance) :, len(nuisance) :]
         error = np.sqrt(np.diag(covariance))
-        freedom = max(len(sums.by_cluster) - 1, 1)
+        freedom = max(len(sums.clusters) - 1, 1)
         statistic = step @ np.linalg.solve(covariance, step) / len(own)
         chance = float(fisher.sf(statistic, len(own), freedom))
         share = np.sqrt(sums.rows / len(self.rows))

@@ -151,10 +151,11 @@ def moved(found, others):
 
 def solved(sums, kept, wanted):
     """Shift of some of the columns of a model, and half of their interval."""
-    own = [kept.index(place) for place in wanted]
-    shift, scale = sums.solve(kept), sums.scale[kept]
-    error = np.sqrt(np.diag(sums.covariance(kept)))
-    times = student.ppf(0.5 + LEVEL / 2.0, max(len(sums.by_cluster) - 1, 1))
+    own, sums = [kept.index(place) for place in wanted], sums.of(kept)
+    every = [*range(len(kept))]
+    shift, scale = sums.solve(every), sums.scale
+    error = np.sqrt(np.diag(sums.covariance(every)))
+    times = student.ppf(0.5 + LEVEL / 2.0, max(len(sums.clusters) - 1, 1))
     return (shift / scale)[own], (times * error / scale)[own]
 
 

@@ -17,6 +17,7 @@ from pvlib_fem.statistics.clusters import ridge, those
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 LEVEL = 7.35  # of a likelihood ratio, 95 % of dates, Hansen (2000), table I
 MOST_MEMORY = 0.9  # between weeks, beyond which a series is no series of weeks
+AT_ONCE = 16  # first days of stretches that are weighed together
 GRID = 300  # stretches of days between which an episode is first looked for
 
 
@@ -43,7 +44,10 @@ class Daily:
     own: np.ndarray  # days
     rest: np.ndarray  # days
     fitted: np.ndarray  # days, columns
-    sums: np.ndarray  # days, columns + 2 twice: fitted, the column, the residual
+    left: np.ndarray  # days, columns: of what is left and each of the fitted
+    left_own: np.ndarray  # days: of what is left by itself
+    products: np.ndarray  # days, columns + 2 twice: before they were made orthonormal
+    turn: np.ndarray  # which makes them so
     weeks: np.ndarray
     dates: np.ndarray  # of each day, from 1970-01-01
     sloped: float = 0.0  # what a step that fades takes of the squares, of any channel
@@ -54,7 +58,8 @@ class Daily:
         """The same of sums by the day, of which one left by much is not to rule."""
         both = sums.of([*given, column])
         weights = both.day_weights([*range(len(given))])
-        products = both.sums * weights[:, None, None]
+        products = both.sums  # a copy of their own
+        products *= weights[:, None, None]
         return cls.turned(products, sums.weeks, sums.dates)
 
     @classmethod
@@ -66,18 +71,25 @@ class Daily:
         turn = np.eye(size + 2)
         turn[:size, :size] = np.linalg.inv(np.linalg.cholesky(normal))
         turn[-1, :size] = -np.linalg.solve(normal, whole[:size, -1])
-        daily = turn @ products @ turn.T
-        own, rest, fitted = daily[:, -2, -2], daily[:, -2, -1], daily[:, -2, :-2]
-        return cls(own, rest, fitted, daily, weeks, dates)
+        # of what is fitted and itself a few products are asked for, and by all columns
+        mine, left = products[:, -2] @ turn.T, products @ turn[-1] @ turn.T
+        own, rest, fitted = mine[:, -2], mine[:, -1], mine[:, :-2]
+        two = left[:, :-2], left[:, -1]
+        return cls(own, rest, fitted, *two, products, turn, weeks, dates)
+
+    def of_fitted(self, sizes):
+        """Products by the day of each of the fitted with so much of all of them."""
+        turn = self.turn[: len(sizes)]
+        return self.products @ (sizes @ turn) @ turn.T
 
     def beside_drift(self):
         """The same with a drift of the column among all that is fitted."""
-        size = self.sums.shape[1] - 2
+        size = self.fitted.shape[1]
         both = [*range(size), size, size, size + 1]
         times = np.ones((self.days, len(both)))
         times[:, size] = self.dates - self.dates[0]
         times[:, size] /= max(np.ptp(self.dates), 1)
-        products = those(self.sums, both) * times[:, None] * times[:, :, None]
+        products = those(self.products, both) * times[:, None] * times[:, :, None]
         found = self.turned(products, self.weeks, self.dates)
         return replace(found, taken=self.squares - found.squares)
 
@@ -93,7 +105,7 @@ class Daily:
     @property
     def squares(self):
         """Sum of squares of what is left."""
-        return float(self.sums[:, -1, -1].sum())
+        return float(self.left_own.sum())
 
     def before(self):
         """Sums of the days before each, and of all."""
@@ -189,15 +201,14 @@ class Daily:
         before: of the column within the stretch, beside the fitted, and of the column
         on all days, since a short stretch cannot vouch for itself. The larger counts.
         """
-        size = self.sums.shape[1] - 2
         known = self.fitted[start:end].sum(axis=0)
         within = np.zeros(self.days)
         within[start:end] = 1.0
         left = self.own[start:end].sum() - known @ known
         change = self.rest[start:end].sum() / left
         # products of what is left with the fitted, and with the column
-        fitted = self.sums[:, :size, -1] - change * (
-            within[:, None] * self.fitted - self.sums[:, :size, :size] @ known
+        fitted = self.left - change * (
+            within[:, None] * self.fitted - self.of_fitted(known)
         )
         own = self.rest - change * (within * self.own - self.fitted @ known)
         inside = long_run(within * own - fitted @ known, self.weeks)[0] / left
@@ -248,12 +259,15 @@ def gained_by_two(products, squares, both, least):
 def best_pair(total, starts, ends, shortest):
     """Largest gain of all stretches between two sets of days, and its edges."""
     best = (0.0, 0, 0)
-    for start in starts:
-        later = ends[ends >= start + shortest]
-        if len(later):
-            gains = gained(total[later] - total[start])
-            i = int(np.argmax(gains))
-            best = max(best, (float(gains[i]), int(start), int(later[i])))
+    for some in np.array_split(starts, np.ceil(len(starts) / AT_ONCE)):
+        later = ends[ends >= some[0] + shortest]
+        if not len(later):
+            break
+        gains = gained(total[later] - total[some][:, None])
+        gains[later < some[:, None] + shortest] = 0.0
+        row, place = divmod(int(np.argmax(gains)), len(later))
+        gain = float(gains[row, place])
+        best = max(best, (gain, int(some[row]), int(later[place])))
     return best
 
 
