@@ -57,31 +57,35 @@ class Sums:
         size = until[-1] - self.first + 2
         self.there = grown(self.there, size)
         self.there[until - self.first] = True
+        until, around = self.places(until), self.places(around)
         for name, values in columns.items():
-            place = around if name == "temp_module" else until
+            places = around if name == "temp_module" else until
             if name in ANGLES:
                 turned = np.radians(values)
-                self.put((name, "east"), np.sin(turned), place, size)
-                self.put((name, "north"), np.cos(turned), place, size)
+                self.put((name, "east"), np.sin(turned), *places, size)
+                self.put((name, "north"), np.cos(turned), *places, size)
             else:
-                self.put((name, ""), values, place, size)
+                self.put((name, ""), values, *places, size)
 
-    def put(self, key, values, place, size):
+    def places(self, number):
+        """First row of each step, whose rows follow each other, and its place."""
+        first = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
+        at = number[first] - self.first
+        return first, at + (at < 0)
+
+    def put(self, key, values, first, at, size):
         """Add values of one column at the places of their steps."""
         sums, counts = self.sums.get(key, (np.zeros(0), np.zeros(0)))
         sums, counts = grown(sums, size), grown(counts, size)
-        # the rows of a step follow each other
-        first = np.flatnonzero(np.diff(place, prepend=place[0] - 1))
-        at = place[first] - self.first
-        at += at < 0
-        there = np.isnan(values)
-        if there.any():
-            values = np.where(there, 0.0, values)
-            number = np.add.reduceat(~there, first, dtype=float)
+        lacks = np.isnan(values)
+        if lacks.any():
+            values = np.where(lacks, 0.0, values)
+            number = np.add.reduceat(~lacks, first, dtype=float)
         else:
-            number = np.diff(first, append=len(place))
-        np.add.at(counts, at, number)
-        np.add.at(sums, at, np.add.reduceat(values, first))
+            number = np.diff(first, append=len(values))
+        part = slice(at[0], at[-1] + 1)
+        counts[part] += np.bincount(at - at[0], number)
+        sums[part] += np.bincount(at - at[0], np.add.reduceat(values, first))
         self.sums[key] = sums, counts
 
     def means(self, key):
