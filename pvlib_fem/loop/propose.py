@@ -17,7 +17,7 @@ from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import MONTH, apart
 from pvlib_fem.loop.evidence import Evidence, Weight
-from pvlib_fem.loop.rules import Weighing, all_pass, gaining, weighed
+from pvlib_fem.loop.rules import Weighing, all_pass, gaining, has_driver, weighed
 from pvlib_fem.loop.structure import against, sorting, structure, without_of
 from pvlib_fem.loop.witness import Hearing, hearing, nights, outages
 from pvlib_fem.reasons import Reason, because
@@ -43,7 +43,7 @@ class Proposals:
     def run(self):
         """The findings, which the fits have yet to confirm."""
         effects = self.found.effects
-        driven = [n for n, e in effects.items() if not (e.confounder or e.channel)]
+        driven = [n for n, e in effects.items() if has_driver(e)]
         others = [n for n, effect in effects.items() if effect.confounder]
         self.select(driven, self.found.confounders)
         # weather comes in stretches, too: what follows a column comes before a date
@@ -160,7 +160,7 @@ class Proposals:
                 continue
             if unknowns == limits.most_structures:
                 break
-            if not all_pass(checks):
+            if not all_pass(checks) and has_driver(found.effects[best]):
                 # most of what it explained is the unknown's, and what is left of it no
                 # cause of its own in this round, but in a class
                 lost.add(best)

@@ -57,13 +57,18 @@ class Weighing:
         A larger cause that nobody declared makes a gain uncertain: beside it the chance
         may be small.
         """
-        effects, others = self.found.effects, {}
+        others = {}
         for name in self.standing:
-            if not (effects[name].confounder or effects[name].channel):
+            if has_driver(self.found.effects[name]):
                 checks = self.asked[name]
                 others[name] = [c for c in checks if c.criterion != "chance"]
         gains = gaining(self.weights, (n for n in others if all_pass(others[n])))
         return max(gains, key=gains.get, default=None)
+
+
+def has_driver(effect):
+    """Whether an effect follows a column of its own, by which it may be named."""
+    return not (effect.confounder or effect.channel)
 
 
 def weighed(found, names, given):

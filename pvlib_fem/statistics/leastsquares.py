@@ -9,7 +9,7 @@ STEPS = 60  # Gauss-Newton steps before it gives up
 HALVINGS = 12
 BLOCK = 200_000  # multiplications of a product below which BLAS has one thread
 DONE = 1e-9  # relative step that ends it
-FLAT = 1e-13  # relative fall of the cost that ends it: nine digits of x
+FLAT = 1e-13  # relative fall of the cost that ends it: seven digits of x, or more
 NEXT = 1e-1  # of a rougher end: what the step after an unseen one may promise
 
 
