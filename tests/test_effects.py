@@ -9,6 +9,7 @@ import pandas as pd
 import pvlib
 import pytest
 from conftest import COLUMNS, DRIVERS
+from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem.drivers import completed, water
@@ -238,20 +239,41 @@ def test_rain_ends_where_the_film_has_dried():
     np.testing.assert_allclose(wet[20:], np.minimum(1, film[20:]), atol=1e-12)
 
 
+def film(wet, humidity, air, module):
+    """Vapour that a film gives off, of one row."""
+    one = (np.array([float(value)]) for value in (wet, humidity, air, module))
+    (vapour,) = water.film_vapour(*one, None)
+    return vapour
+
+
 def test_a_film_gives_off_what_the_air_does_not_hold():
     """At 20 °C and 50 %: 23.3 hPa at saturation, of which half is there (Magnus)."""
-    times = np.arange(0, 7200.0, 60.0)
-    columns = {"rain": np.ones(len(times)), "dry": np.zeros(len(times))}
-    inputs = read(columns, times=times)
-    dark = np.zeros(len(times))
-    wet = water.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark + 20.0, inputs)
-    np.testing.assert_allclose(wet, 23.3 / 2, atol=0.05)
-    soaked = water.film_vapour(
-        dark + 1.0, dark + 100.0, dark + 20.0, dark + 20.0, inputs
-    )
-    assert (soaked == 0).all()
-    warm = water.film_vapour(dark + 1.0, dark + 50.0, dark + 20.0, dark + 40.0, inputs)
-    np.testing.assert_allclose(warm, 73.6 - 23.3 / 2, atol=0.3)  # 40 °C: 73.8 hPa
+    assert film(0.0, 50, 20, 40) == 0.0
+    assert film(1.0, 100, 20, 20) == 0.0
+    # so little of it that the module is as warm as a dry one
+    assert film(1e-6, 50, 20, 20) == pytest.approx(23.3 / 2 * 1e-6, rel=0.005)
+    assert film(1e-6, 50, 20, 40) == pytest.approx((73.6 - 23.3 / 2) * 1e-6, rel=0.005)
+
+
+def test_a_wet_module_is_as_cold_as_a_wet_bulb(monkeypatch):
+    """Of air of 20 °C and 50 % that is 13.8 °C, by any psychrometric chart."""
+    monkeypatch.setattr(water, "LATENT", 1.0 / 0.662)  # K/hPa, at 1013 hPa
+    vapour = film(1.0, 50, 20, 20)
+    assert vapour == pytest.approx(15.8 - 23.3 / 2, abs=0.1)  # 13.8 °C: 15.8 hPa
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 100.0), st.floats(-5, 40), st.floats(-5, 90))
+def test_what_a_film_takes_makes_it_colder(wet, humidity, air, module):
+    """The balance holds, and no film takes more than what the air brings it."""
+    vapour = film(wet, humidity, air, module)
+    held = humidity / 100.0 * water.saturation(air)
+    dry = wet * max(water.saturation(module) - held, 0.0)
+    assert 0.0 <= vapour <= dry + 1e-9
+    if vapour > 0.0:
+        colder = module - water.LATENT * vapour
+        assert wet * (water.saturation(colder) - held) == pytest.approx(
+            vapour, rel=1e-3, abs=1e-6
+        )
 
 
 def test_rain_is_found_by_its_vapour(plant, noise):

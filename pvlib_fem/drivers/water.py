@@ -4,12 +4,21 @@ import numpy as np
 
 from pvlib_fem.drivers.memory import HOUR, smoothed
 
+#: latent over all other loss, for each hPa: Lewis's 1.5 of one wet face, of two faces
+#: that lose heat to the air, and a fifth of it by radiation [K/hPa]
+LATENT = 0.6
+NEWTON = 4  # steps, to a thousandth of a kelvin: the balance is convex
 SOAKED = 5.0  # times the memory of a film at which a module is all wet
 
 
 def saturation(celsius):
     """Saturation vapour pressure over water, by Magnus. [hPa]"""
     return 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
+
+
+def saturation_slope(celsius):
+    """Its slope by the temperature. [hPa/K]"""
+    return saturation(celsius) * 17.62 * 243.12 / (243.12 + celsius) ** 2
 
 
 def wetness(precipitation, inputs, *, drying=1800.0):
@@ -23,9 +32,19 @@ def wetness(precipitation, inputs, *, drying=1800.0):
 
 
 def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
-    """Vapour pressure of a wet module above that of the air, times wetness. [hPa]"""
+    """
+    Vapour pressure of a wet module above that of the air, times wetness. [hPa]
+
+    The module is colder for its film than a dry one, ``temp_base``: so much that what
+    it gives off by evaporation and to the air is what the dry one gives to the air,
+    as of a wet-bulb thermometer.
+    """
     air = relative_humidity / 100.0 * saturation(temp_air)
-    return wetness * np.maximum(saturation(temp_base) - air, 0.0)
+    wet, latent = temp_base, LATENT * wetness
+    for _ in range(NEWTON):
+        over = wet - temp_base + latent * (saturation(wet) - air)
+        wet = wet - over / (1.0 + latent * saturation_slope(wet))
+    return wetness * np.maximum(saturation(wet) - air, 0.0)
 
 
 def days_since_rain(precipitation, inputs, *, cleaning=1.0, within=3.0, dirtiest=60.0):
