@@ -29,8 +29,9 @@ def evaporation(film_vapour, *, film):
 
     .. math:: \mathrm{heat} = -\mathrm{film} \cdot \mathrm{film\_vapour}
 
-    ``film`` is Lewis's 0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one
-    face, over the absorbed share of irradiance: 10 to 60 W/(m² hPa).
+    The vapour is that of the module as cold as the film makes it. ``film`` is Lewis's
+    0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one face, over the absorbed
+    share of irradiance: 10 to 60 W/(m² hPa).
     """
     return Terms(heat=-film * film_vapour)
 
