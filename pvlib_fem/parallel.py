@@ -4,7 +4,8 @@ import os
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 
 #: one thread each, since processes share the cores
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -78,6 +79,13 @@ def one_thread_each():
 
 def begin(function, shared):
     WORK[:] = [function, shared]
+    Thread(target=end_with_parent, daemon=True).start()
+
+
+def end_with_parent():
+    """Else a process whose parent is killed would wait for work for ever."""
+    parent_process().join()
+    os._exit(1)
 
 
 def work(task):
