@@ -272,7 +272,7 @@ def test_what_a_film_takes_makes_it_colder(wet, humidity, air, module):
     if vapour > 0.0:
         colder = module - water.LATENT * vapour
         assert wet * (water.saturation(colder) - held) == pytest.approx(
-            vapour, rel=1e-3, abs=1e-6
+            vapour, rel=1e-6, abs=1e-6
         )
 
 

@@ -7,18 +7,13 @@ from pvlib_fem.drivers.memory import HOUR, smoothed
 #: latent over all other loss, for each hPa: Lewis's 1.5 of one wet face, of two faces
 #: that lose heat to the air, and a fifth of it by radiation [K/hPa]
 LATENT = 0.6
-NEWTON = 4  # steps, to a thousandth of a kelvin: the balance is convex
+NEWTON = 6  # steps, to far below a thousandth: the balance is convex
 SOAKED = 5.0  # times the memory of a film at which a module is all wet
 
 
 def saturation(celsius):
     """Saturation vapour pressure over water, by Magnus. [hPa]"""
     return 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
-
-
-def saturation_slope(celsius):
-    """Its slope by the temperature. [hPa/K]"""
-    return saturation(celsius) * 17.62 * 243.12 / (243.12 + celsius) ** 2
 
 
 def wetness(precipitation, inputs, *, drying=1800.0):
@@ -42,8 +37,10 @@ def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
     air = relative_humidity / 100.0 * saturation(temp_air)
     wet, latent = temp_base, LATENT * wetness
     for _ in range(NEWTON):
-        over = wet - temp_base + latent * (saturation(wet) - air)
-        wet = wet - over / (1.0 + latent * saturation_slope(wet))
+        full = saturation(wet)
+        slope = full * 17.62 * 243.12 / (243.12 + wet) ** 2
+        over = wet - temp_base + latent * (full - air)
+        wet = wet - over / (1.0 + latent * slope)
     return wetness * np.maximum(saturation(wet) - air, 0.0)
 
 
