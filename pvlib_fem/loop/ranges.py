@@ -66,7 +66,9 @@ def with_ranges(findings, found, step, tables):
             signs = np.sign(fitted[mine])
             nothing = signs * (fitted[mine] + moves) <= half
             lost = {i for i, none in zip(mine, nothing) if none}
-            names = (f.effect for f in added if lost >= {*own_of(found, f)})
+            places = {f.effect: {*own_of(found, f)} for f in added}
+            # what is held, or at a bound, has none
+            names = [name for name, own in places.items() if own and own <= lost]
             unknown |= dict.fromkeys(names, model.table)
     findings = [ranged(f, step, reach) if f.added else f for f in findings]
     return [of_the_unknown(f, step, unknown.get(f.effect)) for f in findings]
