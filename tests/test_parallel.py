@@ -12,7 +12,7 @@ import pytest
 from pvlib_fem.parallel import spread
 
 SCRIPT = """
-import os, sys, time
+import sys
 sys.path.insert(0, {here!r})
 from test_parallel import told_and_slow
 from pvlib_fem.parallel import spread

@@ -4,6 +4,7 @@ import numpy as np
 
 from pvlib_fem.drivers.memory import HOUR, smoothed
 
+MAGNUS = 17.62, 243.12  # of vapour over water: -, °C
 #: latent over all other loss, for each hPa: Lewis's 1.5 of one wet face, of two faces
 #: that lose heat to the air, and a fifth of it by radiation [K/hPa]
 LATENT = 0.6
@@ -13,7 +14,7 @@ SOAKED = 5.0  # times the memory of a film at which a module is all wet
 
 def saturation(celsius):
     """Saturation vapour pressure over water, by Magnus. [hPa]"""
-    return 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
+    return 6.112 * np.exp(MAGNUS[0] * celsius / (MAGNUS[1] + celsius))
 
 
 def wetness(precipitation, inputs, *, drying=1800.0):
@@ -38,7 +39,7 @@ def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
     wet, latent = temp_base, LATENT * wetness
     for _ in range(NEWTON):
         full = saturation(wet)
-        slope = full * 17.62 * 243.12 / (243.12 + wet) ** 2
+        slope = full * MAGNUS[0] * MAGNUS[1] / (MAGNUS[1] + wet) ** 2
         over = wet - temp_base + latent * (full - air)
         wet = wet - over / (1.0 + latent * slope)
     return wetness * np.maximum(saturation(wet) - air, 0.0)

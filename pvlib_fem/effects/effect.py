@@ -28,6 +28,11 @@ class Parameter:
     unit: str
     share_of: str | None = None
 
+    @property
+    def little(self) -> float:
+        """A small part of its room, over which a difference is taken."""
+        return 1e-4 * (self.upper - self.lower)
+
 
 @dataclass(frozen=True, eq=False)
 class Terms:
@@ -272,13 +277,12 @@ class Effect:
         """
         slopes = {}
         for name, row in self.rows().items():
-            step = 1e-4 * (row.upper - row.lower)
             up, down = (
                 self.at(columns, {**coefficients, name: coefficients[name] + change})
-                for change in (step, -step)
+                for change in (row.little, -row.little)
             )
             difference = up.plus(down, -1.0)
-            slopes[name] = Terms().plus(difference, 0.5 / step)
+            slopes[name] = Terms().plus(difference, 0.5 / row.little)
         return slopes
 
 
@@ -347,9 +351,8 @@ def tabled(effect, columns):
     rows, start, units = effect.rows(), effect.start, {}
     for name, row in rows.items():
         # where it starts it adds nothing; if not, it is not linear, as is seen below
-        step = 1e-4 * (row.upper - row.lower)
-        there = effect.at(columns, {**start, name: start[name] + step})
-        units[name] = Terms().plus(there, 1.0 / step)
+        there = effect.at(columns, {**start, name: start[name] + row.little})
+        units[name] = Terms().plus(there, 1.0 / row.little)
     known = Tabled(effect, units)
     # somewhere inside the bounds, and nowhere special
     inside = {
@@ -361,3 +364,9 @@ def tabled(effect, columns):
         if not np.allclose(a, b, rtol=1e-6, atol=1e-9, equal_nan=True):
             return effect
     return known
+
+
+def deciding(effects):
+    """Measurements that would tell some effects from what looks like them."""
+    words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
+    return list(words) or ["a driver of its own"]

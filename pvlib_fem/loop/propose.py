@@ -13,6 +13,7 @@ from pvlib_fem.effects.courses import (
     same_course,
     same_date,
 )
+from pvlib_fem.effects.effect import deciding
 from pvlib_fem.findings import Check, Finding, Kind, Opinion, Verdict
 from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.comparisons import MONTH, apart
@@ -253,10 +254,10 @@ class Proposals:
         is in the model along the same driver, whose law may be another.
         """
         effects = [found.effects[name] for name in candidates]
-        there = [n for n in PHYSICS if n in self.done or n in self.names]
+        fitted = [n for n in PHYSICS if n in self.done or n in self.names]
         for effect in (e for e in effects if e.name in PHYSICS and not e.confounder):
             drivers = PHYSICS[effect.name].drivers
-            yield from (n for n in there if PHYSICS[n].drivers == drivers)
+            yield from (n for n in fitted if PHYSICS[n].drivers == drivers)
         for effect in (effect for effect in effects if effect.channel):
             course, again = effect.name.removeprefix(effect.channel), self.again(effect)
             names = (f"{channel}{course}" for channel in effect.kin)
@@ -335,9 +336,8 @@ def proposed(case, found, weight, heard, checks):
     elif effects[0].confounder or ties or (effects[0].channel and not heard.agreed):
         # what witnesses agree with is told from the others by what tells of those
         asked = [EFFECTS[n] for n in ties if n in EFFECTS] if heard.agreed else []
-        words = dict.fromkeys(e.decided_by for e in asked or effects if e.decided_by)
         verdict = Verdict.CLASS
-        measurements = list(words) or ["a driver of its own"]
+        measurements = deciding(asked or effects)
         why = because(Reason.WOULD_DECIDE, measurements=measurements)
     else:
         verdict = Verdict.NAMED

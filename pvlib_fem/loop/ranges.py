@@ -21,6 +21,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from pvlib_fem.effects import CHANGES
+from pvlib_fem.effects.effect import deciding
 from pvlib_fem.effects.instruments import LIT
 from pvlib_fem.findings import OUTPUT, Check, Opinion, Verdict
 from pvlib_fem.loop.evidence import UNSEEN
@@ -58,17 +59,16 @@ def with_ranges(findings, found, step, tables):
     if not added:
         return findings
     reach, unknown = dict.fromkeys(found.base, 0.0), {}
+    own = {f.effect: {*own_of(found, f)} for f in added}
     fitted = np.array([step.coefficients[name] for name in found.base])
     for model, mine, moves, half in moved(found, models(added, found, step, tables)):
         for i, ends in zip(mine, np.abs(moves) + half):
             reach[found.base[i]] = max(reach[found.base[i]], float(ends))
         if model.table:
-            signs = np.sign(fitted[mine])
-            nothing = signs * (fitted[mine] + moves) <= half
+            nothing = np.sign(fitted[mine]) * (fitted[mine] + moves) <= half
             lost = {i for i, none in zip(mine, nothing) if none}
-            places = {f.effect: {*own_of(found, f)} for f in added}
-            # what is held, or at a bound, has none
-            names = [name for name, own in places.items() if own and own <= lost]
+            # what is held, or at a bound, has no place
+            names = [name for name, places in own.items() if places and places <= lost]
             unknown |= dict.fromkeys(names, model.table)
     findings = [ranged(f, step, reach) if f.added else f for f in findings]
     return [of_the_unknown(f, step, unknown.get(f.effect)) for f in findings]
@@ -79,10 +79,8 @@ def of_the_unknown(finding, step, table):
     if finding.verdict is not Verdict.NAMED or table is None:
         return finding
     (effect,) = (e for e in step.model.effects if e.name == finding.effect)
-    words = [effect.decided_by or "a driver of its own"]
-    why = because(
-        Reason.WITHIN_UNKNOWN, drivers=list(table.drivers), measurements=words
-    )
+    columns, words = list(table.drivers), deciding([effect])
+    why = because(Reason.WITHIN_UNKNOWN, drivers=columns, measurements=words)
     return replace(finding, verdict=Verdict.CLASS, because=why)
 
 
