@@ -70,9 +70,12 @@ def part(name, made):
         yield world, cases[2:3] if name == "one effect" else cases[:2]
 
 
-def run(families=None, quick=False, processes=2):
-    """A row for each record."""
-    tasks = list(worlds(families, quick))
+def run(families=None, quick=False, processes=2, shifts=(0,)):
+    """A row for each record of as many draws as there are shifts of their seeds."""
+    tasks = []
+    for shift in shifts:
+        study_worlds.SHIFT = shift
+        tasks += worlds(families, quick)
     rows, begin, done = [], time.perf_counter(), None
     for (_, cases), some in zip(tasks, spread(judged, tasks, processes)):
         rows += some
@@ -460,11 +463,12 @@ def main():
     parser.add_argument("--table", type=Path, help="all rows, pickled")
     parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--shift", type=int, default=0, help="added to all seeds")
+    shift = "added to all seeds; several make as many draws"
+    parser.add_argument("--shift", type=int, nargs="+", default=[0], help=shift)
     options = parser.parse_args()
-    study_worlds.SHIFT = options.shift
     begin = time.perf_counter()
-    table = run(options.family, options.quick, options.processes)
+    how = options.family, options.quick, options.processes, options.shift
+    table = run(*how)
     seconds = time.perf_counter() - begin
     if options.table:
         table.to_pickle(options.table)

@@ -269,9 +269,11 @@ class Part:
 
 def temperature_of(model, given, quick):
     """Temperature of a part, carried on from those before it. [°C]"""
-    return (
-        answered(model, *given)[0] if quick else model.answer(*given, wanted=False)[0]
-    )
+    if not quick:
+        return model.answer(*given, wanted=False)[0]
+    found = np.empty(len(given[0].index))
+    answered(model, *given, into=found)
+    return found
 
 
 class FileSummary(Summary):

@@ -62,17 +62,17 @@ class Compiled:
     measured: np.ndarray  # of all rows of the block
     dates: np.ndarray  # of the rows that count
 
-    def summed(self, names, firsts=()):
-        """Temperature of all rows, and products over parts that begin at some rows."""
+    def summed(self, names, firsts=(), into=None):
+        """Products over parts that begin at some rows; where it goes, temperature."""
         edges = np.array([0, *firsts, len(self.counts)], dtype=np.int64)
         seen = self.counts, self.measured
-        found, total = answered(self.model, *self.given, seen, edges)
+        total = answered(self.model, *self.given, seen, edges, into)
         parameters = list(self.model.parameters)
         kept = [*(parameters.index(name) for name in names), -1]
-        return found, total[:, kept][:, :, kept]
+        return total[:, kept][:, :, kept]
 
     def products(self, names):
-        return self.summed(names)[1].sum(axis=0)
+        return self.summed(names).sum(axis=0)
 
     def by_day(self, names):
         return self.with_temperature(names)[1:]
@@ -81,7 +81,8 @@ class Compiled:
         """Temperature of all rows, and dates and products by the day."""
         first, _ = starts(self.dates)
         rows = np.flatnonzero(self.counts)[first]
-        found, total = self.summed(names, rows[1:])
+        found = np.empty(len(self.counts))
+        total = self.summed(names, rows[1:], found)
         return found, self.dates[first], total[: len(first)]
 
 

@@ -75,7 +75,7 @@ def constant(value):
     return np.full(loops().TILE, value)
 
 
-def answered(model, inputs, coefficients, past, seen=None, edges=None):
+def answered(model, inputs, coefficients, past, seen=None, edges=None, into=None):
     """
     Temperature of a block, and products of its slopes and of what is left.
 
@@ -88,12 +88,13 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None):
     edges : array of int, optional
         The first row of each part, from 0 on, and the end of the last; without it no
         products are asked for.
+    into : array, optional
+        Where the temperature goes; without it none is asked for.
 
     Returns
     -------
-    temperature : array
-    products : array
-        Of each part, by the model's parameters in order, and what is left.
+    array or None
+        Products over each part, by the model's parameters in order, and what is left.
     """
     wanted, law = edges is not None, model.steady_model
     added, slopes = model.terms(inputs, coefficients, wanted)
@@ -104,15 +105,16 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None):
         past.state = np.zeros((3, size))
     air, wind = inputs["temp_air"], inputs["wind_speed"]
     columns = inputs.steps, air, added.heat, wind, added.loss, added.offset
-    temperature = np.empty(rows)
+    kernels = loops()
+    if into is None:
+        into = np.empty(kernels.TILE)
     total = np.zeros((len(edges) - 1 if wanted else 0, size, size))
     memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
-    kernels = loops()
     kernels.answer(
         getattr(kernels, model.dynamics.upper()),
         (law.scale, float(line[0]), float(line[1]), clip),
         (float(memory), float(inputs.unit), float(past.usual), is_there(added.loss)),
-        (*map(whole, columns), temperature),
+        (*map(whole, columns), into),
         of_terms(slopes, names, rows),
         seen or (np.zeros(rows, bool), constant(np.nan)),
         edges if wanted else np.array([0, rows]),
@@ -120,9 +122,9 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None):
         total,
     )
     if not wanted:
-        return temperature, None
+        return None
     chain = chained(model, by, names)
-    return temperature, chain.T @ total @ chain
+    return chain.T @ total @ chain
 
 
 def chained(model, by, names):

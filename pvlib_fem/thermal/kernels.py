@@ -5,7 +5,8 @@ The same equations as in :mod:`pvlib_fem.thermal.dynamics`, which is their refer
 Here a steady model is a straight line in wind on a scale of its own. Only what carries
 on from row to row goes row by row; all else is loops without branches over the rows of
 a tile, which the compiler does several rows at a time. So rows that do not count have
-slopes of nothing, in the place of being left out.
+slopes of nothing, in the place of being left out, but for those before the first and
+after the last of a tile.
 """
 
 import numpy as np
@@ -19,26 +20,28 @@ APART = 8  # numbers between columns side by side, else all are of one set of th
 WORK = 10  # columns of a tile that are held beside its slopes
 STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals
 
+unsigned = np.uint64  # of a row, or each index is asked whether it counts from the end
+
 inlined = njit(inline="always", error_model="numpy")
 compiled = njit(cache=True, error_model="numpy")
 
 
 @inlined
-def resistances(law, leaky, winds, losses, r_eq, by_line):
+def resistances(law, leaky, winds, losses, r_eq, by_line, shown):
     """Resistances of some rows with further losses, and their slopes by the line."""
     scale, value, slope, clip = law
-    rows = len(r_eq)
-    for i in range(rows):
+    first, last = shown
+    for i in range(first, last):
         r_eq[i], by_line[i] = value + slope * min(winds[i], clip), 1.0
     if scale == LOGARITHM:
-        for i in range(rows):
+        for i in range(first, last):
             r_eq[i] = by_line[i] = np.exp(r_eq[i])
     elif scale == LOSS:
-        for i in range(rows):
+        for i in range(first, last):
             r_eq[i] = 1.0 / r_eq[i]
             by_line[i] = -r_eq[i] * r_eq[i]
     if leaky:
-        for i in range(rows):
+        for i in range(first, last):
             share = 1.0 / (1.0 + losses[i] * r_eq[i])
             share = share if share > 0.0 else np.nan
             r_eq[i], by_line[i] = r_eq[i] * share, by_line[i] * share * share
@@ -59,17 +62,52 @@ def faded(step, tau, usual):
 
 
 @inlined
-def smooth(value, step, fading, tau, usual, since, begun, state, by_tau):
-    """One row of a smoothed column: what is left of the past, and its next state."""
-    if np.isnan(value):
-        return np.nan, since + step, begun, state, by_tau
-    decay, growth = fading
-    if since > 0.0:
-        decay, growth = faded(step + since, tau, usual)
-    if not begun:
-        decay = growth = 0.0
-    by_tau = decay * by_tau + growth * (state - value)
-    return decay, 0.0, 1.0, decay * state + (1.0 - decay) * value, by_tau
+def carried(values, steps, state):
+    """Whether all of a column follows what was before, by even steps."""
+    whole = state[0] == 0.0 and state[1] == 1.0
+    for i in range(len(values)):
+        whole &= (steps[i] == steps[0]) & (values[i] == values[i])
+    return whole
+
+
+@compiled
+def smooth(values, steps, tau, usual, state, means, by_tau, lefts):
+    """Rows of a smoothed column, its slopes, and what is left of the past in each."""
+    since, begun, mean, slope = state[:4]
+    last, fading = np.nan, (0.0, 0.0)
+    for i in range(len(values)):
+        step = steps[i]
+        if step != last:
+            last, fading = step, faded(step, tau, usual)
+        means[i], by_tau[i], lefts[i] = mean, slope, np.nan
+        if np.isnan(values[i]):
+            since += step
+            continue
+        decay, growth = fading if since == 0.0 else faded(step + since, tau, usual)
+        if not begun:
+            decay = growth = 0.0
+        slope = decay * slope + growth * (mean - values[i])
+        mean = decay * mean + (1.0 - decay) * values[i]
+        means[i], by_tau[i], lefts[i] = mean, slope, decay
+        since, begun = 0.0, 1.0
+    state[0], state[1], state[2], state[3] = since, begun, mean, slope
+
+
+@compiled
+def smooth_both(one, two, step, tau, usual, state, into, into_two):
+    """Two columns that are carried on: as each waits for itself, both in one's time."""
+    decay, growth = faded(step, tau, usual)
+    (mean, slope), (mean_two, slope_two) = state[0, 2:4], state[1, 2:4]
+    (means, slopes), (means_two, slopes_two) = into, into_two
+    for i in range(len(one)):
+        slope = decay * slope + growth * (mean - one[i])
+        mean = decay * mean + (1.0 - decay) * one[i]
+        slope_two = decay * slope_two + growth * (mean_two - two[i])
+        mean_two = decay * mean_two + (1.0 - decay) * two[i]
+        means[i], slopes[i] = mean, slope
+        means_two[i], slopes_two[i] = mean_two, slope_two
+    state[0, 2:4], state[1, 2:4] = (mean, slope), (mean_two, slope_two)
+    return decay
 
 
 @inlined
@@ -78,19 +116,21 @@ def keep(state, since, begun, value, by_memory):
 
 
 @inlined
-def leaves(counts, measured, temperature, slopes):
+def leaves(kept, measured, temperature, slopes):
     """What is left of the rows that count, the slope by a bias, and no others yet."""
-    slopes[4:-1, : len(counts)] = 0.0
-    for i in range(len(counts)):
+    counts, first, last = kept
+    slopes[4:-1, first:last] = 0.0
+    for i in range(first, last):
         slopes[3, i] = 1.0 if counts[i] else 0.0
         slopes[-1, i] = measured[i] - temperature[i] if counts[i] else 0.0
 
 
 @inlined
-def set_aside(counts, aside, by_offset, slopes):
+def set_aside(kept, aside, by_offset, slopes):
     """Add the slopes by what is added to the temperature itself."""
+    counts, first, last = kept
     for k in range(len(aside)):
-        for i in range(len(counts)):
+        for i in range(first, last):
             slopes[4 + aside[k], i] += by_offset[k, i] if counts[i] else 0.0
 
 
@@ -99,26 +139,27 @@ def steady(law, memory, columns, more, seen, _, slopes, work):
     clip, leaky = law[3], memory[3]
     __, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
-    (counts, measured), rows = seen, len(air)
+    (kept, shown, measured), rows = seen, len(air)
+    counts, first, last = kept
     r_eq, by_line = work[0, :rows], work[1, :rows]
-    resistances(law, leaky, wind, loss, r_eq, by_line)
-    for i in range(rows):
+    resistances(law, leaky, wind, loss, r_eq, by_line, shown)
+    for i in range(shown[0], shown[1]):
         temperature[i] = air[i] + heat[i] * r_eq[i] + offset[i]
     if slopes.size == 0:
         return
-    leaves(counts, measured, temperature, slopes)
-    for i in range(rows):
+    leaves(kept, measured, temperature, slopes)
+    for i in range(first, last):
         by_0 = heat[i] * by_line[i]
         slopes[0, i] = by_0 if counts[i] else 0.0
         slopes[1, i] = by_0 * min(wind[i], clip) if counts[i] else 0.0
     for k in range(len(hot)):
-        for i in range(rows):
+        for i in range(first, last):
             slopes[4 + hot[k], i] += by_heat[k, i] * r_eq[i] if counts[i] else 0.0
     for k in range(len(lossy)):
-        for i in range(rows):
+        for i in range(first, last):
             by_r = heat[i] * r_eq[i] * r_eq[i] * by_loss[k, i]
             slopes[4 + lossy[k], i] -= by_r if counts[i] else 0.0
-    set_aside(counts, aside, by_offset, slopes)
+    set_aside(kept, aside, by_offset, slopes)
 
 
 @compiled
@@ -127,43 +168,33 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
     tau, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
-    (counts, measured), rows = seen, len(air)
+    (kept, shown, measured), rows = seen, len(air)
+    counts, first, last = kept
     felts, felts_by_tau, lefts = work[0, :rows], work[1, :rows], work[2, :rows]
     winds, winds_by_tau = work[3, :rows], work[4, :rows]
     leaks, leaks_by_tau, stays = work[5, :rows], work[6, :rows], work[7, :rows]
     r_eq, by_line = work[8, :rows], work[9, :rows]
-    since_h, begun_h, felt, felt_by_tau = state[0, :4]
-    since_w, begun_w, windy, windy_by_tau = state[1, :4]
-    since_l, begun_l, leak, leak_by_tau = state[2, :4]
-    last, fading = np.nan, (0.0, 0.0)
-    for i in range(rows):
-        step = steps[i]
-        if step != last:
-            last, fading = step, faded(step, tau, usual)
-        lefts[i], since_h, begun_h, felt, felt_by_tau = smooth(
-            heat[i], step, fading, tau, usual, since_h, begun_h, felt, felt_by_tau
-        )
-        there, since_w, begun_w, windy, windy_by_tau = smooth(
-            wind[i], step, fading, tau, usual, since_w, begun_w, windy, windy_by_tau
-        )
-        felts[i] = np.nan if np.isnan(lefts[i]) or np.isnan(there) else felt
-        winds[i], felts_by_tau[i], winds_by_tau[i] = windy, felt_by_tau, windy_by_tau
-        if leaky:
-            stays[i], since_l, begun_l, leak, leak_by_tau = smooth(
-                loss[i], step, fading, tau, usual, since_l, begun_l, leak, leak_by_tau
-            )
-            leaks[i] = np.nan if np.isnan(stays[i]) else leak
-            leaks_by_tau[i] = leak_by_tau
-    keep(state[0], since_h, begun_h, felt, felt_by_tau)
-    keep(state[1], since_w, begun_w, windy, windy_by_tau)
-    keep(state[2], since_l, begun_l, leak, leak_by_tau)
-    resistances(law, leaky, winds, leaks, r_eq, by_line)
-    for i in range(rows):
+    if carried(heat, steps, state[0]) and carried(wind, steps, state[1]):
+        into = (felts, felts_by_tau), (winds, winds_by_tau)
+        lefts[:] = smooth_both(heat, wind, steps[0], tau, usual, state, *into)
+    else:
+        smooth(heat, steps, tau, usual, state[0], felts, felts_by_tau, lefts)
+        smooth(wind, steps, tau, usual, state[1], winds, winds_by_tau, stays)
+        for i in range(rows):
+            if np.isnan(lefts[i]) or np.isnan(stays[i]):
+                felts[i] = np.nan
+    if leaky:
+        smooth(loss, steps, tau, usual, state[2], leaks, leaks_by_tau, stays)
+        for i in range(shown[0], shown[1]):
+            if np.isnan(stays[i]):
+                leaks[i] = np.nan
+    resistances(law, leaky, winds, leaks, r_eq, by_line, shown)
+    for i in range(shown[0], shown[1]):
         temperature[i] = air[i] + felts[i] * r_eq[i] + offset[i]
     if slopes.size == 0:
         return
-    leaves(counts, measured, temperature, slopes)
-    for i in range(rows):
+    leaves(kept, measured, temperature, slopes)
+    for i in range(first, last):
         by_0 = felts[i] * by_line[i]
         by_wind = by_line[i] * slope if winds[i] < clip else 0.0
         by_tau = felts_by_tau[i] * r_eq[i] + felts[i] * by_wind * winds_by_tau[i]
@@ -171,7 +202,7 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
         slopes[1, i] = by_0 * min(winds[i], clip) if counts[i] else 0.0
         slopes[2, i] = by_tau / unit if counts[i] else 0.0
     if leaky:
-        for i in range(rows):
+        for i in range(first, last):
             by_leak = felts[i] * r_eq[i] * r_eq[i] * leaks_by_tau[i]
             slopes[2, i] -= by_leak / unit if counts[i] else 0.0
     part, lost = state[0, 4:], state[1, 4:]
@@ -190,7 +221,7 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
         for k in range(len(lossy)):
             lost[k] = stay * lost[k] + (1.0 - stay) * by_loss[k, i]
             slopes[4 + lossy[k], i] -= by_r * lost[k] if counts[i] else 0.0
-    set_aside(counts, aside, by_offset, slopes)
+    set_aside(kept, aside, by_offset, slopes)
 
 
 @compiled
@@ -199,10 +230,11 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
     capacity, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
-    (counts, measured), rows, wanted = seen, len(air), slopes.size > 0
+    (kept, __, measured), rows, wanted = seen, len(air), slopes.size > 0
+    counts = kept[0]
     r_eq, by_line, targets = work[0, :rows], work[1, :rows], work[2, :rows]
     decays, falls = work[3, :rows], work[4, :rows]
-    resistances(law, leaky, wind, loss, r_eq, by_line)
+    resistances(law, leaky, wind, loss, r_eq, by_line, (unsigned(0), unsigned(rows)))
     for i in range(rows):
         targets[i] = air[i] + heat[i] * r_eq[i]
         falls[i] = steps[i] / (capacity * r_eq[i])
@@ -226,7 +258,7 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
     keep(state[0], since, begun, module, by_memory)
     if not wanted:
         return
-    leaves(counts, measured, temperature, slopes)
+    leaves(kept, measured, temperature, slopes)
     by_r, adds_0, adds_1 = work[5, :rows], work[6, :rows], work[7, :rows]
     for i in range(rows):
         by_r[i] = (1.0 - decays[i]) * heat[i] + falls[i] / r_eq[i]
@@ -255,20 +287,31 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
         if counts[i]:
             for k in range(len(own) - 1):
                 slopes[4 + k, i] = own[k]
-    set_aside(counts, aside, by_offset, slopes)
+    set_aside(kept, aside, by_offset, slopes)
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
-def add_products(slopes, rows, total):
-    """Add products of all columns with each other, over the first rows."""
+def add_products(slopes, first, last, total):
+    """Add products of all columns with each other, from a first to a last row."""
     for a in range(len(slopes)):
         for b in range(a + 1):
             product = 0.0
-            for j in range(rows):
+            for j in range(first, last):
                 product += slopes[a, j] * slopes[b, j]
             total[a, b] += product
             if a != b:
                 total[b, a] += product
+
+
+@inlined
+def span(counts):
+    """The first row that counts, and the end of the last: there alone are slopes."""
+    first, last = 0, len(counts)
+    while first < last and not counts[first]:
+        first += 1
+    while last > first and not counts[last - 1]:
+        last -= 1
+    return unsigned(first), unsigned(last)
 
 
 @inlined
@@ -294,6 +337,10 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     for part in range(len(edges) - 1):
         for first in range(edges[part], edges[part + 1], TILE):
             a, b = first, min(first + TILE, edges[part + 1])
+            low, high = span(counts[a:b])
+            shown = low, high
+            if len(temperature) == end:
+                shown = unsigned(0), unsigned(b - a)
             given = (
                 law,
                 memory,
@@ -311,7 +358,7 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
                     (lossy, by_loss[:, a:b]),
                     (aside, by_offset[:, a:b]),
                 ),
-                (counts[a:b], measured[a:b]),
+                ((counts[a:b], low, high), shown, measured[a:b]),
                 state,
                 slopes,
                 work,
@@ -323,4 +370,4 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
             else:
                 balance(*given)
             if wanted:
-                add_products(slopes, b - a, total[part])
+                add_products(slopes, low, high, total[part])

@@ -222,7 +222,7 @@ class ThermalModel:
         temperature, past = np.empty(rows), self.past(inputs)
         for block in blocks(rows, AT_ONCE):
             given = inputs.part(block), coefficients, past
-            temperature[block] = answered(model.on(block), *given)[0]
+            answered(model.on(block), *given, into=temperature[block])
         return temperature
 
     def slopes(self, inputs, coefficients, wanted=True, also=None):
