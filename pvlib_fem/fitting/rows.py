@@ -97,7 +97,6 @@ class Rows:
 
     record: Record
     counts: np.ndarray  # booleans
-    every: int = 1  # of how many blocks it has one
     parts: dict = field(default_factory=dict, repr=False)  # by their size
     usual: dict = field(default_factory=dict, repr=False)  # step, by the drivers
 
@@ -132,9 +131,9 @@ class Rows:
             self.usual[drivers] = model.past(inputs).usual
         known, past = model.knowing(inputs, coefficients), None
         quick = fast(len(inputs.index), known.effects)
-        size = AT_ONCE if quick and self.every == 1 else BLOCK
+        size = AT_ONCE if quick else BLOCK
         for block, part, rows, measured, dates in self.divided(size):
-            if past is None or self.every > 1:
+            if past is None:
                 past = Past(self.usual[drivers])
             here, given = known.on(block), (part, coefficients, past)
             if quick:
@@ -146,17 +145,26 @@ class Rows:
             yield Answer(*found, temperature)
 
     def thinned(self):
-        """Some of the blocks, where a search of many may begin, or None of few."""
-        parts = blocks(len(self.record.index))[::EVERY]
-        share = sum(np.count_nonzero(self.counts[rows]) for rows in parts)
-        if len(parts) < FEWEST or 2 * EVERY * share < np.count_nonzero(self.counts):
+        """
+        Some of the blocks, where a search of many may begin, or None of few.
+
+        One after the other, as of a record with gaps.
+        """
+        rows = np.arange(len(self.record.index))
+        parts = [rows[part] for part in blocks(len(rows))[::EVERY]]
+        if len(parts) < FEWEST:
             return None
-        return replace(self, every=EVERY, parts={})
+        some = np.concatenate(parts)
+        counts = self.counts[some]
+        if 2 * EVERY * np.count_nonzero(counts) < self.count:
+            return None
+        inputs = self.record.inputs.taken(some)
+        return Rows(replace(self.record, inputs=inputs), counts)
 
     def divided(self, size):
         """The blocks of a size with what is the same in every pass."""
         if size not in self.parts:
-            places = blocks(len(self.record.index), size)[:: self.every]
+            places = blocks(len(self.record.index), size)
             self.parts[size] = [*map(self.part, places)]
         return self.parts[size]
 

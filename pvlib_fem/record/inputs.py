@@ -88,6 +88,15 @@ class Inputs:
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
 
+    def taken(self, rows):
+        """The inputs of some rows, each as long after the one before as it was."""
+        if np.ndim(self.steps) == 0:
+            steps = self.steps * np.diff(rows, prepend=rows[0] - 1)
+        else:
+            steps = np.diff(np.cumsum(self.steps)[rows], prepend=0.0)
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
+
     def restore(self, values, name=None):
         """Give values back in the form the input came in."""
         return pd.Series(values, self.index, name=name) if self.is_series else values
