@@ -87,6 +87,10 @@ class Reason(Enum):
         "the choosing weeks contradict it: their error rises by {rise:.2g} K, "
         "{errors:.1f} standard errors of the difference"
     )
+    LESS_ON_OWN_STEPS = (
+        "on the record's own steps it takes {gain:.2f} K off the error, {means:.2f} K "
+        "in means"
+    )
     NOT_MATERIAL = "not enough for a name: material is {least:.2f} K"
     STRUCTURE_EXPLAINS = "a pattern of unknown cause explains more"
     LESS_GIVEN = "beside a pattern of unknown cause too little is left for it"

@@ -86,6 +86,31 @@ def test_the_last_model_is_fitted_to_the_records_own_steps(loops):
     assert f"{own.scores['rmse_test'].iloc[-1]:.3g} K on the weeks" in line
 
 
+def test_what_means_alone_follow_is_withdrawn(tmp_path):
+    """
+    Of heat behind the module a logger writes means of 5 min that are right.
+
+    Between them it writes a beat ten times as large, of which the module knows nothing.
+    """
+    data = record(effects=PHYSICS, days=70, step=60, seed=4, start="2023-04-01")
+    data = data[NAMES[:4]]
+    data.attrs = {}
+    hours = np.arange(len(data)) / 60.0
+    heat = pd.Series(60.0 * (np.floor(hours / 1.7) % 2), data.index)
+    data["temp_module"] += fem.ewm(0.03 * heat, 600.0)
+    beat = np.resize([2.0, 1.0, -6.0, 1.0, 2.0], len(data))
+    sign = np.random.default_rng(1).choice([-1.0, 1.0], len(data) // 5 + 1)
+    data["fan"] = heat + 500.0 * np.roll(beat * sign.repeat(5)[: len(data)], 1)
+    data.to_parquet(tmp_path / "record.parquet")
+    loop = fem.close_loop(tmp_path)
+    (found,) = (f for f in loop.findings if f.effect == "driver:fan")
+    assert found.verdict == "suggestive"
+    assert "on the record's own steps it takes 0." in found.why
+    assert found.checks[-1].criterion == "structure_keeps"
+    assert "driver:fan" not in loop.effects
+    assert loop.own_steps.thermal_model.effects == loop.fit.effects
+
+
 def test_days_are_held_out_and_the_command_goes(folder, loops):
     days = pd.Series(True, pd.date_range("2023-05-01", periods=14))
     loop = fem.close_loop(folder, holdout=days, effects="wind_direction")

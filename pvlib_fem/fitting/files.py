@@ -48,6 +48,8 @@ class FileFit(FemFit):
     """
 
     files: Files = field(kw_only=True, repr=False)
+    #: of the days held out their rows, and the sums of squares that each step leaves
+    held_out: pd.DataFrame = field(kw_only=True, repr=False)
 
     def __post_init__(self):
         vars(self).pop("residual")
@@ -142,7 +144,7 @@ def fitted(files, target, notes) -> FileFit:
         name: Asked(model, found, "train", wanted=name == final)
         for name, (model, found) in stages.items()
     }
-    table, daily = files.ends(asked, final, names)
+    table, daily, held_out = files.ends(asked, final, names)
     stderr = errors(target, daily, at_bound, notes)
     found, days = last(stages)[1], int((files.rows[train] > 0).sum())
     notes += memory_notes(files, target, found, stderr, at_bound, days)
@@ -172,6 +174,7 @@ def fitted(files, target, notes) -> FileFit:
         fixed=dict(target.held),
         daily=daily,
         files=files,
+        held_out=held_out,
     )
 
 

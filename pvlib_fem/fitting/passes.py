@@ -84,7 +84,7 @@ class Files:
 
     def without(self, dates):
         """The same with some days held out."""
-        return replace(self, out=dates)
+        return replace(self, out=np.unique(dates))
 
     @property
     def winds(self):
@@ -149,16 +149,20 @@ class Files:
 
         Returns
         -------
-        dict of dict, DailySums
+        dict of dict, DailySums, DataFrame
+            The last of the days held out: their rows, and the sum of the squares of
+            what each of the models leaves.
         """
         tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
-        by_day = []
+        by_day, days = [], {name: np.zeros(len(self.out)) for name in ("rows", *asked)}
         for part, given in self.parts(asked):
             out, counts = self.held_out(part.dates), part.counts["counted"]
             rows = {
                 "train": np.flatnonzero(counts & ~out),
                 "test": np.flatnonzero(counts & out),
             }
+            place = np.searchsorted(self.out, part.dates[rows["test"]])
+            days["rows"] += np.bincount(place, minlength=len(self.out))
             for key, (model, own) in given.items():
                 quick = self.quick(model)
                 if key == last:
@@ -169,6 +173,8 @@ class Files:
                 error = part.measured - found
                 for which, at in rows.items():
                     tallies[key][which].add(error[at])
+                squares = error[rows["test"]] ** 2
+                days[key] += np.bincount(place, squares, minlength=len(self.out))
         rows = int(self.rows[~np.isin(self.dates, self.out)].sum())
         sums = cluster_sums_of(*joined(by_day), rows)
         table = {
@@ -179,7 +185,8 @@ class Files:
             }
             for key, parts in tallies.items()
         }
-        return table, DailySums(names, sums, self.winds)
+        held_out = pd.DataFrame(days, index=self.out)
+        return table, DailySums(names, sums, self.winds), held_out
 
     @property
     def at_once(self):

@@ -20,7 +20,7 @@ from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import bounds, confirmed, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.files import in_means, on_days, on_own_steps
+from pvlib_fem.loop.files import OwnSteps, in_means, on_days
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
@@ -81,7 +81,7 @@ def close_loop(
         column is a candidate driver of its own, ``driver:<column>``. Or Parquet
         files of such a record, as :func:`fit_fem` takes them: the loop is then of means
         over ``criteria.search_step``, and ``own_steps`` its last model fitted to the
-        record's own steps.
+        record's own steps, which have to confirm each finding.
     model : str, default "faiman"
         A steady model by name, as in :func:`pvlib_fem.fit_fem`.
     location : pvlib.location.Location, optional
@@ -161,18 +161,18 @@ def searched(data, model, place, progress, **how):
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:
-        screened = None
+        own = None
         if is_data_set(data):
             tell("reading the files")
             data, screened = in_means(as_source(data), how["criteria"])
+            own = OwnSteps(screened)
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], data.index)
         tell("checking the record")
-        search = Search(Fits(prepared(data, site, **how)), tell)
+        search = Search(Fits(prepared(data, site, **how)), tell, own=own)
         found = search.run(steady_model(model))
-        if screened is not None:
-            tell("fitting the record's own steps")
-            found = on_own_steps(found, screened)
+        if own is not None:
+            found = own.told(found)
     return search, replace(found, given=given)
 
 
@@ -192,6 +192,7 @@ class Search:
     untestable: dict = field(default_factory=dict)
     aside: dict = field(default_factory=dict)  # checks of what waits, by name
     clock: Clock = field(default_factory=Clock)  # by which the module's was set right
+    own: OwnSteps | None = None  # of files, of which the case has means
 
     @property
     def case(self):
@@ -216,8 +217,8 @@ class Search:
         self.start = step
         self.leave_out_leaks(step)
         step, found = self.rounds(step)
-        while (doubted := self.doubtful(step, found)) is not None:
-            step, found = self.rounds(self.gone_back(*doubted))
+        while doubted := self.doubtful(step, found) or self.contradicted(step):
+            step, found = self.rounds(self.gone_back(step, *doubted))
         self.tell("measuring the errors of the test weeks")
         return self.result(step, base, found)
 
@@ -354,14 +355,31 @@ class Search:
         checks += [one for one in others if not effects[one[0]].confounder]
         for name, (check, why) in checks:
             if name in asked and not check.passed:
-                return asked[name], effects[name], check, why
+                return asked[name], check, why
         return None
 
-    def gone_back(self, finding, effect, check, why):
+    def contradicted(self, step):
+        """The first finding that the own steps of files speak against, or None."""
+        if self.own is None:
+            return None
+        self.tell("fitting the record's own steps")
+        names, fitting = list(self.steps), self.case.fitting
+        squares = {n: one.error(fitting) ** 2 for n, one in self.steps.items()}
+        falls = []
+        for finding in self.findings:
+            if (name := f"+{finding.effect}") in names:
+                before = names[names.index(name) - 1]
+                falls.append((finding, squares[before] - squares[name]))
+        inputs = self.fits.prepared(self.case.whole, step.model)[0].inputs
+        corrected = any(one.applied for one in self.corrections)
+        return self.own.against(self.case, step, inputs, corrected, falls)
+
+    def gone_back(self, step, finding, check, why):
         """The step before a finding, on which later ones stand; it is no more tried."""
+        effects = {effect.name: effect for effect in step.model.effects}
         self.steps, self.findings, self.vetoed = map(copy, self.before[finding.effect])
         self.vetoed[finding.effect] = refused(finding, check, why)
-        self.doubted += (effect,)
+        self.doubted += (effects[finding.effect],)
         # before the first effect the last of the steps is the other of the two dynamics
         later = [one for name, one in self.steps.items() if name[0] in "+-"]
         last = later[-1] if later else self.start

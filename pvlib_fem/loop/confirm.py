@@ -56,10 +56,8 @@ def refit_checks(finding, case, before, after, stderr):
     some = effects[finding.effect].confounder
     asked = [e for e in effects.values() if some or not e.confounder]
     yield bounds({key for e in asked for key in e.rows()}, after)
-    yield sureness(finding, after.coefficients, stderr, case)
-    check, rise = choosing_check(case, before, after)
-    errors = check.statistic
-    yield check, because(Reason.CONTRADICTED, rise=rise, errors=errors)
+    yield sureness(finding, after.coefficients, stderr, case.criteria)
+    yield choosing_check(*contradiction(case, before, after), case.criteria)
 
 
 def bounds(names, step):
@@ -71,11 +69,11 @@ def bounds(names, step):
     )
 
 
-def sureness(finding, values, stderr, case):
+def sureness(finding, values, stderr, criteria):
     """The check that its surest coefficient is not nothing, and why it fails."""
     sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
     name = max(sizes, key=sizes.get)
-    size, least = sizes[name], case.criteria.sure
+    size, least = sizes[name], criteria.sure
     return (
         Check("distance from nothing", "sure", size, least, unit=ERRORS),
         because(
@@ -89,35 +87,40 @@ def distance(value, error):
     return abs(value) / error if error > 0 else np.inf
 
 
-def choosing_check(case, before, after):
-    """The check of a step on the choosing weeks, and the rise of its error. [K]"""
-    errors, rise = contradiction(case, before, after)
-    name, most = "rise on the choosing weeks", case.criteria.contradiction
-    return Check(name, "contradiction", errors, most, most=True, unit=ERRORS), rise
+def choosing_check(errors, rise, criteria):
+    """The check that no error rises on the choosing weeks, and why it fails."""
+    name, most = "rise on the choosing weeks", criteria.contradiction
+    return (
+        Check(name, "contradiction", errors, most, most=True, unit=ERRORS),
+        because(Reason.CONTRADICTED, rise=rise, errors=errors),
+    )
 
 
 def contradiction(case, before, after):
-    """
-    By how much the choosing weeks speak against a step.
-
-    The rise of the mean square in standard errors, from the spread between weeks, or
-    days where there are few weeks; and the rise of the error in K. NaN without
-    choosing weeks.
-    """
+    """By how much the choosing weeks speak against a step: :func:`rise_of`."""
     rows = case.choosing & np.isfinite(before.temperature + after.temperature)
     rows &= np.isfinite(before.measured + after.measured)  # a clock's ends have none
-    if not rows.any():
-        return np.nan, np.nan
-    squares = [
+    squares = (
         (step.measured[rows] - step.temperature[rows]) ** 2 for step in (before, after)
-    ]
-    rise = np.sqrt(squares[1].mean()) - np.sqrt(squares[0].mean())
-    dates = case.whole.dates[rows]
+    )
+    return rise_of(*squares, np.ones(rows.sum()), case.whole.dates[rows], case.criteria)
+
+
+def rise_of(before, after, rows, dates, criteria):
+    """
+    The rise of a mean square, from sums of squares over some rows of some dates each.
+
+    In standard errors, from the spread between weeks, or days where there are few
+    weeks; and the rise of the error in K. NaN without rows.
+    """
+    if not len(rows):
+        return np.nan, np.nan
+    rise = np.sqrt(after.sum() / rows.sum()) - np.sqrt(before.sum() / rows.sum())
     clusters = np.unique(calendar_weeks(dates), return_inverse=True)[1]
-    if clusters.max() + 1 < case.criteria.fewest_clusters:
+    if clusters.max() + 1 < criteria.fewest_clusters:
         clusters = np.unique(dates, return_inverse=True)[1]
-    change = np.bincount(clusters, squares[1] - squares[0])
-    size = np.bincount(clusters)
+    change = np.bincount(clusters, after - before)
+    size = np.bincount(clusters, rows)
     mean = change.sum() / size.sum()
     count = len(size)
     if count < 2:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pvlib_fem.findings import Correction
-from pvlib_fem.loop.confirm import choosing_check
+from pvlib_fem.loop.confirm import choosing_check, contradiction
 from pvlib_fem.quality.clock import Clock, left_open
 from pvlib_fem.reasons import Reason, because
 
@@ -36,7 +36,8 @@ def module_clock(case, fits, raw, fits_of):
     both = np.isfinite(raw.temperature + step.temperature)
     both &= np.isfinite(raw.measured + step.measured)
     before, after = (s.error(rows & both) for s in (raw, step))
-    check, _ = choosing_check(case, raw, step)
+    errors = contradiction(case, raw, step)
+    check, _ = choosing_check(*errors, case.criteria)
     found = described(case.clock, before, after, check)
     if check.passed:
         return other, step, found

@@ -1,14 +1,17 @@
 """A record in files as the loop takes it: means to search, its own steps to confirm."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.fitting.files import fitted, given_days
+from pvlib_fem.findings import Check
+from pvlib_fem.fitting.files import FileFit, fitted, given_days
 from pvlib_fem.fitting.passes import first_pass
+from pvlib_fem.loop.confirm import bounds, choosing_check, rise_of, sureness
 from pvlib_fem.loop.weeks import Part
-from pvlib_fem.quality.streamed import screened_blocks
+from pvlib_fem.quality.streamed import Screened, screened_blocks
+from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import dates_of
 from pvlib_fem.record.columns import COLUMNS
@@ -44,46 +47,85 @@ def on_days(holdout, index):
     return pd.Series(np.isin(dates_of(index), dates), index)
 
 
-def on_own_steps(loop, screened):
-    """The loop with its last model fitted to the record's own steps, and told of it."""
-    files = (
-        f"{len(screened.record):,} rows in {len(screened.record.source.files)} files"
-    )
-    step = screened.look.step
-    if step == loop.fit.step:
-        return replace(loop, notes=(*screened.notes, *loop.notes))
-    told = f"the loop is of means over {loop.fit.step:g} s of {files}"
-    if why := unconfirmed(loop, screened):
-        return replace(loop, notes=(*screened.notes, f"{told}; {why}", *loop.notes))
-    target = loop.fit.thermal_model
-    target = ThermalModel(
-        target.steady_model, target.dynamics, target.effects, held=target.held
-    )
-    names = (*COLUMNS, *target.drivers)
-    lacks = [name for name in names if name not in screened.record.names]
-    names = tuple(name for name in names if name not in lacks)
-    record = replace(screened.record, names=names)
-    if lacks:  # the sun, whose place is known at the times of the means
-        inputs = loop.fit.record.inputs
-        record = record.with_columns(Alongside.of(inputs, lacks))
-    own = first_pass(replace(screened, record=record), target, night=True)
-    kept = (loop.weeks == Part.FITTING.name.lower()).to_numpy()
-    dates = np.unique(loop.fit.record.dates[~kept])
-    fit = fitted(own.without(dates), target, list(screened.notes))
-    before, after = fit.scores["rmse_test"].loc["fem"], fit.scores["rmse_test"].iloc[-1]
-    line = (
-        f"{told}; loop.own_steps is its model fitted to their steps of {step:g} s: "
-        f"{after:.3g} K on the weeks that are not fitted, {before:.3g} K without "
-        "effects"
-    )
-    notes = (*screened.notes, line, *loop.notes)
-    return replace(loop, notes=notes, own_steps=fit)
+@dataclass(eq=False)
+class OwnSteps:
+    """The own steps of a record in files, which confirm what its means show."""
+
+    screened: Screened
+    fit: FileFit | None = None  # of the last model
+    why: str = ""  # there is none
+
+    def against(self, case, step, inputs, corrected, falls):
+        """
+        The first of some findings that a fit to the own steps speaks against, or None.
+
+        Parameters
+        ----------
+        case : Case
+            Of the means.
+        step : Step
+            The last one of the means.
+        inputs : Inputs
+            The means with all drivers of its model.
+        corrected : bool
+            Whether a clock was.
+        falls : sequence of tuple
+            Each finding that is in its model, and by how much the mean square of the
+            means fell by it. [K²]
+
+        Returns
+        -------
+        tuple of Finding, Check, Because, or None
+        """
+        self.fit, self.why = None, impossible(step.model, corrected)
+        if self.why or self.screened.look.step == case.whole.inputs.step:
+            return None
+        self.fit = self.fitted(case, step.model, inputs)
+        choosing = np.unique(case.whole.dates[case.parts == Part.CHOOSING])
+        for finding, fall in falls:
+            checks = own_checks(finding, fall, self.fit, choosing, case.criteria)
+            for check, why in checks:
+                if not check.passed:
+                    return finding, check, why
+        return None
+
+    def fitted(self, case, model, inputs):
+        """The model fitted to the own steps of the fitting weeks."""
+        target = ThermalModel(
+            model.steady_model, model.dynamics, model.effects, held=model.held
+        )
+        screened = self.screened
+        names = (*COLUMNS, *target.drivers)
+        lacks = [name for name in names if name not in screened.record.names]
+        names = tuple(name for name in names if name not in lacks)
+        record = replace(screened.record, names=names)
+        if lacks:  # the sun, whose place is known at the times of the means
+            record = record.with_columns(Alongside.of(inputs, lacks))
+        own = first_pass(replace(screened, record=record), target, night=True)
+        out = np.unique(case.whole.dates[case.parts != Part.FITTING])
+        return fitted(own.without(out), target, list(screened.notes))
+
+    def told(self, loop):
+        """The loop with the fit to the own steps, and told of it."""
+        record, step = self.screened.record, self.screened.look.step
+        if step == loop.fit.step:
+            return replace(loop, notes=(*self.screened.notes, *loop.notes))
+        many = f"{self.screened.look.rows:,} rows in {len(record.source.files)} files"
+        line = f"the loop is of means over {loop.fit.step:g} s of {many}; {self.why}"
+        if self.fit is not None:
+            scores = self.fit.scores["rmse_test"]
+            line += (
+                "loop.own_steps is its model fitted to their steps of "
+                f"{step:g} s, which confirm it: {scores.iloc[-1]:.3g} K on the weeks "
+                f"that are not fitted, {scores.loc['fem']:.3g} K without effects"
+            )
+        notes = (*self.screened.notes, line, *loop.notes)
+        return replace(loop, notes=notes, own_steps=self.fit)
 
 
-def unconfirmed(loop, screened):
-    """Why the last model cannot be fitted to the record's own steps; "" if it can."""
-    model = loop.fit.thermal_model
-    if any(correction.applied for correction in loop.corrections):
+def impossible(model, corrected):
+    """Why a model of means cannot be fitted to the own steps; "" if it can."""
+    if corrected:
         return "its own steps are not fitted, since a clock was corrected"
     if long := [e.name for e in model.effects if "elapsed" in e.drivers]:
         return (
@@ -91,3 +133,29 @@ def unconfirmed(loop, screened):
             "around each"
         )
     return ""
+
+
+def own_checks(finding, worth, fit, choosing, criteria):
+    """Checks of a finding by a fit to the own steps, each with why it fails."""
+    yield bounds(finding.coefficients, fit)
+    yield sureness(finding, fit.coefficients, fit.stderr, criteria)
+    stages = list(fit.scores.index)
+    after = stages.index(f"+ {finding.effect}")
+    before, after = stages[after - 1], stages[after]
+    # what means alone follow is none of the module's
+    squares, worth = fit.scores["rmse_train"] ** 2, max(finding.gain, 0.0) ** 2
+    fall = max(squares[before] - squares[after], 0.0)
+    words, keeps = (
+        "share kept on the record's own steps",
+        fall / worth if worth else 1.0,
+    )
+    yield (
+        Check(words, "structure_keeps", keeps, criteria.structure_keeps),
+        because(
+            Reason.LESS_ON_OWN_STEPS, gain=float(np.sqrt(fall)), means=finding.gain
+        ),
+    )
+    days = fit.held_out.loc[fit.held_out.index.isin(choosing)]
+    left = (days[stage].to_numpy() for stage in (before, after))
+    rows = days["rows"].to_numpy()
+    yield choosing_check(*rise_of(*left, rows, days.index, criteria), criteria)
