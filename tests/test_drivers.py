@@ -198,6 +198,31 @@ def test_snow_lies_from_its_fall_until_it_slides():
     assert (cover[hour > 34.7] == 0).all()
 
 
+# pvlib 0.16 asks pandas in a way that pandas 3 warns of
+@pytest.mark.filterwarnings("ignore:.*BaseOffset")
+def test_snow_slides_by_parts_as_in_pvlib():
+    """Of 30° it takes ten hours of sun, after an hour and a half in which none goes."""
+    index = pd.date_range("2023-01-10", periods=4 * 144, freq="10min")
+    hour = np.arange(len(index)) / 6.0
+    fell = np.where((hour >= 3.0) & (hour < 6.0), 2.0 / 6.0, 0.0)
+    sun = np.where((hour % 24 > 8) & (hour % 24 < 16), 400.0, 0.0)
+    columns = {
+        "snow_depth": pd.Series(np.cumsum(fell), index),
+        "temp_air": pd.Series(np.where(hour < 33.0, -9.0, 1.0), index),
+        "poa_global": pd.Series(sun, index),
+    }
+    found = derived(columns, "snow_left")
+    ours = found["snow_cover"] + found["snow_left"]
+    theirs = pvlib.snow.coverage_nrel(
+        pd.Series(fell, index), columns["poa_global"], columns["temp_air"], 30.0
+    )
+    later = theirs.index >= index[36]  # while it falls all is covered by either
+    assert np.abs(ours - theirs)[later].max() < 1.6 * 0.197 * 0.5
+    assert ours[-1] == theirs.iloc[-1] == 0.0 and ours[hour == 40.0] > 0.3
+    bare = derived(columns | {"snow_depth": columns["snow_depth"] / 10.0}, "snow_left")
+    assert not bare["snow_left"].any()  # half a centimetre is no snow
+
+
 @pytest.mark.parametrize("name", ["poa_stored_1h", "poa_stored_3h", "air_stored"])
 def test_what_is_stored_vanishes_where_nothing_changes(name):
     _, column = DERIVED[name][0]

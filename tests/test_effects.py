@@ -28,7 +28,7 @@ PLANTED = {
     "rain": {"film": 25.0},
     "soiling": {"per_day": 0.003},
     "sensitivity_drift": {"per_year": 0.03},
-    "snow": {"share": 0.9},
+    "snow": {"share": 0.9, "stays": 0.4},
     "shading": {"share": 0.8},
     "air_elsewhere": {"share": 0.15},
     "radiative_loss": {"share": 2.4},
@@ -625,7 +625,7 @@ def test_a_sky_from_other_columns_is_found(plant, noise, source):
     [
         (
             {"name": "snow", "windows": []},
-            "snow has no setting windows; it has snowfall",
+            "snow has no setting windows; it has lying, sliding, snowfall",
         ),
         ({"name": "rain", "source": "dew"}, "unknown source 'dew' of rain"),
         ({"name": "ghosts"}, "unknown effect 'ghosts'; there are sky_radiation"),

@@ -280,6 +280,8 @@ def test_without_wind_there_is_no_wind_coefficient(month):
     fit = fem.fit_fem(poa, air, calm, module)
     assert fit.coefficients["k"] == pytest.approx(0.035, rel=1e-6)
     assert any("does not determine d " in note for note in fit.notes)
+    # of what is nowhere to be seen no other error depends
+    assert np.isnan(fit.stderr["d"]) and fit.stderr["k"] < 1e-6
 
 
 def test_least_squares_needs_no_more_than_it_needs(month):

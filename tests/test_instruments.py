@@ -570,8 +570,8 @@ def test_a_change_that_another_has_taken_the_place_of_is_taken_out():
     value = {f"{name}.per_year": 1.0}
     why = because(Reason.NO_DATE)
     search.findings = [fem.Finding(name, (name,), "class", 0.2, value, value, why)]
-    finding, effect, check, why = search.doubtful(fitted, search.evidence(fitted))
-    assert (finding.effect, effect.name) == (name, name)
+    finding, check, why = search.doubtful(fitted, search.evidence(fitted))
+    assert finding.effect == name
     assert check.criterion == "min_gain" and check.statistic < 0.1
     assert "beside all that was found it takes" in str(why)
     left = search.within_bounds(replace(fitted, at_bound=(f"{name}.per_year",)))

@@ -12,7 +12,7 @@ from test_effects import coefficients
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem.effects import CHANGES, find
+from pvlib_fem.effects import CHANGES, EFFECTS, find
 from pvlib_fem.effects.courses import is_drift
 from pvlib_fem.findings import Finding, Verdict
 from pvlib_fem.loop.close import Search, searched
@@ -197,6 +197,10 @@ def test_a_driver_is_worth_what_it_is_in_the_model(kept, counts):
     assert check.statistic == pytest.approx(0.5 * np.sqrt(counts), rel=0.02)
 
 
+#: snow that goes at once, which in these worlds does not
+SLIDES = [*(n for n in EFFECTS if n != "snow"), {"name": "snow", "sliding": 1e-6}]
+
+
 def test_what_is_nothing_beside_another_effect_is_not_told():
     """
     A winter of snow before a step from which on all is otherwise, and a window.
@@ -208,9 +212,13 @@ def test_what_is_nothing_beside_another_effect_is_not_told():
     effects = simulator.PHYSICS | {"snow": 0.75}
     data = simulator.record(site, effects=effects, days=365, step=300, seed=813104)
     place = study_worlds.World(site, 813104).place
-    loop = fem.close_loop(data, **place)
+    loop = fem.close_loop(data, **place, effects=SLIDES)
     told = [f for f in loop.findings if f.added]
-    assert [f.effect for f in told if f.verdict == "named"] == ["snow"]
+    (snow,) = (f for f in told if f.verdict == "named")
+    # what is nowhere to be seen is not told
+    assert snow.effect == "snow" and [*snow.coefficients] == ["snow.share"]
+    assert loop.fit.coefficients["snow.stays"] == 0.0
+    assert np.isnan(loop.fit.stderr["snow.stays"])
     assert not any(f.effect in CHANGES for f in told)
     (doubted,) = (f for f in loop.findings if "would be" in f.why)
     assert "beside electrical_output, contact_step.change would be" in doubted.why
@@ -225,7 +233,8 @@ def test_a_search_that_goes_back_ends():
     effects = simulator.PHYSICS | {"snow": 0.75}
     data = simulator.record(site, effects=effects, days=365, step=300, seed=1313104)
     place = study_worlds.World(site, 1313104).place.values()
-    search, loop = searched(data, "faiman", (*place,), None, **USUAL)
+    how = USUAL | {"effects": SLIDES}
+    search, loop = searched(data, "faiman", (*place,), None, **how)
     (drift,) = (e for e in search.doubted if e.channel and is_drift(e))
     assert drift.name in search.closed
     assert not any(drift.name in f.candidates for f in loop.findings if f.added)

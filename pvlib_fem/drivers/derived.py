@@ -31,6 +31,7 @@ from pvlib_fem.drivers.water import (
     days_since_rain,
     film_vapour,
     snow_cover,
+    snow_left,
     wetness,
 )
 from pvlib_fem.record.columns import GEOMETRY
@@ -62,6 +63,7 @@ DERIVED = {
     "wetness": (("precipitation",), wetness),
     "days_since_rain": (("precipitation",), days_since_rain),
     "snow_cover": (("snow_depth", "temp_air", "poa_global"), snow_cover),
+    "snow_left": (("snow_cover", "snow_depth", "temp_air", "poa_global"), snow_left),
     "poa_past_1h": (("poa_global",), past(HOUR)),
     "poa_past_3h": (("poa_global",), past(3.0 * HOUR)),
     "air_past": (("temp_air",), past(3.0 * HOUR)),
@@ -166,8 +168,8 @@ def is_derived(name):
 
 #: those that know of a row what was, or will be, hours and weeks from it
 REMEMBERED = (
-    *("beam_around", "cloud_share", "wetness", "days_since_rain", "snow_cover"),
-    *("poa_past_1h", "poa_past_3h", "air_past"),
+    *("beam_around", "cloud_share", "wetness", "days_since_rain"),
+    *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
 )
 
 

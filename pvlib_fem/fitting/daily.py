@@ -38,15 +38,22 @@ def errors(target, daily, at_bound, notes):
             f"days, and there are {daily.sums.days}"
         )
         return stderr
-    _, unknown = directions(daily.sums.whole[:-1, :-1])
-    if tied := tied_names(daily.names, unknown):
-        notes.append(
-            f"errors are NaN: the record does not determine {' and '.join(tied)} "
-            "(does wind_speed vary?)"
-        )
+    # of what is nowhere to be seen, as snow that never stays, no other error depends
+    seen = np.flatnonzero(np.diag(daily.sums.whole)[:-1] > 0.0)
+    names, sums = [daily.names[place] for place in seen], daily.sums.of(seen)
+    if nothing := [name for name in daily.names if name not in names]:
+        notes.append(f"the error is NaN: {undetermined(nothing)}")
+    _, unknown = directions(sums.whole[:-1, :-1])
+    if tied := tied_names(names, unknown):
+        notes.append(f"errors are NaN: {undetermined(tied)}")
         return stderr
-    error = np.sqrt(np.diag(daily.sums.by_day()))
-    return {**stderr, **dict(zip(daily.names, error.tolist()))}
+    error = np.sqrt(np.diag(sums.by_day()))
+    return {**stderr, **dict(zip(names, error.tolist()))}
+
+
+def undetermined(names):
+    hint = "" if all("." in name for name in names) else " (does wind_speed vary?)"
+    return f"the record does not determine {' and '.join(names)}{hint}"
 
 
 def directions(normal):

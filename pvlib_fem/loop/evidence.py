@@ -147,7 +147,7 @@ class Evidence:
 
     def lacking(self, effect, coefficients):
         """The same of a model that has all but one of its effects, to weigh that."""
-        keys = tuple(effect.rows())
+        keys = tuple(key for key in effect.rows() if key in self.order)
         found = self.adding({key: coefficients[key] for key in keys})
         return replace(
             found,
@@ -158,6 +158,8 @@ class Evidence:
 
     def with_effect(self, effect, columns, known):
         """The same with the tangents of one more effect, on the rows it is known."""
+        # of what is nowhere to be seen, as snow that never stays, nothing is asked
+        columns = {n: c for n, c in columns.items() if c[known].any()} or columns
         found = self.on_some(effect.name, columns, known)
         return replace(
             found,
@@ -304,7 +306,8 @@ class Evidence:
         statistic = step @ np.linalg.solve(covariance, step) / len(own)
         chance = float(fisher.sf(statistic, len(own), freedom))
         share = np.sqrt(sums.rows / len(self.rows))
-        keys, scale = self.effects[name].rows(), sums.scale[own]
+        rows, scale = self.effects[name].rows(), sums.scale[own]
+        keys = {key: rows[key] for key in self.own[name]}
         family = self.family.of(self.effects[name])
         coefficients = dict(zip(keys, (step / scale).tolist()))
         stderr = dict(zip(keys, (error / scale).tolist()))

@@ -41,9 +41,9 @@ def gather(
     inputs, tried, terms, failed = ready(model, inputs, seen, candidates)
     temperature, slopes = model.slopes(inputs, coefficients, also=terms)
     del terms  # as large as the slopes
-    base = [name for name in model.free if name not in fixed]
     wrong = misfits(temperature - coefficients["bias"], record)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
+    base = [n for n in model.free if n not in fixed and slopes[n][rows].any()]
 
     def tangents(slopes, names):
         # each is let go as its rows are taken, else all would be there twice

@@ -106,7 +106,8 @@ def descent(start, lower, upper, steps=STEPS, flat=FLAT):
 def bounded_step(at, lower, upper):
     """Best linear step within bounds, from the scaled normal matrix."""
     scale = np.sqrt(np.diag(at.normal))
-    scale[scale == 0] = 1.0
+    nothing = scale == 0
+    scale[nothing] = 1.0
     values, vectors = np.linalg.eigh(at.normal / np.outer(scale, scale))
     # directions that the record does not determine are left where they are
     known = values > 1e-12 * values[-1]
@@ -115,6 +116,7 @@ def bounded_step(at, lower, upper):
     right = vectors[:, known].T @ (at.gradient / scale) / root
     low, high = lower * scale, upper * scale
     step = vectors[:, known] @ (right / root)
+    step[nothing] = 0.0  # and no rounding
     if ((low <= step) & (step <= high)).all():
         return step / scale
     free = high > low
