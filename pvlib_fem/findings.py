@@ -6,6 +6,8 @@ from typing import Self
 
 import numpy as np
 
+from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.reasons import Because
 from pvlib_fem.stored import Stored
 
@@ -30,6 +32,13 @@ class Kind(Enum):
     OWN = "an effect of the user's own"
     COLUMN = "a column of the user's own"
     STRUCTURE = "structure of unknown cause"
+
+    @classmethod
+    def of(cls, effect: Effect) -> "Kind":
+        """Of an effect: of the catalogue, of the user's own, or a column."""
+        if effect.column:
+            return cls.COLUMN
+        return cls.EFFECT if effect.name in EFFECTS else cls.OWN
 
 
 @dataclass(frozen=True)

@@ -248,6 +248,18 @@ def weights_of(effect, days):
     return effect.terms.course.weight(**effect.terms.dates)(np.asarray(days) + 0.5)
 
 
+def once_more(effect, changes):
+    """Whether a change may be of the date of one that is there already."""
+    return bool(effect.channel) and any(
+        one.channel and same_date(effect, one) for one in changes
+    )
+
+
+def changes_of(effects):
+    """Those effects that are changes of an instrument."""
+    return tuple(effect for effect in effects if effect.channel)
+
+
 def alike(effect):
     """Effects that come and go along such a course."""
     return effect.terms.course.alike

@@ -17,6 +17,9 @@ from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks
 
+#: models without effects by the name of their step, and their dynamics
+BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
+
 
 @dataclass(frozen=True, eq=False)
 class Case:

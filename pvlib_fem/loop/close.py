@@ -11,30 +11,22 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.effects.courses import is_drift, same_course
+from pvlib_fem.effects.courses import changes_of, is_drift, same_course
 from pvlib_fem.findings import CORRECTED, Verdict
-from pvlib_fem.fitting.daily import errors
-from pvlib_fem.fitting.fit import finished
-from pvlib_fem.fitting.rows import Rows, daily_sums
-from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.confirm import bounds, confirmed, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.files import OwnSteps, in_means, on_days
 from pvlib_fem.loop.leaks import leaks
+from pvlib_fem.loop.outcome import outcome
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed
-from pvlib_fem.loop.ranges import everywhere, vouched, with_ranges
-from pvlib_fem.loop.ranking import as_row, ranked
-from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
+from pvlib_fem.loop.ranges import everywhere, vouched
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.rules import in_the_end, weighed
-from pvlib_fem.loop.steps import BASES, SCORES, Fits, Step, error_table
-from pvlib_fem.loop.structure import sorting
-from pvlib_fem.loop.table import Ranking, table_of
+from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
-from pvlib_fem.loop.weeks import Part, named
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
@@ -170,7 +162,9 @@ def searched(data, model, place, progress, **how):
                 how["holdout"] = on_days(how["holdout"], data.index)
         tell("checking the record")
         search = Search(Fits(prepared(data, site, **how)), tell, own=own)
-        found = search.run(steady_model(model))
+        ended = search.run(steady_model(model))
+        tell("measuring the errors of the test weeks")
+        found = outcome(search, *ended)
         if own is not None:
             found = own.told(found)
     return search, replace(found, given=given)
@@ -199,7 +193,7 @@ class Search:
         return self.fits.case
 
     def run(self, steady):
-        """The loop itself."""
+        """The last step, the name of the one before all effects, and what is left."""
         self.untestable |= self.case.untestable
         self.corrections += self.case.corrections
         self.tell("fitting the model without effects")
@@ -219,8 +213,7 @@ class Search:
         step, found = self.rounds(step)
         while doubted := self.doubtful(step, found) or self.contradicted(step):
             step, found = self.rounds(self.gone_back(step, *doubted))
-        self.tell("measuring the errors of the test weeks")
-        return self.result(step, base, found)
+        return step, base, found
 
     def rounds(self, step):
         """The step when no effect is found any more, and what it leaves."""
@@ -426,91 +419,3 @@ class Search:
         nearest = left.index(min(left))
         material = left[0] - left[nearest] > self.case.criteria.min_gain**2
         return held[nearest if material else 0]
-
-    def result(self, last, base, found):
-        """All that was found, as a finished thing."""
-        case, notes = self.case, []
-        record, tabled = self.fits.prepared(case.whole, last.model)
-        rows = case.fitting & record.known(last.model.drivers)
-        at_bound = last.at_bound
-        source = Rows(record, rows)
-        daily = daily_sums(tabled, last.coefficients, source, at_bound)
-        stderr = errors(tabled, daily, at_bound, notes)
-        table = error_table(case, self.steps)
-        fit = finished(
-            last.model,
-            record,
-            last.temperature,
-            (case.fitting, case.test, case.parts == Part.TEST),
-            (last.coefficients, stderr, at_bound, last.converged),
-            scores=table[SCORES].rename_axis(None),
-            notes=tuple(notes),
-            method="least_squares",
-            night=True,
-            daily=daily,
-        )
-        findings = [with_errors(f, last, stderr) for f in self.findings]
-        findings += self.vetoed.values()
-        ranking, more, unseen = self.left_over(found, findings, last)
-        raw = self.steps[base]
-        before = pd.Series(raw.measured - raw.temperature, record.index)
-        stretches = episodes_of(case, last)
-        # of the two dynamics the loop went on with one
-        path = [n for n in self.steps if n not in BASES or n in ("steady", base)]
-        budget = budget_of(case, self.steps, path, table, more, stretches)
-        return Loop(
-            findings=tuple(more),
-            corrections=tuple(self.corrections),
-            table=table,
-            base=base,
-            last=list(table.index)[-1] if last is not self.steps[base] else base,
-            untestable=self.untestable | unseen,
-            ranking=ranking,
-            fit=fit,
-            notes=case.notes,
-            place=case.place,
-            residual_before=before.rename("residual"),
-            weeks=pd.Series(named(case.parts), record.index, name="weeks"),
-            plain=(self.steps[base].model, self.start.coefficients),
-            criteria=case.criteria,
-            family=case.family.physics,
-            weighed=found is not None,
-            budget=budget,
-            episodes=stretches,
-        )
-
-    def left_over(self, found, findings, last):
-        """The ranking, all findings with their ranges, and what was not to be seen."""
-        case = self.case
-        if found is None:
-            days, least = case.fitting_days, case.criteria.fewest_fitting_days
-            few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
-            return table_of({}), findings, {effect.name: few for effect in case.wanted}
-        rows = ranked(found, case.days)
-        told = (case, found, rows)
-        by = sorting(case, found, [])
-        changes = changes_of(last.model.effects)
-        findings = [*findings, *hints(*told, findings, self.aside, changes)]
-        tables = [*tables_left(case, found, by)]
-        findings += [unexplained(*table) for table in tables]
-        findings = with_ranges(findings, found, last, [table for table, _ in tables])
-        unseen = dict(not_seen(case, found, rows, findings))
-        table = table_of({name: as_row(*row) for name, row in rows.items()})
-        table = table.sort_values("gain", ascending=False, kind="stable")
-        return Ranking(table), findings, unseen
-
-
-def changes_of(effects):
-    """Those effects that are changes of an instrument."""
-    return tuple(effect for effect in effects if effect.channel)
-
-
-def with_errors(finding, last, stderr):
-    """The finding with the coefficients of the last fit, where it is in it."""
-    if finding.effect not in {effect.name for effect in last.model.effects}:
-        return finding
-    return replace(
-        finding,
-        coefficients={k: last.coefficients[k] for k in finding.coefficients},
-        stderr={k: stderr[k] for k in finding.stderr},
-    )

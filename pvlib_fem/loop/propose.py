@@ -10,6 +10,7 @@ from pvlib_fem.effects.courses import (
     is_drift,
     is_step,
     known_within,
+    once_more,
     same_course,
     same_date,
 )
@@ -276,13 +277,6 @@ def can_be(weight):
     return weight is None or weight.possible
 
 
-def once_more(effect, changes):
-    """Whether a change may be of the date of one that is there already."""
-    return bool(effect.channel) and any(
-        one.channel and same_date(effect, one) for one in changes
-    )
-
-
 def answers(found, name, other):
     """Whether one of a class, once it is taken, leaves no other of it to ask for."""
     one, two = found.effects[name], found.effects[other]
@@ -355,7 +349,7 @@ def proposed(case, found, weight, heard, checks):
         weight.stderr,
         why,
         checks,
-        kind_of(effects[0]),
+        Kind.of(effects[0]),
         place=dated(effects[0]),
         witnesses=heard.witnesses,
     )
@@ -364,13 +358,6 @@ def proposed(case, found, weight, heard, checks):
 def dated(effect):
     """The dates of a change in words, and of other effects nothing."""
     return effect.source if effect.channel else ""
-
-
-def kind_of(effect):
-    """Whether an effect is of the catalogue, of the user's own, or a column."""
-    if effect.column:
-        return Kind.COLUMN
-    return Kind.EFFECT if effect.name in EFFECTS else Kind.OWN
 
 
 def renamed(finding, found, name, given=()):

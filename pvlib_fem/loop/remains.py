@@ -2,8 +2,8 @@
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects.courses import once_more
 from pvlib_fem.findings import Check, Finding, Kind, Verdict
-from pvlib_fem.loop.propose import kind_of, once_more
 from pvlib_fem.loop.rules import all_pass, material, rules
 from pvlib_fem.loop.structure import structure
 from pvlib_fem.reasons import Reason, because
@@ -46,7 +46,7 @@ def hints(case, found, rows, findings, aside, changes):
             weight.stderr,
             why,
             checks,
-            kind_of(effect),
+            Kind.of(effect),
         )
 
 

@@ -4,25 +4,19 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import natural, possible, tables
 from pvlib_fem.fitting.stages import minimise
-from pvlib_fem.loop.case import Case
+from pvlib_fem.loop.case import BASES, Case
 from pvlib_fem.loop.gather import gather
-from pvlib_fem.record.columns import DAYLIGHT
 from pvlib_fem.spelling import FIXED, refusal
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
 FROZEN = MappingProxyType({})
-SCORES = [
-    f"{name}_{part}" for part in ("train", "test") for name in ("rmse", "mae", "mbe")
-]
-BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
 MEMORIES = {*MEMORY["ewm"], *MEMORY["balance"]}
 
 
@@ -180,26 +174,3 @@ def check_held(steady_model, case):
         )
     dynamics = "balance" if {*MEMORY["balance"]} & {*case.fixed} else "ewm"
     possible(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)
-
-
-def error_table(case, steps):
-    """Errors of each step on fitting and test rows, on those that all steps know."""
-    poa = pd.Series(case.whole["poa_global"], case.whole.index)
-    sunny = case.whole["poa_global"] > DAYLIGHT
-    everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
-    fitting, test = case.fitting & everywhere, case.test & everywhere
-    rows = {}
-    for name, step in steps.items():
-        module, modelled = step.measured, step.temperature
-        row = {
-            f"{score}_{part}": value
-            for part, at in (("train", fitting), ("test", test))
-            for score, value in scores.all_three(module[at] - modelled[at]).items()
-        }
-        row["rmse_test_day"] = step.error(test & sunny)
-        row["rmse_test_night"] = step.error(test & ~sunny)
-        there = pd.Series(np.where(test, module, np.nan), poa.index)
-        energy = scores.energy_error(poa, there, pd.Series(modelled, poa.index))
-        row["energy_error_test"] = energy.performance_ratio
-        rows[name] = row
-    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pvlib_fem.effects.courses import changes_of
 from pvlib_fem.effects.effect import Effect
-from pvlib_fem.loop.close import changes_of
 from pvlib_fem.loop.evidence import Evidence, Weight
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.propose import Proposals
