@@ -59,7 +59,7 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --shift 2110000 --out docs/study.md
+	$(BIN)/python tests/study.py --shift 2410000 2510000 --out docs/study.md
 
 # what it says of instruments that change among physics
 study-instruments: $(VENV)/.installed

@@ -16,6 +16,7 @@ from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import dates_of
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
+from pvlib_fem.statistics.clusters import root
 from pvlib_fem.thermal.model import ThermalModel
 
 
@@ -143,17 +144,12 @@ def own_checks(finding, worth, fit, choosing, criteria):
     after = stages.index(f"+ {finding.effect}")
     before, after = stages[after - 1], stages[after]
     # what means alone follow is none of the module's
-    squares, worth = fit.scores["rmse_train"] ** 2, max(finding.gain, 0.0) ** 2
-    fall = max(squares[before] - squares[after], 0.0)
-    words, keeps = (
-        "share kept on the record's own steps",
-        fall / worth if worth else 1.0,
-    )
+    squares, words = fit.scores["rmse_train"] ** 2, "share kept on the own steps"
+    fall = float(squares[before] - squares[after])
+    keeps = fall / worth if worth > 0.0 else 1.0
     yield (
         Check(words, "structure_keeps", keeps, criteria.structure_keeps),
-        because(
-            Reason.LESS_ON_OWN_STEPS, gain=float(np.sqrt(fall)), means=finding.gain
-        ),
+        because(Reason.LESS_ON_OWN_STEPS, gain=root(fall), means=root(worth)),
     )
     days = fit.held_out.loc[fit.held_out.index.isin(choosing)]
     left = (days[stage].to_numpy() for stage in (before, after))
