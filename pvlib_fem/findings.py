@@ -373,3 +373,14 @@ class Correction:
         error = f"{self.before:.2f} → {self.after:.2f} {self.unit}"
         head = f"{self.fault}: {words}, {error}"
         return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])
+
+
+def vouched(finding):
+    """Ends of what witnesses that agree with a change leave of its coefficient."""
+    return [
+        end
+        for one in finding.witnesses
+        if one.opinion is Opinion.AGREES and one.effect == finding.effect
+        for end in (one.low, one.high)
+        if np.isfinite(end)
+    ]

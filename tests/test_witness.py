@@ -14,7 +14,7 @@ from test_instruments import DATES, closed, dated, half_a_year, with_change  # n
 
 from pvlib_fem import close_loop
 from pvlib_fem.effects import EFFECTS, find
-from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict
+from pvlib_fem.findings import NIGHT, OUTPUT, Finding, Opinion, Verdict, Witness
 from pvlib_fem.loop.comparisons import (
     COMPARISONS,
     SKY,
@@ -23,8 +23,11 @@ from pvlib_fem.loop.comparisons import (
     apart,
     usual,
 )
+from pvlib_fem.loop.confirm import refit_checks
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.propose import Proposals
 from pvlib_fem.loop.witness import courses
+from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import is_power, twin_of, vouches
 from pvlib_fem.stored import Stored
 
@@ -393,3 +396,29 @@ def test_what_a_class_shares_with_the_model_is_not_fitted_twice():
     loop = close_loop(data, check_units=False, **world.place)
     names = [effect.name for effect in loop.fit.effects]
     assert "snow" in names and len(names) == len({*names})
+
+
+def test_a_change_that_a_witness_agrees_with_need_not_be_sure_in_a_refit():
+    """Days of another cause may rule least squares; power knows nothing of them."""
+    effect = dated("sensitivity_step")
+    (key,) = effect.rows()
+    some = np.zeros(4)
+    model = SimpleNamespace(effects=(effect,), drivers=())
+    step = SimpleNamespace(
+        model=model, temperature=some, measured=some, at_bound=(), coefficients={key: 1}
+    )
+    whole = SimpleNamespace(known=lambda names: some == 0.0, dates=np.arange(4))
+    case = SimpleNamespace(
+        seen=some == 0.0, choosing=some > 0.0, whole=whole, criteria=Criteria()
+    )
+    power = Witness("p_dc", effect.name, 0.1, 0.01, 0.1, Opinion.AGREES, "-", 0.1, 0.2)
+    asked = []
+    for witnesses in ((), (power,), (replace(power, opinion=Opinion.CONTRADICTS),)):
+        finding = Finding(
+            *(effect.name, (effect.name,), Verdict.NAMED, 0.4, {key: 0.1}, {key: 0.1}),
+            because(Reason.NO_DATE),
+            witnesses=witnesses,
+        )
+        checks = refit_checks(finding, case, step, step, {key: 0.5})
+        asked.append(["sure" in check.criterion for check, _ in checks])
+    assert [any(one) for one in asked] == [True, False, True]

@@ -12,7 +12,7 @@ from pvlib.location import Location
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.courses import changes_of, is_drift, same_course
-from pvlib_fem.findings import CORRECTED, Verdict
+from pvlib_fem.findings import CORRECTED, Verdict, vouched
 from pvlib_fem.loop.confirm import bounds, confirmed, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
@@ -22,7 +22,7 @@ from pvlib_fem.loop.outcome import outcome
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.propose import Proposals, renamed
-from pvlib_fem.loop.ranges import everywhere, vouched
+from pvlib_fem.loop.ranges import everywhere
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.rules import in_the_end, weighed
 from pvlib_fem.loop.steps import Fits, Step

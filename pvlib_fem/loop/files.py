@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.findings import Check
+from pvlib_fem.findings import Check, vouched
 from pvlib_fem.fitting.files import FileFit, fitted, given_days
 from pvlib_fem.fitting.passes import first_pass
 from pvlib_fem.loop.confirm import bounds, choosing_check, rise_of, sureness
@@ -139,7 +139,8 @@ def impossible(model, corrected):
 def own_checks(finding, worth, fit, choosing, criteria):
     """Checks of a finding by a fit to the own steps, each with why it fails."""
     yield bounds(finding.coefficients, fit)
-    yield sureness(finding, fit.coefficients, fit.stderr, criteria)
+    if not vouched(finding):
+        yield sureness(finding, fit.coefficients, fit.stderr, criteria)
     stages = list(fit.scores.index)
     after = stages.index(f"+ {finding.effect}")
     before, after = stages[after - 1], stages[after]

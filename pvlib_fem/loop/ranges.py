@@ -23,7 +23,7 @@ from scipy.stats import t as student
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects.effect import deciding
 from pvlib_fem.effects.instruments import LIT
-from pvlib_fem.findings import OUTPUT, Check, Opinion, Verdict
+from pvlib_fem.findings import OUTPUT, Check, Verdict, vouched
 from pvlib_fem.loop.evidence import UNSEEN
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.statistics.clusters import ClusterSums, cluster_sums
@@ -238,14 +238,3 @@ def ranged(finding, step, reach):
                 low, high = max(low, min(*seen, value)), min(high, max(*seen, value))
             found[name] = (max(low, row.lower), min(high, row.upper))
     return replace(finding, ranges=found)
-
-
-def vouched(finding):
-    """Ends of what witnesses that agree with a change leave of its coefficient."""
-    return [
-        end
-        for one in finding.witnesses
-        if one.opinion is Opinion.AGREES and one.effect == finding.effect
-        for end in (one.low, one.high)
-        if np.isfinite(end)
-    ]
