@@ -63,7 +63,7 @@ study: $(VENV)/.installed
 
 # what it says of instruments that change among physics
 study-instruments: $(VENV)/.installed
-	$(BIN)/python tests/study_instruments.py --seed 26000 --out docs/study_instruments.md
+	$(BIN)/python tests/study_instruments.py --seed 29000 --records 200 --out docs/study_instruments.md
 
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
