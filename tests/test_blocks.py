@@ -12,6 +12,7 @@ from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem.effects import find
+from pvlib_fem.fitting import rows as rows_of
 from pvlib_fem.fitting.rows import Rows, daily_sums, normal_sums
 from pvlib_fem.fitting.search import with_tables
 from pvlib_fem.record.inputs import as_record
@@ -154,6 +155,28 @@ def test_the_compiled_loops_are_the_columns(kind, law, dynamics, monkeypatch):
     ):
         np.testing.assert_allclose(one / scale, other / scale, **close)
     assert ours[1].squares == pytest.approx(theirs[1].squares, rel=1e-12)
+
+
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+@pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
+def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
+    """What is between them is long enough that nothing of the one is in the next."""
+    whole, (model, values) = record(kind), model_of("faiman", dynamics, ())
+    values |= {"tau": 60.0} if dynamics == "ewm" else {}
+    values |= {"capacity": 1.5e3} if dynamics == "balance" else {}
+    counts = whole.known(COLUMNS) & (whole["poa_global"] > 20)
+    parts = thermal.blocks(len(counts), 20)
+    monkeypatch.setattr(rows_of, "blocks", lambda n, *_: thermal.blocks(n, 20))
+    monkeypatch.setattr(rows_of, "EVERY", 4)
+    found = normal_sums(model, values, Rows(whole, counts).thinned(), model.free)
+    each = [
+        Rows(replace(whole, inputs=whole.inputs.part(part)), counts[part])
+        for part in parts[::4]
+    ]
+    each = [normal_sums(model, values, one, model.free) for one in each if one.count]
+    for name, ours in vars(found).items():
+        theirs = sum(vars(one)[name] for one in each)
+        np.testing.assert_allclose(ours, theirs, rtol=1e-6)
 
 
 def test_the_package_does_not_load_numba():
