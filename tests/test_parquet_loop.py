@@ -8,6 +8,7 @@ from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem.cli import main
+from pvlib_fem.loop.files import OwnSteps
 from pvlib_fem.simulator import PHYSICS, record
 
 pytest.importorskip("pyarrow")
@@ -109,6 +110,23 @@ def test_what_means_alone_follow_is_withdrawn(tmp_path):
     assert found.checks[-1].criterion == "structure_keeps"
     assert "driver:fan" not in loop.effects
     assert loop.own_steps.thermal_model.effects == loop.fit.effects
+
+
+def test_a_finding_is_weighed_by_the_step_on_which_it_was_tried(folder, monkeypatch):
+    """With a tau that is held it is the paper's form; balance comes after that."""
+    falls, against = [], OwnSteps.against
+
+    def kept(self, case, step, inputs, corrected, asked):
+        falls.extend(asked)
+        return against(self, case, step, inputs, corrected, asked)
+
+    monkeypatch.setattr(OwnSteps, "against", kept)
+    loop = fem.close_loop(folder, fixed={"tau": 600.0})
+    squares = loop.table["rmse_train"] ** 2
+    path = ["fem", *(name for name in squares.index if name.startswith("+"))]
+    assert [f"+{finding.effect}" for finding, _ in falls] == path[1:] and falls
+    for (_, fall), before, after in zip(falls, path, path[1:]):
+        assert fall == pytest.approx(squares[before] - squares[after], rel=1e-2)
 
 
 def test_days_are_held_out_and_the_command_goes(folder, loops):

@@ -90,7 +90,7 @@ def snow_cover(snow_depth, temp_air, poa_global, inputs, *, snowfall=0.5):
     known = 0.0 * (snow_depth + temp_air + poa_global)
     depth = np.nan_to_num(snow_depth)
     grows = depth - smoothed(depth, inputs, HOUR) > snowfall
-    warm = (temp_air > poa_global / -80.0) & (poa_global > 50.0)
+    warm = may_slide(temp_air, poa_global) & (poa_global > 50.0)
     slid = smoothed(warm * 1.0, inputs, HOUR) > 1.0 - np.exp(-1.5)
     rows = np.arange(len(depth))
     grew, slid = (
@@ -120,8 +120,13 @@ def snow_left(
     """
     seconds = inputs.seconds
     hours = np.diff(seconds, prepend=seconds[0]) / HOUR
-    warm = np.cumsum((temp_air > poa_global / -80.0) * hours)
+    warm = np.cumsum(may_slide(temp_air, poa_global) * hours)
     rows = np.arange(len(hours))
     covered = np.maximum.accumulate(np.where(snow_cover > 0.0, rows, 0))
     left = np.clip(1.0 - (warm - warm[covered]) / sliding, 0.0, 1.0)
     return (1.0 - snow_cover) * left * (snow_depth > lying)
+
+
+def may_slide(temp_air, poa_global):
+    """Whether snow may slide from a module in such air and sun."""
+    return temp_air > poa_global / -80.0

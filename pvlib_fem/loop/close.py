@@ -356,13 +356,12 @@ class Search:
         if self.own is None:
             return None
         self.tell("fitting the record's own steps")
-        names, fitting = list(self.steps), self.case.fitting
-        squares = {n: one.error(fitting) ** 2 for n, one in self.steps.items()}
-        falls = []
+        fitting, falls = self.case.fitting, []
         for finding in self.findings:
-            if (name := f"+{finding.effect}") in names:
-                before = names[names.index(name) - 1]
-                falls.append((finding, squares[before] - squares[name]))
+            if after := self.steps.get(f"+{finding.effect}"):
+                before = self.step_before(finding)
+                fall = before.error(fitting) ** 2 - after.error(fitting) ** 2
+                falls.append((finding, fall))
         inputs = self.fits.prepared(self.case.whole, step.model)[0].inputs
         corrected = any(one.applied for one in self.corrections)
         return self.own.against(self.case, step, inputs, corrected, falls)
@@ -373,10 +372,15 @@ class Search:
         self.steps, self.findings, self.vetoed = map(copy, self.before[finding.effect])
         self.vetoed[finding.effect] = refused(finding, check, why)
         self.doubted += (effects[finding.effect],)
-        # before the first effect the last of the steps is the other of the two dynamics
-        later = [one for name, one in self.steps.items() if name[0] in "+-"]
-        last = later[-1] if later else self.start
+        last = self.step_before(finding)
         return self.on_own_steps(last) if last.model.effects else last
+
+    def step_before(self, finding):
+        """The step on which a finding was tried."""
+        # before the first effect the last of the steps is the other of the two dynamics
+        steps, *_ = self.before[finding.effect]
+        later = [one for name, one in steps.items() if name[0] in "+-"]
+        return later[-1] if later else self.start
 
     def removed(self, finding, check, why, step):
         """The step without a finding, which does not pass a check after all."""

@@ -85,8 +85,7 @@ class Inputs:
     def part(self, rows):
         """The inputs of a slice of the rows."""
         steps = self.steps if np.ndim(self.steps) == 0 else self.steps[rows]
-        columns = {name: values[rows] for name, values in self.columns.items()}
-        return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
+        return self.by_steps(rows, steps)
 
     def taken(self, rows):
         """The inputs of some rows, each as long after the one before as it was."""
@@ -94,6 +93,10 @@ class Inputs:
             steps = self.steps * np.diff(rows, prepend=rows[0] - 1)
         else:
             steps = np.diff(np.cumsum(self.steps)[rows], prepend=0.0)
+        return self.by_steps(rows, steps)
+
+    def by_steps(self, rows, steps):
+        """The inputs of some rows, with the time between them."""
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
 

@@ -62,6 +62,11 @@ def faded(step, tau, usual):
 
 
 @inlined
+def keep(state, since, begun, value, by_memory):
+    state[0], state[1], state[2], state[3] = since, begun, value, by_memory
+
+
+@inlined
 def carried(values, steps, state):
     """Whether all of a column follows what was before, by even steps."""
     whole = state[0] == 0.0 and state[1] == 1.0
@@ -90,7 +95,7 @@ def smooth(values, steps, tau, usual, state, means, by_tau, lefts):
         mean = decay * mean + (1.0 - decay) * values[i]
         means[i], by_tau[i], lefts[i] = mean, slope, decay
         since, begun = 0.0, 1.0
-    state[0], state[1], state[2], state[3] = since, begun, mean, slope
+    keep(state, since, begun, mean, slope)
 
 
 @compiled
@@ -108,11 +113,6 @@ def smooth_both(one, two, step, tau, usual, state, into, into_two):
         means_two[i], slopes_two[i] = mean_two, slope_two
     state[0, 2:4], state[1, 2:4] = (mean, slope), (mean_two, slope_two)
     return decay
-
-
-@inlined
-def keep(state, since, begun, value, by_memory):
-    state[0], state[1], state[2], state[3] = since, begun, value, by_memory
 
 
 @inlined
