@@ -1,7 +1,7 @@
 """How good a modelled temperature is: in K, in energy, and as a delayed sensor."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -73,16 +73,42 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
     return mean_of(difference(measured, modelled))
 
 
-def all_three(error: np.ndarray) -> dict[str, float]:
-    """RMSE, MAE and MBE by name of measured less modelled temperatures. [K]"""
-    known = np.isfinite(error)
-    there = error if known.all() else error[known]
-    size = np.abs(there)
-    return {
-        "rmse": float(np.sqrt(mean_of(there**2))),
-        "mae": mean_of(size),
-        "mbe": mean_of(there),
+@dataclass(eq=False)
+class Tally:
+    """Errors, measured less modelled, so far, of which scores are made."""
+
+    rows: int = 0
+    sums: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def add(self, error):
+        total = error.sum()
+        if not np.isfinite(total):
+            error = error[np.isfinite(error)]
+            total = error.sum()
+        self.rows += len(error)
+        # no product of BLAS, whose bits depend on its threads
+        self.sums += np.einsum("i,i", error, error), np.abs(error).sum(), total
+
+    def of(self, part):
+        """RMSE, MAE and MBE by name, each followed by the part of a record. [K]"""
+        with np.errstate(invalid="ignore"):
+            square, size, mean = self.sums / (self.rows or np.nan)
+        found = {"rmse": np.sqrt(square), "mae": size, "mbe": mean}
+        return {f"{score}_{part}": float(value) for score, value in found.items()}
+
+
+def tallying():
+    """Tallies of the errors of one model on the days that are fitted and on others."""
+    return {"train": Tally(), "test": Tally()}
+
+
+def scored(tallies):
+    """A row of scores for each model."""
+    rows = {
+        name: {n: v for part, tally in parts.items() for n, v in tally.of(part).items()}
+        for name, parts in tallies.items()
     }
+    return pd.DataFrame.from_dict(rows, orient="index")
 
 
 def difference(measured, modelled):

@@ -179,6 +179,32 @@ def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
         np.testing.assert_allclose(ours, theirs, rtol=1e-6)
 
 
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+@pytest.mark.parametrize("effects", [(), EFFECTS])
+def test_rows_that_nothing_remembers_are_left_out(dynamics, effects, monkeypatch):
+    """The compiled loops do not read days that do not count, but for their ends."""
+    pytest.importorskip("numba")
+    monkeypatch.setattr(compiled, "LONG", 1)
+    model, values = model_of("faiman", dynamics, effects)
+    whole = record("gaps")
+    day = whole.dates - whole.dates[0]
+    counts = (whole["poa_global"] > 20) & ((day == 0) | (day == 5))
+
+    def found(poa_global):
+        one = replace(whole, inputs=model.with_drivers(whole.inputs))
+        one = one.having({"poa_global": poa_global})
+        tabled = with_tables(model, one)
+        temperature = next(tabled.in_blocks(one.inputs, values, counts))
+        sums = normal_sums(tabled, values, Rows(one, counts), model.free)
+        return temperature[counts].copy(), *vars(sums).values()
+
+    light = whole["poa_global"]
+    ours = found(np.where((day > 1) & (day < 4), np.inf, light))
+    monkeypatch.setattr(compiled, "LONG", len(light) + 1)
+    for one, other in zip(ours, found(light)):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
 def test_the_package_does_not_load_numba():
     words = "import sys, pvlib_fem; assert 'numba' not in sys.modules"
     subprocess.run([sys.executable, "-c", words], check=True)

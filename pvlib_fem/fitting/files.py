@@ -160,7 +160,7 @@ def fitted(files, target, notes) -> FileFit:
         effects=target.effects,
         coefficients=coefficients,
         stderr={name: stderr.get(name, 0.0) for name in coefficients},
-        scores=pd.DataFrame.from_dict(table, orient="index"),
+        scores=table,
         residual=None,
         at_bound=at_bound,
         converged=minimum.converged,

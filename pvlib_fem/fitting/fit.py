@@ -14,7 +14,7 @@ from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.files import fit_files
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.fitting.rows import Rows, with_temperature
+from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import possible
 from pvlib_fem.fitting.stages import (
     METHODS,
@@ -32,7 +32,7 @@ from pvlib_fem.record.columns import ALIASES, COLUMNS, with_aliases
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
-from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.thermal.model import ALONE, blocks, thermal_model
 from pvlib_fem.types import FilePath
 
 MEMORIES = ("tau", "capacity")  # of which each dynamics has one
@@ -195,7 +195,8 @@ def fit_fem(
         at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
         converged = minimum.converged
         found = last(stages)[1]
-        temperature, daily = with_temperature(target, found, source, at_bound)
+        temperature = np.empty(len(record.index))
+        daily = daily_sums(target, found, source, at_bound, temperature)
         stderr = errors(target, daily, at_bound, notes)
         notes += memory_notes(
             source, target, found, stderr, at_bound, record.count_days(train)
@@ -323,16 +324,19 @@ def finished(target, record, temperature, parts, minimum, **how):
 
 def score_table(record, stages, temperature, train, test):
     """RMSE, MAE and MBE of every stage, of which the last has that temperature."""
-    parts = {"train": np.flatnonzero(train), "test": np.flatnonzero(test)}
-    table, final = {}, [*stages][-1]
-    for name, (model, coefficients) in stages.items():
-        modelled = temperature
-        if name != final:
-            modelled = model.temperature(record.inputs, coefficients)
-        error = record["temp_module"] - modelled
-        table[name] = {
-            f"{score}_{part}": value
-            for part, rows in parts.items()
-            for score, value in scores.all_three(error[rows]).items()
-        }
-    return pd.DataFrame.from_dict(table, orient="index")
+    kept = {"train": train, "test": test}
+    tallies = {name: scores.tallying() for name in stages}
+    *before, final = stages
+    given = [(name, *stages[name]) for name in before]
+    counts = train | test
+    found = {n: m.in_blocks(record.inputs, own, counts) for n, m, own in given}
+    # block by block, so that all find the columns in the cache
+    for block in blocks(len(record.index), ALONE):
+        rows = {part: np.flatnonzero(rows[block]) for part, rows in kept.items()}
+        modelled = {name: next(one) for name, one in found.items()}
+        modelled[final] = temperature[block]
+        for name, own in modelled.items():
+            error = record["temp_module"][block] - own
+            for part, some in rows.items():
+                tallies[name][part].add(error[some])
+    return scores.scored(tallies)

@@ -8,14 +8,15 @@ import pandas as pd
 
 from pvlib_fem.drivers import MODELLED, behind, completed, remembered
 from pvlib_fem.fitting.daily import DailySums
-from pvlib_fem.fitting.rows import Answer, Compiled
-from pvlib_fem.fitting.seen import Gaps, Seen, Tally, by_day, even, rows_that_count
+from pvlib_fem.fitting.rows import Compiled, answer_of
+from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.inputs import Inputs, Record
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
+from pvlib_fem.scores import scored, tallying
 from pvlib_fem.statistics.clusters import cluster_sums_of, joined
 from pvlib_fem.statistics.leastsquares import Normal
 from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
@@ -149,11 +150,11 @@ class Files:
 
         Returns
         -------
-        dict of dict, DailySums, DataFrame
+        DataFrame, DailySums, DataFrame
             The last of the days held out: their rows, and the sum of the squares of
             what each of the models leaves.
         """
-        tallies = {key: {"train": Tally(), "test": Tally()} for key in asked}
+        tallies = {key: tallying() for key in asked}
         by_day, days = [], {name: np.zeros(len(self.out)) for name in ("rows", *asked)}
         for part, given in self.parts(asked):
             out, counts = self.held_out(part.dates), part.counts["counted"]
@@ -166,10 +167,11 @@ class Files:
             for key, (model, own) in given.items():
                 quick = self.quick(model)
                 if key == last:
-                    found, *sums = part.ended(model, own, names, quick)
-                    by_day.append(sums)
+                    found = np.empty(len(part.dates))
+                    answer = part.answered(model, own, "train", quick)
+                    by_day.append(answer.by_day(names, found))
                 else:
-                    found = temperature_of(model, own, quick)
+                    found = temperature_of(model, own, quick, counts)
                 error = part.measured - found
                 for which, at in rows.items():
                     tallies[key][which].add(error[at])
@@ -177,16 +179,8 @@ class Files:
                 days[key] += np.bincount(place, squares, minlength=len(self.out))
         rows = int(self.rows[~np.isin(self.dates, self.out)].sum())
         sums = cluster_sums_of(*joined(by_day), rows)
-        table = {
-            key: {
-                f"{score}_{part}": value
-                for part, tally in parts.items()
-                for score, value in tally.scores().items()
-            }
-            for key, parts in tallies.items()
-        }
         held_out = pd.DataFrame(days, index=self.out)
-        return table, DailySums(names, sums, self.winds), held_out
+        return scored(tallies), DailySums(names, sums, self.winds), held_out
 
     @property
     def at_once(self):
@@ -252,34 +246,17 @@ class Part:
     def answered(self, model, given, which, quick):
         """What a model says of those of the rows that count."""
         counts = self.counts[which]
-        dates = self.dates[counts]
         if quick:
-            return Compiled(model, given, counts, self.measured, dates)
-        found, slopes = model.answer(*given)
-        return self.answer(found, slopes, counts)
-
-    def answer(self, found, slopes, counts):
-        rows = np.flatnonzero(counts)
-        slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
-        return Answer(self.measured[rows], found[rows], slopes, self.dates[rows])
-
-    def ended(self, model, given, names, quick):
-        """Temperature, and dates and products by the day of rows that are fitted."""
-        counts = self.counts["train"]
-        if quick:
-            return Compiled(
-                model, given, counts, self.measured, self.dates[counts]
-            ).with_temperature(names)
-        found, slopes = model.answer(*given)
-        return found, *self.answer(found, slopes, counts).by_day(names)
+            return Compiled(model, given, counts, self.measured, self.dates)
+        return answer_of(*model.answer(*given), counts, self.measured, self.dates)
 
 
-def temperature_of(model, given, quick):
-    """Temperature of a part, carried on from those before it. [°C]"""
+def temperature_of(model, given, quick, counts=None):
+    """Temperature of a part's rows, or of those that count, from those before. [°C]"""
     if not quick:
         return model.answer(*given, wanted=False)[0]
-    found = np.empty(len(given[0].index))
-    answered(model, *given, into=found)
+    found = np.zeros(len(given[0].index))
+    answered(model, *given, None if counts is None else (counts, np.nan), into=found)
     return found
 
 

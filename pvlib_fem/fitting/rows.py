@@ -17,7 +17,6 @@ from pvlib_fem.statistics.clusters import (
 from pvlib_fem.statistics.leastsquares import Normal, products
 from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
 from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
-from pvlib_fem.thermal.response import Past
 
 EVERY, FEWEST = 8, 4  # a search begins on each eighth block, where there are four
 
@@ -30,7 +29,12 @@ class Answer:
     temperature: np.ndarray  # [°C]
     slopes: Mapping  # by parameter
     dates: np.ndarray  # day of each row, from 1970-01-01
-    whole: np.ndarray | None = None  # temperature of the other rows, too
+    whole: np.ndarray  # temperature of the other rows, too
+
+    @property
+    def rows(self):
+        """How many rows the block has."""
+        return len(self.whole)
 
     def columns(self, names):
         """Some of the slopes, and what is left, side by side."""
@@ -43,13 +47,18 @@ class Answer:
         """Products of some of the slopes, and of what is left, over all rows."""
         return products(self.columns(names))
 
-    def by_day(self, names):
-        """The dates, and the same products over each."""
+    def by_day(self, names, into=None):
+        """The dates, and the same products over each; where it goes, temperature."""
+        if into is not None:
+            into[:] = self.whole
         return products_by_day(self.columns(names), self.dates)
 
-    def with_temperature(self, names):
-        """Temperature of all rows, and dates and products by the day."""
-        return self.whole, *self.by_day(names)
+
+def answer_of(temperature, slopes, counts, measured, dates):
+    """What a model says of all rows of a block, of those that count."""
+    rows = np.flatnonzero(counts)
+    slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
+    return Answer(measured[rows], temperature[rows], slopes, dates[rows], temperature)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +69,11 @@ class Compiled:
     given: tuple  # inputs, coefficients and past
     counts: np.ndarray
     measured: np.ndarray  # of all rows of the block
-    dates: np.ndarray  # of the rows that count
+    dates: np.ndarray  # of all rows, too
+
+    @property
+    def rows(self):
+        return len(self.counts)
 
     def summed(self, names, firsts=(), into=None):
         """Products over parts that begin at some rows; where it goes, temperature."""
@@ -74,16 +87,12 @@ class Compiled:
     def products(self, names):
         return self.summed(names).sum(axis=0)
 
-    def by_day(self, names):
-        return self.with_temperature(names)[1:]
-
-    def with_temperature(self, names):
-        """Temperature of all rows, and dates and products by the day."""
-        first, _ = starts(self.dates)
-        rows = np.flatnonzero(self.counts)[first]
-        found = np.empty(len(self.counts))
-        total = self.summed(names, rows[1:], found)
-        return found, self.dates[first], total[: len(first)]
+    def by_day(self, names, into=None):
+        rows = np.flatnonzero(self.counts)
+        dates = self.dates[rows]
+        first, _ = starts(dates)
+        total = self.summed(names, rows[first][1:], into)
+        return dates[first], total[: len(first)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +107,6 @@ class Rows:
     record: Record
     counts: np.ndarray  # booleans
     parts: dict = field(default_factory=dict, repr=False)  # by their size
-    usual: dict = field(default_factory=dict, repr=False)  # step, by the drivers
 
     @cached_property
     def count(self):
@@ -110,10 +118,10 @@ class Rows:
         """Usual time between rows. [s]"""
         return self.record.inputs.step
 
-    @cached_property
+    @property
     def wind(self):
         """Mean wind speed of the record. [m/s]"""
-        return float(np.nanmean(self.record["wind_speed"]))
+        return self.record.inputs.mean("wind_speed")
 
     @cached_property
     def winds(self):
@@ -121,28 +129,26 @@ class Rows:
         wind = self.record["wind_speed"][self.counts]
         weight = self.record["poa_global"][self.counts] ** 2
         total = max(weight.sum(), np.finfo(float).tiny)
-        mean = weight @ wind / total
-        return float(mean), float(np.sqrt(weight @ (wind - mean) ** 2 / total))
+        # no products of BLAS, whose bits depend on its threads
+        mean = (weight * wind).sum() / total
+        return float(mean), float(np.sqrt((weight * (wind - mean) ** 2).sum() / total))
 
     def answers(self, model, coefficients) -> Iterator[Answer | Compiled]:
         """What a model says of the rows that count, carried on over all others."""
-        inputs, drivers = self.record.inputs, tuple(model.drivers)
-        if drivers not in self.usual:
-            self.usual[drivers] = model.past(inputs).usual
-        known, past = model.knowing(inputs, coefficients), None
-        quick = fast(len(inputs.index), known.effects)
-        size = AT_ONCE if quick else BLOCK
-        for block, part, rows, measured, dates in self.divided(size):
-            if past is None:
-                past = Past(self.usual[drivers])
+        inputs, past = self.record.inputs, model.past(self.record.inputs)
+        known = model.knowing(inputs, coefficients)
+        rows, size = len(inputs.index), BLOCK
+        if quick := fast(rows, known.effects):
+            # but for the terms of effects the loops need no room
+            size = AT_ONCE if known.effects else rows
+        for block, part in self.divided(size):
             here, given = known.on(block), (part, coefficients, past)
+            seen = self.counts[block], part["temp_module"], self.record.dates[block]
             if quick:
-                yield Compiled(here, given, self.counts[block], measured, dates)
-                continue
-            temperature, slopes = here.answer(*given)
-            slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
-            found = measured[rows], temperature[rows], slopes, dates
-            yield Answer(*found, temperature)
+                yield Compiled(here, given, *seen)
+            else:
+                temperature, slopes = here.answer(*given)
+                yield answer_of(temperature, slopes, *seen)
 
     def thinned(self):
         """
@@ -162,18 +168,11 @@ class Rows:
         return Rows(replace(self.record, inputs=inputs), counts)
 
     def divided(self, size):
-        """The blocks of a size with what is the same in every pass."""
+        """The blocks of a size with their inputs, which are the same in every pass."""
         if size not in self.parts:
             places = blocks(len(self.record.index), size)
-            self.parts[size] = [*map(self.part, places)]
+            self.parts[size] = [(p, self.record.inputs.part(p)) for p in places]
         return self.parts[size]
-
-    def part(self, block):
-        """A block with what is the same in every pass."""
-        record, rows = self.record, np.flatnonzero(self.counts[block])
-        measured = np.array(record["temp_module"][block])
-        part, dates = record.inputs.part(block), record.dates[block][rows]
-        return block, part, rows, measured, dates
 
 
 def normal_sums(model, coefficients, source, names) -> Normal:
@@ -182,15 +181,16 @@ def normal_sums(model, coefficients, source, names) -> Normal:
     return Normal.of(sum(answer.products(names) for answer in answers))
 
 
-def daily_sums(model, coefficients, source, at_bound) -> DailySums:
-    """The sums of a minimum by the day, from one pass over a source."""
-    return with_temperature(model, coefficients, source, at_bound)[1]
+def daily_sums(model, coefficients, source, at_bound, into=None) -> DailySums:
+    """
+    The sums of a minimum by the day, from one pass over a source.
 
-
-def with_temperature(model, coefficients, source, at_bound):
-    """Temperature of all rows at a minimum, and sums by the day of those that count."""
+    Where it is given, ``into`` takes the temperature of all rows.
+    """
     names = tuple(name for name in model.free if name not in at_bound)
-    answers = source.answers(model, coefficients)
-    temperature, *found = zip(*(answer.with_temperature(names) for answer in answers))
-    sums = cluster_sums_of(*joined(zip(*found)), source.count)
-    return np.concatenate(temperature), DailySums(names, sums, source.winds)
+    found, end = [], 0
+    for answer in source.answers(model, coefficients):
+        first, end = end, end + answer.rows
+        found.append(answer.by_day(names, None if into is None else into[first:end]))
+    dates, sums = joined(found)
+    return DailySums(names, cluster_sums_of(dates, sums, source.count), source.winds)

@@ -49,25 +49,6 @@ class Seen:
 
 
 @dataclass(eq=False)
-class Tally:
-    """Errors so far, of which scores are made."""
-
-    rows: int = 0
-    sums: np.ndarray = field(default_factory=lambda: np.zeros(3))
-
-    def add(self, error):
-        there = error[np.isfinite(error)]
-        self.rows += len(there)
-        self.sums += there @ there, np.abs(there).sum(), there.sum()
-
-    def scores(self):
-        """RMSE, MAE and MBE by name. [K]"""
-        with np.errstate(invalid="ignore"):
-            square, size, mean = self.sums / (self.rows or np.nan)
-        return {"rmse": float(np.sqrt(square)), "mae": float(size), "mbe": float(mean)}
-
-
-@dataclass(eq=False)
 class Gaps:
     """How often which time is between rows that have some columns, so far."""
 

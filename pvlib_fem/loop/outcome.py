@@ -121,11 +121,11 @@ def error_table(case, steps):
     rows = {}
     for name, step in steps.items():
         module, modelled = step.measured, step.temperature
-        row = {
-            f"{score}_{part}": value
-            for part, at in (("train", fitting), ("test", test))
-            for score, value in scores.all_three(module[at] - modelled[at]).items()
-        }
+        row = {}
+        for part, at in (("train", fitting), ("test", test)):
+            tally = scores.Tally()
+            tally.add(module[at] - modelled[at])
+            row |= tally.of(part)
         row["rmse_test_day"] = step.error(test & sunny)
         row["rmse_test_night"] = step.error(test & ~sunny)
         there = pd.Series(np.where(test, module, np.nan), poa.index)

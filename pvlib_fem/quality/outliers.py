@@ -33,7 +33,7 @@ def fill_values(name, values, limits):
     bounds = possible(name)
     low, high = bounds[:2] if bounds else NO_CODE
     coded = np.zeros(len(values), dtype=bool)
-    rows = np.flatnonzero((values < low) | (values > high))
+    rows = np.flatnonzero(outside(values, low, high))
     if len(rows):
         known, rounded = as_codes(values[rows])
         coded[rows[known]] = True
@@ -105,7 +105,15 @@ def out_of_range(name, values):
     bounds = possible(name)
     if bounds is None:
         return np.zeros(len(values), dtype=bool)
-    return (values < bounds[0]) | (values > bounds[1])
+    return outside(values, *bounds[:2])
+
+
+def outside(values, low, high):
+    """Rows of values below the one or above the other."""
+    # of most columns the two ends tell, in a fraction of the time
+    if len(values) and np.fmin.reduce(values) >= low and np.fmax.reduce(values) <= high:
+        return np.zeros(len(values), dtype=bool)
+    return (values < low) | (values > high)
 
 
 def negative_by_day(poa, index, limits):
@@ -183,12 +191,12 @@ def range_ends(name, values, index, limits):
     """
     found = []
     for way in ENDS.get(name, ()):
-        size = way * values
-        most = np.fmax.reduce(size)
-        at = size == most
+        most = (np.fmax if way > 0 else np.fmin).reduce(values)
+        at = values == most
         rows = np.count_nonzero(at)
         if rows < limits.end_rows:
             continue
+        size, most = way * values, way * most
         if len(np.unique(dates_of(index[at]))) < limits.end_days:
             continue
         below = size[size < most]
@@ -238,10 +246,14 @@ def jumps(values, seconds, most, longest):
     ``most`` gives what can be, from the time between those two: the longer, the more.
     """
     result = np.zeros(len(values), dtype=bool)
-    there = np.flatnonzero(np.isfinite(values))
-    x = values[there]
+    known = np.isfinite(values)
+    x = values if known.all() else values[known]
     # no jump there and back without one there, of which there are few
-    begin = np.flatnonzero(np.abs(np.diff(x)) > most(0.0))
+    step, least = np.diff(x), most(0.0)
+    begin = np.flatnonzero(outside(step, -least, least))
+    if not len(begin):
+        return result
+    there = np.flatnonzero(known)
     for rows in range(1, longest + 1):
         begin = begin[begin + rows + 1 < len(x)]
         first, end = x[begin], begin + rows + 1

@@ -57,8 +57,8 @@ class Faults:
     @property
     def impossible(self):
         """Rows of each column that were not measured, those that repeat aside."""
-        names = self.record.inputs.columns
-        return {name: int(self.of(name, ("stuck",)).sum()) for name in names}
+        found = {name: self.of(name, ("stuck",)) for name in self.record.inputs.columns}
+        return {name: int(np.count_nonzero(rows)) for name, rows in found.items()}
 
     @property
     def counts(self):
@@ -212,7 +212,7 @@ LATER = tuple(kind for kind in RULES if kind != "fill value")
 
 def refuse_empty(found, clean):
     """Refuse one of the four columns in which no value is left."""
-    for row in found.counts.itertuples():
+    for row in found.counts.itertuples() if found.masks else ():
         if row.column in POSSIBLE and not np.isfinite(clean[row.column]).any():
             raise empty_error(row)
 

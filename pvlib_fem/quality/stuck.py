@@ -105,6 +105,8 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
             return some.extent(seen_by(other, columns))
 
         kept = still(repeated, extent, steps, limits)
+        if not kept.any():
+            continue
         rows = repeated.rows(kept, len(values)) & np.isfinite(values)
         found[name] = found[name] | rows
         # a module that stands still is no witness of what moves it
@@ -207,10 +209,11 @@ def runs(values, seconds, limits):
 def becalmed(values, seconds, limits):
     """Rows at 0 for longer than a calm lasts, of which gaps take no time."""
     rows = np.zeros(len(values), dtype=bool)
-    if len(values) < 2:
+    calm = np.count_nonzero(values == 0)
+    if len(values) < 2 or not calm:
         return rows
     usual = np.median(np.diff(seconds))
-    if np.count_nonzero(values == 0) * usual <= limits.calm:
+    if calm * usual <= limits.calm:
         return rows
     (there,) = np.nonzero(np.isfinite(values))
     steps = np.minimum(np.diff(seconds[there]), usual)

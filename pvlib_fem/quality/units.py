@@ -17,7 +17,7 @@ from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 #: even in °F, so that irradiance is at fault
 FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
 CONVERT = "Convert it first"
-ENOUGH = 50_000  # rows that tell units
+ENOUGH = 20_000  # rows that tell units
 DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
 
 

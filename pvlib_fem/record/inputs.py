@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -28,7 +29,9 @@ class Times:
     @cached_property
     def seconds(self):
         """Time of each row since the first. [s]"""
-        steps = np.array(np.broadcast_to(self.steps, len(self.index)), dtype=float)
+        if np.ndim(self.steps) == 0:
+            return np.arange(len(self.index)) * (self.steps * self.unit)
+        steps = np.array(self.steps, dtype=float)
         steps[0] = 0.0
         return np.cumsum(steps) * self.unit
 
@@ -40,7 +43,8 @@ class Times:
     @cached_property
     def runs(self):
         """First row of each run of rows of one date, and the date."""
-        first = np.flatnonzero(np.diff(self.dates, prepend=self.dates[:1] - 1))
+        other = self.dates[1:] != self.dates[:-1]
+        first = np.concatenate(([0], np.flatnonzero(other) + 1))[: len(self.dates)]
         return first, self.dates[first]
 
 
@@ -65,6 +69,17 @@ class Inputs:
 
     def __getitem__(self, name):
         return self.columns[name]
+
+    @cached_property
+    def known(self):
+        """What was found of the columns, by what it is, so that it is found once."""
+        return {}
+
+    def mean(self, name):
+        """Mean of what there is of a column."""
+        if name not in self.known:
+            self.known[name] = float(np.nanmean(self[name]))
+        return self.known[name]
 
     @property
     def step(self):
@@ -185,7 +200,8 @@ class Record:
         """Dates in order, and how many of some rows each has."""
         first, dates = self.inputs.times.runs
         days, place = np.unique(dates, return_inverse=True)
-        counts = np.add.reduceat(rows, first, dtype=int)
+        edges = pairwise([*first.tolist(), len(rows)])
+        counts = [np.count_nonzero(rows[start:end]) for start, end in edges]
         return days, np.bincount(place, counts).astype(int)
 
     def of_dates(self, dates):
@@ -306,13 +322,13 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
         if not isinstance(column.index, pd.DatetimeIndex):
             raise ValueError(no_datetimes(name, column.index))
     inputs = read(columns, purpose="fit_fem")
-    for name in columns:
-        if np.isnan(inputs[name]).all():
+    missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in columns}
+    for name, rows in missing.items():
+        if rows == len(inputs.index):
             raise ValueError(
                 f"{name} holds no value from {inputs.index[0]} to "
                 f"{inputs.index[-1]}; check the column's name and the logger"
             )
-    missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in columns}
     inputs = Inputs(inputs.columns, inputs.steps, inputs.unit, inputs.index, True)
     return Record(inputs, missing, {}, 0)
 

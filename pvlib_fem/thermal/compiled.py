@@ -61,6 +61,12 @@ def of_terms(slopes, names, rows):
     return tuple(more)
 
 
+def of_rows(seen, rows):
+    """Which rows count, by default all, and what was measured there."""
+    counts, measured = seen or (np.ones(rows, bool), np.nan)
+    return counts, whole(measured)
+
+
 def whole(column):
     """A column as the loops take it: all of its rows, or a number on some, as array."""
     if np.ndim(column) == 0:
@@ -84,12 +90,13 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None, into=None
     model, inputs, coefficients, past
         As :meth:`ThermalModel.answer` has them.
     seen : tuple of array, optional
-        Which rows count, and what was measured.
+        Which rows count, by default all, and what was measured.
     edges : array of int, optional
         The first row of each part, from 0 on, and the end of the last; without it no
         products are asked for.
     into : array, optional
-        Where the temperature goes; without it none is asked for.
+        Where the temperature goes; without it none is asked for. It is of all rows
+        where products are asked for, else of those that count.
 
     Returns
     -------
@@ -116,7 +123,7 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None, into=None
         (float(memory), float(inputs.unit), float(past.usual), is_there(added.loss)),
         (*map(whole, columns), into),
         of_terms(slopes, names, rows),
-        seen or (np.zeros(rows, bool), constant(np.nan)),
+        of_rows(seen, rows),
         edges if wanted else np.array([0, rows]),
         past.state,
         total,

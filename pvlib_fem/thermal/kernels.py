@@ -18,12 +18,14 @@ from pvlib_fem.thermal.steady import LOGARITHM, LOSS
 TILE = 1 << 9  # rows of which slopes and what they need stay in the cache
 APART = 8  # numbers between columns side by side, else all are of one set of the cache
 WORK = 10  # columns of a tile that are held beside its slopes
+FADED = 37.0  # time constants after which less is left than the last digit of a number
 STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals
 
 unsigned = np.uint64  # of a row, or each index is asked whether it counts from the end
 
 inlined = njit(inline="always", error_model="numpy")
-compiled = njit(cache=True, error_model="numpy")
+# a product and its sum in one step, which each recursion waits for
+compiled = njit(cache=True, error_model="numpy", fastmath={"contract"})
 
 
 @inlined
@@ -67,12 +69,21 @@ def keep(state, since, begun, value, by_memory):
 
 
 @inlined
-def carried(values, steps, state):
-    """Whether all of a column follows what was before, by even steps."""
+def follows(values, state):
+    """Whether all of a column is there, and so was what it follows."""
     whole = state[0] == 0.0 and state[1] == 1.0
     for i in range(len(values)):
-        whole &= (steps[i] == steps[0]) & (values[i] == values[i])
+        whole &= values[i] == values[i]
     return whole
+
+
+@inlined
+def even(steps):
+    """Whether all steps are the same."""
+    same = True
+    for i in range(len(steps)):
+        same &= steps[i] == steps[0]
+    return same
 
 
 @compiled
@@ -174,7 +185,7 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
     winds, winds_by_tau = work[3, :rows], work[4, :rows]
     leaks, leaks_by_tau, stays = work[5, :rows], work[6, :rows], work[7, :rows]
     r_eq, by_line = work[8, :rows], work[9, :rows]
-    if carried(heat, steps, state[0]) and carried(wind, steps, state[1]):
+    if even(steps) and follows(heat, state[0]) and follows(wind, state[1]):
         into = (felts, felts_by_tau), (winds, winds_by_tau)
         lefts[:] = smooth_both(heat, wind, steps[0], tau, usual, state, *into)
     else:
@@ -241,7 +252,14 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
     for i in range(rows):
         decays[i] = fade(steps[i], falls[i], usual)
     since, begun, module, by_memory = state[0, :4]
-    for i in range(rows):
+    whole = follows(targets, state[0])
+    for i in range(rows if whole else 0):
+        temperature[i] = (1.0 - decays[i]) * targets[i]
+    for i in range(rows if whole else 0):
+        falls[i] *= (module - targets[i]) * decays[i]
+        module = decays[i] * module + temperature[i]
+        temperature[i] = module + offset[i]
+    for i in range(0 if whole else rows):
         target = targets[i]
         if np.isnan(target):
             since, temperature[i] = since + steps[i], np.nan
@@ -260,21 +278,23 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
         return
     leaves(kept, measured, temperature, slopes)
     by_r, adds_0, adds_1 = work[5, :rows], work[6, :rows], work[7, :rows]
+    by_capacity = 1.0 / (capacity * unit)
     for i in range(rows):
         by_r[i] = (1.0 - decays[i]) * heat[i] + falls[i] / r_eq[i]
         adds_0[i] = by_r[i] * by_line[i]
         adds_1[i] = adds_0[i] * min(wind[i], clip)
-        falls[i] /= capacity * unit
+        falls[i] *= by_capacity
     of_0, of_1, own = state[1, 0], state[1, 1], state[1, 4:]
     for i in range(rows):
-        if not np.isnan(targets[i]):
+        if whole or not np.isnan(targets[i]):
             decay = decays[i]
             of_0 = decay * of_0 + adds_0[i]
             of_1 = decay * of_1 + adds_1[i]
             by_memory = decay * by_memory + falls[i]
-        slopes[0, i] = of_0 if counts[i] else 0.0
-        slopes[1, i] = of_1 if counts[i] else 0.0
-        slopes[2, i] = by_memory if counts[i] else 0.0
+        slopes[0, i], slopes[1, i], slopes[2, i] = of_0, of_1, by_memory
+    for k in range(3):
+        for i in range(kept[1], kept[2]):
+            slopes[k, i] = slopes[k, i] if counts[i] else 0.0
     state[0, 3], state[1, 0], state[1, 1] = by_memory, of_0, of_1
     for i in range(rows if len(hot) + len(lossy) else 0):
         if not np.isnan(targets[i]):
@@ -311,7 +331,7 @@ def span(counts):
         first += 1
     while last > first and not counts[last - 1]:
         last -= 1
-    return unsigned(first), unsigned(last)
+    return first, last
 
 
 @inlined
@@ -320,13 +340,50 @@ def tile(column, first, last, rows):
     return column[first:last] if len(column) == rows else column[: last - first]
 
 
+@inlined
+def longest(dynamics, law, memory, losses):
+    """Longest time constant of any row, in the unit of the steps; inf if not known."""
+    if dynamics == STEADY:
+        return 0.0
+    if dynamics == EWM:
+        return memory[0]
+    scale, value, slope, _ = law
+    calm = value
+    if scale == LOGARITHM:
+        calm = np.exp(value)
+    elif scale == LOSS:
+        calm, slope = 1.0 / value, -slope
+    least = 0.0
+    for i in range(len(losses)):
+        least = min(least, losses[i])
+    share = 1.0 + least * calm
+    if slope > 0.0 or not calm > 0.0 or not share > 0.0:
+        return np.inf
+    return memory[0] * calm / share
+
+
+@inlined
+def sought(counts, steps, first, lasting):
+    """The next row that counts, or the end; and the one from where that remembers."""
+    ahead, rows = first, len(counts)
+    while ahead < rows and not counts[ahead]:
+        ahead += 1
+    since, past = ahead, 0.0
+    while since > first and past < lasting:
+        since -= 1
+        past += steps[since] if len(steps) == rows else steps[0]
+    return ahead, since
+
+
 @compiled
 def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     """
     Temperature of rows that follow each other, and products over parts of them.
 
     So few rows at a time that their slopes stay in the innermost cache. A column of
-    no more than these is the same in all of them.
+    no more than these is the same in all of them. Rows are left out that none that
+    counts remembers, as of most nights, and of days held out; but where products are
+    asked for and temperature, that is of all rows.
     """
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
@@ -334,13 +391,26 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     wanted, end = len(total) > 0, len(air)
     slopes = np.zeros((state.shape[1], TILE + APART if wanted else 0))
     work = np.empty((WORK, TILE + APART))
+    lasting, ahead, since = np.inf, -1, 0
+    if not (wanted and len(temperature) == end):
+        lasting = FADED * longest(dynamics, law, memory, loss)
     for part in range(len(edges) - 1):
-        for first in range(edges[part], edges[part + 1], TILE):
-            a, b = first, min(first + TILE, edges[part + 1])
-            low, high = span(counts[a:b])
-            shown = low, high
-            if len(temperature) == end:
-                shown = unsigned(0), unsigned(b - a)
+        b = edges[part]
+        while b < edges[part + 1]:
+            if b > ahead and lasting < np.inf:
+                ahead, since = sought(counts, steps, b, lasting)
+            a = max(b, since)
+            b = min(a + TILE, edges[part + 1])
+            if a >= b:
+                break
+            low, high = 0, b - a
+            if wanted or lasting < np.inf:
+                low, high = span(counts[a:b])
+            if lasting < np.inf and a + high < b:
+                ahead, since = sought(counts, steps, a + high, lasting)
+                b = min(b, a + high) if since > a + high else b
+            low, high, rows = unsigned(low), unsigned(high), unsigned(b - a)
+            shown = (low, high) if len(temperature) != end else (unsigned(0), rows)
             given = (
                 law,
                 memory,

@@ -14,13 +14,14 @@ from pvlib_fem.record.checks import at_time
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.record.inputs import read
 from pvlib_fem.relaxation import usual_step
-from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
+from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.dynamics import balanced, smoothed, steady
 from pvlib_fem.thermal.response import Past
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem.thermal.temperature import TAU, losing
 
-BLOCK = 1 << 14  # rows that are answered at a time: their columns stay in the cache
+# rows that are answered at a time, with slopes or without: they stay in the cache
+BLOCK, ALONE = 1 << 14, 1 << 16
 #: time constant that stands for a steady model: shorter than any logger's step
 INSTANT = 1e-9  # s
 
@@ -215,15 +216,31 @@ class ThermalModel:
 
     def temperature(self, inputs, coefficients):
         """Module temperature of checked inputs, all coefficients given. [°C]"""
-        rows = len(inputs.index)
-        model = self.knowing(inputs, coefficients, False)
-        if not fast(rows, model.effects):
-            return self.slopes(inputs, coefficients, wanted=False)[0]
-        temperature, past = np.empty(rows), self.past(inputs)
-        for block in blocks(rows, AT_ONCE):
-            given = inputs.part(block), coefficients, past
-            answered(model.on(block), *given, into=temperature[block])
+        temperature = np.empty(len(inputs.index))
+        found = self.in_blocks(inputs, coefficients)
+        for block in blocks(len(temperature), ALONE):
+            temperature[block] = next(found)
         return temperature
+
+    def in_blocks(self, inputs, coefficients, counts=None):
+        """
+        Temperature of so many rows at a time, each until the next is asked for.
+
+        Rows that do not count may hold anything.
+        """
+        rows, past = len(inputs.index), self.past(inputs)
+        model = self.knowing(inputs, coefficients, False)
+        quick = fast(rows, model.effects)
+        scratch = np.zeros(min(ALONE, rows))
+        for block in blocks(rows, ALONE):
+            given, here = (inputs.part(block), coefficients, past), model.on(block)
+            found = scratch[: len(given[0].index)]
+            if quick:
+                seen = None if counts is None else (counts[block], np.nan)
+                answered(here, *given, seen, into=found)
+            else:
+                found = here.answer(*given, wanted=False)[0]
+            yield found
 
     def slopes(self, inputs, coefficients, wanted=True, also=None):
         """
@@ -260,8 +277,11 @@ class ThermalModel:
 
     def past(self, inputs):
         """What is before the first row of a record."""
-        columns = (*COLUMNS[:3], *self.drivers)
-        return Past(usual_step([inputs[name] for name in columns], inputs.steps))
+        names = (*COLUMNS[:3], *self.drivers)
+        if names not in inputs.known:
+            columns = [inputs[name] for name in names]
+            inputs.known[names] = usual_step(columns, inputs.steps)
+        return Past(inputs.known[names])
 
     def answer(self, inputs, coefficients, past, wanted=True, also=None):
         """
