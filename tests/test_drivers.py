@@ -245,7 +245,9 @@ def test_the_year_begins_in_january():
 
 def test_what_is_missing_stays_missing(plant):
     """And nothing else: a row counts where all that was measured is there."""
-    holes = plant[[*needed_for(DERIVED), "poa_global", "temp_air"]].iloc[:3000]
+    holes = plant[[*needed_for(DERIVED), "poa_global", "temp_air", "wind_speed"]].iloc[
+        :3000
+    ]
     holes = holes.assign(temp_base=holes["temp_air"] + 5.0)
     for i in range(holes.shape[1]):
         holes.iloc[1200 + 10 * i : 1205 + 10 * i, i] = np.nan

@@ -7,6 +7,7 @@ What the function takes after the star are its constants, which can be set.
 
 import inspect
 from dataclasses import replace
+from functools import lru_cache
 
 from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, past, stored
 from pvlib_fem.drivers.sky import (
@@ -26,6 +27,8 @@ from pvlib_fem.drivers.solar import (
     beam_clear,
     clearness,
     ghi_estimated,
+    sun_east,
+    sun_north,
 )
 from pvlib_fem.drivers.water import (
     days_since_rain,
@@ -34,6 +37,7 @@ from pvlib_fem.drivers.water import (
     snow_left,
     wetness,
 )
+from pvlib_fem.drivers.wind import wind_east, wind_north
 from pvlib_fem.record.columns import GEOMETRY
 
 #: name: (columns that it needs, how to compute it from them and the times)
@@ -70,6 +74,10 @@ DERIVED = {
     "poa_stored_1h": (("poa_past_1h", "poa_global"), stored),
     "poa_stored_3h": (("poa_past_3h", "poa_global"), stored),
     "air_stored": (("air_past", "temp_air"), stored),
+    "wind_north": (("wind_speed", "wind_direction"), wind_north),
+    "wind_east": (("wind_speed", "wind_direction"), wind_east),
+    "sun_north": (("solar_azimuth",), sun_north),
+    "sun_east": (("solar_azimuth",), sun_east),
     "day": ((), day),
     "day_angle": ((), day_angle),
 }
@@ -136,12 +144,14 @@ def constants(name):
 
 def own_constants(function, besides=()):
     """What a function takes after the star, with its usual value."""
+    taken = after_the_star(function)
+    return {name: value for name, value in taken.items() if name not in besides}
+
+
+@lru_cache(maxsize=256)  # a signature takes as long as a short column
+def after_the_star(function):
     taken = inspect.signature(function).parameters.values()
-    return {
-        p.name: p.default
-        for p in taken
-        if p.kind is p.KEYWORD_ONLY and p.name not in besides
-    }
+    return {p.name: p.default for p in taken if p.kind is p.KEYWORD_ONLY}
 
 
 def with_constants(name, settings):

@@ -164,6 +164,16 @@ def beam(poa_global, clearness, aoi_projection, inputs):
     return np.minimum(direct * np.maximum(aoi_projection, 0.0), poa_global)
 
 
+def sun_north(solar_azimuth, inputs):
+    """How far in the north the sun stands, of its place around. [-]"""
+    return np.cos(np.radians(solar_azimuth))
+
+
+def sun_east(solar_azimuth, inputs):
+    """The same in the east. [-]"""
+    return np.sin(np.radians(solar_azimuth))
+
+
 def beam_clear(solar_zenith, aoi_projection, inputs):
     """
     Beam in the plane under a clear sky [1]_. [W/m²]

@@ -20,7 +20,7 @@ ALIKE = 1e-9  # of a gain, by which no other is larger
 TURNS = 20  # of edges in azimuth and in elevation, until neither moves
 
 
-def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
+def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
     """
     Windows of the sky that take beam from the module, or from its sensor.
 
@@ -38,6 +38,8 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
     sign : float
         1 where the module loses beam, -1 where the sensor does.
     criteria : object
+    rows : int, optional
+        How many the record has, of which these are the lit ones; by default these.
 
     Returns
     -------
@@ -50,7 +52,7 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
     if not sunny.any():
         return 0.0, ()
     basis = basis[sunny]
-    floor = len(rest) * criteria.hint_gain**2
+    floor = (rows or len(rest)) * criteria.hint_gain**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
     sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)
     mask, gain = np.zeros(sky.squares.shape, dtype=bool), 0.0
@@ -62,7 +64,9 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria):
             break
         # the cells of the step as a column, beside those that are there already
         column = tangent * (new ^ mask).ravel()[sky.place]
-        known = np.column_stack([basis, tangent * mask.ravel()[sky.place]])
+        known = basis
+        if mask.any():
+            known = np.column_stack([basis, tangent * mask.ravel()[sky.place]])
         # that there is an obstacle takes more than which shape it has
         errors = certainty(rest, column, known, weeks, few=not mask.any())
         if errors < criteria.window_errors:
@@ -237,14 +241,15 @@ def of_pairs(strip, there, weigh):
     return np.triu(weigh(product, square, squares - 2.0 * also.T @ known), 1)
 
 
-def orthonormal(columns):
-    """An orthonormal basis of what columns span."""
+def orthonormal(columns, rows=slice(None)):
+    """Some rows of an orthonormal basis of what columns span."""
     sizes = [np.linalg.norm(column) for column in columns]
-    columns = np.column_stack([c / size for c, size in zip(columns, sizes) if size > 0])
+    columns = np.array([c for c, size in zip(columns, sizes) if size > 0])
+    columns /= np.array([size for size in sizes if size > 0])[:, None]
     # from the small matrix of their products, which is one pass over the rows
-    squares, turns = np.linalg.eigh(columns.T @ columns)
+    squares, turns = np.linalg.eigh(columns @ columns.T)
     kept = squares > UNSEEN**2 * squares[-1]
-    return columns @ (turns[:, kept] / np.sqrt(squares[kept]))
+    return columns[:, rows].T @ (turns[:, kept] / np.sqrt(squares[kept]))
 
 
 def certainty(rest, column, known, weeks, few=False):
@@ -254,10 +259,8 @@ def certainty(rest, column, known, weeks, few=False):
     Where they may be ``few`` those of the normal law that have the chance of Student's:
     a small window is crossed by the sun in few weeks, whose spread says little.
     """
-    known = known[:, np.abs(known).sum(axis=0) > 0]
-    both = np.column_stack([column, known])
     found = np.linalg.lstsq(known, np.column_stack([column, rest]), rcond=None)[0]
-    column, rest = both[:, 0] - known @ found[:, 0], rest - known @ found[:, 1]
+    column, rest = column - known @ found[:, 0], rest - known @ found[:, 1]
     share = (column @ rest) / max(column @ column, 1e-300)
     week = np.unique(weeks, return_inverse=True)[1]
     scores = np.bincount(week, column * (rest - share * column))

@@ -109,6 +109,11 @@ class Case:
         weeks = calendar_weeks(self.record.dates[self.searched])
         return np.unique(weeks, return_inverse=True)[1] % self.criteria.folds
 
+    def placed(self, record):
+        """A record with the place of sun and module, where that is known."""
+        places = geometry(record.index, **self.site)
+        return record.having({name: c.to_numpy() for name, c in places.items()})
+
     def without(self, effect):
         """The case without an effect, and the column that it follows."""
         wanted = tuple(other for other in self.wanted if other.name != effect.name)
@@ -142,15 +147,12 @@ def divided(whole, case):
     short = whole
     if whole.inputs.seconds[-1] > 0:
         hidden = without_answer(whole, case.parts == Part.TEST)
-        # the sun is where it is, and nothing is averaged over a horizon
-        known = geometry(whole.index[:1], **case.site)
-        hidden = hidden.only([n for n in hidden.inputs.columns if n not in known])
         short = coarse(hidden, limits.search_step, limits.step_present)
         short = whole if short is hidden else short
-    if short is not whole:
-        places = geometry(short.index, **case.site)
-        short = short.having({name: c.to_numpy() for name, c in places.items()})
-    return replace(case, whole=whole, record=short, seen=seen)
+    # the sun is where it is, and nothing is averaged over a horizon
+    record = case.placed(short)
+    whole = record if short is whole else whole
+    return replace(case, whole=whole, record=record, seen=seen)
 
 
 def follows(poa_global, *columns):

@@ -16,12 +16,13 @@ from pvlib_fem.findings import CORRECTED, Verdict, vouched
 from pvlib_fem.loop.confirm import bounds, confirmed, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.loop.files import OwnSteps, in_means, on_days
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.outcome import outcome
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
-from pvlib_fem.loop.propose import Proposals, renamed
+from pvlib_fem.loop.propose import Proposals, choices_of
 from pvlib_fem.loop.ranges import everywhere
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.rules import in_the_end, weighed
@@ -187,13 +188,14 @@ class Search:
     aside: dict = field(default_factory=dict)  # checks of what waits, by name
     clock: Clock = field(default_factory=Clock)  # by which the module's was set right
     own: OwnSteps | None = None  # of files, of which the case has means
+    left: Evidence | None = None  # of all that the last step lacks
 
     @property
     def case(self):
         return self.fits.case
 
     def run(self, steady):
-        """The last step, the name of the one before all effects, and what is left."""
+        """The last step, and the name of the one before all effects."""
         self.untestable |= self.case.untestable
         self.corrections += self.case.corrections
         self.tell("fitting the model without effects")
@@ -210,26 +212,25 @@ class Search:
                 self.steps[CORRECTED] = step
         self.start = step
         self.leave_out_leaks(step)
-        step, found = self.rounds(step)
-        while doubted := self.doubtful(step, found) or self.contradicted(step):
-            step, found = self.rounds(self.gone_back(step, *doubted))
-        return step, base, found
+        step = self.rounds(step)
+        while doubted := self.doubtful(step, self.left) or self.contradicted(step):
+            step = self.rounds(self.gone_back(step, *doubted))
+        return step, base
 
     def rounds(self, step):
-        """The step when no effect is found any more, and what it leaves."""
-        found, limits = None, self.case.criteria
+        """The step when no effect is found any more; what it leaves is kept."""
+        self.left, limits = None, self.case.criteria
         for turn in range(limits.rounds if self.case.divisible else 0):
             self.tell(f"weighing effects, round {turn + 1}")
-            found = self.evidence(step)
-            last, step = step, self.further(step, found)
+            self.left = self.evidence(step)
+            last, step = step, self.further(step, self.left)
             if step is last:
                 break
-            found = None  # as large as that of the next round
             step = self.on_own_steps(self.within_bounds(step))
-            self.fits.let_go()
-        if found is None and self.case.divisible:
-            found = self.evidence(step)  # what is told is of the model that is told
-        return step, found
+            self.fits.let_go("whole")
+        if self.left is None and self.case.divisible:
+            self.left = self.evidence(step)  # what is told is of the model that is told
+        return step
 
     def further(self, step, found):
         """The last step that holds, of those with what one more round proposes."""
@@ -239,9 +240,11 @@ class Search:
         beside = (step.coefficients, dated)
         proposals = Proposals(self.case, found, frozenset(done), *beside)
         new, self.aside = proposals.run(), proposals.aside
+        choices = [[*choices_of(finding, proposals.found)] for finding in new]
+        del found, proposals  # as large as what is fitted
         names = ", ".join(f.effect for f in new if f.added)
         self.tell(f"fitting {names or 'no further effect'}")
-        return self.added(new, proposals.found, step)
+        return self.added(new, choices, step)
 
     def on_own_steps(self, step):
         """The last step, fitted to the record's own steps, and with its own base."""
@@ -302,15 +305,16 @@ class Search:
             case = case.without(effect)
         self.fits.case = case
 
-    def added(self, new, found, step):
+    def added(self, new, choices, step):
         """The last step that holds, of those with one more effect each."""
-        for finding in new:
+        for finding, own in zip(new, choices):
             if finding.verdict != Verdict.SUGGESTIVE:
-                finding, attempt = self.tried(finding, found, step)
+                finding, attempt = self.tried(own, step)
                 if not finding.added:
                     # beside effects that come later it may hold
                     self.vetoed[finding.effect] = finding
                     continue
+                self.left = None  # it is of another model now
                 so_far = (self.steps, self.findings, self.vetoed)
                 self.before[finding.effect] = tuple(map(copy, so_far))
                 self.steps.pop(f"+{finding.effect}", None)  # the last one comes last
@@ -392,9 +396,9 @@ class Search:
         self.steps[f"- {finding.effect}"] = fit
         return fit
 
-    def tried(self, finding, found, step):
+    def tried(self, choices, step):
         """
-        The finding and its fit, by the first of its candidates that holds.
+        A finding and its fit, by the first of its candidates that holds.
 
         Changes are large, and a tangent is a poor judge of which comes nearest: those
         that come and go alike are fitted, too, and one that leaves less by what is
@@ -402,11 +406,9 @@ class Search:
         """
         tries, held = [], []
         there = {effect.name for effect in step.model.effects}
-        for name in (n for n in finding.candidates if n not in there):
-            mine = renamed(finding, found, name)
-            if mine is None:
+        for mine, effect in choices:
+            if effect.name in there:
                 continue
-            effect = found.effects[name]
             if held and not same_course(held[0][1].model.effects[-1], effect):
                 continue
             larger = replace(step.model, effects=(*step.model.effects, effect))

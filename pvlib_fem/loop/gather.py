@@ -7,11 +7,13 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import needed_for
-from pvlib_fem.effects.effect import Effect, Terms
+from pvlib_fem.effects.effect import Effect, Terms, tabled
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.relaxation import relax
 from pvlib_fem.statistics.clusters import calendar_weeks
+
+FEW = 12  # effects of which the tangents are made at a time
 
 
 def gather(
@@ -38,19 +40,14 @@ def gather(
     """
     model = replace(model, base=model.base or coefficients)
     inputs = model.with_base(model.with_drivers(record.inputs))
-    inputs, tried, terms, failed = ready(model, inputs, seen, candidates)
-    temperature, slopes = model.slopes(inputs, coefficients, also=terms)
-    del terms  # as large as the slopes
+    inputs, tried, failed = ready(model, inputs, seen, candidates)
+    temperature, slopes = model.slopes(inputs, coefficients)
     wrong = misfits(temperature - coefficients["bias"], record)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
     base = [n for n in model.free if n not in fixed and slopes[n][rows].any()]
-
-    def tangents(slopes, names):
-        # each is let go as its rows are taken, else all would be there twice
-        return {name: np.ascontiguousarray(slopes.pop(name)[rows]) for name in names}
-
+    columns = {name: slopes[name] for name in base} | wrong
     found = Evidence(
-        tangents(slopes, base) | {n: column[rows] for n, column in wrong.items()},
+        {name: column[rows] for name, column in columns.items()},
         (record["temp_module"] - temperature)[rows],
         record.dates[rows],
         rows,
@@ -60,9 +57,9 @@ def gather(
         criteria=criteria,
         snowy=snowy(record, rows),
     )
-    scanned, changing = [], []
-    for one in tried:
-        own = tangents(slopes, one.keys)
+    del slopes, wrong, columns  # of all rows
+    scanned, changing, at = [], [], (model, coefficients, rows)
+    for one, own in tangents(tried, failed, inputs, *at):
         known = record.known(needed_for(one.wide.drivers))[rows]
         if not all(np.isfinite(column[known]).all() for column in own.values()):
             failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
@@ -80,9 +77,8 @@ def gather(
             failed[wide.name] = because(Reason.NO_WINDOW)
             continue
         there = replace(model, effects=(effect,)).with_drivers(inputs)
-        terms = terms_of(effect, there.columns)
-        slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
-        found = found.with_effect(effect, tangents(slopes, [*terms]), known)
+        for _, own in tangents([Tried(effect)], failed, there, *at):
+            found = found.with_effect(effect, own, known)
     return with_changes(found, tuple(changing), failed)
 
 
@@ -91,7 +87,6 @@ class Tried:
     """What is tried first of an effect, or of a channel along its courses."""
 
     wide: Effect
-    keys: tuple  # of its terms
     scan: Callable | None = None  # that takes the effect from the wide one
     courses: tuple = ()  # effects whose dates are to be found
 
@@ -102,12 +97,12 @@ class Tried:
 
 def ready(model, inputs, seen, candidates):
     """
-    Inputs with the drivers of all effects, what is tried, its terms, and why not.
+    Inputs with the drivers of all effects, what is tried of them, and why not.
 
     An effect that is scanned enters as the wide one from which its scan takes it, and
     all courses of a channel as the channel, whole.
     """
-    tried, terms, failed = {}, {}, {}
+    tried, failed = {}, {}
     for effect in candidates:
         try:
             if effect.prepare:
@@ -121,13 +116,34 @@ def ready(model, inputs, seen, candidates):
                     continue
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
             courses = (effect,) if effect.dates else ()
-            own = terms_of(wide, inputs.columns)
-            tried[name] = Tried(wide, tuple(own), effect.scan, courses)
-            terms |= own
+            tried[name] = Tried(wide, effect.scan, courses)
         except Exception as error:  # whatever an effect does, the others go on
-            words = f"{type(error).__name__}: {error}"
-            failed[effect.name] = because(Reason.BROKEN, error=words)
-    return inputs, [*tried.values()], terms, failed
+            failed[effect.name] = broken(error)
+    return inputs, [*tried.values()], failed
+
+
+def broken(error):
+    """Why an effect cannot be tried that raises an error of its own."""
+    return because(Reason.BROKEN, error=f"{type(error).__name__}: {error}")
+
+
+def tangents(tried, failed, inputs, model, coefficients, rows):
+    """
+    What is tried with the tangents of its parameters at some rows, one by one.
+
+    Of a few at a time terms and slopes are held on all rows.
+    """
+    for first in range(0, len(tried), FEW):
+        terms, there = {}, []
+        for one in tried[first : first + FEW]:
+            try:
+                terms |= terms_of(one.wide, inputs.columns)
+                there.append(one)
+            except Exception as error:
+                failed |= dict.fromkeys(one.names, broken(error))
+        slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
+        for one in there:
+            yield one, {key: slopes.pop(key)[rows] for key in one.wide.rows()}
 
 
 def with_changes(found, changing, failed):
@@ -146,7 +162,7 @@ def snowy(record, rows):
 
 def terms_of(effect, columns):
     """Slopes of an effect's terms from where it adds nothing."""
-    slopes = effect.slopes(columns, effect.start)
+    slopes = tabled(effect, columns).slopes(columns, effect.start)
     return {key: held(slope) for key, slope in slopes.items()}
 
 

@@ -69,7 +69,7 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
     plane = None if off else estimated(look, site)
     if plane is not None:
         site = site | plane.angles
-    sun = geometry(look.whole.index, **site)
+    sun = geometry(look.whole.index[:1], **site)  # what of it is known
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
@@ -186,10 +186,10 @@ def in_standard_time(data, holdout, look, how):
 
 
 def used(look, sun):
-    """The record of what is used, with the sun, and the rows that may count."""
+    """The record of what is used, without the sun, and the rows that may count."""
     stands, whole = look.health.mask | look.still, look.whole
-    kept = {n: c for n, c in whole.inputs.columns.items() if n not in look.refused}
-    kept |= {name: column.to_numpy() for name, column in sun.items()}
+    others = {*look.refused, *sun}  # of which the second comes where it is asked for
+    kept = {n: c for n, c in whole.inputs.columns.items() if n not in others}
     blank = {name: rows for name, rows in look.health.frozen.items() if name in kept}
     blank["temp_module"] = stands | blank.get("temp_module", False)
     # what needs no gap is no copy

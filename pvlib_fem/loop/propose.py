@@ -360,6 +360,14 @@ def dated(effect):
     return effect.source if effect.channel else ""
 
 
+def choices_of(finding, found):
+    """A finding by each of its candidates that has weight, with its effect."""
+    for name in finding.candidates:
+        mine = renamed(finding, found, name)
+        if mine is not None:
+            yield mine, found.effects[name]
+
+
 def renamed(finding, found, name, given=()):
     """A class by another of its candidates, or None where that has no weight."""
     if name == finding.effect:

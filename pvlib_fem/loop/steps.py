@@ -1,17 +1,20 @@
 """The fits of a case, one step after the other, and what each leaves."""
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from pvlib_fem import scores
+from pvlib_fem.drivers import MODELLED, behind, completed
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import natural, possible, tables
 from pvlib_fem.fitting.stages import minimise
 from pvlib_fem.loop.case import BASES, Case
 from pvlib_fem.loop.gather import gather
+from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.spelling import FIXED, refusal
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
@@ -131,27 +134,42 @@ class Fits:
         return errors(tabled, daily, step.at_bound, [])
 
     def prepared(self, record, model):
-        """A record with a model's drivers, and the model's effects as tables."""
-        place = "coarse" if record is self.case.record else "whole"
+        """A record with what a model needs, and the model's effects as tables."""
+        case = self.case
+        place = "coarse" if record is case.record else "whole"
         base, larger, tabled = self.ready.get(place, (None, record, {}))
         if base is not model.base:
-            larger, tabled = record, {}
-        larger = replace(larger, inputs=model.with_drivers(larger.inputs))
+            larger = without_base(larger)
+            tabled = {n: one for n, one in tabled.items() if not of_base(one[0])}
+        if {*model.drivers} & {*GEOMETRY} - {*larger.inputs.columns}:
+            larger = case.placed(larger)
         for effect in model.effects:
-            if effect.name not in tabled or tabled[effect.name][0] is not effect:
-                tabled[effect.name] = (effect, *tables((effect,), larger))
+            if effect.name in tabled and tabled[effect.name][0] is effect:
+                continue
+            made = with_drivers(larger, model, effect)
+            tabled[effect.name] = (effect, *tables((effect,), made))
+            columns = made.inputs.columns
+            if place == "whole" and tabled[effect.name][1] is not effect:
+                # a table says all of it: its drivers are as many rows again
+                columns = {n: columns[n] for n in MODELLED if n in columns}
+            larger = larger.having(columns)
         self.ready[place] = (model.base, larger, tabled)
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
-    def let_go(self):
-        """Forget tables of the record's own steps, which are many rows, until a fit."""
-        self.ready.pop("whole", None)
+    def let_go(self, *places):
+        """Forget what is prepared, which is many rows, until it is asked for."""
+        for place in places:
+            self.ready.pop(place, None)
 
     def gathered(self, step, candidates):
         """Evidence of some effects beside a step, on the coarse fitting rows."""
         case = self.case
-        record = self.prepared(case.record, step.model)[0]
+        self.prepared(case.record, step.model)
+        base, record, tabled = self.ready["coarse"]
+        # what the next round asks for, too
+        record = replace(record, inputs=with_measured(record.inputs, candidates))
+        self.ready["coarse"] = base, record, tabled
         return gather(
             step.model,
             step.coefficients,
@@ -162,6 +180,33 @@ class Fits:
             case.family,
             step.at_bound,
         )
+
+
+def with_drivers(record, model, effect):
+    """A record with the drivers of an effect of a model."""
+    alone = replace(model, effects=(effect,))
+    return replace(record, inputs=alone.with_drivers(record.inputs))
+
+
+def of_base(effect):
+    """Whether an effect follows what the model without effects says."""
+    return bool({*MODELLED} & {*behind(effect.drivers)})
+
+
+def without_base(record):
+    """A record without what follows from the model without effects."""
+    columns = record.inputs.columns
+    return record.only([n for n in columns if not {*MODELLED} & {*behind([n])}])
+
+
+def with_measured(inputs, effects):
+    """Inputs with those drivers of effects that follow from measured columns alone."""
+    for effect in effects:
+        wide = effect.scanned_from or effect
+        names = [n for n in wide.drivers if not {*MODELLED} & {*behind([n])}]
+        with suppress(Exception):  # which is told where the effect is tried
+            inputs = completed(inputs, names)
+    return inputs
 
 
 def check_held(steady_model, case):

@@ -131,22 +131,19 @@ def scan(rest, tangents, columns, weeks, criteria):
     """
     keys = EVERYWHERE.rows()
     own = dict(zip(EVERYWHERE.parameters, (tangents[key] for key in keys)))
-    basis = orthonormal([c for name, c in tangents.items() if name not in keys])
+    lit = own["clear"] > FAINT * own["clear"].max()
+    others = [column for name, column in tangents.items() if name not in keys]
+    basis, rows = orthonormal(others, lit), len(rest)
+    own = {name: column[lit] for name, column in own.items()}
     azimuth = np.degrees(np.arctan2(own["east"], own["north"])) % 360.0
-    clear = own["clear"]
-    seen = clear > FAINT * clear.max()
-    elevation = np.divide(own["up"], clear, out=np.zeros_like(clear), where=seen)
+    sun = azimuth, own["up"] / own["clear"]
+    rest, weeks = rest[lit], weeks[lit]
     found = {
-        sensor: find_windows(
-            rest,
-            own["unseen" if sensor else "share"],
-            basis,
-            (azimuth, elevation),
-            weeks,
-            -1.0 if sensor else 1.0,
-            criteria,
+        sensor: find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows)
+        for sensor, tangent, sign in (
+            (False, own["share"], 1.0),
+            (True, own["unseen"], -1.0),
         )
-        for sensor in (False, True)
     }
     sensor = found[True][0] > found[False][0]
     windows = found[sensor][1]
@@ -157,7 +154,8 @@ def everywhere(
     beam,
     beam_around,
     beam_clear,
-    solar_azimuth,
+    sun_north,
+    sun_east,
     solar_zenith,
     *,
     share,
@@ -168,9 +166,7 @@ def everywhere(
     up,
 ):
     """Loss of all beam, as it is and as expected, and where the sun stands."""
-    azimuth = np.radians(solar_azimuth)
-    place = north * np.cos(azimuth) + east * np.sin(azimuth)
-    place = clear + place + up * (90.0 - solar_zenith)
+    place = clear + north * sun_north + east * sun_east + up * (90.0 - solar_zenith)
     return Terms(heat=beam_clear * place - share * beam - unseen * beam_around)
 
 

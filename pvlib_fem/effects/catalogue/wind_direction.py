@@ -1,19 +1,19 @@
 """Cooling that depends on where the wind comes from."""
 
-import numpy as np
-
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(wind_speed, wind_direction, *, north, east):
+def terms(wind_north, wind_east, *, north, east):
     r"""
     Loss that depends on where the wind comes from [1]_.
 
     .. math::
 
-        \mathrm{loss} = \mathrm{wind\_speed} \cdot (
-        \mathrm{north} \cdot \cos(\mathrm{wind\_direction})
-        + \mathrm{east} \cdot \sin(\mathrm{wind\_direction}))
+        \mathrm{loss} = \mathrm{north} \cdot \mathrm{wind\_north}
+        + \mathrm{east} \cdot \mathrm{wind\_east}
+
+    where these are wind_speed · cos(wind_direction) and wind_speed ·
+    sin(wind_direction), the parts of the wind from the north and from the east.
 
     The air on the windward face is renewed faster than on the leeward one, and
     rows or walls shelter some directions. One harmonic: ``north`` is what wind
@@ -25,8 +25,7 @@ def terms(wind_speed, wind_direction, *, north, east):
        surface heat balance: MoWiTT, windward 3.26 v^0.89 and leeward 3.55
        v^0.617 W/(m² K).
     """
-    angle = np.radians(wind_direction)
-    return Terms(loss=wind_speed * (north * np.cos(angle) + east * np.sin(angle)))
+    return Terms(loss=north * wind_north + east * wind_east)
 
 
 EFFECT = Effect(
