@@ -97,6 +97,13 @@ class Tally:
         return {f"{score}_{part}": float(value) for score, value in found.items()}
 
 
+def of(error, part):
+    """The three scores of some errors, each followed by the part of a record. [K]"""
+    tally = Tally()
+    tally.add(error)
+    return tally.of(part)
+
+
 def tallying():
     """Tallies of the errors of one model on the days that are fitted and on others."""
     return {"train": Tally(), "test": Tally()}
@@ -209,12 +216,21 @@ def energy_error(
     """
     columns = dict(poa_global=poa_global, measured=measured, modelled=modelled)
     inputs = read(columns, step, purpose="energy_error")
+    too_hot = inputs["modelled"] - inputs["measured"]
+    return energy_of(kilowatt_hours(inputs), too_hot, gamma)
+
+
+def kilowatt_hours(inputs):
+    """Energy of the light of each row. [kWh/m²]"""
     seconds = inputs.step
     if np.ndim(inputs.steps):  # the first row stands for a usual step
         seconds = np.minimum(inputs.steps * inputs.unit, 2.0 * inputs.step)
         seconds[0] = inputs.step
-    too_hot = inputs["modelled"] - inputs["measured"]
-    kilowatt_hours = inputs["poa_global"] / 1000.0 * seconds / HOUR
+    return inputs["poa_global"] / 1000.0 * seconds / HOUR
+
+
+def energy_of(kilowatt_hours, too_hot, gamma=GAMMA):
+    """The energy error of rows by their light and by how much they are too hot."""
     error = kilowatt_hours * too_hot * gamma
     seen = np.isfinite(error)
     over = error[seen & (too_hot < 0)].sum()

@@ -47,6 +47,9 @@ def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
     if len(grid) > len(utc):  # few rows over a long time
         grid = utc
     found = location.get_solarposition(grid, method="ephemeris")
+    if len(grid) == len(utc) and (grid == utc).all():
+        places = {f"solar_{n}": found[n].to_numpy() for n in ("zenith", "azimuth")}
+        return pd.DataFrame(places, index=index)
     zenith, azimuth = np.radians(found["zenith"]), np.radians(found["azimuth"])
     at, knots = (t.as_unit("ns").asi8.astype(float) for t in (utc, grid))
     north, east, up = (

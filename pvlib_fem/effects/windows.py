@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from pvlib_fem.statistics.changes import as_normal
+from pvlib_fem.statistics.leastsquares import products
 
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
@@ -51,7 +52,7 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
     sunny = (sun[1] > 0) & (sun[1] < 90) & (tangent < 0)
     if not sunny.any():
         return 0.0, ()
-    basis = basis[sunny]
+    basis = basis.T[:, sunny].T  # in the memory, column by column
     floor = (rows or len(rest)) * criteria.hint_gain**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
     sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)
@@ -118,11 +119,11 @@ class Sky:
 
     def step(self, mask, cut, weigh):
         """The mask with the best rectangle added or cut, and what it then takes."""
-        there = self.sums[:, mask].sum(axis=1)
-        total = totals(self.sums * (mask if cut else ~mask))
-        seen = (self.squares > 0) & (mask if cut else ~mask)
+        some = mask if cut else ~mask
+        seen = (self.squares > 0) & some
         if not seen.any():
             return mask, 0.0
+        there, total = self.sums[:, mask].sum(axis=1), totals(self.sums * some)
         ends = [
             np.flatnonzero(seen.any(axis=axis))[[0, -1]] + [0, 1] for axis in (1, 0)
         ]
@@ -242,14 +243,17 @@ def of_pairs(strip, there, weigh):
 
 
 def orthonormal(columns, rows=slice(None)):
-    """Some rows of an orthonormal basis of what columns span."""
-    sizes = [np.linalg.norm(column) for column in columns]
-    columns = np.array([c for c, size in zip(columns, sizes) if size > 0])
-    columns /= np.array([size for size in sizes if size > 0])[:, None]
+    """Some rows of an orthonormal basis of what columns span, column by column."""
     # from the small matrix of their products, which is one pass over the rows
-    squares, turns = np.linalg.eigh(columns @ columns.T)
+    total = products(columns)
+    sizes = np.sqrt(np.diag(total))
+    there = np.flatnonzero(sizes > 0)
+    total = total[np.ix_(there, there)] / np.outer(sizes[there], sizes[there])
+    squares, turns = np.linalg.eigh(total)
     kept = squares > UNSEEN**2 * squares[-1]
-    return columns[:, rows].T @ (turns[:, kept] / np.sqrt(squares[kept]))
+    some = np.array([columns[place][rows] for place in there])
+    some /= sizes[there][:, None]
+    return ((turns[:, kept] / np.sqrt(squares[kept])).T @ some).T
 
 
 def certainty(rest, column, known, weeks, few=False):

@@ -69,18 +69,18 @@ class Case:
     def searched(self):
         """Rows of the coarse record that the search may look at."""
         seen = np.asarray(counted(self.record.inputs.columns, with_night=True))
-        seen &= covered(self.seen, self.whole, self.record)
-        kept = self.parts != Part.FITTING
-        return seen & ~covered(kept, self.whole, self.record)
+        masks = self.seen, self.parts != Part.FITTING
+        some, kept = covered(masks, self.whole, self.record)
+        return seen & some & ~kept
 
     @cached_property
     def days(self):
         """Days that count."""
-        return len(np.unique(self.whole.dates[self.seen]))
+        return self.whole.count_days(self.seen)
 
     @cached_property
     def fitting_days(self):
-        return len(np.unique(self.record.dates[self.searched]))
+        return self.record.count_days(self.searched)
 
     @property
     def divisible(self):

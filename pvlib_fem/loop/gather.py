@@ -176,7 +176,7 @@ def held(terms):
     return Terms(
         *(
             pd.Series(column).bfill().ffill().to_numpy()
-            if np.ndim(column) and np.isnan(column).any()
+            if np.ndim(column) and np.isnan(column.sum())
             else column
             for column in columns
         )

@@ -115,22 +115,20 @@ def with_errors(finding, last, stderr):
 
 def error_table(case, steps):
     """Errors of each step on fitting and test rows, on those that all steps know."""
-    poa = pd.Series(case.whole["poa_global"], case.whole.index)
-    sunny = case.whole["poa_global"] > DAYLIGHT
     everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
-    fitting, test = case.fitting & everywhere, case.test & everywhere
+    parts = {"train": case.fitting & everywhere, "test": case.test & everywhere}
+    sunny = case.whole["poa_global"][parts["test"]] > DAYLIGHT
+    light = scores.kilowatt_hours(case.whole.inputs)[parts["test"]]
     rows = {}
     for name, step in steps.items():
-        module, modelled = step.measured, step.temperature
         row = {}
-        for part, at in (("train", fitting), ("test", test)):
-            tally = scores.Tally()
-            tally.add(module[at] - modelled[at])
-            row |= tally.of(part)
-        row["rmse_test_day"] = step.error(test & sunny)
-        row["rmse_test_night"] = step.error(test & ~sunny)
-        there = pd.Series(np.where(test, module, np.nan), poa.index)
-        energy = scores.energy_error(poa, there, pd.Series(modelled, poa.index))
+        for part, at in parts.items():
+            error = step.measured[at] - step.temperature[at]
+            row |= scores.of(error, part)
+        # the last part are the test rows
+        row["rmse_test_day"] = scores.of(error[sunny], "day")["rmse_day"]
+        row["rmse_test_night"] = scores.of(error[~sunny], "night")["rmse_night"]
+        energy = scores.energy_of(light, -error)
         row["energy_error_test"] = energy.performance_ratio
         rows[name] = row
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")

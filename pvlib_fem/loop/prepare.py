@@ -243,7 +243,10 @@ def with_answer(hidden, faults, usual, test, limits):
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})
     own, answer = alone(own, limits, check_units=False, names=(name,))
-    whole = hidden.having({name: np.where(test, own[name], hidden[name])})
+    found, came = np.where(test, own[name], hidden[name]), usual[name]
+    # as it came it needs no room of its own
+    found = came if np.array_equal(found, came, equal_nan=True) else found
+    whole = hidden.having({name: found})
     whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
     return whole, test & np.any(list(stuck(own, limits).values()), axis=0)
 

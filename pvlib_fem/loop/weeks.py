@@ -51,9 +51,9 @@ def parts(record, seen, holdout, criteria):
         found[record.rows(holdout)] = Part.TEST
     elif weeks.max() + 1 >= criteria.fewest_weeks:
         found[nth(weeks, criteria.test_every)] = Part.TEST
-    elif len(np.unique(record.dates[seen])) > 1:
+    elif record.count_days(seen) > 1:
         found[record.days % 2 == 1] = Part.TEST
-    if len(np.unique(record.dates[seen])) >= criteria.enough_days:
+    if record.count_days(seen) >= criteria.enough_days:
         rest = np.flatnonzero(found == Part.FITTING)
         others = np.unique(weeks[rest], return_inverse=True)[1]
         found[rest[nth(others, criteria.choose_every)]] = Part.CHOOSING

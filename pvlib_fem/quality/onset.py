@@ -79,7 +79,7 @@ def daily_sums(seconds, base, poa, module, limits):
 
 def night(seconds, poa):
     """The dark half a day before the record's mean noon, at or before its start. [s]"""
-    part = (seconds % DAY // 600).astype(int)
+    part = (np.asarray(seconds) / 600.0).astype(int) % 144
     sun = np.bincount(part, np.nan_to_num(poa), 144)
     turn = np.exp(2j * np.pi * np.arange(144) / 144)
     noon = np.angle((sun * turn).sum()) / (2 * np.pi) * DAY

@@ -162,8 +162,9 @@ def unusable(name, column, seen, most_missing):
     if (share := float(column.isna().mean())) > most_missing:
         return because(Reason.MISSING, column=name, share=share)
     values = column.to_numpy(float)
-    with np.errstate(over="ignore"):
-        spread = np.nanstd(values)
+    with np.errstate(over="ignore", invalid="ignore"):
+        spread = values.std()
+        spread = np.nanstd(values) if np.isnan(spread) else spread
     if not 0 < spread < np.inf and name not in GEOMETRY:
         if column.nunique() < 2:
             return because(Reason.CONSTANT, column=name)

@@ -121,11 +121,12 @@ def grown(values, size):
     return np.concatenate([values, np.zeros(more, values.dtype)])
 
 
-def covered(mask, record, other):
-    """Rows of the coarse record in whose step the mask holds for any row."""
+def covered(masks, record, other):
+    """Rows of the coarse record in whose step each of some masks holds for any row."""
     if other is record:
-        return mask
+        return masks
     at, ends = instants(record.index), instants(other.index)
     place = np.searchsorted(ends, at)
-    counts = np.bincount(place[mask & (place < len(ends))], minlength=len(ends))
-    return counts > 0
+    # what is after the last of them is of none
+    counts = [np.bincount(place[mask], minlength=len(ends) + 1) for mask in masks]
+    return [count[: len(ends)] > 0 for count in counts]
