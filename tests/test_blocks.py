@@ -179,6 +179,19 @@ def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
         np.testing.assert_allclose(ours, theirs, rtol=1e-6)
 
 
+@pytest.mark.parametrize("capacity", [3e3, 6e4, 1e6])
+def test_a_module_slower_than_the_steps_is_answered_by_a_series(capacity, monkeypatch):
+    """Of the exponential, which is as exact: by short steps, by long ones, by both."""
+    pytest.importorskip("numba")
+    model, values = model_of("faiman", "balance", ())
+    values |= {"capacity": capacity}
+    inputs = record("gaps").inputs
+    theirs = model.temperature(inputs, values)
+    monkeypatch.setattr(compiled, "LONG", 1)
+    ours = model.temperature(inputs, values)
+    np.testing.assert_allclose(ours, theirs, rtol=1e-13, atol=1e-12)
+
+
 @pytest.mark.parametrize("dynamics", thermal.MEMORY)
 @pytest.mark.parametrize("effects", [(), EFFECTS])
 def test_rows_that_nothing_remembers_are_left_out(dynamics, effects, monkeypatch):

@@ -9,6 +9,8 @@ slopes of nothing, in the place of being left out, but for those before the firs
 after the last of a tile.
 """
 
+from math import factorial
+
 import numpy as np
 from numba import njit
 
@@ -19,6 +21,8 @@ TILE = 1 << 9  # rows of which slopes and what they need stay in the cache
 APART = 8  # numbers between columns side by side, else all are of one set of the cache
 WORK = 10  # columns of a tile that are held beside its slopes
 FADED = 37.0  # time constants after which less is left than the last digit of a number
+SMALL = 0.5  # exponent up to which so many terms are as exact as the function
+SERIES = tuple(1.0 / factorial(k) for k in range(14, -1, -1))
 STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals
 
 unsigned = np.uint64  # of a row, or each index is asked whether it counts from the end
@@ -54,6 +58,21 @@ def fade(step, ratio, usual):
     """Share of the past that is left after so many time constants; 0 after a gap."""
     gap = ratio > FORGOTTEN and step > 2.0 * usual
     return 0.0 if gap else np.exp(-ratio)
+
+
+@inlined
+def decay_all(steps, ratios, usual, decays):
+    """The same of some rows; where all ratios are small, several at a time."""
+    small = True
+    for i in range(len(ratios)):
+        small &= ratios[i] <= SMALL
+    for i in range(len(ratios) if small else 0):
+        x = -ratios[i]
+        decays[i] = SERIES[0]
+        for k in range(1, len(SERIES)):
+            decays[i] = decays[i] * x + SERIES[k]
+    for i in range(0 if small else len(ratios)):
+        decays[i] = fade(steps[i], ratios[i], usual)
 
 
 @inlined
@@ -249,8 +268,7 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
     for i in range(rows):
         targets[i] = air[i] + heat[i] * r_eq[i]
         falls[i] = steps[i] / (capacity * r_eq[i])
-    for i in range(rows):
-        decays[i] = fade(steps[i], falls[i], usual)
+    decay_all(steps, falls, usual, decays)
     since, begun, module, by_memory = state[0, :4]
     whole = follows(targets, state[0])
     for i in range(rows if whole else 0):
