@@ -30,7 +30,8 @@ SCORES = [
 def outcome(search, last, base):
     """All that was found, as a finished thing."""
     case, found, notes = search.case, search.left, []
-    search.fits.let_go("coarse")
+    if case.record is not case.whole:
+        search.fits.let_go("coarse")
     record, tabled = search.fits.prepared(case.whole, last.model)
     rows = case.fitting & record.known(last.model.drivers)
     at_bound = last.at_bound
