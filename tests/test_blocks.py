@@ -12,6 +12,7 @@ from hypothesis import given, strategies as st
 
 import pvlib_fem as fem
 from pvlib_fem.effects import find
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.fitting import rows as rows_of
 from pvlib_fem.fitting.rows import Rows, daily_sums, normal_sums
 from pvlib_fem.fitting.search import with_tables
@@ -177,6 +178,29 @@ def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
     for name, ours in vars(found).items():
         theirs = sum(vars(one)[name] for one in each)
         np.testing.assert_allclose(ours, theirs, rtol=1e-6)
+
+
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+def test_an_effect_on_the_capacity_is_as_with_numpy(dynamics, monkeypatch):
+    """None of the catalogue has one, and one's own may."""
+
+    def wet(poa_global, *, more):
+        return Terms(capacity=more * (poa_global > 300.0))
+
+    own = Effect("wet", wet, {"more": Parameter(0.0, -5e3, 5e3, "J/(m² K)")})
+    model, values = model_of("faiman", dynamics, ())
+    model, values = replace(model, effects=(own,)), values | {"wet.more": 2e3}
+    whole = record("")
+    counts = whole.known(COLUMNS) & (whole["poa_global"] > 20)
+
+    def found():
+        sums = normal_sums(model, values, Rows(whole, counts), model.free)
+        return model.temperature(whole.inputs, values), *vars(sums).values()
+
+    theirs = found()
+    monkeypatch.setattr(compiled, "LONG", 1)
+    for one, other in zip(found(), theirs):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("capacity", [3e3, 6e4, 1e6])

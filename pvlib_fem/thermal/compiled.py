@@ -15,16 +15,17 @@ FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
 
 
 def fast(rows, effects):
-    """Whether a record's rows are answered by the loops, which know no ``gain``."""
-    if rows < LONG or any(reads_more(effect) for effect in effects):
+    """Whether a record's rows are answered by the loops."""
+    if rows < LONG or any(is_beyond_them(effect) for effect in effects):
         return False
     return loops() is not None
 
 
-def reads_more(effect):
-    """Whether an effect that is known on columns has a share of what is read."""
+def is_beyond_them(effect):
+    """Whether a known effect adds to ``gain`` or ``capacity``, which no loop knows."""
     terms = [effect.terms] if isinstance(effect, Known) else []
-    return any(is_there(one.gain) for one in (*terms, *effect.units.values()))
+    terms += effect.units.values()
+    return any(is_there(one.gain) or is_there(one.capacity) for one in terms)
 
 
 @cache
