@@ -8,6 +8,7 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
     behind,
     completed,
     constants,
+    is_modelled,
     needed_for,
     own_constants,
     remembered,

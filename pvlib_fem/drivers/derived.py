@@ -202,6 +202,11 @@ def behind(names):
     return columns
 
 
+def is_modelled(names):
+    """Whether any of some drivers follows what the model says without effects."""
+    return not {*MODELLED}.isdisjoint(behind(names))
+
+
 def needed_for(names):
     """Measured columns behind drivers beside the usual three, each once."""
     return [name for name in behind(names) if name not in (*USUAL, *MODELLED)]

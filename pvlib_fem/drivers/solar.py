@@ -47,7 +47,7 @@ def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
     if len(grid) > len(utc):  # few rows over a long time
         grid = utc
     found = location.get_solarposition(grid, method="ephemeris")
-    if len(grid) == len(utc) and (grid == utc).all():
+    if len(grid) == len(utc) and (grid == utc).all():  # no time is between two of it
         places = {f"solar_{n}": found[n].to_numpy() for n in ("zenith", "azimuth")}
         return pd.DataFrame(places, index=index)
     zenith, azimuth = np.radians(found["zenith"]), np.radians(found["azimuth"])

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import MODELLED, behind, completed, remembered
+from pvlib_fem.drivers import MODELLED, completed, is_modelled, remembered
 from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.rows import Compiled, answer_of
 from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
@@ -272,7 +272,8 @@ class Bases:
     """The temperature of the module without effects, carried on from part to part."""
 
     def __init__(self, files, asked):
-        needing = [m for m in (one.model for one in asked) if needs_base(m)]
+        models = (one.model for one in asked)
+        needing = [model for model in models if is_modelled(model.effect_drivers)]
         self.model = needing[0] if needing else None
         if self.model:
             self.plain = replace(self.model, effects=(), base=None)
@@ -288,11 +289,6 @@ class Bases:
         found = self.plain.answer(inputs, base, self.past, wanted=False)[0]
         columns = {**inputs.columns, **dict(zip(MODELLED, (found, loss)))}
         return replace(inputs, columns=columns)
-
-
-def needs_base(model):
-    """Whether effects of a model follow the module's own temperature."""
-    return bool({*MODELLED} & {*behind(model.effect_drivers)})
 
 
 def screened_for(source, target, limits=None, check_units=True):

@@ -122,14 +122,13 @@ def error_table(case, steps):
     light = scores.kilowatt_hours(case.whole.inputs)[parts["test"]]
     rows = {}
     for name, step in steps.items():
-        row = {}
-        for part, at in parts.items():
-            error = step.measured[at] - step.temperature[at]
-            row |= scores.of(error, part)
-        # the last part are the test rows
-        row["rmse_test_day"] = scores.of(error[sunny], "day")["rmse_day"]
-        row["rmse_test_night"] = scores.of(error[~sunny], "night")["rmse_night"]
-        energy = scores.energy_of(light, -error)
-        row["energy_error_test"] = energy.performance_ratio
-        rows[name] = row
+        left = {p: step.measured[at] - step.temperature[at] for p, at in parts.items()}
+        test = left["test"]
+        rows[name] = {
+            **scores.of(left["train"], "train"),
+            **scores.of(test, "test"),
+            "rmse_test_day": scores.of(test[sunny], "day")["rmse_day"],
+            "rmse_test_night": scores.of(test[~sunny], "night")["rmse_night"],
+            "energy_error_test": scores.energy_of(light, -test).performance_ratio,
+        }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")

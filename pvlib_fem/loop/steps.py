@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from pvlib_fem import scores
-from pvlib_fem.drivers import MODELLED, behind, completed
+from pvlib_fem.drivers import MODELLED, completed, is_modelled
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import natural, possible, tables
@@ -140,7 +140,9 @@ class Fits:
         base, larger, tabled = self.ready.get(place, (None, record, {}))
         if base is not model.base:
             larger = without_base(larger)
-            tabled = {n: one for n, one in tabled.items() if not of_base(one[0])}
+            tabled = {
+                n: one for n, one in tabled.items() if not is_modelled(one[0].drivers)
+            }
         if {*model.drivers} & {*GEOMETRY} - {*larger.inputs.columns}:
             larger = case.placed(larger)
         for effect in model.effects:
@@ -188,22 +190,16 @@ def with_drivers(record, model, effect):
     return replace(record, inputs=alone.with_drivers(record.inputs))
 
 
-def of_base(effect):
-    """Whether an effect follows what the model without effects says."""
-    return bool({*MODELLED} & {*behind(effect.drivers)})
-
-
 def without_base(record):
     """A record without what follows from the model without effects."""
-    columns = record.inputs.columns
-    return record.only([n for n in columns if not {*MODELLED} & {*behind([n])}])
+    return record.only([n for n in record.inputs.columns if not is_modelled([n])])
 
 
 def with_measured(inputs, effects):
     """Inputs with those drivers of effects that follow from measured columns alone."""
     for effect in effects:
         wide = effect.scanned_from or effect
-        names = [n for n in wide.drivers if not {*MODELLED} & {*behind([n])}]
+        names = [name for name in wide.drivers if not is_modelled([name])]
         with suppress(Exception):  # which is told where the effect is tried
             inputs = completed(inputs, names)
     return inputs

@@ -254,6 +254,36 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
     set_aside(kept, aside, by_offset, slopes)
 
 
+@inlined
+def relax(targets, steps, offset, r_eq, memory, state, decays, falls, into):
+    """Temperature by targets and decays; falls by the memory; whether all are there."""
+    capacity, usual, rows = memory[0], memory[2], len(targets)
+    since, begun, module, by_memory = state[:4]
+    whole = follows(targets, state)
+    for i in range(rows if whole else 0):
+        into[i] = (1.0 - decays[i]) * targets[i]
+    for i in range(rows if whole else 0):
+        falls[i] *= (module - targets[i]) * decays[i]
+        module = decays[i] * module + into[i]
+        into[i] = module + offset[i]
+    for i in range(0 if whole else rows):
+        target = targets[i]
+        if np.isnan(target):
+            since, into[i] = since + steps[i], np.nan
+            continue
+        if since > 0.0:
+            falls[i] = (steps[i] + since) / (capacity * r_eq[i])
+            decays[i] = fade(steps[i] + since, falls[i], usual)
+        if not begun:
+            decays[i] = 0.0
+        decay = decays[i]
+        falls[i] *= (module - target) * decay
+        module, begun, since = decay * module + (1.0 - decay) * target, 1.0, 0.0
+        into[i] = module + offset[i]
+    keep(state, since, begun, module, by_memory)
+    return whole
+
+
 @compiled
 def balance(law, memory, columns, more, seen, state, slopes, work):
     clip = law[3]
@@ -269,29 +299,9 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
         targets[i] = air[i] + heat[i] * r_eq[i]
         falls[i] = steps[i] / (capacity * r_eq[i])
     decay_all(steps, falls, usual, decays)
-    since, begun, module, by_memory = state[0, :4]
-    whole = follows(targets, state[0])
-    for i in range(rows if whole else 0):
-        temperature[i] = (1.0 - decays[i]) * targets[i]
-    for i in range(rows if whole else 0):
-        falls[i] *= (module - targets[i]) * decays[i]
-        module = decays[i] * module + temperature[i]
-        temperature[i] = module + offset[i]
-    for i in range(0 if whole else rows):
-        target = targets[i]
-        if np.isnan(target):
-            since, temperature[i] = since + steps[i], np.nan
-            continue
-        if since > 0.0:
-            falls[i] = (steps[i] + since) / (capacity * r_eq[i])
-            decays[i] = fade(steps[i] + since, falls[i], usual)
-        if not begun:
-            decays[i] = 0.0
-        decay = decays[i]
-        falls[i] *= (module - target) * decay
-        module, begun, since = decay * module + (1.0 - decay) * target, 1.0, 0.0
-        temperature[i] = module + offset[i]
-    keep(state[0], since, begun, module, by_memory)
+    whole = relax(
+        targets, steps, offset, r_eq, memory, state[0], decays, falls, temperature
+    )
     if not wanted:
         return
     leaves(kept, measured, temperature, slopes)
@@ -302,7 +312,7 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
         adds_0[i] = by_r[i] * by_line[i]
         adds_1[i] = adds_0[i] * min(wind[i], clip)
         falls[i] *= by_capacity
-    of_0, of_1, own = state[1, 0], state[1, 1], state[1, 4:]
+    by_memory, of_0, of_1, own = state[0, 3], state[1, 0], state[1, 1], state[1, 4:]
     for i in range(rows):
         if whole or not np.isnan(targets[i]):
             decay = decays[i]
@@ -399,9 +409,9 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
     Temperature of rows that follow each other, and products over parts of them.
 
     So few rows at a time that their slopes stay in the innermost cache. A column of
-    no more than these is the same in all of them. Rows are left out that none that
-    counts remembers, as of most nights, and of days held out; but where products are
-    asked for and temperature, that is of all rows.
+    no more than these is the same in all of them. Rows that no row that counts
+    remembers are left out, those of most nights and of days held out; but where both
+    products and temperature are asked for, that is of all rows.
     """
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
