@@ -17,6 +17,7 @@ from pvlib_fem.types import Numeric, Times
 BLOCK = 1 << 14
 WIDE = 16  # rows that one matrix product answers, where all steps are even
 FORGOTTEN = 5.0  # time constants after which a gap has erased the past
+FADED = 37.0  # time constants after which less is left than the last digit of a number
 
 
 def ewm(

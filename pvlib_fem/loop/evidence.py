@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import f as fisher, t as student
+from scipy.special import fdtrc, stdtrit
 
 from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.loop.criteria import Criteria
@@ -304,7 +304,8 @@ class Evidence:
         error = np.sqrt(np.diag(covariance))
         freedom = max(len(sums.clusters) - 1, 1)
         statistic = step @ np.linalg.solve(covariance, step) / len(own)
-        chance = float(fisher.sf(statistic, len(own), freedom))
+        # the law of Fisher, which rounding must not ask below nothing
+        chance = float(fdtrc(len(own), freedom, max(statistic, 0.0)))
         share = np.sqrt(sums.rows / len(self.rows))
         rows, scale = self.effects[name].rows(), sums.scale[own]
         keys = {key: rows[key] for key in self.own[name]}
@@ -371,7 +372,7 @@ class Evidence:
     def visible(self, freedom, family):
         """Standard errors that an effect needs to be seen, with the stated power."""
         seen = 1.0 - self.criteria.chance / family / 2.0
-        return sum(student.ppf([seen, self.criteria.power], freedom))
+        return float(stdtrit(freedom, [seen, self.criteria.power]).sum())  # Student's
 
     def chance(self, weight):
         """Chance that any of its family looks as good by accident."""

@@ -10,8 +10,11 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects.effect import Effect, Terms, tabled
 from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.relaxation import relax
+from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.relaxation import FADED, relax
 from pvlib_fem.statistics.clusters import calendar_weeks
+from pvlib_fem.thermal.model import ThermalModel
 
 FEW = 12  # effects of which the tangents are made at a time
 
@@ -41,13 +44,14 @@ def gather(
     model = replace(model, base=model.base or coefficients)
     inputs = model.with_base(model.with_drivers(record.inputs))
     inputs, tried, failed = ready(model, inputs, seen, candidates)
-    temperature, slopes = model.slopes(inputs, coefficients)
-    wrong = misfits(temperature - coefficients["bias"], record)
+    temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
-    base = [n for n in model.free if n not in fixed and slopes[n][rows].any()]
-    columns = {name: slopes[name] for name in base} | wrong
+    at = Tangents.of(model, inputs, coefficients, rows)
+    own = at.slopes()
+    base = [n for n in model.free if n not in fixed and own[n].any()]
+    wrong = misfits(temperature - coefficients["bias"], record, rows)
     found = Evidence(
-        {name: column[rows] for name, column in columns.items()},
+        {name: own[name] for name in base} | wrong,
         (record["temp_module"] - temperature)[rows],
         record.dates[rows],
         rows,
@@ -57,9 +61,8 @@ def gather(
         criteria=criteria,
         snowy=snowy(record, rows),
     )
-    del slopes, wrong, columns  # of all rows
-    scanned, changing, at = [], [], (model, coefficients, rows)
-    for one, own in tangents(tried, failed, inputs, *at):
+    scanned, changing = [], []
+    for one, own in tangents(tried, failed, inputs, at):
         known = record.known(needed_for(one.wide.drivers))[rows]
         if not all(np.isfinite(column[known]).all() for column in own.values()):
             failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
@@ -77,7 +80,7 @@ def gather(
             failed[wide.name] = because(Reason.NO_WINDOW)
             continue
         there = replace(model, effects=(effect,)).with_drivers(inputs)
-        for _, own in tangents([Tried(effect)], failed, there, *at):
+        for _, own in tangents([Tried(effect)], failed, there, at):
             found = found.with_effect(effect, own, known)
     return with_changes(found, tuple(changing), failed)
 
@@ -127,11 +130,49 @@ def broken(error):
     return because(Reason.BROKEN, error=f"{type(error).__name__}: {error}")
 
 
-def tangents(tried, failed, inputs, model, coefficients, rows):
-    """
-    What is tried with the tangents of its parameters at some rows, one by one.
+@dataclass(frozen=True, eq=False)
+class Tangents:
+    """Slopes of a model's temperature at some rows, from these and what they remember."""
 
-    Of a few at a time terms and slopes are held on all rows.
+    model: ThermalModel  # which knows its effects on those that are read
+    inputs: Inputs  # of those
+    coefficients: dict
+    read: np.ndarray  # rows of the record
+    places: np.ndarray  # of those asked for among them
+
+    @classmethod
+    def of(cls, model, inputs, coefficients, rows):
+        """Those at some rows, which are in order."""
+        model = model.knowing(inputs, coefficients)
+        lasting = FADED * model.longest(inputs, coefficients)
+        read = remembered(rows, inputs.seconds, lasting)
+        names = (*COLUMNS[:3], *model.drivers)
+        columns = {name: inputs[name] for name in names}
+        inputs = replace(inputs, columns=columns).taken(read)
+        places = np.searchsorted(read, rows)
+        return cls(model.on(read), inputs, coefficients, read, places)
+
+    def slopes(self, also=None):
+        """By the model's own parameters, or by further terms, which are of all rows."""
+        terms = {name: held(one.part(self.read)) for name, one in (also or {}).items()}
+        how = dict(wanted=also is None, also=terms)
+        slopes = self.model.slopes(self.inputs, self.coefficients, **how)[1]
+        return {name: slopes.pop(name)[self.places] for name in [*slopes]}
+
+
+def remembered(rows, seconds, lasting):
+    """Some rows, and those before each that are no older than so long. [s]"""
+    ahead = np.full(len(seconds), np.inf)
+    ahead[rows] = seconds[rows]
+    ahead = np.minimum.accumulate(ahead[::-1])[::-1]
+    return np.flatnonzero(ahead - seconds <= lasting)
+
+
+def tangents(tried, failed, inputs, at):
+    """
+    What is tried with the tangents of its parameters, one by one.
+
+    Of a few at a time terms and slopes are held on many rows.
     """
     for first in range(0, len(tried), FEW):
         terms, there = {}, []
@@ -141,9 +182,9 @@ def tangents(tried, failed, inputs, model, coefficients, rows):
                 there.append(one)
             except Exception as error:
                 failed |= dict.fromkeys(one.names, broken(error))
-        slopes = model.slopes(inputs, coefficients, wanted=False, also=terms)[1]
+        slopes = at.slopes(terms)
         for one in there:
-            yield one, {key: slopes.pop(key)[rows] for key in one.wide.rows()}
+            yield one, {key: slopes.pop(key) for key in one.wide.rows()}
 
 
 def with_changes(found, changing, failed):
@@ -162,8 +203,7 @@ def snowy(record, rows):
 
 def terms_of(effect, columns):
     """Slopes of an effect's terms from where it adds nothing."""
-    slopes = tabled(effect, columns).slopes(columns, effect.start)
-    return {key: held(slope) for key, slope in slopes.items()}
+    return tabled(effect, columns).slopes(columns, effect.start)
 
 
 def held(terms):
@@ -195,9 +235,9 @@ def narrowed(found, scan, wide, own, known, inputs):
     return scan(rest, tangents, places, weeks, found.criteria)
 
 
-def misfits(temperature, record):
+def misfits(temperature, record, rows):
     """
-    What a misshapen steady model leaves beside the confounders that are effects.
+    What a misshapen steady model leaves at some rows, beside other confounders.
 
     Functions of the usual inputs alone, which every cause without a driver of
     its own shares: curvature in the over-temperature, its fall with air
@@ -205,12 +245,14 @@ def misfits(temperature, record):
     """
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air
-    known = np.nan_to_num(over)
+    slow = relax(np.nan_to_num(over), record.inputs.steps, hour)[rows]
     steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
+    late = np.diff(temperature, prepend=temperature[:1]) / steps
+    over = over[rows]
     columns = {
         "curved": over * np.sqrt(np.abs(over)),
-        "warm": over * (air - np.nanmean(air)),
-        "slow": relax(known, record.inputs.steps, hour) - over,
-        "late": np.nan_to_num(np.diff(temperature, prepend=temperature[:1]) / steps),
+        "warm": over * (air[rows] - np.nanmean(air)),
+        "slow": slow - over,
+        "late": np.nan_to_num(late[rows]),
     }
     return {f"misfit:{name}": column for name, column in columns.items()}

@@ -18,7 +18,7 @@ References
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects.effect import deciding
@@ -155,7 +155,7 @@ def solved(sums, kept, wanted):
     every = [*range(len(kept))]
     shift, scale = sums.solve(every), sums.scale
     error = np.sqrt(np.diag(sums.covariance(every)))
-    times = student.ppf(0.5 + LEVEL / 2.0, max(len(sums.clusters) - 1, 1))
+    times = stdtrit(max(len(sums.clusters) - 1, 1), 0.5 + LEVEL / 2.0)  # Student's
     return (shift / scale)[own], (times * error / scale)[own]
 
 

@@ -9,8 +9,7 @@ at no further pass over the record.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import ndtr
-from scipy.stats import norm, t as student
+from scipy.special import ndtr, ndtri, stdtr
 
 from pvlib_fem.statistics.clusters import ridge, those
 
@@ -232,7 +231,7 @@ def long_run(scores, weeks):
 
 def as_normal(statistic, draws):
     """Standard errors of the normal law with the chance of Student's by few draws."""
-    return float(norm.isf(student.sf(statistic, draws)))
+    return float(-ndtri(stdtr(draws, -statistic)))
 
 
 def gained(part):
@@ -300,7 +299,8 @@ def chance_of_step(statistic, first, last, drifts=False):
     if drifts:  # the integral of 3 / (1 - 3 t (1 - t)) from the first to the last
         ends = np.arctan(2.0 * np.sqrt(3.0) * (np.array([first, last]) - 0.5))
         odds += 2.0 * np.sqrt(3.0) * np.diff(ends)[0]
-    return float(min(1.0, b * norm.pdf(b) * ((1.0 - b**-2) * odds + 4.0 * b**-2)))
+    density = np.exp(-0.5 * b**2) / np.sqrt(2.0 * np.pi)
+    return float(min(1.0, b * density * ((1.0 - b**-2) * odds + 4.0 * b**-2)))
 
 
 def chance_of_episode(statistic, places):

@@ -19,7 +19,7 @@ FOLDS = 5
 WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
 FEWEST_DAYS = 5  # below this the spread between days is no error
-AT_ONCE = 1 << 14  # rows of short days whose products are made together
+AT_ONCE = 1 << 12  # rows of short days whose products are made together
 USUAL = 2.0  # times what is left of half of the days
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 

@@ -7,6 +7,7 @@ from scipy.optimize import lsq_linear
 
 STEPS = 60  # Gauss-Newton steps before it gives up
 HALVINGS = 12
+BESIDE = 8  # blocks of columns that are put side by side at a time
 BLOCK = 200_000  # multiplications of a product below which BLAS has one thread
 DONE = 1e-9  # relative step that ends it
 FLAT = 1e-13  # relative fall of the cost that ends it: seven digits of x, or more
@@ -137,9 +138,10 @@ def products(columns, rows=slice(None)):
     start, end, _ = rows.indices(len(columns[0]))
     size = len(columns)
     total, block = np.zeros((size, size)), max(BLOCK // size**2, 8)
-    for first in range(start, end, block):
-        part = slice(first, min(first + block, end))
-        one = np.stack([column[part] for column in columns])
-        # a product with a copy, since BLAS threads that of a matrix with itself
-        total += one @ np.ascontiguousarray(one.T)
+    for first in range(start, end, BESIDE * block):
+        part = slice(first, min(first + BESIDE * block, end))
+        table = np.concatenate([column[part] for column in columns]).reshape(size, -1)
+        for one in np.split(table, range(block, table.shape[1], block), axis=1):
+            # a product with a copy, since BLAS threads that of a matrix with itself
+            total += one @ np.ascontiguousarray(one.T)
     return total

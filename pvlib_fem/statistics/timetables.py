@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.fft import fft, next_fast_len, rfft
 from scipy.ndimage import median_filter, uniform_filter1d
-from scipy.stats import f as fisher
+from scipy.special import fdtrc
 
 from pvlib_fem.statistics.axes import Axis, rounded
 from pvlib_fem.statistics.tables import DAY, held_out_gain
@@ -151,7 +151,7 @@ class Table:
             if not material.any() or square[:HOURS].mean() < criteria.timetable_gain**2:
                 continue
             above = (power / noise @ weight)[material].max()
-            chance = fisher.sf(above / freedom, 2 * freedom, 2 * worth)
+            chance = fdtrc(2 * freedom, 2 * worth, above / freedom)  # Fisher's law
             score = above - freedom * np.log(days)  # Schwarz's criterion
             if score > 0 and chance * tests < criteria.timetable_chance:
                 found[every] = score

@@ -14,13 +14,12 @@ from math import factorial
 import numpy as np
 from numba import njit
 
-from pvlib_fem.relaxation import FORGOTTEN
+from pvlib_fem.relaxation import FADED, FORGOTTEN
 from pvlib_fem.thermal.steady import LOGARITHM, LOSS
 
 TILE = 1 << 9  # rows of which slopes and what they need stay in the cache
 APART = 8  # numbers between columns side by side, else all are of one set of the cache
 WORK = 10  # columns of a tile that are held beside its slopes
-FADED = 37.0  # time constants after which less is left than the last digit of a number
 SMALL = 0.5  # exponent up to which so many terms are as exact as the function
 SERIES = tuple(1.0 / factorial(k) for k in range(14, -1, -1))
 STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals

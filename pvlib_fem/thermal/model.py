@@ -15,7 +15,7 @@ from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.record.inputs import read
 from pvlib_fem.relaxation import usual_step
 from pvlib_fem.thermal.compiled import answered, fast
-from pvlib_fem.thermal.dynamics import balanced, smoothed, steady
+from pvlib_fem.thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem.thermal.response import Past
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem.thermal.temperature import TAU, losing
@@ -263,6 +263,16 @@ class ThermalModel:
                     slopes[name] = np.empty(rows)
                 slopes[name][block] = slope
         return temperature, slopes
+
+    def longest(self, inputs, coefficients):
+        """Longest time constant of any row. [s]"""
+        if self.dynamics != "balance":
+            return coefficients.get("tau", 0.0)
+        added = self.terms(inputs, coefficients, wanted=False)[0]
+        wind, own = inputs["wind_speed"], self.own(coefficients)
+        r_eq, _ = resistance(self.steady_model, own, wind, added.loss)
+        taus = (added.capacity + coefficients["capacity"]) * r_eq
+        return float(np.nanmax(taus, initial=0.0))
 
     def knowing(self, inputs, coefficients, wanted=True):
         """The model whose effects know their terms on the columns of a record."""
