@@ -98,10 +98,11 @@ class Sky:
     def of(cls, rest, tangent, basis, azimuth, elevation, criteria):
         """The sums of some rows by where the sun stood."""
         up, across = size = (criteria.window_elevation, criteria.window_azimuth)
-        shape = int(np.ceil(90.0 / up)), int(np.ceil(360.0 / across))
         origin = darkest(azimuth, tangent, across)
-        place = (elevation // up).astype(int) * shape[1]
-        place += ((azimuth - origin) % 360.0 // across).astype(int)
+        high = (elevation // up).astype(int)
+        far = ((azimuth - origin) % 360.0 // across).astype(int)
+        shape = high.max() + 1, far.max() + 1  # beyond there is no sun
+        place = high * shape[1] + far
         sums = [
             np.bincount(place, tangent * column, shape[0] * shape[1]).reshape(shape)
             for column in (rest, tangent, *basis.T)

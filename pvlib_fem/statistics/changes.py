@@ -7,6 +7,7 @@ at no further pass over the record.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import ndtr, ndtri, stdtr
@@ -96,6 +97,11 @@ class Daily:
     def days(self):
         return len(self.own)
 
+    @cached_property
+    def places(self):
+        """Place of each day's week among those that are there."""
+        return np.unique(self.weeks, return_inverse=True)[1]
+
     @property
     def drifts(self):
         """Whether a drift of the column is among the fitted."""
@@ -106,6 +112,7 @@ class Daily:
         """Sum of squares of what is left."""
         return float(self.left_own.sum())
 
+    @cached_property
     def before(self):
         """Sums of the days before each, and of all."""
         columns = np.column_stack([self.rest, self.own, self.fitted])
@@ -113,7 +120,7 @@ class Daily:
 
     def step(self, side):
         """The best day from which on the column is there, or None."""
-        total = self.before()
+        total = self.before
         gains = gained(total[-1] - total)
         gains[:side] = gains[len(gains) - side :] = 0.0
         start = int(np.argmax(gains))
@@ -123,7 +130,7 @@ class Daily:
 
     def episode(self, shortest, side):
         """The best stretch of days in which the column is there, or None."""
-        total, days = self.before(), self.days
+        total, days = self.before, self.days
         if days < shortest + 2 * side:
             return None
         grid = np.unique(np.linspace(side, days - side, GRID + 1).astype(int))
@@ -145,7 +152,7 @@ class Daily:
     def step_that_fades(self, side):
         """Largest fall of the sum of squares by a step and a drift of the column."""
         slow = (self.dates - self.dates[0]) / max(np.ptp(self.dates), 1)
-        total = self.before()
+        total = self.before
         late, drift = total[-1] - total, slow @ self.fitted
         rest, known, slowly = late[:, 0], late[:, 2:], slow @ self.rest
         beside = np.append((slow * self.own)[::-1].cumsum()[::-1], 0.0)
@@ -210,18 +217,19 @@ class Daily:
             within[:, None] * self.fitted - self.of_fitted(known)
         )
         own = self.rest - change * (within * self.own - self.fitted @ known)
-        inside = long_run(within * own - fitted @ known, self.weeks)[0] / left
-        whole, draws = long_run(own, self.weeks)
+        inside = long_run(within * own - fitted @ known, self.places)[0] / left
+        whole, draws = long_run(own, self.places)
         return max(inside, whole / self.own.sum()), draws
 
 
-def long_run(scores, weeks):
+def long_run(scores, places):
     """
     Variance of the sum of scores by the day, whose weeks may remember, and its draws.
 
-    As many weeks that remember nothing would tell it as well.
+    ``places`` are those of the weeks. As many weeks that remember nothing would tell
+    it as well.
     """
-    scores = np.bincount(np.unique(weeks, return_inverse=True)[1], scores)
+    scores = np.bincount(places, scores)
     square = scores @ scores
     memory = scores[1:] @ scores[:-1] / square if square > 0 else 0.0
     memory = min(max(memory, 0.0), MOST_MEMORY)
