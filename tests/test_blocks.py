@@ -16,6 +16,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.fitting import rows as rows_of
 from pvlib_fem.fitting.rows import Rows, daily_sums, normal_sums
 from pvlib_fem.fitting.search import with_tables
+from pvlib_fem.loop.gather import Tangents
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.statistics.leastsquares import normal
@@ -96,6 +97,59 @@ def test_terms_that_add_nothing_yet_are_answered_along(dynamics, monkeypatch):
     found = replace(model, effects=()).slopes(inputs, values, also=also)[1]
     for name in also:
         np.testing.assert_allclose(found[name], theirs[name], rtol=1e-9, atol=1e-12)
+
+
+def some_terms(rows):
+    """Terms in every column but the capacity, as numbers and row by row."""
+    random = np.random.default_rng(7)
+    return {
+        "heat": Terms(heat=100.0 * random.random(rows)),
+        "loss": Terms(loss=random.random(rows)),
+        "several": Terms(heat=30.0, loss=random.random(rows), offset=1.0),
+        "read": Terms(offset=random.random(rows), gain=random.random(rows)),
+        "read all": Terms(heat=random.random(rows), gain=0.1),
+    }
+
+
+@pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+def test_the_compiled_loops_answer_further_terms_alike(kind, dynamics, monkeypatch):
+    """To twelve digits, whether the model has effects or none."""
+    pytest.importorskip("numba")
+    for effects in ((), EFFECTS):
+        model, values = model_of("faiman", dynamics, effects)
+        inputs = model.with_drivers(record(kind).inputs)
+        how = dict(wanted=False, also=some_terms(len(inputs.index)))
+        monkeypatch.setattr(compiled, "LONG", 1 << 15)
+        temperature, theirs = model.slopes(inputs, values, **how)
+        monkeypatch.setattr(compiled, "LONG", 1)
+        found, ours = model.slopes(inputs, values, **how)
+        np.testing.assert_allclose(found, temperature, rtol=1e-12, atol=1e-12)
+        there = np.isfinite(temperature)
+        for name in how["also"]:
+            one, other = (slopes[name][there] for slopes in (ours, theirs))
+            np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
+@pytest.mark.parametrize("dynamics", thermal.MEMORY)
+def test_tangents_at_some_rows_need_only_what_those_remember(kind, dynamics):
+    """To the last digits those of all rows, of two days of six."""
+    model, values = model_of("faiman", dynamics, EFFECTS)
+    whole = record(kind)
+    inputs, also = model.with_drivers(whole.inputs), some_terms(len(whole.index))
+    temperature, own = model.slopes(inputs, values)
+    further = model.slopes(inputs, values, wanted=False, also=also)[1]
+    day = whole.dates - whole.dates[0]
+    rows = np.flatnonzero(np.isin(day, [2, 5]) & np.isfinite(temperature))
+    at = Tangents.of(model, inputs, values, rows)
+    assert len(rows) < len(at.read) + (dynamics == "steady") < 0.7 * len(whole.index)
+    assert [*at.slopes()] == [*own] and [*at.slopes(also)] == [*also]
+    for ours, theirs in ((at.slopes(), own), (at.slopes(also), further)):
+        for name in ours:
+            column = np.broadcast_to(theirs[name], len(whole.index))[rows]
+            size = np.abs(column).max()
+            np.testing.assert_allclose(ours[name] / size, column / size, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["", "uneven missing gaps"])

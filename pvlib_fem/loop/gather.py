@@ -132,7 +132,7 @@ def broken(error):
 
 @dataclass(frozen=True, eq=False)
 class Tangents:
-    """Slopes of a model's temperature at some rows, from these and what they remember."""
+    """Slopes of a model's temperature at some rows, by these and what they remember."""
 
     model: ThermalModel  # which knows its effects on those that are read
     inputs: Inputs  # of those
@@ -157,7 +157,7 @@ class Tangents:
         terms = {name: held(one.part(self.read)) for name, one in (also or {}).items()}
         how = dict(wanted=also is None, also=terms)
         slopes = self.model.slopes(self.inputs, self.coefficients, **how)[1]
-        return {name: slopes.pop(name)[self.places] for name in [*slopes]}
+        return {name: slopes.pop(name)[self.places] for name in also or [*slopes]}
 
 
 def remembered(rows, seconds, lasting):

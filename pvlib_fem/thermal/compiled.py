@@ -14,9 +14,11 @@ MEMORIES = {"ewm": "tau", "balance": "capacity"}
 FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
 
 
-def fast(rows, effects):
-    """Whether a record's rows are answered by the loops."""
+def fast(rows, effects, also=None):
+    """Whether a record's rows are answered by the loops, ``also`` by further terms."""
     if rows < LONG or any(is_beyond_them(effect) for effect in effects):
+        return False
+    if also and any(is_there(one.capacity) for one in also.values()):
         return False
     return loops() is not None
 
@@ -82,7 +84,9 @@ def constant(value):
     return np.full(loops().TILE, value)
 
 
-def answered(model, inputs, coefficients, past, seen=None, edges=None, into=None):
+def answered(
+    model, inputs, coefficients, past, seen=None, edges=None, into=None, also=None
+):
     """
     Temperature of a block, and products of its slopes and of what is left.
 
@@ -98,14 +102,17 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None, into=None
     into : array, optional
         Where the temperature goes; without it none is asked for. It is of all rows
         where products are asked for, else of those that count.
+    also : dict of Terms, optional
+        Slopes of terms to be answered along, in the place of products.
 
     Returns
     -------
     array or None
         Products over each part, by the model's parameters in order, and what is left.
+        Or slopes by what is answered along, on all rows.
     """
     wanted, law = edges is not None, model.steady_model
-    added, slopes = model.terms(inputs, coefficients, wanted)
+    added, slopes = model.terms(inputs, coefficients, wanted, also)
     names = [name for name in slopes if name != "bias"]
     line, clip, by = line_of(law, model.own(coefficients))
     size, rows = 5 + len(names), len(inputs["temp_air"])
@@ -117,20 +124,24 @@ def answered(model, inputs, coefficients, past, seen=None, edges=None, into=None
     if into is None:
         into = np.empty(kernels.TILE)
     total = np.zeros((len(edges) - 1 if wanted else 0, size, size))
+    told = np.empty((len(also or ()), rows))
     memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
+    more = of_terms(slopes, names, rows)
+    leaky = is_there(added.loss) or len(more[1][0]) > 0
     kernels.answer(
         getattr(kernels, model.dynamics.upper()),
         (law.scale, float(line[0]), float(line[1]), clip),
-        (float(memory), float(inputs.unit), float(past.usual), is_there(added.loss)),
+        (float(memory), float(inputs.unit), float(past.usual), leaky),
         (*map(whole, columns), into),
-        of_terms(slopes, names, rows),
+        more,
         of_rows(seen, rows),
         edges if wanted else np.array([0, rows]),
         past.state,
         total,
+        told,
     )
     if not wanted:
-        return None
+        return told if also else None
     chain = chained(model, by, names)
     return chain.T @ total @ chain
 

@@ -403,19 +403,20 @@ def sought(counts, steps, first, lasting):
 
 
 @compiled
-def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
+def answer(dynamics, law, memory, columns, more, seen, edges, state, total, told):
     """
     Temperature of rows that follow each other, and products over parts of them.
 
-    So few rows at a time that their slopes stay in the innermost cache. A column of
-    no more than these is the same in all of them. Rows that no row that counts
-    remembers are left out, those of most nights and of days held out; but where both
-    products and temperature are asked for, that is of all rows.
+    And slopes by all that is more, where these are to be ``told``. So few rows at a
+    time that their slopes stay in the innermost cache. A column of no more than these
+    is the same in all of them. Rows that no row that counts remembers are left out,
+    those of most nights and of days held out; but where both products and temperature
+    are asked for, that is of all rows.
     """
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     counts, measured = seen
-    wanted, end = len(total) > 0, len(air)
+    wanted, end = len(total) + len(told) > 0, len(air)
     slopes = np.zeros((state.shape[1], TILE + APART if wanted else 0))
     work = np.empty((WORK, TILE + APART))
     lasting, ahead, since = np.inf, -1, 0
@@ -466,5 +467,7 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total):
                 ewm(*given)
             else:
                 balance(*given)
-            if wanted:
+            if len(total):
                 add_products(slopes, low, high, total[part])
+            for k in range(len(told)):
+                told[k, a:b] = slopes[4 + k, : b - a]

@@ -253,6 +253,15 @@ class ThermalModel:
         rows = len(inputs.index)
         temperature, slopes = np.empty(rows), {}
         model, past = self.knowing(inputs, coefficients, wanted), self.past(inputs)
+        if not wanted and fast(rows, model.effects, also or {}):
+            given = inputs, coefficients, past
+            told = answered(model, *given, into=temperature, also=also)
+            offset = model.terms(inputs, coefficients, wanted=False)[0].offset
+            over = temperature - offset - inputs["temp_air"]
+            return temperature, {
+                name: as_read(answer, Terms(gain=also[name].gain), 0.0, over)
+                for name, answer in zip(also, told)
+            }
         for block in blocks(rows):
             part, more = inputs.part(block), also and parts(also, block)
             here = model.on(block)
