@@ -104,6 +104,7 @@ class Products:
     def __init__(self, poa, air, module, count, length):
         self.poa, self.air, self.module = poa, air, module
         self.count, self.length, self.reach = count, length, count // 2
+        self.cross = {}  # by the lag
         self.seen = self.of(module, module).astype(bool)
         self.own = np.array([self.whole(poa, poa, j) for j in range(length)])
         self.of_air = np.array([self.whole(poa, air, j) for j in range(length)])
@@ -126,6 +127,12 @@ class Products:
             return other[: end + lag] @ one[-lag:]
         return one[: end - lag] @ other[lag:]
 
+    def later(self, lag):
+        """Irradiance with the module so many rows later, once for all its answers."""
+        if lag not in self.cross:
+            self.cross[lag] = self.whole(self.poa, self.module, lag)
+        return self.cross[lag]
+
     def of(self, one, other, lag=0):
         """The same by the day of the one."""
         later = np.zeros_like(other)
@@ -135,8 +142,7 @@ class Products:
 
     def at(self, lag):
         """What an answer from a lag on has to tell: with irradiance, and by itself."""
-        ahead = range(lag, lag + self.length)
-        told = np.array([self.whole(self.poa, self.module, j) for j in ahead])
+        told = np.array([self.later(j) for j in range(lag, lag + self.length)])
         square = self.module @ self.module + self.air @ self.air
         return told - self.of_air, square - 2 * self.whole(self.air, self.module, lag)
 
