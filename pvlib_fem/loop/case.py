@@ -11,7 +11,7 @@ from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.clock import Clock
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
@@ -113,6 +113,11 @@ class Case:
         """A record with the place of sun and module, where that is known."""
         places = geometry(record.index, **self.site)
         return record.having({name: c.to_numpy() for name, c in places.items()})
+
+    def placed_for(self, record, model):
+        """The same where a model asks for it, and the record does not have it."""
+        asked = {*model.drivers} & {*GEOMETRY} - {*record.inputs.columns}
+        return self.placed(record) if asked else record
 
     def without(self, effect):
         """The case without an effect, and the column that it follows."""

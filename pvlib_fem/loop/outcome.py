@@ -9,7 +9,6 @@ from pvlib_fem import scores
 from pvlib_fem.effects.courses import changes_of
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
-from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.case import BASES
 from pvlib_fem.loop.ranges import with_ranges
@@ -32,12 +31,9 @@ def outcome(search, last, base):
     case, found, notes = search.case, search.left, []
     if case.record is not case.whole:
         search.fits.let_go("coarse")
-    record, tabled = search.fits.prepared(case.whole, last.model)
-    rows = case.fitting & record.known(last.model.drivers)
-    at_bound = last.at_bound
-    source = Rows(record, rows)
-    daily = daily_sums(tabled, last.coefficients, source, at_bound)
-    stderr = errors(tabled, daily, at_bound, notes)
+    record = case.placed_for(case.whole, last.model)
+    at_bound, daily = last.at_bound, search.fits.daily(last)
+    stderr = errors(last.model, daily, at_bound, notes)
     table = error_table(case, search.steps)
     fit = finished(
         last.model,

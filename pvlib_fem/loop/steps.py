@@ -8,13 +8,12 @@ import numpy as np
 
 from pvlib_fem import scores
 from pvlib_fem.drivers import MODELLED, completed, is_modelled
-from pvlib_fem.fitting.daily import errors
+from pvlib_fem.fitting.daily import DailySums, errors
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import natural, possible, tables
 from pvlib_fem.fitting.stages import minimise
 from pvlib_fem.loop.case import BASES, Case
 from pvlib_fem.loop.gather import gather
-from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.spelling import FIXED, refusal
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
@@ -35,6 +34,7 @@ class Step:
     converged: bool
     temperature: np.ndarray  # NaN where a driver lacks
     measured: np.ndarray
+    daily: DailySums | None = None  # of the fitted rows, where effects were fitted
 
     def as_base(self):
         """The same, by which effects know the temperature of the module."""
@@ -100,7 +100,7 @@ class Fits:
         if np.isfinite(tried[rows]).all():
             at = {**at, **start}
         minimum, at = minimise(tabled, Rows(record, rows), at, biased, ROUGH)
-        coarse = at
+        coarse, source = at, None
         if case.record is not case.whole:
             if before:
                 change = {n: v - before.coarse[n] for n, v in before.searched.items()}
@@ -111,19 +111,34 @@ class Fits:
                 source = Rows(record, rows)
                 minimum, at = minimise(tabled, source, at, biased, CLOSE)
         names = model.free[: len(minimum.x)]
-        coefficients = natural(model, at)[0]
-        temperature = tabled.temperature(record.inputs, coefficients)
+        bound = tuple(n for n, there in zip(names, minimum.at_bound) if there)
+        coefficients, daily = natural(model, at)[0], None
+        if source is not None and model.effects:
+            # of which all is at hand, and may be let go
+            temperature = np.empty(len(record.index))
+            daily = daily_sums(tabled, coefficients, source, bound, temperature)
+        else:
+            temperature = tabled.temperature(record.inputs, coefficients)
         known = record.known(model.drivers)
         return Step(
             model,
             coefficients,
             at,
             coarse,
-            tuple(n for n, bound in zip(names, minimum.at_bound) if bound),
+            bound,
             minimum.converged,
             temperature if known.all() else np.where(known, temperature, np.nan),
             case.whole["temp_module"],
+            daily,
         )
+
+    def daily(self, step):
+        """Sums by the day of a step's fitted rows, on the record's own steps."""
+        if step.daily is not None:
+            return step.daily
+        record, tabled = self.prepared(self.case.whole, step.model)
+        rows = self.case.fitting & record.known(step.model.drivers)
+        return daily_sums(tabled, step.coefficients, Rows(record, rows), step.at_bound)
 
     def errors(self, step):
         """Standard errors of a step's coefficients, by the day on coarse steps."""
@@ -143,8 +158,7 @@ class Fits:
             tabled = {
                 n: one for n, one in tabled.items() if not is_modelled(one[0].drivers)
             }
-        if {*model.drivers} & {*GEOMETRY} - {*larger.inputs.columns}:
-            larger = case.placed(larger)
+        larger = case.placed_for(larger, model)
         for effect in model.effects:
             if effect.name in tabled and tabled[effect.name][0] is effect:
                 continue

@@ -38,7 +38,7 @@ GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full circle
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
-SOME = 4000  # rows that are enough to compare columns
+FEW = 4000  # rows that show that two are no copies
 COMPARED = Spelled(
     "compare_modules(data).common has what they have in common",
     "pvlib-fem modules FILE --common NEW.csv writes what they have in common",
@@ -177,7 +177,7 @@ def unusable(name, column, seen, most_missing):
 
 def same(one, other):
     """Whether one column is another, but for a factor and an offset."""
-    some = slice(None, None, max(1, len(one) // SOME))
+    some = slice(None, None, max(1, len(one) // FEW))
     return alike(one[some], other[some]) and alike(one, other)
 
 
