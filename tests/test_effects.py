@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 import pvlib_fem as fem
 from pvlib_fem.drivers import completed, water
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
-from pvlib_fem.effects.effect import Tabled, tabled
+from pvlib_fem.effects.effect import Effect, Parameter, Tabled, Terms, tabled
 from pvlib_fem.record.inputs import read
 from pvlib_fem.stored import VERSION
 from pvlib_fem.thermal.model import ThermalModel
@@ -765,6 +765,31 @@ def test_what_is_not_linear_has_no_table(plant):
     own = fem.Effect("bent", bent, {"power": fem.Parameter(0.0, -2.0, 2.0, "-")})
     columns = {"wind_speed": plant["wind_speed"].to_numpy()}
     assert tabled(own, columns) is own
+
+
+ROWS = 20_000
+ONCE = np.random.default_rng(3).random(ROWS)
+FORMS = {  # of terms, and whether they are linear in their parameter
+    "of a row": (lambda x, *, a: Terms(heat=a * x), True),
+    "of its column": (lambda x, *, a: Terms(heat=a * (x - x.mean())), True),
+    "of rows before": (lambda x, *, a: Terms(loss=a * np.cumsum(x)), True),
+    "of so many rows": (lambda x, *, a: Terms(offset=a * (x + ONCE)), True),
+    "in a square": (lambda x, *, a: Terms(heat=a**2 * x), False),
+    "with a bound": (lambda x, *, a: Terms(heat=np.maximum(a * x - 5.0, 0.0)), False),
+    "of a rare row": (lambda x, *, a: Terms(heat=a * x + a**2 * (x > 9.9)), False),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_whether_an_effect_is_linear_is_tried(form):
+    """A few rows do where a row's terms are its own, and else the whole record."""
+    terms, linear = FORMS[form]
+    effect = Effect("own", terms, {"a": Parameter(0.0, 0.0, 2.0, "-")})
+    columns = {"x": 10.0 * np.random.default_rng(1).random(ROWS)}
+    found = tabled(effect, columns)
+    assert isinstance(found, Tabled) == linear
+    ours, theirs = (one.at(columns, {"own.a": 1.3}) for one in (found, effect))
+    assert ours.is_near(theirs) and not ours.is_near(Terms())
 
 
 def test_curtailed_power_is_what_lacks_of_the_usual(plant):

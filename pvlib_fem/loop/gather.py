@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects.effect import Effect, Terms, tabled
@@ -218,15 +217,21 @@ def held(terms):
 
     So the rows after a gap have a memory; those in it do not count.
     """
-    columns = (getattr(terms, column.name) for column in fields(terms))
-    return Terms(
-        *(
-            pd.Series(column).bfill().ffill().to_numpy()
-            if np.ndim(column) and np.isnan(column.sum())
-            else column
-            for column in columns
-        )
-    )
+    return Terms(*(filled(getattr(terms, column.name)) for column in fields(terms)))
+
+
+def filled(column):
+    """A column of terms with the next number in each gap, at its end the last one."""
+    if not np.ndim(column) or not np.isnan(column.sum()):
+        return column
+    lacks = np.isnan(column)
+    there, gaps = np.flatnonzero(~lacks), np.flatnonzero(lacks)
+    if not len(there):
+        return column
+    after = np.minimum(np.searchsorted(there, gaps), len(there) - 1)
+    column = column.copy()
+    column[gaps] = column[there[after]]
+    return column
 
 
 def narrowed(found, scan, wide, own, known, inputs):
