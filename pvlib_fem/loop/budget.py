@@ -133,8 +133,7 @@ def told_rows(case, steps, last):
 
 def left_by_scale(record, residual, rows):
     """Mean square of what is left, by time scale."""
-    local = record.index.tz_localize(None)
-    hours = local.hour.to_numpy()[rows]
+    hours = record.index[rows].hour.to_numpy()
     times = record.inputs.seconds[rows], record.inputs.step
     return by_scale(residual[rows], record.dates[rows], hours, *times)
 

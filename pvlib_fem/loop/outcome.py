@@ -114,6 +114,7 @@ def error_table(case, steps):
     """Errors of each step on fitting and test rows, on those that all steps know."""
     everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
     parts = {"train": case.fitting & everywhere, "test": case.test & everywhere}
+    parts = {name: np.flatnonzero(rows) for name, rows in parts.items()}
     sunny = case.whole["poa_global"][parts["test"]] > DAYLIGHT
     light = scores.kilowatt_hours(case.whole.inputs)[parts["test"]]
     rows = {}

@@ -37,9 +37,14 @@ def offsets(hours, seconds):
 
 def day_of(origin, seconds):
     """The day that begins nearest to a time."""
+    return days_of(origin, [seconds])[0]
+
+
+def days_of(origin, seconds):
+    """The days that begin nearest to some times."""
     # of whole seconds, which reach further than the nanoseconds of a number
-    half_on = np.timedelta64(round(seconds + DAY / 2), "s")
-    return (origin + pd.Timedelta(half_on)).normalize()
+    half_on = np.round(np.asarray(seconds, dtype=float) + DAY / 2).astype("m8[s]")
+    return (origin + pd.TimedeltaIndex(half_on)).normalize()
 
 
 def listed(jumps, most=4):

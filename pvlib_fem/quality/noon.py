@@ -7,7 +7,7 @@ import pandas as pd
 import pvlib
 
 from pvlib_fem.drivers import standard_time
-from pvlib_fem.quality.hours import day_of, listed, offsets
+from pvlib_fem.quality.hours import day_of, days_of, listed, offsets
 from pvlib_fem.quality.jumps import jumps_of, whole_hours
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, HOUR, night
@@ -100,7 +100,7 @@ def solar_noon_shift(
     if location is not None and len(day):
         late = float(np.median(middle - offsets(hours, when)))
     jumps = tuple((day_of(index[0], c["seconds"]), c["by"]) for c in changes)
-    days = pd.Series(middle, [day_of(index[0], t - DAY / 2) for t in when])
+    days = pd.Series(middle, days_of(index[0], when - DAY / 2))
     within = tuple(
         tuple(day_of(index[0], dark + d * DAY) for d in c["within"]) for c in changes
     )

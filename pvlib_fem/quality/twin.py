@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.quality.hours import day_of, listed
+from pvlib_fem.quality.hours import days_of, listed
 from pvlib_fem.quality.jumps import change, jumps_of
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.noon import middles, with_nights
@@ -57,7 +57,7 @@ def twin_clock(poa_global, other, index, limits=None) -> TwinClock:
         return TwinClock(np.nan, np.nan, pd.Series(dtype=float))
     number, middle = apart.index.to_numpy(), apart.to_numpy()
     found = jumps_of(number, middle, limits) if step <= limits.coarsest_noon else []
-    dates = [day_of(index[0], dark + day * DAY) for day in number]
+    dates = days_of(index[0], dark + number * DAY)
     jumps = tuple((dates[jump["at"]], jump["by"]) for jump in found)
     days = pd.Series(middle, dates)
     late, stderr, _ = change(np.zeros(1), days.to_numpy())
