@@ -3,6 +3,7 @@
 import json
 import pickle
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -232,6 +233,26 @@ def test_the_best_step_is_that_of_all_fits(seed, days, rows):
     best = ((rest - ones * (ones @ rest) / (ones @ ones)) ** 2).sum() - min(squares)
     assert found.gain == pytest.approx(best, rel=1e-5)
     assert found.start == 1 + int(np.argmin(squares))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(5, 9), st.integers(2, 5))
+def test_the_best_episode_is_that_of_all_fits(seed, days, rows):
+    """Against least squares of every two dates, row by row."""
+    random = np.random.default_rng(seed)
+    dates = np.repeat(np.arange(days), rows)
+    drawn = random.normal(size=(2, len(dates)))
+    found = daily(*drawn, dates).episode(2, 1)
+    ones, own, rest = by_day_weights(*drawn, dates)
+    left = {}
+    for start, end in combinations(range(1, days), 2):
+        if end - start >= 2:
+            there = (dates >= start) & (dates < end)
+            both = np.column_stack([ones, own * there])
+            rests = rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]
+            left[start, end] = rests @ rests
+    best = ((rest - ones * (ones @ rest) / (ones @ ones)) ** 2).sum()
+    assert found.gain == pytest.approx(best - min(left.values()), rel=1e-5)
+    assert (found.start, found.end) == min(left, key=left.get)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(4, 9), st.integers(3, 5))

@@ -11,13 +11,12 @@ from functools import partial
 
 import numpy as np
 
-from pvlib_fem.statistics.changes import as_normal
+from pvlib_fem.statistics.changes import ALIKE, as_normal, largest
 from pvlib_fem.statistics.leastsquares import products
 
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
 STARTS = 5  # of those
-ALIKE = 1e-9  # of a gain, by which no other is larger
 TURNS = 20  # of edges in azimuth and in elevation, until neither moves
 
 
@@ -219,18 +218,6 @@ def climb(total, there, weigh, window, ends):
             pair = tuple(first + int(edge) for edge in best)
             window = (low, high, *pair) if turn % 2 else (*pair, start, end)
     return window, gain
-
-
-def largest(gains):
-    """
-    Place of the first gain that is as large as any but for rounding.
-
-    An edge may stand anywhere in a part of the sky where no sun was, and the last bits
-    of a sum are not to say where: a climb goes on from there.
-    """
-    gains = np.ravel(gains)
-    most = gains.max()
-    return int(np.argmax(gains >= most - ALIKE * abs(most)))
 
 
 def of_pairs(strip, there, weigh):

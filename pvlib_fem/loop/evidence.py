@@ -106,9 +106,9 @@ class Evidence:
 
     def places(self, names):
         """Columns of the base and of some effects or columns, each once."""
-        wanted = list(self.base)
+        wanted = dict.fromkeys(self.base)
         for name in names:
-            wanted += [n for n in self.own.get(name, (name,)) if n not in wanted]
+            wanted |= dict.fromkeys(self.own.get(name, (name,)))
         return [self.order[name] for name in wanted]
 
     @property

@@ -17,7 +17,7 @@ from pvlib_fem.statistics.clusters import ridge, those
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 LEVEL = 7.35  # of a likelihood ratio, 95 % of dates, Hansen (2000), table I
 MOST_MEMORY = 0.9  # between weeks, beyond which a series is no series of weeks
-AT_ONCE = 16  # first days of stretches that are weighed together
+ALIKE = 1e-9  # of a gain, by which no other is larger
 GRID = 300  # stretches of days between which an episode is first looked for
 
 
@@ -245,7 +245,12 @@ def as_normal(statistic, draws):
 def gained(part):
     """Fall of the sum of squares by a column on some days, from their sums."""
     product, square, known = part[..., 0], part[..., 1], part[..., 2:]
-    left = square - np.square(known).sum(axis=-1)
+    return fall(product, square, np.square(known).sum(axis=-1))
+
+
+def fall(product, square, known):
+    """The same from products, squares, and what all that is fitted has of these."""
+    left = square - known
     seen = left > UNSEEN * np.abs(square).max()
     return np.divide(product**2, left, out=np.zeros_like(product), where=seen)
 
@@ -265,17 +270,27 @@ def gained_by_two(products, squares, both, least):
 
 def best_pair(total, starts, ends, shortest):
     """Largest gain of all stretches between two sets of days, and its edges."""
-    best = (0.0, 0, 0)
-    for some in np.array_split(starts, np.ceil(len(starts) / AT_ONCE)):
-        later = ends[ends >= some[0] + shortest]
-        if not len(later):
-            break
-        gains = gained(total[later] - total[some][:, None])
-        gains[later < some[:, None] + shortest] = 0.0
-        row, place = divmod(int(np.argmax(gains)), len(later))
-        gain = float(gains[row, place])
-        best = max(best, (gain, int(some[row]), int(later[place])))
-    return best
+    first, last = total[starts], total[ends]
+    product, square = (last[:, i] - first[:, i][:, None] for i in (0, 1))
+    # the square of a difference, from the products of its ends
+    one, other = first[:, 2:], last[:, 2:]
+    squares = np.square(one).sum(axis=1)[:, None] + np.square(other).sum(axis=1)
+    gains = fall(product, square, squares - 2.0 * one @ other.T)
+    gains[ends < starts[:, None] + shortest] = 0.0
+    row, place = np.unravel_index(largest(gains), gains.shape)
+    return float(gains[row, place]), int(starts[row]), int(ends[place])
+
+
+def largest(gains):
+    """
+    Place of the first gain that is as large as any but for rounding.
+
+    Where nothing was to be seen an edge may stand anywhere, and the last bits of a sum
+    are not to say where.
+    """
+    gains = np.ravel(gains)
+    most = gains.max()
+    return int(np.argmax(gains >= most - ALIKE * abs(most)))
 
 
 def chance_of_step(statistic, first, last, drifts=False):
