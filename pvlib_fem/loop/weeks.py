@@ -48,7 +48,9 @@ def parts(record, seen, holdout, criteria):
     chosen on it.
     """
     found = np.full(len(seen), Part.FITTING, dtype=np.int8)
-    weeks = np.unique(calendar_weeks(record.dates), return_inverse=True)[1]
+    first, days = record.inputs.times.runs
+    weeks = np.unique(calendar_weeks(days), return_inverse=True)[1]
+    weeks = np.repeat(weeks, np.diff(first, append=len(seen)))
     if holdout is not None:
         found[record.rows(holdout)] = Part.TEST
     elif weeks.max() + 1 >= criteria.fewest_weeks:
@@ -57,8 +59,8 @@ def parts(record, seen, holdout, criteria):
         found[record.days % 2 == 1] = Part.TEST
     if record.count_days(seen) >= criteria.enough_days:
         rest = np.flatnonzero(found == Part.FITTING)
-        others = np.unique(weeks[rest], return_inverse=True)[1]
-        found[rest[nth(others, criteria.choose_every)]] = Part.CHOOSING
+        others = np.cumsum(np.bincount(weeks[rest]) > 0) - 1  # place of each week
+        found[rest[nth(others[weeks[rest]], criteria.choose_every)]] = Part.CHOOSING
     return found
 
 

@@ -205,19 +205,20 @@ def due(origin, days, location, surface_tilt, surface_azimuth, limits):
     seconds = (some[:, None] * DAY + np.arange(0.0, DAY, 300.0)).ravel()
     times = (origin + pd.to_timedelta(seconds, unit="s")).tz_localize("UTC")
     sun = location.get_solarposition(times, method="ephemeris")
-    ghi = 0.6 * pvlib.clearsky.haurwitz(sun["zenith"])["ghi"]
-    parts = pvlib.irradiance.erbs(ghi, sun["zenith"], times)
+    ghi = 0.6 * pvlib.clearsky.haurwitz(sun["zenith"])["ghi"].to_numpy()
+    zenith, azimuth = sun["zenith"].to_numpy(), sun["azimuth"].to_numpy()
+    parts = pvlib.irradiance.erbs(ghi, zenith, times)
     poa = pvlib.irradiance.get_total_irradiance(
         0.0 if surface_tilt is None else surface_tilt,
         180.0 if surface_azimuth is None else surface_azimuth,
-        sun["zenith"],
-        sun["azimuth"],
+        zenith,
+        azimuth,
         parts["dni"],
         ghi,
         parts["dhi"],
     )["poa_global"]
     # each day by itself and from dark to dark, wherever its own midnight is
-    poa = poa.to_numpy()
+    poa = np.asarray(poa)
     dark = round(night(seconds, poa) / 300.0)
     poa = np.roll(poa.reshape(len(some), -1), -dark, axis=1).ravel()
     day, middle = middles(seconds, poa, 300.0, limits)

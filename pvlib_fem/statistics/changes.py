@@ -58,8 +58,9 @@ class Daily:
         """The same of sums by the day, of which one left by much is not to rule."""
         both = sums.of([*given, column])
         weights = both.day_weights([*range(len(given))])
+        few = np.flatnonzero(weights < 1.0)
         products = both.sums  # a copy of their own
-        products *= weights[:, None, None]
+        products[few] *= weights[few, None, None]
         return cls.turned(products, sums.weeks, sums.dates)
 
     @classmethod
@@ -89,7 +90,9 @@ class Daily:
         times = np.ones((self.days, len(both)))
         times[:, size] = self.dates - self.dates[0]
         times[:, size] /= max(np.ptp(self.dates), 1)
-        products = those(self.products, both) * times[:, None] * times[:, :, None]
+        products = those(self.products, both)
+        products *= times[:, None]
+        products *= times[:, :, None]
         found = self.turned(products, self.weeks, self.dates)
         return replace(found, taken=self.squares - found.squares)
 

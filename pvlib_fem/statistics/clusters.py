@@ -7,7 +7,7 @@ sums of small matrices.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -149,13 +149,14 @@ class ClusterSums:
         """Those of the kept columns alone, each day by its weight."""
         found = self.of(kept)
         weights = found.day_weights([*range(len(kept))])
+        few = np.flatnonzero(weights < 1.0)
         sums = found.sums  # a copy of their own
-        sums *= weights[:, None, None]
+        sums[few] *= weights[few, None, None]
         return replace(found, sums=sums)
 
     def solve(self, kept):
         """Best coefficients of the kept columns."""
-        return ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, -1])
+        return ridged(self.whole[kept][:, kept], self.whole[kept, -1])
 
     @cached_property
     def lefts(self):
@@ -196,7 +197,7 @@ class ClusterSums:
 
     def given(self, column, kept):
         """Root mean square of a column that the kept ones do not explain."""
-        explained = ridged(self.whole[np.ix_(kept, kept)], self.whole[kept, column])
+        explained = ridged(self.whole[kept][:, kept], self.whole[kept, column])
         square = self.whole[column, column] - explained @ self.whole[kept, column]
         return np.sqrt(max(square, 0.0) / self.rows)
 
@@ -324,6 +325,13 @@ def ridged(normal, right):
 
 def ridge(normal):
     """Small enough not to matter, and there where a column is not."""
-    size = np.diagonal(normal, axis1=-2, axis2=-1)
-    size = RIDGE * (size + size.mean(axis=-1, keepdims=True))
-    return size[..., None] * np.eye(normal.shape[-1])
+    size, count = np.diagonal(normal, axis1=-2, axis2=-1), normal.shape[-1]
+    size = RIDGE * (size + size.sum(axis=-1, keepdims=True) / count)
+    return size[..., None] * identity(count)
+
+
+@lru_cache(maxsize=256)  # thousands of small systems are solved
+def identity(size):
+    found = np.eye(size)
+    found.flags.writeable = False
+    return found
