@@ -48,10 +48,10 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
     tuple
         The windows, as azimuth from and to, elevation from and to. [°]
     """
-    sunny = (sun[1] > 0) & (sun[1] < 90) & (tangent < 0)
-    if not sunny.any():
+    sunny = np.flatnonzero((sun[1] > 0) & (sun[1] < 90) & (tangent < 0))
+    if not len(sunny):
         return 0.0, ()
-    basis = basis.T[:, sunny].T  # in the memory, column by column
+    basis = basis.T.take(sunny, axis=1).T  # in the memory, column by column
     floor = (rows or len(rest)) * criteria.hint_gain**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
     sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)

@@ -131,7 +131,7 @@ def scan(rest, tangents, columns, weeks, criteria):
     """
     keys = EVERYWHERE.rows()
     own = dict(zip(EVERYWHERE.parameters, (tangents[key] for key in keys)))
-    lit = own["clear"] > FAINT * own["clear"].max()
+    lit = np.flatnonzero(own["clear"] > FAINT * own["clear"].max())
     others = [column for name, column in tangents.items() if name not in keys]
     basis, rows = orthonormal(others, lit), len(rest)
     own = {name: column[lit] for name, column in own.items()}
