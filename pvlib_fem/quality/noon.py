@@ -150,10 +150,11 @@ def noon_faults(late, jumps, step, limits):
 
 def with_nights(seconds, poa, limits):
     """The same with 0 before and after each day's light, in a file of days alone."""
-    deep = np.abs(seconds % DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
+    whole = np.floor(seconds / DAY)  # twice as fast as // and %
+    deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
     if not deep.any() or np.isfinite(poa[deep]).mean() > limits.night_rows:
         return poa
-    day, row = (seconds // DAY).astype(int), np.arange(len(poa))
+    day, row = whole.astype(int), np.arange(len(poa))
     lit = np.flatnonzero(poa > limits.light)
     first, last = np.full(day.max() + 1, len(poa)), np.full(day.max() + 1, -1)
     np.minimum.at(first, day[lit], lit)
@@ -167,7 +168,7 @@ def middles(seconds, poa, step, limits):
     """Days that are whole, and the middle of the light of each. [s of its day]"""
     if not len(lit := np.flatnonzero(poa > limits.light)):
         return np.zeros(0, dtype=int), np.zeros(0)
-    day = (seconds // DAY).astype(int)
+    day = np.floor(seconds / DAY).astype(int)
     rows = np.bincount(day, np.isfinite(poa))
     of_lit, first = np.unique(day[lit], return_index=True)
     last = np.append(first[1:], len(lit)) - 1

@@ -80,7 +80,7 @@ def daily_sums(seconds, base, poa, module, limits):
 def night(seconds, poa):
     """The dark half a day before the record's mean noon, at or before its start. [s]"""
     part = (np.asarray(seconds) / 600.0).astype(int) % 144
-    sun = np.bincount(part, np.nan_to_num(poa), 144)
+    sun = np.bincount(part, np.where(np.isnan(poa), 0.0, poa), 144)
     turn = np.exp(2j * np.pi * np.arange(144) / 144)
     noon = np.angle((sun * turn).sum()) / (2 * np.pi) * DAY
     return round((noon - DAY / 2) % DAY / 600.0) * 600.0 - DAY
@@ -96,8 +96,13 @@ def changes(values, step, apart):
 
 def decays(lags, step, onset):
     """Change per row after a step of irradiance, of each decay: lags × decays."""
-    edges = np.append(lags, lags[-1] + 1) * step - onset
-    return np.diff(response(edges[:, None]), axis=0)
+    return between(np.append(lags, lags[-1] + 1) * step - onset)
+
+
+def between(since):
+    """Change of each decay from one time since a step of irradiance to the next."""
+    answer = response(since[:, None])
+    return answer[1:] - answer[:-1]
 
 
 def response(since):
@@ -141,14 +146,16 @@ def measure(sums, days, limits):
     last = min(coarse + round(AFTER / sums.step), sums.reach)
     lags = np.arange(first, last + 1)
     normal, cross = own[np.abs(lags[:, None] - lags)], cross[sums.reach + lags]
+    edges = np.append(lags, lags[-1] + 1) * sums.step
 
     def weigh(onset):
         """Weights of the decays, none below 0, and the misfit but a constant."""
-        shapes = decays(lags, sums.step, onset)
+        shapes = between(edges - onset)
         square = shapes.T @ normal @ shapes
-        if not square.trace() > 0:  # it would begin beyond the last lag
+        trace = square.trace()
+        if not trace > 0:  # it would begin beyond the last lag
             return np.zeros(len(DECAYS)), 0.0
-        square += 1e-10 * np.trace(square) * np.eye(len(DECAYS))
+        square.flat[:: len(DECAYS) + 1] += 1e-10 * trace
         root = np.linalg.cholesky(square)
         right = np.linalg.solve(root, shapes.T @ cross)
         weights, rest = nnls(root.T, right)

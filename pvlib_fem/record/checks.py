@@ -135,8 +135,12 @@ def dates_of(index):
 
 def usual_step(index):
     """Median time between some times; NaN of fewer than two. [s]"""
-    steps = np.diff(instants(index)) / np.timedelta64(1, "s")
-    return float(np.median(steps)) if len(steps) else np.nan
+    steps = np.diff(instants(index))
+    if not len(steps):
+        return np.nan
+    even = (steps == steps[0]).all()  # as most are, which is soon seen
+    steps = (steps[:1] if even else steps) / np.timedelta64(1, "s")
+    return float(np.median(steps))
 
 
 def check_order(steps, index, name):

@@ -125,8 +125,7 @@ def covered(masks, record, other):
     """Rows of the coarse record in whose step each of some masks holds for any row."""
     if other is record:
         return masks
-    at, ends = instants(record.index), instants(other.index)
-    place = np.searchsorted(ends, at)
-    # what is after the last of them is of none
-    counts = [np.bincount(place[mask], minlength=len(ends) + 1) for mask in masks]
-    return [count[: len(ends)] > 0 for count in counts]
+    # how many rows are over at the end of each step; what is later is of none
+    over = np.searchsorted(instants(record.index), instants(other.index), "right")
+    counts = (np.concatenate(([0], np.cumsum(mask)))[over] for mask in masks)
+    return [np.diff(count, prepend=0) > 0 for count in counts]
