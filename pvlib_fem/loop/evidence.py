@@ -287,9 +287,20 @@ class Evidence:
             rest -= value * self.columns[names[place]]
         return rest
 
+    @cached_property
+    def weights(self):
+        """What was weighed so far, by name and what was given."""
+        return {}
+
     def weigh(self, name, given=()) -> Weight | Because:
         """What an effect would explain, given others, or why that cannot be said."""
-        given = [other for other in given if other != name]
+        asked = name, tuple(other for other in given if other != name)
+        if asked not in self.weights:  # several stages ask for it
+            self.weights[asked] = self.weight(*asked)
+        return self.weights[asked]
+
+    def weight(self, name, given):
+        """The same, of others that it is not among."""
         sums, nuisance = self.sums([*given, name]), self.places(given)
         kept = self.places([*given, name])
         own = kept[len(nuisance) :]
