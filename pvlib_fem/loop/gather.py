@@ -41,8 +41,7 @@ def gather(
         Coefficients that are held, or at a bound, where they stay.
     """
     model = replace(model, base=model.base or coefficients)
-    inputs = model.with_drivers(record.inputs)
-    inputs = model.with_base(inputs) if candidates else inputs
+    inputs = model.with_base(model.with_drivers(record.inputs))
     inputs, tried, failed = ready(model, inputs, seen, candidates)
     temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))

@@ -15,6 +15,7 @@ from pvlib_fem.fitting.stages import minimise
 from pvlib_fem.loop.case import BASES, Case
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.spelling import FIXED, refusal
+from pvlib_fem.statistics.clusters import days_of_folds
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
@@ -77,7 +78,7 @@ class Fits:
         if memory := MEMORIES & {*self.case.fixed}:
             names = [n for n in names if memory <= {*MEMORY[BASES[n]]}]
         if self.case.divisible:
-            left = {n: self.gathered(steps[n], []).left() for n in names}
+            left = {n: self.left(steps[n]) for n in names}
         else:
             left = {n: steps[n].error(self.case.fitting) for n in names}
         return min(left, key=left.get)
@@ -142,11 +143,20 @@ class Fits:
 
     def errors(self, step):
         """Standard errors of a step's coefficients, by the day on coarse steps."""
+        daily = self.coarse_sums(step, natural(step.model, step.coarse)[0])
+        return errors(step.model, daily, step.at_bound, [])
+
+    def left(self, step):
+        """Mean square that a step leaves on fitting weeks left out in turn. [K²]"""
+        sums = self.coarse_sums(step, step.coefficients).sums
+        folds = days_of_folds(sums.dates, self.case.criteria.folds)
+        return replace(sums, folds=folds).left(range(len(sums.scale)))
+
+    def coarse_sums(self, step, coefficients):
+        """Sums by the day of the rows that are searched, on coarse steps."""
         record, tabled = self.prepared(self.case.record, step.model)
-        found = natural(step.model, step.coarse)[0]
         rows = self.case.searched & record.known(step.model.drivers)
-        daily = daily_sums(tabled, found, Rows(record, rows), step.at_bound)
-        return errors(tabled, daily, step.at_bound, [])
+        return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
 
     def prepared(self, record, model):
         """A record with what a model needs, and the model's effects as tables."""
