@@ -108,11 +108,12 @@ def of_several(columns):
 
 def numeric(columns):
     """Those that hold numbers, and no infinity."""
-    return {
+    found = {
         name: column.astype(float)
         for name, column in columns.items()
-        if pd.api.types.is_numeric_dtype(column) and not np.isinf(column).any()
+        if pd.api.types.is_numeric_dtype(column)
     }
+    return {n: c for n, c in found.items() if not np.isinf(c.to_numpy()).any()}
 
 
 def usable_drivers(columns, record, most_missing, taken=()):
@@ -154,14 +155,15 @@ def unusable(name, column, seen, most_missing):
     """Why a column can be no driver, if it cannot."""
     if not pd.api.types.is_numeric_dtype(column):
         return because(Reason.NOT_NUMERIC, column=name)
-    if np.isinf(column).any():
-        time = str(np.isinf(column).idxmax())
+    values = column.astype(float).to_numpy()
+    if (there := np.isinf(values)).any():
+        time = str(column.index[np.argmax(there)])
         return because(Reason.INFINITE, column=name, time=time)
-    if column.notna().sum() == 0:
+    lacks = int(np.count_nonzero(np.isnan(values)))
+    if lacks == len(values):
         return because(Reason.EMPTY, column=name)
-    if (share := float(column.isna().mean())) > most_missing:
+    if (share := lacks / len(values)) > most_missing:
         return because(Reason.MISSING, column=name, share=share)
-    values = column.to_numpy(float)
     with np.errstate(over="ignore", invalid="ignore"):
         spread = values.std()
         spread = np.nanstd(values) if np.isnan(spread) else spread

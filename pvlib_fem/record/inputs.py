@@ -231,10 +231,14 @@ class Record:
 
     def known(self, names):
         """Rows that have all of some columns."""
-        rows = np.ones(len(self.index), dtype=bool)
-        for name in names:
-            rows &= np.isfinite(self[name])
-        return rows
+        asked = "rows", *names
+        if asked not in self.inputs.known:
+            rows = np.ones(len(self.index), dtype=bool)
+            for name in names:
+                rows &= np.isfinite(self[name])
+            rows.flags.writeable = False  # it is the same for all who ask
+            self.inputs.known[asked] = rows
+        return self.inputs.known[asked]
 
     def rows(self, holdout):
         """Boolean array of a user's choice of rows."""
