@@ -16,7 +16,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.fitting import rows as rows_of
 from pvlib_fem.fitting.rows import Rows, daily_sums, normal_sums
 from pvlib_fem.fitting.search import with_tables
-from pvlib_fem.loop.gather import Tangents
+from pvlib_fem.loop.gather import Tangents, filled
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.statistics.clusters import cluster_sums
 from pvlib_fem.statistics.leastsquares import normal
@@ -97,6 +97,14 @@ def test_terms_that_add_nothing_yet_are_answered_along(dynamics, monkeypatch):
     found = replace(model, effects=()).slopes(inputs, values, also=also)[1]
     for name in also:
         np.testing.assert_allclose(found[name], theirs[name], rtol=1e-9, atol=1e-12)
+
+
+@given(st.lists(st.sampled_from([1.0, 2.0, 3.0, np.nan]), min_size=1, max_size=30))
+def test_terms_over_gaps_are_those_of_the_next_row(column):
+    """At the end of the last one that is there, and where there is none nothing."""
+    column = np.array(column)
+    want = pd.Series(column).bfill().ffill().to_numpy()
+    np.testing.assert_array_equal(filled(column), want)
 
 
 def some_terms(rows):

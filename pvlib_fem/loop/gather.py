@@ -15,7 +15,7 @@ from pvlib_fem.relaxation import FADED, relax
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.thermal.model import ThermalModel
 
-FEW = 12  # effects of which the tangents are made at a time
+FEW = 18  # effects of which the tangents are made at a time
 
 
 def gather(
@@ -224,13 +224,15 @@ def filled(column):
     """A column of terms with the next number in each gap, at its end the last one."""
     if not np.ndim(column) or not np.isnan(column.sum()):
         return column
-    lacks = np.isnan(column)
-    there, gaps = np.flatnonzero(~lacks), np.flatnonzero(lacks)
-    if not len(there):
+    lacks = np.flatnonzero(np.isnan(column))
+    if len(lacks) == len(column):
         return column
-    after = np.minimum(np.searchsorted(there, gaps), len(there) - 1)
+    begins = np.diff(lacks, prepend=-2) > 1
+    after = lacks[np.append(begins[1:], True)] + 1  # the row behind each gap
+    if after[-1] == len(column):
+        after[-1] = lacks[begins][-1] - 1
     column = column.copy()
-    column[gaps] = column[there[after]]
+    column[lacks] = column[after[np.cumsum(begins) - 1]]
     return column
 
 
