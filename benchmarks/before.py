@@ -82,8 +82,8 @@ def lines():
             (theirs, _), (ours, _), (one, _) = in_turn(*works, turns=4)
             yield f"{name}, against a8ab032", f"1/{theirs / ours:.1f}", "<= 1/5"
             yield f"{name}, against a temperature", f"{ours / one:.0f} x", "<= 12 x"
-        works = (before, "loop", 2), (now, "loop", 2)
-        (theirs, much), (ours, more) = in_turn(*works, turns=2)
+        works = (before, "loop", 3), (now, "loop", 3)
+        (theirs, much), (ours, more) = in_turn(*works, turns=4)
         name = "close_loop, year at 1 min, against a8ab032"
         yield name, f"{ours / theirs:.2f} x", "<= 1/2"
         yield (
