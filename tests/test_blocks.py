@@ -134,6 +134,7 @@ def test_the_compiled_loops_answer_further_terms_alike(kind, dynamics, monkeypat
         found, ours = model.slopes(inputs, values, **how)
         np.testing.assert_allclose(found, temperature, rtol=1e-12, atol=1e-12)
         there = np.isfinite(temperature)
+        assert model.slopes(inputs, values, wanted=False, also={})[1] == {}
         for name in how["also"]:
             one, other = (slopes[name][there] for slopes in (ours, theirs))
             np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-11)

@@ -153,10 +153,11 @@ class Tangents:
 
     def slopes(self, also=None):
         """By the model's own parameters, or by further terms, which are of all rows."""
-        terms = {name: held(one.part(self.read)) for name, one in (also or {}).items()}
-        how = dict(wanted=also is None, also=terms)
-        slopes = self.model.slopes(self.inputs, self.coefficients, **how)[1]
-        return {name: slopes.pop(name)[self.places] for name in also or [*slopes]}
+        wanted, terms = also is None, also or {}
+        terms = {name: held(one.part(self.read)) for name, one in terms.items()}
+        slopes = self.model.slopes(self.inputs, self.coefficients, wanted, terms)[1]
+        names = [*slopes] if wanted else terms
+        return {name: slopes.pop(name)[self.places] for name in names}
 
 
 def remembered(rows, seconds, lasting):

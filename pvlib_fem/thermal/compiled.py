@@ -141,7 +141,7 @@ def answered(
         told,
     )
     if not wanted:
-        return told if also else None
+        return told if also is not None else None
     chain = chained(model, by, names)
     return chain.T @ total @ chain
 

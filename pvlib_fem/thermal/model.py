@@ -253,7 +253,7 @@ class ThermalModel:
         rows = len(inputs.index)
         temperature, slopes = np.empty(rows), {}
         model, past = self.knowing(inputs, coefficients, wanted), self.past(inputs)
-        if not wanted and fast(rows, model.effects, also or {}):
+        if also is not None and not wanted and fast(rows, model.effects, also):
             given = inputs, coefficients, past
             told = answered(model, *given, into=temperature, also=also)
             offset = model.terms(inputs, coefficients, wanted=False)[0].offset
