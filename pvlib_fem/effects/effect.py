@@ -72,8 +72,10 @@ class Terms:
             (getattr(self, column.name), getattr(other, column.name))
             for column in fields(Terms)
         )
-        how = dict(rtol=1e-6, atol=1e-9, equal_nan=True)
-        return all(np.allclose(one, another, **how) for one, another in pairs)
+        return all(
+            np.allclose(one, another, rtol=1e-6, atol=1e-9, equal_nan=True)
+            for one, another in pairs
+        )
 
     def part(self, rows: slice) -> "Terms":
         """The same on a slice of the rows."""
