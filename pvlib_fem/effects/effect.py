@@ -54,11 +54,12 @@ class Terms:
 
     def plus(self, other: "Terms", times: float = 1.0) -> "Terms":
         """The sum with another, ``times`` over."""
-        pairs = (
-            (getattr(self, column.name), getattr(other, column.name))
-            for column in fields(Terms)
-        )
-        return Terms(*(added(own, more, times) for own, more in pairs))
+        return Terms(*(added(own, more, times) for own, more in self.beside(other)))
+
+    def beside(self, other: "Terms") -> list[tuple]:
+        """Each column with that of another."""
+        names = [column.name for column in fields(Terms)]
+        return [(getattr(self, name), getattr(other, name)) for name in names]
 
     @property
     def rows(self) -> int:
@@ -68,13 +69,9 @@ class Terms:
 
     def is_near(self, other: "Terms") -> bool:
         """Whether another is the same but for rounding."""
-        pairs = (
-            (getattr(self, column.name), getattr(other, column.name))
-            for column in fields(Terms)
-        )
         return all(
             np.allclose(one, another, rtol=1e-6, atol=1e-9, equal_nan=True)
-            for one, another in pairs
+            for one, another in self.beside(other)
         )
 
     def part(self, rows: slice) -> "Terms":

@@ -137,25 +137,25 @@ class Fits:
         """Sums by the day of a step's fitted rows, on the record's own steps."""
         if step.daily is not None:
             return step.daily
-        record, tabled = self.prepared(self.case.whole, step.model)
-        rows = self.case.fitting & record.known(step.model.drivers)
-        return daily_sums(tabled, step.coefficients, Rows(record, rows), step.at_bound)
+        return self.sums(step, step.coefficients, self.case.whole, self.case.fitting)
 
     def errors(self, step):
         """Standard errors of a step's coefficients, by the day on coarse steps."""
-        daily = self.coarse_sums(step, natural(step.model, step.coarse)[0])
+        found = natural(step.model, step.coarse)[0]
+        daily = self.sums(step, found, self.case.record, self.case.searched)
         return errors(step.model, daily, step.at_bound, [])
 
     def left(self, step):
         """Mean square that a step leaves on fitting weeks left out in turn. [K²]"""
-        sums = self.coarse_sums(step, step.coefficients).sums
-        folds = days_of_folds(sums.dates, self.case.criteria.folds)
+        case = self.case
+        sums = self.sums(step, step.coefficients, case.record, case.searched).sums
+        folds = days_of_folds(sums.dates, case.criteria.folds)
         return replace(sums, folds=folds).left(range(len(sums.scale)))
 
-    def coarse_sums(self, step, coefficients):
-        """Sums by the day of the rows that are searched, on coarse steps."""
-        record, tabled = self.prepared(self.case.record, step.model)
-        rows = self.case.searched & record.known(step.model.drivers)
+    def sums(self, step, coefficients, record, counts):
+        """Sums by the day of the rows of a record that count and a step knows."""
+        record, tabled = self.prepared(record, step.model)
+        rows = counts & record.known(step.model.drivers)
         return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
 
     def prepared(self, record, model):

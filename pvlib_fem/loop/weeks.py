@@ -18,10 +18,9 @@ class Part(IntEnum):
 
 def named(parts):
     """The parts by name, as a user is told them."""
-    there = [part for part in Part if (parts == part).any()]
-    codes = np.zeros(len(Part), dtype=np.int8)
-    codes[there] = np.arange(len(there))
-    return pd.Categorical.from_codes(codes[parts], [p.name.lower() for p in there])
+    there = [part.name.lower() for part in Part if (parts == part).any()]
+    names = pd.Categorical.from_codes(parts, [part.name.lower() for part in Part])
+    return names.set_categories(there)
 
 
 def parts(record, seen, holdout, criteria):

@@ -56,12 +56,8 @@ class Daily:
     @classmethod
     def of(cls, sums, column, given):
         """The same of sums by the day, of which one left by much is not to rule."""
-        both = sums.of([*given, column])
-        weights = both.day_weights([*range(len(given))])
-        few = np.flatnonzero(weights < 1.0)
-        products = both.sums  # a copy of their own
-        products[few] *= weights[few, None, None]
-        return cls.turned(products, sums.weeks, sums.dates)
+        both = sums.reweighted([*given, column], known=len(given))
+        return cls.turned(both.sums, sums.weeks, sums.dates)
 
     @classmethod
     def turned(cls, products, weeks, dates):

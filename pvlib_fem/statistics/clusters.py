@@ -145,13 +145,16 @@ class ClusterSums:
         most = max(USUAL * np.median(left), np.finfo(float).tiny)
         return most / np.maximum(left, most)
 
-    def reweighted(self, kept):
-        """Those of the kept columns alone, each day by its weight."""
+    def reweighted(self, kept, known=None):
+        """
+        Those of the kept columns alone, each day by its weight.
+
+        That is by what the first ``known`` of them leave, by default all.
+        """
         found = self.of(kept)
-        weights = found.day_weights([*range(len(kept))])
-        few = np.flatnonzero(weights < 1.0)
+        weights = found.day_weights([*range(len(kept) if known is None else known)])
         sums = found.sums  # a copy of their own
-        sums[few] *= weights[few, None, None]
+        sums *= weights[:, None, None]
         return replace(found, sums=sums)
 
     def solve(self, kept):
