@@ -60,10 +60,15 @@ def saved(text, path):
 
 def written(kind, content, path=None):
     """A result as JSON, and in a file where there is a path."""
-    content = plain({"format": kind, "version": VERSION, **content})
+    content = stamped(kind, content)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     saved(text + "\n", path)
     return text
+
+
+def stamped(kind, content):
+    """What a file of a kind holds."""
+    return plain({"format": kind, "version": VERSION, **content})
 
 
 def plain(content):

@@ -10,12 +10,21 @@ from uuid import uuid4
 AHEAD = 4  # systems that wait for each thread, so that none waits for systems
 
 
-#: a worker does one long thing at a time: its profile costs more than it tells, and in
-#: glibc's arenas of threads each temporary array would be new pages of memory
+#: a worker does one long thing at a time: its profile, and what asks fifty times a
+#: second whether it is late, cost more than they tell; it holds nothing that could be
+#: spilled, and its memory is bounded by its nanny alone. In glibc's arenas of threads,
+#: and by its first thresholds, each temporary array would be new pages of memory.
 WORKERS = {
     "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.worker.memory.target": False,
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
     "distributed.nanny.pre-spawn-environ": {
         "MALLOC_ARENA_MAX": 1,
+        "MALLOC_MMAP_THRESHOLD_": 32 << 20,
+        "MALLOC_TRIM_THRESHOLD_": 128 << 20,
+        "MALLOC_TOP_PAD_": 32 << 20,
         "OMP_NUM_THREADS": 1,
         "OPENBLAS_NUM_THREADS": 1,
         "MKL_NUM_THREADS": 1,

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from pvlib_fem.fleet.table import labels_of, systems_of
 from pvlib_fem.fleet.tasks import COEFFICIENT, FINDING, ROW
-from pvlib_fem.stored import replacing, saved, written
+from pvlib_fem.stored import plain, replacing, saved, stamped
 
-FAILED = "pvlib_fem fleet, failed"  # the format of a file without a result
+NONE = stamped("pvlib_fem fleet, failed", {})  # a file without a result
 GROUP = 1000  # systems of a row group of a table
 TABLES = ("systems", "coefficients", "findings")
 
@@ -43,10 +43,10 @@ def keep(out, identity, head, result=None):
         What ``to_json`` of it writes, so that ``from_json`` reads the file.
     """
     path = result_path(out, identity)
-    content = {"fleet": {"id": identity, **head}, **(result or {})}
+    content = {**plain({"fleet": {"id": identity, **head}}), **(result or NONE)}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        written(content.pop("format", FAILED), content, path)
+        saved(text(content) + "\n", path)
     except OSError as error:
         raise OSError(
             f"the result of system {identity} cannot be written to {out} "

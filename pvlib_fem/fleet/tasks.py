@@ -15,10 +15,11 @@ from pvlib_fem.fitting.fit import fit_fem, fit_frame
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.result import Loop
+from pvlib_fem.modelchain import FIT, LOOP
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.recovery.recover import recover
-from pvlib_fem.recovery.result import Recovery
+from pvlib_fem.recovery.result import FORMAT, Recovery
 from pvlib_fem.report.document import with_error
 from pvlib_fem.report.page import numbers
 from pvlib_fem.stored import plain
@@ -77,7 +78,9 @@ class Task:
         Of the result: a dict of :data:`ROW`, lists of dicts of :data:`COEFFICIENT`
         and :data:`FINDING`; what lacks in a dict is empty in the table.
     result : type
-        That of the result.
+        That of the result, which has ``content``.
+    format : str
+        Of its files.
     paged : bool
         Whether a result has a page.
     """
@@ -88,6 +91,7 @@ class Task:
     coefficients: Callable[[Any], list]
     findings: Callable[[Any], list]
     result: Any
+    format: str
     paged: bool = True
 
 
@@ -266,7 +270,7 @@ def nothing(result):
 
 #: every task by its name
 TASKS = {
-    "fit": Task(fit_fem, fit_frame, row_of_fit, coefficients_of, nothing, FemFit),
+    "fit": Task(fit_fem, fit_frame, row_of_fit, coefficients_of, nothing, FemFit, FIT),
     "loop": Task(
         close_loop,
         close_loop,
@@ -274,6 +278,7 @@ TASKS = {
         lambda loop: coefficients_of(loop.fit),
         findings_of,
         Loop,
+        LOOP,
     ),
     "recover": Task(
         recover,
@@ -282,6 +287,7 @@ TASKS = {
         lambda recovery: list(sizes_of(recovery)),
         baseline_of,
         Recovery,
+        FORMAT,
         paged=False,
     ),
 }

@@ -15,7 +15,7 @@ from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.layout import Layout
 from pvlib_fem.report.page import said_of
-from pvlib_fem.stored import plain
+from pvlib_fem.stored import plain, stamped
 
 #: what a file system may know of a file that tells whether it has changed
 MARKS = ("size", "mtime", "ETag", "etag", "LastModified", "last_modified", "updated")
@@ -68,8 +68,11 @@ class Work:
             except Exception as error:  # of one system, which stops no other
                 head, result = failure(head, error), None
         put_page(self.out, system.id, page)
-        content = None if result is None else json.loads(result.to_json())
-        keep(self.out, system.id, head, content)
+        if result is None:
+            keep(self.out, system.id, head)
+        else:
+            content = stamped(TASKS[self.task].format, result.content())
+            keep(self.out, system.id, head, content)
         return answer(system, head)
 
     def ended(self, system: System, error: Exception) -> dict:

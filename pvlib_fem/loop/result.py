@@ -312,7 +312,11 @@ class Loop:
         -------
         str
         """
-        content = {
+        return written(LOOP, self.content(**cell), path)
+
+    def content(self, **cell: float) -> dict:
+        """What is in a file of the loop."""
+        return {
             "findings": [finding.content() for finding in self.findings],
             "corrections": [one.content() for one in self.corrections],
             "table": self.table.to_dict(orient="index"),
@@ -332,7 +336,6 @@ class Loop:
             "given": self.given,
             "fit": self.fit.content(**cell),
         }
-        return written(LOOP, content, path)
 
     @classmethod
     def from_json(

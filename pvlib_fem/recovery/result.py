@@ -158,7 +158,11 @@ class Recovery:
         -------
         str
         """
-        content = {
+        return written(FORMAT, self.content(), path)
+
+    def content(self) -> dict:
+        """What is in a file of the recovery."""
+        return {
             "version_of_package": self.version,
             "sha256": self.sha256,
             "planned": self.planned,
@@ -168,7 +172,6 @@ class Recovery:
             "baseline": [finding.content() for finding in self.baseline],
             "outcomes": [asdict(outcome) for outcome in self.outcomes],
         }
-        return written(FORMAT, content, path)
 
     @classmethod
     def from_json(cls, path: FilePath) -> Self:
