@@ -419,6 +419,35 @@ def test_a_change_of_some_is_not_the_stations_where_others_found_no_date():
     assert not group.everywhere and group.words == "2 of 3"
 
 
+def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
+    """A class without a date that names it, or another change of that very time."""
+    found = [(name, LOSES, 0.5, MARCH) for name in "ab"]
+    for named, when in ((("season", LOSES[0]), None), (("contact_episode",), MARCH)):
+        systems, findings = rows_of(*found, ("c", named, 0.5, when))
+        groups = shared(systems.assign(weighed=SEES), findings)
+        (group,) = (one for one in groups if one.have == 2)
+        assert group.everywhere and group.maybe == {"c"} and not group.without
+        assert group.words.startswith("2 of 3, and perhaps 1 more: suspect the station")
+    # at another time it is another change
+    systems, findings = rows_of(*found, ("c", LOSES, 0.5, MAY))
+    groups = shared(systems.assign(weighed=SEES), findings)
+    assert [group.without for group in groups if group.have == 2] == [{"c"}]
+    # one system with many that may have it says nothing of the station
+    systems, findings = rows_of(found[0], ("b", ["snow"], 0.5, MARCH))
+    groups = shared(systems.assign(weighed=SEES), findings)
+    assert not any(group.everywhere for group in groups)
+
+
+def test_what_may_be_of_the_station_or_of_the_modules_is_left_open():
+    season = ("season", *LOSES)
+    systems, findings = rows_of(*((name, season, 0.5, MARCH) for name in "abc"))
+    (group,) = shared(systems.assign(weighed=SEES), findings)
+    assert group.words.endswith("what acts on all modules there, or the station")
+    systems, findings = rows_of(*((name, LOSES[:1], 0.5, MARCH) for name in "abc"))
+    (group,) = shared(systems.assign(weighed=SEES), findings)
+    assert group.words.endswith("what was done to all modules at once")
+
+
 def test_a_site_of_one_system_shares_nothing():
     systems, findings = rows_of(("a", ["soiling"], 0.3, None))
     assert shared(systems[:1].assign(weighed=SEES), findings) == []

@@ -13,6 +13,24 @@ STATIONS = {name for name, effect in CHANGES.items() if effect.channel in STATIO
 MODULES = {*CHANGES} - STATIONS
 
 
+@dataclass(frozen=True)
+class Found:
+    """A finding of a system: a row of the table, as it is compared."""
+
+    id: str
+    candidates: set
+    gain: float
+    first: str | None
+    last: str | None
+
+    @classmethod
+    def of(cls, row):
+        dated = isinstance(row["first"], str)
+        dates = (row["first"], row["last"]) if dated else (None, None)
+        gain = row["gain"] if row["gain"] == row["gain"] else 0.0  # of a clock
+        return cls(row["id"], {*row["candidates"].split(JOIN)}, gain, *dates)
+
+
 @dataclass
 class Shared:
     """
@@ -29,6 +47,9 @@ class Shared:
         Systems that show it, too, too small to be added there.
     without : set of str
         Systems that would show it at the largest of these gains, and do not.
+    maybe : set of str
+        Systems in which something else was found that it may be: at that time, or
+        with one of its candidates and without a date.
     first, last : str or None
         Dates between which they may have begun, of a change.
     """
@@ -38,23 +59,40 @@ class Shared:
     systems: dict = field(default_factory=dict)
     also: set = field(default_factory=set)
     without: set = field(default_factory=set)
+    maybe: set = field(default_factory=set)
     first: str | None = None
     last: str | None = None
 
-    def fits(self, names, first, last):
+    def fits(self, finding):
         """Whether a finding may be of the same cause, at the same time."""
-        if not self.candidates & names or (first is None) != (self.first is None):
+        if not self.candidates & finding.candidates:
             return False
-        return first is None or (first <= self.last and self.first <= last)
+        return (finding.first is None) == (self.first is None) and self.meets(finding)
 
-    def take(self, identity, gain, names, first, last):
-        self.candidates = self.candidates & names
-        self.systems[identity] = max(gain, self.systems.get(identity, gain))
-        if first is not None:
-            self.first, self.last = min(first, self.first), max(last, self.last)
+    def meets(self, finding):
+        """Whether the dates of both overlap, as far as they are known."""
+        if None in (self.first, finding.first):
+            return True
+        return finding.first <= self.last and self.first <= finding.last
 
-    def ask(self, others):
-        """Ask systems in which it was not found, by what was weighed there."""
+    def take(self, finding):
+        self.candidates = self.candidates & finding.candidates
+        before = self.systems.get(finding.id, finding.gain)
+        self.systems[finding.id] = max(finding.gain, before)
+        if finding.first is not None:
+            self.first = min(finding.first, self.first)
+            self.last = max(finding.last, self.last)
+
+    def may_be(self, finding):
+        """Whether a finding that is not among these may yet be of their cause."""
+        dated = None not in (self.first, finding.first)
+        return self.meets(finding) and (
+            dated or bool(self.candidates & finding.candidates)
+        )
+
+    def ask(self, others, findings):
+        """Ask systems in which it was not found, by what was found there instead."""
+        self.maybe = {one.id for one in findings if self.may_be(one)} - {*self.systems}
         for identity, weighed in others.items():
             known = [weighed[name] for name in self.candidates if name in weighed]
             if identity in self.systems or not (known or (self.first and weighed)):
@@ -62,8 +100,11 @@ class Shared:
             # a change that is dated has its date in the findings
             if self.first is None and any(0.0 < least <= gain for gain, least in known):
                 self.also.add(identity)
-            elif all(least <= self.largest for _, least in known):
+            elif identity not in self.maybe and all(
+                least <= self.largest for _, least in known
+            ):
                 self.without.add(identity)
+        self.maybe -= self.also
 
     @property
     def largest(self):
@@ -75,7 +116,7 @@ class Shared:
 
     @property
     def everywhere(self):
-        return self.have > 1 and not self.without
+        return self.have > max(len(self.maybe), 1) and not self.without
 
     @property
     def alone(self):
@@ -93,15 +134,19 @@ class Shared:
     def words(self):
         """What to suspect."""
         some = f" ({' or '.join(self.likely)})" if self.likely else ""
-        count = f"all {self.have} that can show it"
+        more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
+        asked = self.have + len(self.without) + len(self.maybe)
         if self.alone:
             asked = len(self.without)
             words = f"this one alone, and not {asked} beside it that would show it"
             return f"{words}: suspect its module, sensor or surroundings{some}"
         if not self.everywhere:
-            asked = self.have + len(self.without)
-            return f"{self.have} of {asked}" if asked > 1 else "no other can show it"
-        if self.candidates & MODULES and not self.likely:
+            one = "no other can show it"
+            return f"{self.have} of {asked}{more}" if asked > 1 else one
+        count = (
+            f"{self.have} of {asked}{more}" if more else f"all {asked} that can show it"
+        )
+        if self.candidates <= MODULES:
             return f"{count}: what was done to all modules at once"
         if self.candidates & ({*EFFECTS} - {*CHANGES}):
             return f"{count}: what acts on all modules there, or the station"
@@ -114,7 +159,8 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
 
     Findings are of one cause where they have a candidate in common and, if they have
     dates, intervals that overlap. A system counts as one without it only if its record
-    would show the same gain.
+    would show the same gain, and if nothing was found there that may be the same: of
+    that time, or with one of its candidates and without a date.
 
     Parameters
     ----------
@@ -133,29 +179,26 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     for site, members in done.groupby("site", sort=True):
         if len(members) < 2 or site not in rows:
             continue
-        groups = grouped(str(site), rows[site].to_dict("records"))
+        mine = [Found.of(row) for row in rows[site].to_dict("records")]
+        groups = grouped(str(site), mine)
         weighed = {
             row["id"]: weights(row["weighed"]) for row in members.to_dict("records")
         }
         for group in groups:
-            group.ask(weighed)
+            group.ask(weighed, mine)
         found += groups
     return sorted(found, key=order)
 
 
-def grouped(site, rows):
+def grouped(site, findings):
     """Findings of a site by what may be one cause."""
     groups: list[Shared] = []
-    for row in rows:
-        names = {*row["candidates"].split(JOIN)}
-        dated = isinstance(row["first"], str)
-        dates = (row["first"], row["last"]) if dated else (None, None)
-        same = [group for group in groups if group.fits(names, *dates)]
+    for one in findings:
+        same = [group for group in groups if group.fits(one)]
         if not same:
-            same = [Shared(site, names, first=dates[0], last=dates[1])]
+            same = [Shared(site, one.candidates, first=one.first, last=one.last)]
             groups += same
-        gain = row["gain"] if row["gain"] == row["gain"] else 0.0  # of a clock
-        same[0].take(row["id"], gain, names, *dates)
+        same[0].take(one)
     return groups
 
 
