@@ -165,12 +165,12 @@ def test_a_full_disk_is_said_and_what_was_done_is_kept(table, tmp_path, monkeypa
     """The disk is full from the third file on, and then emptied."""
     answers, tell = seen()
 
-    def written(*arguments):
+    def saved(*arguments):
         if len(answers) == 2:
             raise OSError(errno.ENOSPC, "No space left on device")
-        return stored.written(*arguments)
+        return stored.saved(*arguments)
 
-    monkeypatch.setattr(store, "written", written)
+    monkeypatch.setattr(store, "saved", saved)
     with pytest.raises(OSError, match="No space left"):
         fleet.run(table, tmp_path, "fit", workers=0, progress=tell)
     monkeypatch.undo()
@@ -231,6 +231,7 @@ def test_a_system_that_ends_every_worker_is_a_row(table, cluster, tmp_path):
     cluster.scheduler.allowed_failures = 0
     try:
         with Client(cluster) as client:
+            client.wait_for_workers(2)  # one that was killed before may be on its way
             client.run(arm)
             results = fleet.run(table[:1], tmp_path, "fit", client=client)
     finally:

@@ -30,7 +30,7 @@ def by_day(data):
 
 def read_back(record, **how):
     blocks = list(record.blocks(**how))
-    parts = [pd.DataFrame(block.inputs.columns, block.index) for block in blocks]
+    parts = [block.inputs.frame() for block in blocks]
     return pd.concat(parts), blocks
 
 

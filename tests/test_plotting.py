@@ -107,7 +107,7 @@ def test_a_cell_of_the_map_is_the_mean_of_its_hour_and_month(ax):
 def test_contributions_are_those_of_the_loop(closed, ax):
     plotting.plot_contributions(closed, ax)
     drawn, record = lines(ax), closed.fit.record
-    data = pd.DataFrame(record.inputs.columns, record.index)
+    data = record.inputs.frame()
     parts = closed.contributions(data)
     day = parts.loc[ax.get_title()[:10]]
     words = {label(name): name for name in parts}

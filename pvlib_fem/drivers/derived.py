@@ -6,7 +6,6 @@ What the function takes after the star are its constants, which can be set.
 """
 
 import inspect
-from dataclasses import replace
 from functools import lru_cache
 
 from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, past, stored
@@ -219,5 +218,5 @@ def completed(inputs, names):
             needs, compute, own = made_of(name)
             inputs = completed(inputs, needs)
             found = compute(*(inputs[n] for n in needs), inputs, **own)
-            inputs = replace(inputs, columns={**inputs.columns, name: found})
+            inputs = inputs.having({name: found})
     return inputs

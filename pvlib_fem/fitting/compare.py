@@ -158,7 +158,7 @@ def coarser(record, holdout, step):
             "coarser ones"
         )
     grid = pd.Timedelta(seconds=step)
-    frame = pd.DataFrame(record.inputs.columns, index).resample(grid)
+    frame = record.inputs.frame().resample(grid)
     data = frame.mean().where(frame.count() >= PRESENT * step / usual)
     if holdout is not None:
         out = pd.Series(record.rows(holdout) * 1.0, index)

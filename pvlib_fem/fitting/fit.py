@@ -330,13 +330,14 @@ def score_table(record, stages, temperature, train, test):
     given = [(name, *stages[name]) for name in before]
     counts = train | test
     found = {n: m.in_blocks(record.inputs, own, counts) for n, m, own in given}
+    measured = record["temp_module"]
     # block by block, so that all find the columns in the cache
     for block in blocks(len(record.index), ALONE):
         rows = {part: np.flatnonzero(rows[block]) for part, rows in kept.items()}
         modelled = {name: next(one) for name, one in found.items()}
         modelled[final] = temperature[block]
         for name, own in modelled.items():
-            error = record["temp_module"][block] - own
+            error = measured[block] - own
             for part, some in rows.items():
                 tallies[name][part].add(error[some])
     return scores.scored(tallies)

@@ -287,8 +287,7 @@ class Bases:
         law, own = self.model.steady_model, self.model.own(base)
         loss = 1.0 / law.resistance(inputs["wind_speed"], **own)
         found = self.plain.answer(inputs, base, self.past, wanted=False)[0]
-        columns = {**inputs.columns, **dict(zip(MODELLED, (found, loss)))}
-        return replace(inputs, columns=columns)
+        return inputs.having(dict(zip(MODELLED, (found, loss))))
 
 
 def screened_for(source, target, limits=None, check_units=True):

@@ -139,8 +139,8 @@ class Rows:
         known = model.knowing(inputs, coefficients)
         rows, size = len(inputs.index), BLOCK
         if quick := fast(rows, known.effects):
-            # but for the terms of effects the loops need no room
-            size = AT_ONCE if known.effects else rows
+            # but for terms of effects, and columns to be widened, loops need no room
+            size = AT_ONCE if known.effects or inputs.columns.narrow else rows
         for block, part in self.divided(size):
             here, given = known.on(block), (part, coefficients, past)
             seen = self.counts[block], part["temp_module"], self.record.dates[block]

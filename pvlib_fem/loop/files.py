@@ -33,13 +33,13 @@ def in_means(source, criteria):
     step, usual = criteria.search_step, screened.look.step
     if not usual <= step / 2.0:
         blocks = list(screened.record.blocks())
-        parts = [pd.DataFrame(block.inputs.columns, block.index) for block in blocks]
+        parts = [block.inputs.frame() for block in blocks]
         return pd.concat(parts), screened
     sums = Sums(step, criteria.step_present * step / usual)
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
     means = sums.inputs()
-    return pd.DataFrame(means.columns, means.index), screened
+    return means.frame(), screened
 
 
 def on_days(holdout, index):

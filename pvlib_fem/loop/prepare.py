@@ -189,13 +189,13 @@ def used(look, sun):
     """The record of what is used, without the sun, and the rows that may count."""
     stands, whole = look.health.mask | look.still, look.whole
     others = {*look.refused, *sun}  # of which the second comes where it is asked for
-    kept = {n: c for n, c in whole.inputs.columns.items() if n not in others}
+    kept = [name for name in whole.inputs.columns if name not in others]
     blank = {name: rows for name, rows in look.health.frozen.items() if name in kept}
     blank["temp_module"] = stands | blank.get("temp_module", False)
     # what needs no gap is no copy
     blank = {name: rows for name, rows in blank.items() if rows.any()}
-    kept |= {name: np.where(rows, np.nan, kept[name]) for name, rows in blank.items()}
-    return replace(whole, inputs=replace(whole.inputs, columns=kept)), ~stands
+    columns = whole.inputs.columns.only(kept).put(np.nan, blank)
+    return replace(whole, inputs=replace(whole.inputs, columns=columns)), ~stands
 
 
 def notes_of(look, corrections, wanted, site, criteria):

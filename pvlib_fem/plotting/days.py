@@ -112,7 +112,7 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
     """
     ax = new_axes(ax)
     record = loop.fit.record
-    parts = loop.contributions(pd.DataFrame(record.inputs.columns, record.index))
+    parts = loop.contributions(record.inputs.frame())
     day = Span(loop.fit)
     ax.axhline(0.0, color=ink(), linewidth=0.8)
     for i, (name, values) in enumerate(parts.items()):

@@ -24,7 +24,7 @@ from pvlib_fem.quality.units import (
 )
 from pvlib_fem.quality.values import never_moves
 from pvlib_fem.record.columns import ALIASES, GEOMETRY, printable, with_aliases
-from pvlib_fem.record.inputs import Record, read
+from pvlib_fem.record.inputs import Columns, Record, read
 
 #: what a value can be found at fault for, in the order in which it is asked, and how
 #: it is said after the column's name
@@ -164,7 +164,7 @@ def alone(record, limits, check_units=True, names=None, late=False):
 
 def ruled(clean, found, limits, kinds, asked=None):
     """A record and its faults after some of the rules, of some columns or of all."""
-    columns = {n: clean[n] for n in asked or clean.inputs.columns}
+    columns = clean.inputs.columns.only(asked or clean.inputs.columns)
     doubted = doubtful(columns, limits) if kinds is LATER else ()
     names = [n for n in columns if n not in doubted and n not in GEOMETRY]
     for kind in kinds:
@@ -181,7 +181,7 @@ def with_nights(clean, found):
     poa = clean["poa_global"]
     clipped = int(np.count_nonzero(poa < 0))
     if clipped:
-        clean = clean.having({"poa_global": np.where(poa < 0, 0.0, poa)})
+        clean = clean.put(0.0, {"poa_global": poa < 0})
     found = replace(found, clipped=clipped)
     return replace(clean, impossible=found.impossible, clipped=clipped), found
 
@@ -372,5 +372,5 @@ def of_frame(data):
     numeric = {n: c for n, c in columns.items() if pd.api.types.is_numeric_dtype(c)}
     inputs = read(numeric, purpose="a screening")
     lacking = dict.fromkeys(POSSIBLE, np.full(len(data), np.nan))
-    inputs = replace(inputs, columns={**lacking, **inputs.columns})
+    inputs = replace(inputs, columns=Columns(lacking) | inputs.columns)
     return Record(inputs, {}, {}, 0), {name: own[name] for name in numeric}

@@ -86,7 +86,7 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     """
     limits = limits or Limits()
     seconds = record.inputs.seconds
-    columns = {name: record[name] for name in POSSIBLE}
+    columns = record.inputs.columns.only(POSSIBLE)
     steps = {}
     found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
     for name, still in STILL.items():
@@ -97,10 +97,10 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
         if not len(repeated.first):
             continue
         if name == "temp_module":
-            columns["felt"] = felt(record, limits)
+            columns |= {"felt": felt(record, limits)}
             steps = {n: resolution(record[n]) for n in ("temp_air", "temp_module")}
 
-        def extent(other, margin=0.0, repeated=repeated):
+        def extent(other, margin=0.0, repeated=repeated, columns=columns):
             some = repeated.within(seconds, margin) if margin else repeated
             return some.extent(seen_by(other, columns))
 
@@ -110,7 +110,7 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
         rows = repeated.rows(kept, len(values)) & np.isfinite(values)
         found[name] = found[name] | rows
         # a module that stands still is no witness of what moves it
-        columns[name] = np.where(found[name], np.nan, values)
+        columns = columns.put(np.nan, {name: found[name]})
     for name in [name for name in DRIVERS if name in record.inputs.columns]:
         values = record[name]
         if never_moves(values):  # a number that stands for all

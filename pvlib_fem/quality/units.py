@@ -1,6 +1,6 @@
 """Columns in another unit, or not what their name says."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -44,18 +44,20 @@ def doubtful(columns, limits=None) -> dict[str, str]:
     'is 0.9 at most, a fraction; multiply it by 100 for %'
     """
     limits = limits or Limits()
-    columns = {name: np.asarray(values, float) for name, values in columns.items()}
     found = {}
-    for name, values in columns.items():
+    for name in columns:
         if name in POSSIBLE:
             continue
+        values = np.asarray(columns[name], float)
         seen = values[np.isfinite(values)]
         if not len(seen):
             continue
         kind = "temp_" if name.startswith("temp_") else name
         reason = DOUBTS[kind](seen, limits) if kind in DOUBTS else ""
         if name == "p_dc" and "poa_global" in columns:
-            reason = power_doubt(values, columns["poa_global"], limits)
+            reason = power_doubt(
+                values, np.asarray(columns["poa_global"], float), limits
+            )
         if reason:
             found[name] = reason
     return found
@@ -178,7 +180,8 @@ def signs(inputs):
 def signs_of(inputs):
     """The same, from its columns; of a long record some rows tell."""
     some = slice(None, None, max(1, len(inputs.index) // ENOUGH))
-    poa, air, wind, module = (inputs[name][some] for name in POSSIBLE)
+    few = inputs.columns.taken(some)
+    poa, air, wind, module = (few[name] for name in POSSIBLE)
     over = module - air
     seen = np.isfinite(poa) & np.isfinite(over)
     bright = np.nanpercentile(poa, 99.9) if seen.sum() >= 100 else 0.0
@@ -283,7 +286,7 @@ def module_lag(inputs, limits):
 def in_step(inputs, off):
     """The same with the module by the clock of the irradiance."""
     module = retimed(inputs.seconds, inputs["temp_module"], off.late)
-    return replace(inputs, columns={**inputs.columns, "temp_module": module})
+    return inputs.having({"temp_module": module})
 
 
 def same(one, other):

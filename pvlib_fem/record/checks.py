@@ -176,7 +176,12 @@ def ends_summer_time(steps, index, at):
 
 
 def as_numbers(name, value, index):
-    """Floats of one column; text and infinities are refused by name and time."""
+    """Column in double precision; text and infinities are refused by name and time."""
+    return as_given(name, value, index).astype(float, copy=False)
+
+
+def as_given(name, value, index):
+    """The same, where single precision stays as it is."""
     if np.ma.isMaskedArray(value):
         value = value.astype(float).filled(np.nan)
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
@@ -185,7 +190,8 @@ def as_numbers(name, value, index):
             if not (isinstance(entry, (numbers.Real, Decimal)) or pd.isna(entry)):
                 raise not_a_number(name, np.atleast_1d(values), at, index)
         values = np.where(pd.isna(values), np.nan, values)
-    values = values.astype(float, copy=False)
+    if values.dtype != np.float32:
+        values = values.astype(float, copy=False)
     # an infinity or NaN in the column shows in its sum, which is one fast pass
     if not np.isfinite(values.sum()):
         infinite = np.isinf(values)

@@ -1,5 +1,6 @@
 """Columns on common times, checked once: what all else works on."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -8,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import (
+    as_given,
     as_numbers,
     as_times,
     common_index,
@@ -48,11 +50,65 @@ class Times:
         return first, self.dates[first]
 
 
+class Columns(Mapping):
+    """
+    Columns by name, kept as they were given and read in double precision.
+
+    What is in single precision would take twice its memory again if all of it were
+    widened: rows are taken first, and those that are asked for are widened.
+
+    Parameters
+    ----------
+    given : mapping of array
+    """
+
+    def __init__(self, given: Mapping):
+        own = given.given if isinstance(given, Columns) else given
+        self.given: dict[str, np.ndarray] = {**own}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.given[name].astype(float, copy=False)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.given
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.given)
+
+    def __len__(self) -> int:
+        return len(self.given)
+
+    def __or__(self, more):
+        """These, with others in their place or beside them."""
+        return Columns(self.given | Columns(more).given)
+
+    @property
+    def narrow(self):
+        """Whether any is to be widened where it is read."""
+        return any(values.dtype != float for values in self.given.values())
+
+    def only(self, names):
+        """Some of them, in that order."""
+        return Columns({name: self.given[name] for name in names})
+
+    def taken(self, rows):
+        """Some rows of each."""
+        return Columns({name: values[rows] for name, values in self.given.items()})
+
+    def put(self, value, rows):
+        """The same with a value in some rows of its columns, by name."""
+        given = {name: self.given[name] for name in rows}
+        return self | {
+            name: np.where(rows[name], values.dtype.type(value), values)
+            for name, values in given.items()
+        }
+
+
 @dataclass(frozen=True, eq=False)
 class Inputs:
     """Columns on common times, ready for the kernel."""
 
-    columns: dict[str, np.ndarray]
+    columns: Columns
     steps: np.ndarray | float  # time since the row before, in units
     unit: float  # seconds in one unit of ``steps``
     index: pd.Index
@@ -60,6 +116,8 @@ class Inputs:
     times: Times | None = field(default=None, repr=False)
 
     def __post_init__(self):
+        if not isinstance(self.columns, Columns):
+            object.__setattr__(self, "columns", Columns(self.columns))
         times = self.times
         # those of other columns are kept, where they are of the same rows
         of_others = times and times.index is self.index and times.steps is self.steps
@@ -112,8 +170,16 @@ class Inputs:
 
     def by_steps(self, rows, steps):
         """The inputs of some rows, with the time between them."""
-        columns = {name: values[rows] for name, values in self.columns.items()}
+        columns = self.columns.taken(rows)
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
+
+    def having(self, columns):
+        """The same inputs with other values of some columns, or with more of them."""
+        return replace(self, columns=self.columns | columns)
+
+    def frame(self):
+        """The columns as a frame, in double precision."""
+        return pd.DataFrame(dict(self.columns), self.index)
 
     def restore(self, values, name=None):
         """Give values back in the form the input came in."""
@@ -215,19 +281,23 @@ class Record:
 
     def only(self, names):
         """The same record with some of its columns."""
-        inputs = {name: self.inputs.columns[name] for name in names}
-        missing = {name: n for name, n in self.missing.items() if name in inputs}
-        inputs = replace(self.inputs, columns=inputs)
+        columns = self.inputs.columns.only(names)
+        missing = {name: n for name, n in self.missing.items() if name in columns}
+        inputs = replace(self.inputs, columns=columns)
         return replace(self, inputs=inputs, missing=missing)
 
     def having(self, columns):
         """The same record with other values of some columns, or with more of them."""
-        columns = {**self.inputs.columns, **columns}
-        return replace(self, inputs=replace(self.inputs, columns=columns))
+        return replace(self, inputs=self.inputs.having(columns))
 
     def lacking(self, rows):
         """The same record with NaN in some rows of its columns, by name."""
-        return self.having({n: np.where(at, np.nan, self[n]) for n, at in rows.items()})
+        return self.put(np.nan, rows)
+
+    def put(self, value, rows):
+        """The same record with a value in some rows of its columns, by name."""
+        columns = self.inputs.columns.put(value, rows)
+        return replace(self, inputs=replace(self.inputs, columns=columns))
 
     def known(self, names):
         """Rows that have all of some columns."""
@@ -302,7 +372,7 @@ def read(columns, step=None, times=None, purpose="this model"):
             )
         steps, unit = datetime_steps(index, next(iter(series), "times"))
     checked = {
-        name: np.broadcast_to(as_numbers(name, value, index), rows)
+        name: np.broadcast_to(as_given(name, value, index), rows)
         for name, value in columns.items()
     }
     return Inputs(checked, steps, unit, index, bool(series))
@@ -341,5 +411,5 @@ def with_columns(record, columns):
     """The record with further columns, which stand on its index."""
     arrays = {name: column.to_numpy(float) for name, column in columns.items()}
     missing = {name: int(np.isnan(values).sum()) for name, values in arrays.items()}
-    inputs = replace(record.inputs, columns={**record.inputs.columns, **arrays})
-    return replace(record, inputs=inputs, missing={**record.missing, **missing})
+    missing = {**record.missing, **missing}
+    return replace(record, inputs=record.inputs.having(arrays), missing=missing)

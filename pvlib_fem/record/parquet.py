@@ -20,7 +20,7 @@ from pvlib_fem.record.footers import (
     in_order,
     parquet_file,
 )
-from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.inputs import Columns, Inputs
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
 from pvlib_fem.stored import replacing
@@ -171,7 +171,8 @@ class ParquetRecord:
                 }
             except ValueError as error:
                 raise ValueError(f"{file}: {error}") from error
-            inputs = Inputs(columns, steps, SECONDS[index.unit], index, True)
+            unit = SECONDS[index.unit]
+            inputs = Inputs(Columns(columns), steps, unit, index, True)
             yield Block(inputs, start, file)
             start, before = start + len(index), count[-1]
 

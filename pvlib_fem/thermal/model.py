@@ -120,7 +120,7 @@ class ThermalModel:
         wind, own = inputs["wind_speed"], self.own(base)
         loss = 1.0 / self.steady_model.resistance(wind, **own)
         found = dict(zip(MODELLED, (plain.temperature(inputs, base), loss)))
-        return replace(inputs, columns={**inputs.columns, **found})
+        return inputs.having(found)
 
     def rebased(self, coefficients):
         """
@@ -298,7 +298,7 @@ class ThermalModel:
         """What is before the first row of a record."""
         names = (*COLUMNS[:3], *self.drivers)
         if names not in inputs.known:
-            columns = [inputs[name] for name in names]
+            columns = [*inputs.columns.only(names).given.values()]
             inputs.known[names] = usual_step(columns, inputs.steps)
         return Past(inputs.known[names])
 
