@@ -40,6 +40,7 @@ docs: $(VENV)/.installed
 
 benchmark: $(VENV)/.installed
 	$(BIN)/python benchmarks/ratios.py
+	$(BIN)/python benchmarks/fleet.py
 
 # 200 simulated systems with known causes, on two workers of which one is killed
 fleet: $(VENV)/.installed

@@ -71,6 +71,17 @@ def imported(tree):
     return min(float(run.stdout) for run in runs)
 
 
+def helped(tree):
+    """Shortest time until the command has printed what it can do. [s]"""
+    environment, times = os.environ | {"PYTHONPATH": str(tree)}, []
+    command = [sys.executable, "-m", "pvlib_fem", "--help"]
+    for _ in range(5):
+        start = time.perf_counter()
+        subprocess.run(command, env=environment, check=True, capture_output=True)
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
 def lines():
     """Each work with its ratio and its reach."""
     with checked_out() as before:
@@ -93,6 +104,7 @@ def lines():
         )
         theirs, ours = imported(before), imported(now)
         yield "import pvlib_fem, against a8ab032", f"{ours / theirs:.2f} x", "<= 1 x"
+        yield "pvlib-fem --help", f"{helped(now):.2f} s", "<= 1 s"
 
 
 def run(work, repeat):

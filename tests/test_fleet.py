@@ -4,7 +4,10 @@ import errno
 import json
 import os
 import re
+import shutil
 import string
+import subprocess
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +22,7 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import cli, fleet, stored
 from pvlib_fem.fleet import store
-from pvlib_fem.fleet.shared import shared
+from pvlib_fem.fleet.shared import any_of, shared
 from pvlib_fem.fleet.store import TABLES, page_path, result_path
 from pvlib_fem.fleet.table import opened, systems_of
 from pvlib_fem.record.columns import COLUMNS
@@ -181,6 +184,37 @@ def test_a_full_disk_is_said_and_what_was_done_is_kept(table, tmp_path, monkeypa
     assert {one["id"] for one in again if one["kept"]} == done
     fleet.run(table, tmp_path / "bare", "fit", workers=0)
     assert bits(tmp_path) == bits(tmp_path / "bare")
+
+
+DISK = """set -e
+run() { "$1" -m pvlib_fem fleet "$2" --out "$3" --task fit --model faiman --workers 2; }
+mount -t tmpfs -o size=12k tmpfs "$1"
+! run "$0" "$2" "$1/run"
+mount -o remount,size=50m "$1"
+find "$1/run" -name '*.json' | wc -l
+run "$0" "$2" "$1/run"
+cp "$1/run/"*.parquet "$3"
+"""
+
+
+def test_a_small_disk_is_full_in_mid_run_and_then_larger(folder, table, tmp_path):
+    """A file system of three pages, of a machine that lets one be mounted."""
+    own = ["unshare", "--map-root-user", "--mount"]
+    try_ = ["mount", "-t", "tmpfs", "tmpfs", str(tmp_path)]
+    if not shutil.which("unshare") or subprocess.run(own + try_).returncode:
+        pytest.skip("no file system can be mounted here")
+    disk, after = tmp_path / "disk", tmp_path / "after"
+    for place in (disk, after):
+        place.mkdir()
+    words = ["sh", "-c", DISK, sys.executable, disk, folder / "systems.csv", after]
+    ran = subprocess.run([*own, *map(str, words)], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    assert "No space left on device" in ran.stderr and "to go on" in ran.stderr
+    assert 0 < int(ran.stdout.split()[0]) < len(table)
+    assert "6 systems: 4 done, 2 failed" in ran.stdout
+    bare = tmp_path / "bare"
+    fleet.run(folder / "systems.csv", bare, "fit", workers=0, model="faiman")
+    assert bits(after) == bits(bare)
 
 
 def test_an_interrupt_leaves_tables_of_what_was_done(table, tmp_path):
@@ -433,6 +467,11 @@ def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
     systems, findings = rows_of(*found, ("c", LOSES, 0.5, MAY))
     groups = shared(systems.assign(weighed=SEES), findings)
     assert [group.without for group in groups if group.have == 2] == [{"c"}]
+    # nor is one alone, beside which as many may have it as have it not
+    systems, findings = rows_of(found[0], ("b", ["snow"], 0.5, MARCH))
+    (group, _) = shared(systems.assign(weighed=SEES), findings)
+    assert (group.without, group.maybe) == ({"c"}, {"b"}) and not group.alone
+    assert group.words == "1 of 3, and perhaps 1 more"
     # one system with many that may have it says nothing of the station
     systems, findings = rows_of(found[0], ("b", ["snow"], 0.5, MARCH))
     groups = shared(systems.assign(weighed=SEES), findings)
@@ -447,6 +486,11 @@ def test_what_may_be_of_the_station_or_of_the_modules_is_left_open():
     systems, findings = rows_of(*((name, LOSES[:1], 0.5, MARCH) for name in "abc"))
     (group,) = shared(systems.assign(weighed=SEES), findings)
     assert group.words.endswith("what was done to all modules at once")
+
+
+def test_a_class_of_many_is_told_in_a_line():
+    assert any_of({"b", "a"}) == "a or b"
+    assert any_of("edcba") == "a or b or c or 2 more"
 
 
 def test_a_site_of_one_system_shares_nothing():
@@ -479,7 +523,7 @@ def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
 
 
 def test_the_command_does_the_same(folder, tmp_path):
-    out, page = tmp_path / "out", tmp_path / "page.html"
+    out, page = tmp_path / "out", tmp_path / "out" / "page.html"
     command = ["fleet", folder / "systems.csv", "--out", out, "--task", "fit"]
     how = ["--workers", "0", "--model", "faiman", "--report", page]
     found = CliRunner().invoke(cli.main, [*map(str, command), *map(str, how)])

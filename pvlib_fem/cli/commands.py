@@ -181,7 +181,7 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
     What was done of the same files is kept, so that a run that was stopped goes on.
     """
     with plainly():
-        check_outputs([systems], report=report)
+        check_outputs([systems], [out], report=report)
         options |= {"effects": effects_of(effects, {})} if effects else {}
         options |= {"fixed": held(fix)} if fix else {}
         if min_gain is not None:

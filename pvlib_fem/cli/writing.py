@@ -15,7 +15,7 @@ ENDINGS = {
 }
 
 
-def check_outputs(read=(), **written):
+def check_outputs(read=(), made=(), **written):
     """
     Refuse before the work what cannot be written after it, or would destroy a file.
 
@@ -23,6 +23,8 @@ def check_outputs(read=(), **written):
     ----------
     read : sequence of Path
         Files that are read.
+    made : sequence of Path
+        Folders that the work makes.
     **written : Path or None
         By the name of the option.
     """
@@ -35,7 +37,8 @@ def check_outputs(read=(), **written):
     for name, path in written.items():
         if path is None:
             continue
-        if not path.absolute().parent.is_dir():
+        folder = path.absolute().parent
+        if not folder.is_dir() and folder not in {one.absolute() for one in made}:
             raise ValueError(f"there is no folder {path.parent} for {path.name}")
         if (place := same(path)) in taken:
             raise ValueError(

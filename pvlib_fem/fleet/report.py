@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.fleet.results import Results
-from pvlib_fem.fleet.shared import shared
+from pvlib_fem.fleet.shared import any_of, shared
 from pvlib_fem.fleet.store import page_path, put_page
 from pvlib_fem.fleet.tasks import TASKS
 from pvlib_fem.fleet.work import title_of
@@ -190,15 +190,15 @@ def by_site(systems, findings, pages):
     lines = [
         (
             group.site,
-            " or ".join(sorted(group.candidates)),
+            any_of(group.candidates),
+            group.words,
             dates(group),
             number(float(np.median([*group.systems.values()]))),
-            group.words,
             pages[min(group.systems, key=lambda one: (-group.systems[one], one))],
         )
         for group in groups[:SHOWN]
     ]
-    head = ("site", "cause", "when", "#median K", "in how many", "clearest in")
+    head = ("site", "cause", "in how many", "when", "#median K", "clearest in")
     return shortened(
         head,
         lines,

@@ -11,6 +11,7 @@ from pvlib_fem.fleet.tasks import JOIN
 
 STATIONS = {name for name, effect in CHANGES.items() if effect.channel in STATION}
 MODULES = {*CHANGES} - STATIONS
+FEW = 3  # names that are told of a class
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ class Shared:
 
     @property
     def alone(self):
-        return self.have == 1 and bool(self.without)
+        return self.have == 1 and len(self.without) > len(self.maybe)
 
     @property
     def likely(self):
@@ -133,19 +134,18 @@ class Shared:
     @property
     def words(self):
         """What to suspect."""
-        some = f" ({' or '.join(self.likely)})" if self.likely else ""
+        some = f" ({any_of(self.likely)})" if self.likely else ""
         more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
         asked = self.have + len(self.without) + len(self.maybe)
         if self.alone:
-            asked = len(self.without)
-            words = f"this one alone, and not {asked} beside it that would show it"
+            others = f"and not {len(self.without)} beside it that would show it"
+            words = f"this one alone{more}, {others}"
             return f"{words}: suspect its module, sensor or surroundings{some}"
         if not self.everywhere:
             one = "no other can show it"
             return f"{self.have} of {asked}{more}" if asked > 1 else one
-        count = (
-            f"{self.have} of {asked}{more}" if more else f"all {asked} that can show it"
-        )
+        count = f"all {asked} that can show it"
+        count = f"{self.have} of {asked}{more}" if more else count
         if self.candidates <= MODULES:
             return f"{count}: what was done to all modules at once"
         if self.candidates & ({*EFFECTS} - {*CHANGES}):
@@ -170,7 +170,8 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     Returns
     -------
     list of Shared
-        Those of all systems of a site first, then the largest gains.
+        Changes of a station or of one module first, then what all systems of a site
+        have; of these the largest gains.
     """
     done = systems[(systems["state"] == "done") & (systems["site"] != "")]
     added = findings[findings["added"]].sort_values("id", kind="stable")
@@ -202,6 +203,12 @@ def grouped(site, findings):
     return groups
 
 
+def any_of(names):
+    """Some names in a line; where they are many, how many more there are."""
+    more = [f"{len(names) - FEW} more"] if len(names) > FEW else []
+    return " or ".join([*sorted(names)[:FEW], *more])
+
+
 def weights(text):
     """Gains and minimum detectable ones by effect; what is unknown shows nothing."""
     pairs = json.loads(text) if isinstance(text, str) else {}
@@ -213,4 +220,5 @@ def weights(text):
 
 
 def order(group):
-    return not group.everywhere, not group.alone, -group.largest, group.site
+    named = bool(group.likely)
+    return not named, not group.everywhere, not group.alone, -group.largest, group.site
