@@ -455,27 +455,33 @@ def test_a_change_of_some_is_not_the_stations_where_others_found_no_date():
 
 
 def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
-    """A class without a date that names it, or another change of that very time."""
+    """A class without a date that names it, or another course at that very time."""
     found = [(name, LOSES, 0.5, MARCH) for name in "ab"]
-    for named, when in ((("season", LOSES[0]), None), (("contact_episode",), MARCH)):
+    for named, when in (
+        (("season", "contact_drift"), None),
+        (("contact_episode",), MARCH),
+        (("wind_gain_step",), MARCH),
+    ):
         systems, findings = rows_of(*found, ("c", named, 0.5, when))
         groups = shared(systems.assign(weighed=SEES), findings)
         (group,) = (one for one in groups if one.have == 2)
         assert group.everywhere and group.maybe == {"c"} and not group.without
         assert group.words.startswith("2 of 3, and perhaps 1 more: suspect the station")
-    # at another time it is another change
-    systems, findings = rows_of(*found, ("c", LOSES, 0.5, MAY))
-    groups = shared(systems.assign(weighed=SEES), findings)
-    assert [group.without for group in groups if group.have == 2] == [{"c"}]
+    # at another time, or of another instrument and without one, it is another
+    for named, when in ((LOSES, MAY), (("wind_gain_drift",), None)):
+        systems, findings = rows_of(*found, ("c", named, 0.5, when))
+        groups = shared(systems.assign(weighed=SEES), findings)
+        assert [group.without for group in groups if group.have == 2] == [{"c"}]
     # nor is one alone, beside which as many may have it as have it not
-    systems, findings = rows_of(found[0], ("b", ["snow"], 0.5, MARCH))
+    systems, findings = rows_of(found[0], ("b", ["contact_episode"], 0.5, MARCH))
     (group, _) = shared(systems.assign(weighed=SEES), findings)
     assert (group.without, group.maybe) == ({"c"}, {"b"}) and not group.alone
     assert group.words == "1 of 3, and perhaps 1 more"
     # one system with many that may have it says nothing of the station
-    systems, findings = rows_of(found[0], ("b", ["snow"], 0.5, MARCH))
+    others = [(name, ["contact_episode"], 0.5, MARCH) for name in "bc"]
+    systems, findings = rows_of(found[0], *others)
     groups = shared(systems.assign(weighed=SEES), findings)
-    assert not any(group.everywhere for group in groups)
+    assert not any(group.everywhere and group.have == 1 for group in groups)
 
 
 def test_what_may_be_of_the_station_or_of_the_modules_is_left_open():

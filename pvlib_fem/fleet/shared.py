@@ -49,8 +49,8 @@ class Shared:
     without : set of str
         Systems that would show it at the largest of these gains, and do not.
     maybe : set of str
-        Systems in which something else was found that it may be: at that time, or
-        with one of its candidates and without a date.
+        Systems in which something else was found that it may be: at that time, or of
+        one of its channels and without a date.
     first, last : str or None
         Dates between which they may have begun, of a change.
     """
@@ -87,9 +87,8 @@ class Shared:
     def may_be(self, finding):
         """Whether a finding that is not among these may yet be of their cause."""
         dated = None not in (self.first, finding.first)
-        return self.meets(finding) and (
-            dated or bool(self.candidates & finding.candidates)
-        )
+        same = channels(self.candidates) & channels(finding.candidates)
+        return self.meets(finding) and (dated or bool(same))
 
     def ask(self, others, findings):
         """Ask systems in which it was not found, by what was found there instead."""
@@ -138,8 +137,8 @@ class Shared:
         more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
         asked = self.have + len(self.without) + len(self.maybe)
         if self.alone:
-            others = f"and not {len(self.without)} beside it that would show it"
-            words = f"this one alone{more}, {others}"
+            one = f"this one{more}" if more else "this one alone"
+            words = f"{one}, and not {len(self.without)} beside it that would show it"
             return f"{words}: suspect its module, sensor or surroundings{some}"
         if not self.everywhere:
             one = "no other can show it"
@@ -159,8 +158,8 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
 
     Findings are of one cause where they have a candidate in common and, if they have
     dates, intervals that overlap. A system counts as one without it only if its record
-    would show the same gain, and if nothing was found there that may be the same: of
-    that time, or with one of its candidates and without a date.
+    would show the same gain, and if nothing was found there that may be the same: at
+    that time, or of one of its channels and without a date.
 
     Parameters
     ----------
@@ -201,6 +200,11 @@ def grouped(site, findings):
             groups += same
         same[0].take(one)
     return groups
+
+
+def channels(names):
+    """What some candidates are of, whatever the course of a change."""
+    return {CHANGES[name].channel if name in CHANGES else name for name in names}
 
 
 def any_of(names):
