@@ -188,9 +188,11 @@ def main():
         line("engine and storage, start included, processor time", over, "<= 10 %")
         some = table.iloc[:: max(count // given.stored, 1)]
         some.to_csv(given_some, index=False)
-        both = [lambda: bare(folder, some)]
-        both += [lambda: fleet.run(given_some, serial, workers=0, resume=False)]
-        (_, spent), (_, stored) = (np.min([timed(w) for _ in "12"], 0) for w in both)
+        anew = dict(workers=0, resume=False)
+        spent = min(timed(lambda: bare(folder, some))[1] for _ in range(2))
+        stored = min(
+            timed(lambda: fleet.run(given_some, serial, **anew))[1] for _ in range(2)
+        )
         over = f"{100 * (stored / spent - 1):.1f} %"
         line(f"storage alone, of {len(some)} systems, the same", over, "<= 10 %")
         again = timed(lambda: fleet.run(systems, out, **how))

@@ -22,7 +22,7 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import cli, fleet, stored
 from pvlib_fem.fleet import store
-from pvlib_fem.fleet.shared import any_of, shared
+from pvlib_fem.fleet.shared import few, shared
 from pvlib_fem.fleet.store import TABLES, page_path, result_path
 from pvlib_fem.fleet.table import opened, systems_of
 from pvlib_fem.record.columns import COLUMNS
@@ -495,8 +495,8 @@ def test_what_may_be_of_the_station_or_of_the_modules_is_left_open():
 
 
 def test_a_class_of_many_is_told_in_a_line():
-    assert any_of({"b", "a"}) == "a or b"
-    assert any_of("edcba") == "a or b or c or 2 more"
+    assert few({"b", "a"}, " or ", " or ") == "a or b"
+    assert few("edcba", " or ", " or ") == "a or b or c or 2 more"
 
 
 def test_a_site_of_one_system_shares_nothing():

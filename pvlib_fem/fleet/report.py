@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.fleet.results import Results
-from pvlib_fem.fleet.shared import any_of, shared
+from pvlib_fem.fleet.shared import few, shared
 from pvlib_fem.fleet.store import page_path, put_page
 from pvlib_fem.fleet.tasks import TASKS
 from pvlib_fem.fleet.work import title_of
@@ -27,7 +27,6 @@ from pvlib_fem.types import FilePath
 
 SHOWN = 50  # rows of each table of the page
 OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
-FEW = 3  # ids that stand for others
 
 
 def report(
@@ -190,7 +189,7 @@ def by_site(systems, findings, pages):
     lines = [
         (
             group.site,
-            any_of(group.candidates),
+            few(group.candidates, " or ", " or "),
             group.words,
             dates(group),
             number(float(np.median([*group.systems.values()]))),
@@ -252,13 +251,6 @@ def failures(systems):
     more = len(groups) - len(shown)
     rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
     return listed(shown) + rest * (more > 0)
-
-
-def few(names):
-    """The first of some names, and how many there are beside."""
-    names = sorted(names)
-    more = len(names) - FEW
-    return ", ".join(names[:FEW]) + (f" and {more:,} more" if more > 0 else "")
 
 
 def shortened(head, rows, total, caption=""):

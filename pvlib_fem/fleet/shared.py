@@ -11,7 +11,7 @@ from pvlib_fem.fleet.tasks import JOIN
 
 STATIONS = {name for name, effect in CHANGES.items() if effect.channel in STATION}
 MODULES = {*CHANGES} - STATIONS
-FEW = 3  # names that are told of a class
+FEW = 3  # names that stand for others
 
 
 @dataclass(frozen=True)
@@ -133,18 +133,17 @@ class Shared:
     @property
     def words(self):
         """What to suspect."""
-        some = f" ({any_of(self.likely)})" if self.likely else ""
+        some = f" ({few(self.likely, ' or ', ' or ')})" if self.likely else ""
         more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
         asked = self.have + len(self.without) + len(self.maybe)
         if self.alone:
             one = f"this one{more}" if more else "this one alone"
             words = f"{one}, and not {len(self.without)} beside it that would show it"
             return f"{words}: suspect its module, sensor or surroundings{some}"
+        count = f"{self.have} of {asked}{more}"
         if not self.everywhere:
-            one = "no other can show it"
-            return f"{self.have} of {asked}{more}" if asked > 1 else one
-        count = f"all {asked} that can show it"
-        count = f"{self.have} of {asked}{more}" if more else count
+            return count if asked > 1 else "no other can show it"
+        count = count if more else f"all {asked} that can show it"
         if self.candidates <= MODULES:
             return f"{count}: what was done to all modules at once"
         if self.candidates & ({*EFFECTS} - {*CHANGES}):
@@ -207,10 +206,11 @@ def channels(names):
     return {CHANGES[name].channel if name in CHANGES else name for name in names}
 
 
-def any_of(names):
-    """Some names in a line; where they are many, how many more there are."""
-    more = [f"{len(names) - FEW} more"] if len(names) > FEW else []
-    return " or ".join([*sorted(names)[:FEW], *more])
+def few(names, apart=", ", last=" and "):
+    """The first of some names, and how many there are beside."""
+    names = sorted(names)
+    more = len(names) - FEW
+    return apart.join(names[:FEW]) + (f"{last}{more:,} more" if more > 0 else "")
 
 
 def weights(text):

@@ -47,7 +47,7 @@ class Work:
             If the result cannot be written; all else is told in it.
         """
         head: dict[str, Any] = {"key": "", "task": self.task}
-        result = page = None
+        content = page = None
         with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             try:
                 groups = [listed(file) for file in system.files]
@@ -61,18 +61,15 @@ class Work:
                 head["row"] = plain(task.row(result))
                 head["coefficients"] = task.coefficients(result)
                 head["findings"] = task.findings(result)
+                content = stamped(task.format, result.content())
                 if self.pages:
                     page = result.to_html(
                         title=title_of(system.id, system.labels["site"])
                     )
             except Exception as error:  # of one system, which stops no other
-                head, result = failure(head, error), None
+                head, content = failure(head, error), None
         put_page(self.out, system.id, page)
-        if result is None:
-            keep(self.out, system.id, head)
-        else:
-            content = stamped(TASKS[self.task].format, result.content())
-            keep(self.out, system.id, head, content)
+        keep(self.out, system.id, head, content)
         return answer(system, head)
 
     def ended(self, system: System, error: Exception) -> dict:

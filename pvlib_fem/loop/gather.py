@@ -146,8 +146,7 @@ class Tangents:
         lasting = FADED * model.longest(inputs, coefficients)
         read = remembered(rows, inputs.seconds, lasting)
         names = (*COLUMNS[:3], *model.drivers)
-        columns = {name: inputs[name] for name in names}
-        inputs = replace(inputs, columns=columns).taken(read)
+        inputs = inputs.only(names).taken(read)
         places = np.searchsorted(read, rows)
         return cls(model.on(read), inputs, coefficients, read, places)
 

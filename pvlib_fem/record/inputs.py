@@ -173,6 +173,10 @@ class Inputs:
         columns = self.columns.taken(rows)
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
 
+    def only(self, names):
+        """The same inputs with some of their columns, in that order."""
+        return replace(self, columns=self.columns.only(names))
+
     def having(self, columns):
         """The same inputs with other values of some columns, or with more of them."""
         return replace(self, columns=self.columns | columns)
@@ -281,9 +285,8 @@ class Record:
 
     def only(self, names):
         """The same record with some of its columns."""
-        columns = self.inputs.columns.only(names)
-        missing = {name: n for name, n in self.missing.items() if name in columns}
-        inputs = replace(self.inputs, columns=columns)
+        inputs = self.inputs.only(names)
+        missing = {n: rows for n, rows in self.missing.items() if n in inputs.columns}
         return replace(self, inputs=inputs, missing=missing)
 
     def having(self, columns):
