@@ -139,3 +139,14 @@ def test_days_of_one_length_are_summed_together_to_the_bits_of_each(lengths, col
     days, found = products_by_day(columns, dates)
     alone = [products([c[dates == day] for c in columns]) for day in days]
     np.testing.assert_array_equal(found, alone)
+
+
+@pytest.mark.parametrize("length", [4096, 4320, 5760, 8640])
+@pytest.mark.parametrize("size", [2, 4, 6])
+def test_long_days_are_summed_as_short_ones_are(length, size):
+    """Days at steps of ten to twenty seconds, beside a short one."""
+    dates = np.repeat(np.arange(3), [length, length, 7])
+    columns = list(np.random.default_rng(length).normal(size=(size, len(dates))))
+    days, found = products_by_day(columns, dates)
+    alone = [products([c[dates == day] for c in columns]) for day in days]
+    np.testing.assert_array_equal(found, alone)

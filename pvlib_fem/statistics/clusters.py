@@ -251,7 +251,7 @@ def products_by_day(columns, dates):
     edges = np.flatnonzero(np.diff(rows, prepend=0, append=0))
     for start, end in pairwise(edges):
         length = rows[start]
-        most = AT_ONCE // length if length * size**2 <= BLOCK else 1
+        most = max(AT_ONCE // length, 1) if length * size**2 <= BLOCK else 1
         for day in range(start, end, most):
             days = slice(day, min(day + most, end))
             part = slice(first[day], ends[days.stop - 1])
