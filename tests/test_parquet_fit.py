@@ -151,6 +151,58 @@ def test_what_is_remembered_is_of_means(rainy, effect, tmp_path):
     assert (left - expected.residual).abs().mean() < 0.02
 
 
+@pytest.mark.parametrize("lacking", ["at the start", "here and there"])
+@pytest.mark.parametrize(
+    "effect, column",
+    [
+        ("rain", "precipitation"),
+        ("soiling", "precipitation"),
+        ("snow", "snow_depth"),
+        ("thermal_storage", "temp_air"),
+    ],
+)
+def test_what_is_remembered_goes_on_over_gaps(rainy, effect, column, lacking, tmp_path):
+    """What a gap hides of the past is no more than means hide."""
+    data = rainy.iloc[: 12 * 1440].copy()
+    rows = np.arange(len(data)) < 121
+    if lacking == "here and there":
+        rows = np.random.default_rng(3).random(len(data)) < 0.02
+        rows[9000:9100] = True
+    data.loc[rows, column] = np.nan
+    data.to_parquet(tmp_path / "record.parquet")
+    how = dict(model="faiman", dynamics="balance", effects=effect, night=True)
+    expected, fit = (fem.fit_fem(what, **how) for what in (data, tmp_path))
+    for name, error in expected.stderr.items():
+        off = abs(fit.coefficients[name] - expected.coefficients[name])
+        assert off <= 0.3 * (error if error > 0 else 1e-6)
+    fit.write_residual(tmp_path / "residual.parquet")
+    left = pd.read_parquet(tmp_path / "residual.parquet")["residual"]
+    assert (left.isna() == expected.residual.isna()).all()
+
+
+def test_seconds_are_fitted_with_what_is_remembered(tmp_path):
+    """The first mean over a minute is of too few rows, and is bridged."""
+    data = fem.simulator.record(days=4, step=20, seed=4, start="2023-02-10")
+    data.attrs = {}
+    data.to_parquet(tmp_path / "record.parquet")
+    how = dict(model="faiman", dynamics="balance", effects="snow", night=True)
+    expected, fit = (fem.fit_fem(what, **how) for what in (data, tmp_path))
+    for name in ("u0", "u1", "capacity"):
+        known = pytest.approx(expected.coefficients[name], rel=1e-4)
+        assert fit.coefficients[name] == known
+
+
+def test_readings_too_rare_for_a_mean_are_refused_by_name(rainy, tmp_path):
+    data = rainy.iloc[: 6 * 1440].copy()
+    data.loc[np.arange(len(data)) % 5 > 0, "snow_depth"] = np.nan
+    data = data.resample("10s").asfreq()
+    usual = ["poa_global", "temp_air", "wind_speed", "temp_module"]
+    data[usual] = data[usual].interpolate()
+    data.to_parquet(tmp_path / "record.parquet")
+    with pytest.raises(ValueError, match=r"enough values of snow_depth.*; fill these"):
+        fem.fit_fem(tmp_path, effects="snow", night=True)
+
+
 @pytest.fixture(scope="module")
 def rainy():
     """Forty days of early spring by the minute."""

@@ -9,6 +9,7 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
     completed,
     constants,
     is_modelled,
+    lost_without,
     needed_for,
     own_constants,
     remembered,

@@ -181,6 +181,9 @@ REMEMBERED = (
     *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
 )
 
+#: those of them that are known in rows without the columns that they are made of
+THROUGHOUT = ("days_since_rain",)
+
 
 def remembered(names):
     """Those drivers, or those behind them, that need more than the row itself."""
@@ -199,6 +202,11 @@ def behind(names):
         found = behind(made_of(name)[0]) if is_derived(name) else [name]
         columns += [n for n in found if n not in columns]
     return columns
+
+
+def lost_without(name):
+    """Columns behind a derived driver without which a row does not have it."""
+    return () if getattr(name, "name", name) in THROUGHOUT else tuple(behind([name]))
 
 
 def is_modelled(names):

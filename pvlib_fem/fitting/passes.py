@@ -6,7 +6,13 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import MODELLED, completed, is_modelled, remembered
+from pvlib_fem.drivers import (
+    MODELLED,
+    completed,
+    is_modelled,
+    lost_without,
+    remembered,
+)
 from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.rows import Compiled, answer_of
 from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
@@ -329,7 +335,8 @@ def first_pass(screened, target, night):
     inputs = sums.inputs()
     means = Record(inputs, dict(screened.missing), {}, 0)
     if names := remembered(target.effect_drivers):
-        own = Alongside.of(completed(inputs, names), names)
+        made_of = {name: lost_without(name) for name in names}
+        own = Alongside.of(completed(inputs, names), names, made_of)
         screened = replace(screened, record=screened.record.with_columns(own))
     return Files(
         screened,

@@ -14,35 +14,60 @@ class Alongside:
     """
     Columns that files do not hold, at times further apart; straight lines between.
 
+    A value that lacks is bridged by those before and after it. Rows that lack what a
+    column is made of lack the column, too, as in memory.
+
     Attributes
     ----------
     start : datetime64
-    seconds : array
-        Times since the start. [s]
-    columns : dict of array
-        What turns goes on past 360°, the shorter way from one to the next.
+    columns : dict of tuple
+        By name, times since the start [s] and values. What turns goes on past 360°,
+        the shorter way from one to the next.
+    made_of : dict of tuple
+        Columns of the record, by those without which they are not known.
     """
 
     start: np.datetime64
-    seconds: np.ndarray = field(repr=False)
     columns: dict = field(repr=False)
+    made_of: dict = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, inputs, names):
-        """Those columns of some inputs."""
-        columns = {name: inputs[name] for name in names}
-        turning = {n: np.unwrap(columns[n], period=360.0) for n in ROUND if n in names}
-        start = instants(inputs.index[:1])[0]
-        return cls(start, since(start, inputs.index), columns | turning)
+    def of(cls, inputs, names, made_of=None):
+        """
+        Those columns of some inputs.
 
-    def at(self, index):
-        """The columns at other times."""
-        wanted = since(self.start, index)
-        found = {
-            name: np.interp(wanted, self.seconds, values)
-            for name, values in self.columns.items()
-        }
-        return found | {n: found[n] % 360.0 for n in ROUND if n in found}
+        Raises
+        ------
+        ValueError
+            If one of them has no value.
+        """
+        start = instants(inputs.index[:1])[0]
+        seconds, columns, made_of = since(start, inputs.index), {}, made_of or {}
+        for name in names:
+            there = np.isfinite(inputs[name])
+            if not there.any():
+                behind = ", ".join(made_of.get(name, ())) or name
+                raise ValueError(
+                    f"{name} is not known: no mean over {inputs.step:g} s has enough "
+                    f"values of {behind}; fill these between their readings, or leave "
+                    "the effect out"
+                )
+            values = inputs[name][there]
+            if name in ROUND:
+                values = np.unwrap(values, period=360.0)
+            columns[name] = seconds[there], values
+        return cls(start, columns, made_of)
+
+    def at(self, index, beside):
+        """The columns at other times, given what else is known there."""
+        wanted, found = since(self.start, index), {}
+        for name, (seconds, values) in self.columns.items():
+            found[name] = np.interp(wanted, seconds, values)
+            if name in ROUND:
+                found[name] %= 360.0
+            for needed in self.made_of.get(name, ()):
+                found[name][np.isnan(beside[needed])] = np.nan
+        return found
 
 
 def since(start, index):

@@ -40,11 +40,15 @@ class CleanRecord:
         return self.holes.get(name, NONE)
 
     def blocks(self, names=None) -> Iterator[Block]:
-        """The record in blocks, as it is screened."""
+        """
+        The record in blocks, as it is screened.
+
+        What the files do not hold is there where no names are given.
+        """
         for block in self.source.blocks(self.names if names is None else names):
             columns = self.cleaned(block.inputs.columns, block.start, len(block))
-            for more in self.beside:
-                columns |= more.at(block.index)
+            for more in self.beside if names is None else ():
+                columns |= more.at(block.index, columns)
             yield replace(block, inputs=replace(block.inputs, columns=columns))
 
     def values(self) -> Iterator[tuple[int, dict]]:
