@@ -135,80 +135,80 @@ def test_days_are_held_out_by_their_dates(data, folder):
         fem.fit_fem(folder, holdout=rows)
 
 
-@pytest.mark.parametrize("effect", ["rain", "thermal_storage", "soiling", "snow"])
-def test_what_is_remembered_is_of_means(rainy, effect, tmp_path):
-    """The same coefficients, to a part of their error, and a note."""
-    rainy.to_parquet(tmp_path / "record.parquet")
-    how = dict(model="faiman", dynamics="balance", effects=effect, night=True)
-    expected, fit = (fem.fit_fem(what, **how) for what in (rainy, tmp_path))
-    for name, error in expected.stderr.items():
-        off = abs(fit.coefficients[name] - expected.coefficients[name])
-        assert off <= 0.3 * (error if error > 0 else 1e-6)
-    pd.testing.assert_frame_equal(fit.scores, expected.scores, atol=0.005)
-    assert f"means over 120 s, for {effect}" in fit.notes[-1]
-    fit.write_residual(tmp_path / "residual.parquet")
-    left = pd.read_parquet(tmp_path / "residual.parquet")["residual"]
-    assert (left - expected.residual).abs().mean() < 0.02
+REMEMBERING = {
+    "rain": "precipitation",
+    "soiling": "precipitation",
+    "snow": "snow_depth",
+    "thermal_storage": "temp_air",
+}
 
 
-@pytest.mark.parametrize("lacking", ["at the start", "here and there"])
-@pytest.mark.parametrize(
-    "effect, column",
-    [
-        ("rain", "precipitation"),
-        ("soiling", "precipitation"),
-        ("snow", "snow_depth"),
-        ("thermal_storage", "temp_air"),
-    ],
-)
-def test_what_is_remembered_goes_on_over_gaps(rainy, effect, column, lacking, tmp_path):
-    """What a gap hides of the past is no more than means hide."""
-    data = rainy.iloc[: 12 * 1440].copy()
-    rows = np.arange(len(data)) < 121
-    if lacking == "here and there":
+def worlds(effect, lacking, step):
+    """A record in which an effect is, its own column lacking here or there."""
+    effects = fem.simulator.PHYSICS | {effect: 1.0}
+    days = {15: 12, 60: 20, 900: 60}[step]
+    how = dict(step=step, seed=4, start="2023-02-10")
+    data = fem.simulator.record(effects=effects, days=days, **how)
+    data.attrs = {}
+    rows = np.zeros(len(data), dtype=bool)
+    if lacking == "at the start":
+        rows[:121] = True
+    elif lacking == "here and there":
         rows = np.random.default_rng(3).random(len(data)) < 0.02
-        rows[9000:9100] = True
-    data.loc[rows, column] = np.nan
-    data.to_parquet(tmp_path / "record.parquet")
+        rows[2000:2100] = True
+    data.loc[rows, REMEMBERING[effect]] = np.nan
+    # uneven steps, and a gap of hours
+    return data.drop(data.index[[500, 900, *range(3000, 3000 + 14400 // step)]])
+
+
+def in_memory_and_of_files(data, effect, folder):
+    data.to_parquet(folder / "record.parquet", row_group_size=701)
     how = dict(model="faiman", dynamics="balance", effects=effect, night=True)
-    expected, fit = (fem.fit_fem(what, **how) for what in (data, tmp_path))
-    for name, error in expected.stderr.items():
+    expected, fit = (fem.fit_fem(what, **how) for what in (data, folder))
+    fit.write_residual(folder / "residual.pq")
+    left = pd.read_parquet(folder / "residual.pq")["residual"]
+    return expected, fit, left
+
+
+@pytest.mark.parametrize("lacking", ["nowhere", "at the start", "here and there"])
+@pytest.mark.parametrize("effect", REMEMBERING)
+@pytest.mark.parametrize("step", [60, 900])
+def test_what_minutes_remember_is_as_in_memory(effect, lacking, step, tmp_path):
+    """Whatever lacks, and wherever a block ends, of all that the record determines."""
+    data = worlds(effect, lacking, step)
+    expected, fit, left = in_memory_and_of_files(data, effect, tmp_path)
+    for name in [name for name, error in expected.stderr.items() if error > 0]:
+        known = pytest.approx(expected.coefficients[name], rel=1e-6)
+        assert fit.coefficients[name] == known
+    pd.testing.assert_frame_equal(fit.scores, expected.scores, atol=2e-5)
+    np.testing.assert_allclose(left, expected.residual, atol=1e-5)
+    assert not [note for note in fit.notes if "hours before" in note]
+
+
+@pytest.mark.parametrize("lacking", ["nowhere", "at the start", "here and there"])
+@pytest.mark.parametrize("effect", REMEMBERING)
+def test_what_seconds_remember_is_of_means(effect, lacking, tmp_path):
+    """The same coefficients to a tenth of their error; rain, that dries soon, exact."""
+    data = worlds(effect, lacking, 15)
+    expected, fit, left = in_memory_and_of_files(data, effect, tmp_path)
+    share = 1e-3 if effect == "rain" else 0.1
+    for name in [name for name, error in expected.stderr.items() if error > 0]:
         off = abs(fit.coefficients[name] - expected.coefficients[name])
-        assert off <= 0.3 * (error if error > 0 else 1e-6)
-    fit.write_residual(tmp_path / "residual.parquet")
-    left = pd.read_parquet(tmp_path / "residual.parquet")["residual"]
+        assert off <= share * expected.stderr[name]
+    pd.testing.assert_frame_equal(fit.scores, expected.scores, atol=0.005)
     assert (left.isna() == expected.residual.isna()).all()
+    assert (left - expected.residual).abs().mean() < 0.02
+    told = [note for note in fit.notes if f"means over 60 s, for {effect}" in note]
+    assert len(told) == (effect != "rain")
 
 
-def test_seconds_are_fitted_with_what_is_remembered(tmp_path):
-    """The first mean over a minute is of too few rows, and is bridged."""
+def test_readings_too_rare_for_a_mean_are_refused_by_name(tmp_path):
     data = fem.simulator.record(days=4, step=20, seed=4, start="2023-02-10")
     data.attrs = {}
-    data.to_parquet(tmp_path / "record.parquet")
-    how = dict(model="faiman", dynamics="balance", effects="snow", night=True)
-    expected, fit = (fem.fit_fem(what, **how) for what in (data, tmp_path))
-    for name in ("u0", "u1", "capacity"):
-        known = pytest.approx(expected.coefficients[name], rel=1e-4)
-        assert fit.coefficients[name] == known
-
-
-def test_readings_too_rare_for_a_mean_are_refused_by_name(rainy, tmp_path):
-    data = rainy.iloc[: 6 * 1440].copy()
-    data.loc[np.arange(len(data)) % 5 > 0, "snow_depth"] = np.nan
-    data = data.resample("10s").asfreq()
-    usual = ["poa_global", "temp_air", "wind_speed", "temp_module"]
-    data[usual] = data[usual].interpolate()
+    data.loc[np.arange(len(data)) % 12 > 0, "snow_depth"] = np.nan
     data.to_parquet(tmp_path / "record.parquet")
     with pytest.raises(ValueError, match=r"enough values of snow_depth.*; fill these"):
         fem.fit_fem(tmp_path, effects="snow", night=True)
-
-
-@pytest.fixture(scope="module")
-def rainy():
-    """Forty days of early spring by the minute."""
-    data = fem.simulator.record(days=40, step=60, seed=4, start="2023-02-10")
-    data.attrs = {}
-    return data
 
 
 def test_what_files_cannot_be_asked_is_said(data, folder):

@@ -13,6 +13,7 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
     needed_for,
     own_constants,
     remembered,
+    short_memory,
     with_constants,
 )
 from pvlib_fem.drivers.solar import (  # noqa: F401

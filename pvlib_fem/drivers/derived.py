@@ -181,6 +181,8 @@ REMEMBERED = (
     *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
 )
 
+#: those of them that forget within hours, and the constant that says how soon [s]
+SHORT = {"wetness": "drying"}
 #: those of them that are known in rows without the columns that they are made of
 THROUGHOUT = ("days_since_rain",)
 
@@ -202,6 +204,12 @@ def behind(names):
         found = behind(made_of(name)[0]) if is_derived(name) else [name]
         columns += [n for n in found if n not in columns]
     return columns
+
+
+def short_memory(name):
+    """How soon a driver forgets what was, if that is within hours; or None. [s]"""
+    constant = SHORT.get(getattr(name, "name", name))
+    return constants(name)[constant] if constant else None
 
 
 def lost_without(name):

@@ -9,7 +9,8 @@ import pandas as pd
 
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.memory import memory_notes
-from pvlib_fem.fitting.passes import Asked, Files, first_pass, means_note, screened_for
+from pvlib_fem.fitting.passes import Asked, Files, first_pass, screened_for
+from pvlib_fem.fitting.pasts import means_note
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import as_searched, natural, searching
 from pvlib_fem.fitting.stages import (

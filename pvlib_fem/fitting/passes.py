@@ -6,18 +6,12 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import (
-    MODELLED,
-    completed,
-    is_modelled,
-    lost_without,
-    remembered,
-)
+from pvlib_fem.drivers import MODELLED, is_modelled
 from pvlib_fem.fitting.daily import DailySums
+from pvlib_fem.fitting.pasts import MEANS, Held, with_a_past
 from pvlib_fem.fitting.rows import Compiled, answer_of
 from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
-from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.inputs import Inputs, Record
 from pvlib_fem.record.resampling import Sums
@@ -29,7 +23,6 @@ from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
 from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
 from pvlib_fem.thermal.response import Past
 
-MEANS = 60.0  # s of the steps on which a search begins
 PRESENT = 0.5  # share of such a step that has to be there
 
 
@@ -319,8 +312,10 @@ def first_pass(screened, target, night):
     sums = Sums(step, PRESENT * step / usual)
     gaps = {(): Gaps(), drivers: Gaps()}
     wind, table, seen = np.zeros(2), {}, {}
+    held = Held.of(target.effect_drivers, usual)
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
+        held.add(block)
         for names, found in gaps.items():
             columns = [block[name] for name in (*COLUMNS[:3], *names)]
             found.add(columns, block.inputs.steps)
@@ -334,9 +329,7 @@ def first_pass(screened, target, night):
     found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     inputs = sums.inputs()
     means = Record(inputs, dict(screened.missing), {}, 0)
-    if names := remembered(target.effect_drivers):
-        made_of = {name: lost_without(name) for name in names}
-        own = Alongside.of(completed(inputs, names), names, made_of)
+    for own in with_a_past(held.inputs() or inputs, target.effect_drivers):
         screened = replace(screened, record=screened.record.with_columns(own))
     return Files(
         screened,
@@ -361,12 +354,3 @@ def refuse_memory(target):
                 "the rows that are read at a time; fit it to a DataFrame, such as of "
                 "means over longer steps"
             )
-
-
-def means_note(target, files):
-    """What the drivers that remember are of; nothing where none does."""
-    if not remembered(target.effect_drivers):
-        return []
-    effects = ", ".join(e.name for e in target.effects if remembered(e.drivers))
-    step = files.means.inputs.step
-    return [f"what happened hours before is of means over {step:g} s, for {effects}"]

@@ -55,18 +55,22 @@ class Alongside:
             values = inputs[name][there]
             if name in ROUND:
                 values = np.unwrap(values, period=360.0)
-            columns[name] = seconds[there], values
+            columns[name] = seconds if there.all() else seconds[there], values
         return cls(start, columns, made_of)
 
-    def at(self, index, beside):
-        """The columns at other times, given what else is known there."""
-        wanted, found = since(self.start, index), {}
+    def begun(self):
+        """What follows the blocks of a record from the first on."""
+        return self
+
+    def at(self, inputs):
+        """The columns at the times of other inputs."""
+        wanted, found = since(self.start, inputs.index), {}
         for name, (seconds, values) in self.columns.items():
             found[name] = np.interp(wanted, seconds, values)
             if name in ROUND:
                 found[name] %= 360.0
             for needed in self.made_of.get(name, ()):
-                found[name][np.isnan(beside[needed])] = np.nan
+                found[name][np.isnan(inputs[needed])] = np.nan
         return found
 
 

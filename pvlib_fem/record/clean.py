@@ -18,7 +18,7 @@ class CleanRecord:
     names: tuple
     holes: dict = field(default_factory=dict)  # column to spans of rows, see spans
     clip: bool = False  # whether negative irradiance is 0
-    beside: tuple = ()  # of Alongside: columns that the files do not hold
+    beside: tuple = ()  # of Alongside and Trailing: columns that the files do not hold
 
     def __len__(self):
         return len(self.source)
@@ -45,11 +45,13 @@ class CleanRecord:
 
         What the files do not hold is there where no names are given.
         """
+        beside = [more.begun() for more in self.beside] if names is None else []
         for block in self.source.blocks(self.names if names is None else names):
             columns = self.cleaned(block.inputs.columns, block.start, len(block))
-            for more in self.beside if names is None else ():
-                columns |= more.at(block.index, columns)
-            yield replace(block, inputs=replace(block.inputs, columns=columns))
+            inputs = replace(block.inputs, columns=columns)
+            for more in beside:
+                inputs = inputs.having(more.at(inputs))
+            yield replace(block, inputs=inputs)
 
     def values(self) -> Iterator[tuple[int, dict]]:
         """First row and columns of the same blocks, without their times."""
