@@ -459,3 +459,26 @@ def test_rows_are_counted_by_their_date(days):
     assert record.count_days(rows) == len({*dates[rows].tolist()})
     some = found[::2]
     assert np.array_equal(record.of_dates(some), np.isin(dates, some))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("model", ["wm1", "sapm", "faiman"])
+@pytest.mark.parametrize("windy, step", [(1.0, 300), (1.0, 3600), (3.0, 3600)])
+def test_a_module_that_no_sun_warms_is_fitted_or_refused_by_name(model, windy, step):
+    """Such as by the air's sensor in its place, where the check of units is off."""
+    data = fem.simulator.record(days=20, step=step, seed=4, start="2023-05-10")
+    data["temp_module"] = data["temp_air"]
+    data["wind_speed"] *= windy
+    how = dict(model=model, dynamics="balance", check_units=False)
+    try:
+        fit = fem.fit_fem(data, **how)
+    except ValueError as error:
+        assert re.search(
+            "temp_module does not follow poa_global: in wind of .* give "
+            "dynamics='steady'",
+            str(error),
+        )
+        how["dynamics"] = "steady"
+        fit = fem.fit_fem(data, **how)
+    assert "temp_module is a copy of temp_air, row by row" in fit.notes
+    assert fit.at_bound

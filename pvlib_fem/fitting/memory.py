@@ -5,9 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
+from pvlib_fem.spelling import Spelled, refusal
 from pvlib_fem.thermal.model import MEMORY
 
 FAINT = 20.0  # time constants of a step after which nothing is left of the past
+FADED = 300.0  # the same, after which what is left is next to no number
+STEADY = Spelled("dynamics='steady'", "--dynamics steady")
 SPREAD = 60.0 / 379.0  # of the time constants of the paper's fixed mountings
 
 
@@ -41,7 +44,7 @@ class Lag:
     lower: float
 
     def seen(self, memory):
-        return self.step / np.expm1(self.step / memory)
+        return self.step / np.expm1(min(self.step / memory, FADED))
 
     def told(self, age):
         return self.step / np.log1p(self.step / age)
@@ -56,7 +59,16 @@ def lag(model, coefficients, step, wind):
     ((name, row),) = MEMORY[model.dynamics].items()
     if name == "capacity":  # whose time constant is that times the resistance
         law = model.steady_model
-        step = step / float(law.resistance(wind, **model.own(coefficients)))
+        gain = float(law.resistance(wind, **model.own(coefficients)))
+        if gain * row.upper * FADED <= step:
+            raise refusal(
+                f"temp_module does not follow poa_global: in wind of {wind:.3g} m/s "
+                f"the fit is at {gain:.2g} K m²/W, at which steps of {step:g} s tell "
+                "nothing of a capacity; check that temp_module is the module's own "
+                "sensor, and the units of both, or give ",
+                STEADY,
+            )
+        step = step / gain
     return Lag(step, max(row.lower, step / FAINT))
 
 

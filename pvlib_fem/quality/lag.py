@@ -183,12 +183,14 @@ def weighed(sums, step, limits):
     # each day alike, but those that hardly move; what a day leaves has a part of the
     # next in it, and may be below nothing
     both = (usual + there)[seen]
-    fall = (usual - there)[seen] / np.maximum(both, np.median(np.abs(both)) / 2)
+    least = np.maximum(both, np.median(np.abs(both)) / 2)
+    fall = np.zeros(both.shape)  # of a day of which nothing is left either way
+    np.divide((usual - there)[seen], least, out=fall, where=least > 0)
     fall = np.clip(fall, -1.0, 1.0)
     error = fall.std(ddof=1) / np.sqrt(fall.size)
     sure = float(fall.mean() / error) if error > 0 else 0.0
     asked = student.ppf(norm.cdf(limits.sure), fall.size - 1)
-    left = tried[best][1] / tried[none][1]
+    left = tried[best][1] / tried[none][1] if tried[none][1] > 0 else 1.0
     changed = sums.module @ sums.module + sums.air @ sums.air
     share = float(1 - tried[best][1] / changed)
     most = limits.lag_left if abs(best) > 1 else limits.lag_next
