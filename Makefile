@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet sweep coverage periods episodes clean
+.PHONY: fleet gate sweep coverage periods episodes clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -60,11 +60,16 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --shift 2410000 2510000 --out docs/study.md
+	$(BIN)/python tests/study.py --shift 3110000 3210000 3310000 --every 3 --table $(VENV)/study --out docs/study.md
 
 # what it says of instruments that change among physics
 study-instruments: $(VENV)/.installed
-	$(BIN)/python tests/study_instruments.py --seed 29000 --records 200 --out docs/study_instruments.md
+	$(BIN)/python tests/study_instruments.py --seed 32000 --records 100 --table $(VENV)/instruments \
+		--out docs/study_instruments.md
+
+# how often the loop's probabilities are right, from the rows of both
+gate: study study-instruments
+	$(BIN)/python tests/study_gate.py $(VENV)/study $(VENV)/instruments --out docs/gate.md
 
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed

@@ -6,7 +6,7 @@ What is left when a thermal model is fitted, and which physical effect is it? A 
 simulated with three effects that nobody tells the loop: a cold sky, wind that cools
 from one side more than from the other, and heat that blows on the module on weekends.
 :py:func:`pvlib_fem.close_loop` names the first two, which takes the error on test
-weeks from 1.53 K to 1.15 K. The third is in no catalogue: the loop names nothing, and
+weeks from 1.53 K to 1.10 K. The third is in no catalogue: the loop names nothing, and
 says when it happens.
 """
 

@@ -5,8 +5,8 @@ Is my sensor lying?
 Which faults of sensors and loggers does the package find, and which look like physics?
 Units, frozen sensors and clocks are found before any model is fitted: a logger 4 min
 late comes out as 3.8 min. A pyranometer that loses 5 % a year and a back sensor that
-loses 10 % of its contact a year get the same name, ``sensitivity_drift``. The nights
-tell them apart.
+loses 10 % of its contact a year are found after two years, each in a class with its
+like. The nights tell them apart.
 """
 
 import matplotlib.pyplot as plt
@@ -76,9 +76,9 @@ for name, data in {**records, "back sensor, one year": loose.loc["2023"]}.items(
     print(f"{name:<24}{', '.join(loop.effects)}", f"{rate:+.3f} a year" if rate else "")
 
 # %%
-# Both drifts are named ``sensitivity_drift``: from year to year the module warms by
-# more, or by less, than its irradiance says. What differs is the sign. One year is too
-# short: there a drift cannot be told from the season.
+# The first is led by ``sensitivity_drift``, the second by ``contact_drift``: each
+# stands in a class with its like, and the signs differ. One year is too short: there a
+# drift cannot be told from the season.
 #
 # The nights
 # ----------

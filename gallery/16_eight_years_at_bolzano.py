@@ -6,8 +6,8 @@ What does the loop find in a measured record of which nobody told it anything? A
 at Bolzano, 2011 to 2019, by the hour. The file keeps summer time, which is corrected.
 On 29 March 2012 something changed: from then on over-temperature per irradiance is
 higher by a fifth, at the same power, so that it is not the irradiance sensor. That,
-the wind's direction, the sky and reflection at low sun take the error on test weeks
-from 1.49 K to 1.14 K. What was done to module or sensor, the record does not say.
+the sky and reflection at low sun take the error on test weeks from 1.49 K to 1.15 K.
+What was done to module or sensor, the record does not say.
 """
 
 import matplotlib.pyplot as plt
@@ -191,9 +191,8 @@ if data is not None:
 # as with an irradiance sensor that reads low for a time; the loop names nothing of that
 # kind. From 2014 on power falls, slowly and for years.
 #
-# The loop asks the nights about offsets alone. With a sensor that sits closer,
-# or a mounting with less air, the 2 K by which the module is colder than the air should
-# be larger by a fifth, too. The mean did not move:
+# With a sensor that sits closer, or a mounting with less air, the 2 K by which the
+# module is colder than the air should be larger by a fifth, too. The mean did not move:
 
 if data is not None:
     seasons = (night.index - pd.DateOffset(months=3)).year

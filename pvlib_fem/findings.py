@@ -21,6 +21,9 @@ class Verdict(StrEnum):
     UNKNOWN = "unknown"
 
 
+OUTSIDE = "outside"  # among probabilities: none of the catalogue
+OUTSIDE_WORDS = "a cause outside the catalogue"
+LEAST = 0.01  # probability that is reported
 CORRECTED = "clock corrected"  # row of a table of errors
 ADDED = (Verdict.NAMED, Verdict.CLASS)  # what enters the model
 
@@ -112,10 +115,6 @@ VERBS = {
 }
 
 
-OUTPUT = "electrical_output"  # what heats where it is not fed
-NIGHT = "night"  # as a witness: no column, the hours in which an offset is alone
-
-
 @dataclass(frozen=True)
 class Witness:
     """
@@ -124,22 +123,18 @@ class Witness:
     Attributes
     ----------
     column : str
-        A column of the record, or ``"clear sky"`` for the irradiance sensor,
-        ``"usual wind"`` for the anemometer and ``"night"`` for offsets.
+        A column of the record, or ``"clear sky"`` for the irradiance sensor and
+        ``"usual wind"`` for the anemometer.
     effect : str
         The candidate that it was asked about.
     size, stderr : float
         By how much it parts from the instrument along the course, and its standard
-        error; of the night the change by night alone.
+        error.
     expected : float
-        The same if that candidate is the cause; of the night the change by day alone.
-        Of another cause the size is about 0.
+        The same if that candidate is the cause. Of another cause the size is about 0.
     opinion : Opinion
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
-    low, high : float
-        Coefficients of that candidate between which it leaves it; NaN where it says
-        nothing of them.
     """
 
     column: str
@@ -149,8 +144,6 @@ class Witness:
     expected: float
     opinion: Opinion
     unit: str = "-"
-    low: float = np.nan
-    high: float = np.nan
 
     @classmethod
     def stored(cls, content: Stored) -> Self:
@@ -163,8 +156,6 @@ class Witness:
             expected=content.number("expected"),
             opinion=Opinion(content.text("opinion")),
             unit=content.text("unit"),
-            low=content.number("low", unknown=True),
-            high=content.number("high", unknown=True),
         )
 
     def __str__(self):
@@ -174,18 +165,6 @@ class Witness:
             f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
         )
         verb = VERBS[self.opinion]
-        if self.effect == OUTPUT:
-            less = f"{-times * self.size:.0f}"
-            return (
-                f"{self.column} {verb} {self.effect}: on those days the plant fed "
-                f"{less} ± {error} % less for its light than usual, and what is not "
-                "fed heats the modules"
-            )
-        if self.column == NIGHT:
-            return (
-                f"{self.column} {verb} {self.effect}: by night its change is {size} ± "
-                f"{error} {unit}, and by day {needed} {unit}"
-            )
         return (
             f"{self.column} {verb} {self.effect}: the two part by {size} ± {error} "
             f"{unit}, and it would need {needed} {unit}"
@@ -224,8 +203,11 @@ class Finding:
     witnesses : tuple of Witness
         Of a change of an instrument: what other columns say of it.
     ranges : dict
-        From and to of each coefficient that was fitted, over the models that the
-        record leaves possible; ``stderr`` is its scatter under one of them.
+        From and to of each coefficient that was fitted: its scatter, ``stderr``, with
+        the error of its law and how it differs under other conditions.
+    probabilities : dict
+        Name to the probability that it is the cause; ``"outside"`` is a cause outside
+        the catalogue that follows the same inputs.
     """
 
     effect: str
@@ -241,11 +223,21 @@ class Finding:
     place: str = ""
     witnesses: tuple = ()
     ranges: dict = field(default_factory=dict)
+    probabilities: dict = field(default_factory=dict)
 
     @property
     def why(self) -> str:
         """The reason for the verdict, in one line."""
         return str(self.because)
+
+    @property
+    def shares(self) -> str:
+        """The probability of each cause from 1 % on, in words."""
+        return ", ".join(
+            f"{OUTSIDE_WORDS if name == OUTSIDE else name} {probability:.0%}"
+            for name, probability in self.probabilities.items()
+            if probability >= LEAST
+        )
 
     @property
     def heard(self) -> tuple:
@@ -297,11 +289,13 @@ class Finding:
             place=content.text("place"),
             witnesses=tuple(map(Witness.stored, content.parts("witnesses"))),
             ranges=content.pairs("ranges"),
+            probabilities=content.numbers("probabilities"),
         )
 
     def __str__(self):
         head = f"{' | '.join(self.candidates)}: {self.verdict}, {self.gain:.2f} K"
-        parts = [self.why, *self.checks, *self.witnesses]
+        shares = [f"probabilities: {self.shares}"] if self.shares else []
+        parts = [self.why, *shares, *self.checks, *self.witnesses]
         return "\n".join([head, *(f"  {part}" for part in parts)])
 
 
@@ -373,14 +367,3 @@ class Correction:
         error = f"{self.before:.2f} → {self.after:.2f} {self.unit}"
         head = f"{self.fault}: {words}, {error}"
         return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])
-
-
-def vouched(finding):
-    """Ends of what witnesses that agree with a change leave of its coefficient."""
-    return [
-        end
-        for one in finding.witnesses
-        if one.opinion is Opinion.AGREES and one.effect == finding.effect
-        for end in (one.low, one.high)
-        if np.isfinite(end)
-    ]

@@ -59,41 +59,26 @@ class Reason(Enum):
     SOURCE = "from {source}"
 
     # a finding
-    GAINED = (
-        "{gain:.2f} K of the error on fitting weeks left out in turn, chance "
-        "{chance:.1g}"
-    )
-    WITNESSED = (
-        "{gain:.2f} K of the error on fitting weeks left out in turn; {columns: and } "
-        "part from the sensor along the same course"
-    )
+    GAINED = "{gain:.2f} K of the error on fitting weeks left out in turn"
+    CORROBORATED = "{columns: and } deviate from the sensor along the same time profile"
     WOULD_DECIDE = "{measurements:; or } would decide"
-    WITHIN_UNKNOWN = (
-        "what is left follows {drivers: and }, and where these are alike nothing of it "
-        "is there; {measurements:; or } would decide"
-    )
     TOO_SHORT = "{days} days are too few for a name, of {least}"
-    NO_TEMPERATURE = (
-        "fitted with all others it leaves {rows:,} rows without a temperature"
-    )
     AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"
     UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
-    ELSEWHERE = "beside {other}, {coefficient} would be {value:.2g} ± {half:.2g}"
-    TAKEN_OVER = (
-        "beside all that was found it takes {gain:.2f} K off the error; material is "
-        "{least:.2f} K"
-    )
     CONTRADICTED = (
-        "the choosing weeks contradict it: their error rises by {rise:.2g} K, "
-        "{errors:.1f} standard errors of the difference"
+        "the error rises by {rise:.2g} K with it, {errors:.1f} standard errors of the "
+        "difference"
+    )
+    OUTSIDE = (
+        "the error follows its inputs, and not by its law under all conditions: a "
+        "cause outside the catalogue is more probable ({chance:.0%})"
     )
     LESS_ON_OWN_STEPS = (
         "on the record's own steps it takes {gain:.2f} K off the error, {means:.2f} K "
         "in means"
     )
+    NOT_SURE = "there with a probability of {chance:.0%} only; a name needs {least:.0%}"
     NOT_MATERIAL = "not enough for a name: material is {least:.2f} K"
-    STRUCTURE_EXPLAINS = "a pattern of unknown cause explains more"
-    LESS_GIVEN = "beside a pattern of unknown cause too little is left for it"
     UNEXPLAINED = (
         "{gain:.2f} K of the error is {where}; no effect and no column follows it"
     )

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import study_ranges
-from study_records import refit, root, smallest
+from study_records import refit, root, sets, smallest
 from study_worlds import CLEARLY, IN_PHYSICS, World, site
 
 from pvlib_fem import close_loop, simulator
@@ -112,6 +112,7 @@ def looked(seed):
     row |= dict(days=world.days, found=bool(right), wrong=wrong, misled=misled)
     row["other"] = other
     row["verdict"] = str(right[0].verdict) if right else ""
+    row["sets"], row["truths"] = sets(loop), () if channel == "none" else truths
     row["first"] = bool(right) and right[0] is added[0]
     row["findings"] = "; ".join(
         f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f})" for f in loop.findings
@@ -269,8 +270,11 @@ if __name__ == "__main__":
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--table", type=Path, help="all rows, pickled")
     given = parser.parse_args()
     found = run(given.records, given.seed, given.processes)
+    if given.table:
+        found.to_pickle(given.table)
     text = "\n".join(page(found, given.seed)) + "\n"
     print(text)
     if given.out:

@@ -2,8 +2,7 @@
 Whether the loop says the same of measured records when their weeks are drawn anew.
 
 Run as ``python tests/study_measured.py [--draws 10] [--out docs/study_measured.md]``.
-Each draw takes a fifth of a record's weeks, by chance, as test weeks; the choosing
-weeks are one in four of the others, so that they change, too.
+Each draw takes a fifth of a record's weeks, by chance, as test weeks.
 """
 
 import argparse
@@ -118,10 +117,9 @@ say whether a name is *right*: it says whether the same record says the same aga
 when other weeks are left out.
 
 The loop divides a record by the calendar, every fifth week for the test. Each draw
-takes a fifth of the weeks by chance in their place (`holdout=`); choosing and fitting
-weeks are of the others. *The same* are names and classes that are whole the same: the
-same findings in the model, each with the same verdict and the same candidates. The bar
-is nine of ten.
+takes a fifth of the weeks by chance in their place (`holdout=`). *The same* are names
+and classes that are whole the same: the same findings in the model, each with the same
+verdict and the same candidates. The bar is nine of ten.
 """
 
 

@@ -200,9 +200,10 @@ def said(loop, case):
     groups = [{"clock_shift"} for _ in clocks]
     groups += [set(finding.candidates) for finding in added]
     there = set(case.truths) | (IN_PHYSICS if case.form is None else set())
-    wrong = [
-        f.effect for f in added if f.verdict == "named" and f.effect not in case.truths
-    ]
+    known = set(case.truths)
+    if case.family == SECOND_GENERATOR:  # which has a sky that follows the air
+        known |= {"sky_radiation"}
+    wrong = [f.effect for f in added if f.verdict == "named" and f.effect not in known]
     wrong += ["clock_shift"] * (len(clocks) > 0 and "clock_shift" not in case.truths)
     misled = [
         "|".join(f.candidates)
@@ -220,6 +221,7 @@ def said(loop, case):
             f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f} K)"
             for f in loop.findings
         ),
+        "sets": sets(loop),
         "verdicts": tuple(verdicts),
         "first": first,
         "first_ok": first_ok(groups, case),
@@ -237,6 +239,15 @@ def said(loop, case):
         "notes": "; ".join(loop.notes),
         "whys": "; ".join(correction.why for correction in loop.corrections),
     }
+
+
+def sets(loop):
+    """Every finding that has probabilities."""
+    return [
+        dict(effect=f.effect, verdict=str(f.verdict), shares=f.probabilities)
+        for f in loop.findings
+        if f.probabilities
+    ]
 
 
 def first_ok(groups, case):

@@ -150,9 +150,9 @@ IN_PHYSICS = {
 UNDECLARED = {
     "weekend_exhaust": ({"weekend"}, {"hour", "poa_global"}),
     "chiller": ({"hour", "poa_global"}, {"month", "temp_air"}),
-    "irrigation": ({"hour", "poa_global"}, {"timetable_days", "month"}),
+    "irrigation": ({"hour", "poa_global"}, {"month", "temp_air", "hour"}),
     "shelter": ({"hour", "poa_global"}, {"month", "temp_air"}),
-    "fan": ({"timetable_minutes"},),
+    "fan": ({"hour", "poa_global", "wind_speed", "temp_air"},),
 }
 
 

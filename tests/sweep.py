@@ -290,15 +290,6 @@ def cells(row):
     return ", ".join(parts) or "·"
 
 
-STAYS = """\
-
-Why those stay: `leak`, `leak_sure` and `contradiction` are for columns and refits far
-worse than these; `rival` and `tied` for drivers that are alike; the numbers of the
-timetables were set on 2325 series of noise, of which seven showed one, and hold
-without any of them alone here; `weekend_days` is below all lengths here;
-`unseen_clock` only says what a coarse step hides; the largest numbers of windows and
-timetables bound the work, and `window_most` what can be."""
-
 INTRO = """\
 # What each criterion does
 
@@ -331,9 +322,9 @@ def page(table, seconds, day):
         wrong=int(usual["wrong"].sum()),
         misled=int(usual["misled"].sum()),
     )
-    yield "| criterion | stage | usual | halved | doubled |"
-    yield "|---|---|---|---|---|"
-    idle, sharp, stages = [], [], Criteria.stages()
+    yield "| criterion | usual | halved | doubled |"
+    yield "|---|---|---|---|"
+    idle, sharp = [], []
     for field in fields(Criteria):
         part = table[table["name"] == field.name]
         if part.empty:
@@ -346,15 +337,14 @@ def page(table, seconds, day):
         fewer = (row["found"] < 0 for row in rows.values())
         if any(worse) or any(fewer):
             sharp.append(field.name)
-        stage, value = stages[field.name], f"{field.default:g}"
-        yield f"| `{field.name}` | {stage} | {value} | {' | '.join(words)} |"
+        value = f"{field.default:g}"
+        yield f"| `{field.name}` | {value} | {' | '.join(words)} |"
     yield ""
     start = "A truth is lost or a wrong name comes up by half or double of"
     yield f"{start}: {', '.join(f'`{name}`' for name in sharp) or 'none'}."
     yield ""
     names = ", ".join(f"`{name}`" for name in idle) or "none"
     yield f"Nothing moves in these records by: {names}."
-    yield STAYS
 
 
 LIMITS = """\

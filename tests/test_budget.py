@@ -54,7 +54,9 @@ def test_the_budget_adds_up(covered):
     assert left == pytest.approx(squares[covered.last], rel=1e-12)
     assert list(budget.index[budget["kind"] == "scale"]) == list(SCALES)
     steps = list(budget.index[budget["kind"] == "taken"])
-    assert steps == [covered.base, *(f"+{name}" for name in covered.effects)]
+    dynamics = {"ewm": "fem", "balance": "balance"}[covered.fit.dynamics]
+    assert steps[0] == dynamics and steps[1] == covered.base
+    assert steps[2:] == [f"+{name}" for name in covered.effects]
     assert (budget["error"] ** 2).to_numpy() == pytest.approx(
         budget["mean_square"].abs().to_numpy()
     )

@@ -65,65 +65,6 @@ def test_errors_are_those_of_weeks_left_out(rows):
     )
 
 
-@pytest.mark.parametrize("times", [1.0, 1e3])
-def test_a_day_that_is_left_by_much_does_not_rule(rows, times):
-    """Weighted least squares, in which usual days count alike."""
-    columns, residual, dates = rows
-    kept, residual = [0, 1, 3], times * (residual + 40.0 * (dates == dates[500]))
-    sums = cluster_sums(list(columns.T), residual, dates)
-    weights = sums.day_weights(kept)
-    x = columns[:, kept]
-    left = residual - x @ np.linalg.lstsq(x, residual, rcond=None)[0]
-    squares = np.add.reduceat(left**2, np.flatnonzero(np.diff(dates, prepend=0)))
-    most = 2.0 * np.median(squares)
-    assert (weights[squares <= most] == 1.0).all() and weights.min() < 0.01
-    np.testing.assert_allclose((weights * squares)[squares > most], most, rtol=1e-6)
-    root = np.sqrt(np.repeat(weights, 25))
-    want = np.linalg.lstsq(x * root[:, None], residual * root, rcond=None)[0]
-    found = sums.reweighted(kept)
-    np.testing.assert_allclose(found.solve([0, 1, 2]) / found.scale, want, rtol=1e-6)
-
-
-def test_given_others_is_what_they_do_not_explain(rows):
-    columns, _, _ = rows
-    sums = summed(rows)
-    others = columns[:, :3]
-    rest = (
-        columns[:, 3] - others @ np.linalg.lstsq(others, columns[:, 3], rcond=None)[0]
-    )
-    want = np.sqrt((rest**2).mean()) / sums.scale[3]
-    assert sums.given(3, [0, 1, 2]) == pytest.approx(want, rel=1e-5)
-
-
-def test_a_column_added_later_is_as_good_as_one_from_the_start(rows):
-    columns, residual, dates = rows
-    first = cluster_sums(list(columns[:, :3].T), residual, dates)
-    later = first.with_column(list(columns[:, :3].T), residual, dates, columns[:, 3])
-    whole = summed(rows)
-    np.testing.assert_allclose(later.sums, whole.sums, rtol=1e-10, atol=1e-10)
-    np.testing.assert_allclose(later.scale, whole.scale)
-    fewer = whole.of([0, 2])
-    assert fewer.left([0, 1]) == pytest.approx(whole.left([0, 2]), rel=1e-9)
-
-
-def test_columns_times_a_weight_of_each_day_need_no_pass(rows):
-    """Of a column that is nothing, and of one whose weights are, too."""
-    columns, residual, dates = rows
-    columns = [*columns.T, np.zeros(len(dates))]
-    sums = cluster_sums(columns, residual, dates)
-    weights = np.random.default_rng(1).normal(size=(sums.days, 4))
-    weights[: sums.days // 2, 1], weights[:, 3] = 0.0, 0.0
-    places, lengths = (
-        [2, 0, len(columns) - 1, 1],
-        np.unique(dates, return_counts=True)[1],
-    )
-    wide = [columns[p] * np.repeat(w, lengths) for p, w in zip(places, weights.T)]
-    whole = cluster_sums([*columns, *wide], residual, dates)
-    found = sums.along(places, weights)
-    np.testing.assert_allclose(found.sums, whole.sums, rtol=1e-10, atol=1e-10)
-    np.testing.assert_allclose(found.scale[:-2], whole.scale[:-2])
-
-
 def test_few_weeks_are_folded_by_days():
     columns = np.ones((100, 1))
     sums = cluster_sums(list(columns.T), np.arange(100.0), np.repeat(np.arange(20), 5))

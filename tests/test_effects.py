@@ -428,16 +428,16 @@ def test_ones_own_scan_finds_settings_in_what_is_left(vented):
             )
         )
 
-    def scan(rest, tangents, columns, weeks, criteria):
+    def scan(rest, tangents, columns, weeks, least):
         assert set(columns) == {"relative_humidity"}
-        assert len(weeks) == len(rest) and criteria.chance == 0.05
+        assert len(weeks) == len(rest) and least == 0.10
         alike = [(rest @ tangent) ** 2 / (tangent @ tangent) for tangent in tangents]
         return above(levels[int(np.argmax(alike))])
 
-    def by_value(rest, tangents, *others, **criteria):
+    def by_value(rest, tangents, *others):
         # and then those beside which it is weighed
         assert list(tangents)[:4] == ["vent.at40", "vent.at60", "vent.at80", "u0"]
-        return scan(rest, list(tangents.values())[:3], *others, **criteria)
+        return scan(rest, list(tangents.values())[:3], *others)
 
     row = fem.Parameter(0.0, 0.0, 500.0, "W/m²")
     rows = dict.fromkeys(("at40", "at60", "at80"), row)

@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 from dataclasses import fields, replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -17,11 +16,9 @@ from conftest import COLUMNS, measured
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem.effects import CHANGES, PHYSICS as EFFECTS
+from pvlib_fem.effects import PHYSICS as EFFECTS
 from pvlib_fem.loop.correct import module_clock
-from pvlib_fem.loop.criteria import STAGES
 from pvlib_fem.loop.prepare import prepared
-from pvlib_fem.loop.propose import Proposals
 from pvlib_fem.loop.steps import Fits
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.resampling import coarse
@@ -52,28 +49,16 @@ def test_hidden_effects_are_named_with_their_size(two):
     """Absorbed share 0.92·0.97 less 0.2 of electricity; emissivity and view of 35°."""
     _, loop = two
     assert set(loop.effects[:2]) == {"sky_radiation", "wind_direction"}
-    named = {f.effect: f for f in loop.findings if f.verdict == "named"}
+    named = {f.effect: f for f in loop.findings if f.added}
     assert set(named) == {"sky_radiation", "wind_direction"}
     share = named["sky_radiation"].coefficients["sky_radiation.share"]
     # both faces of a rack see all of the sky between them
     assert share == pytest.approx(0.865 / (0.92 - 0.2), rel=0.2)
     for finding in named.values():
-        assert finding.gain > 0.3 and finding.candidates == (finding.effect,)
+        assert finding.gain > 0.3 and finding.candidates[0] == finding.effect
+        assert finding.probabilities[finding.effect] > 0.9
         for key, error in finding.stderr.items():
             assert 0 < error < 0.2 * max(map(abs, finding.coefficients.values())), key
-
-
-def test_what_a_refit_cannot_tell_from_nothing_is_not_added(two):
-    """Nothing is told from nothing by a thousand errors."""
-    loop = fem.close_loop(two[0], criteria=fem.Criteria(sure=1e3), **PLACE)
-    assert loop.effects == []
-    hints = {f.effect: f for f in loop.findings if f.verdict == "suggestive"}
-    assert {"sky_radiation", "wind_direction"} <= set(hints)
-    for name in ("sky_radiation", "wind_direction"):
-        assert f"fitted with all others, {name}." in hints[name].why
-        assert " ± " in hints[name].why
-        assert hints[name].failed.criterion == "sure"
-        assert hints[name].failed.threshold == 1e3
 
 
 def test_every_step_is_better_on_test_days(two):
@@ -81,7 +66,8 @@ def test_every_step_is_better_on_test_days(two):
     table = loop.table
     assert list(table.index[:3]) == ["steady", "fem", "balance"]
     steps = list(table.index[3:])
-    assert steps == [f"+{name}" for name in loop.effects]
+    # longwave exchange is in every module, and no finding
+    assert steps == ["+radiative_loss", *(f"+{name}" for name in loop.effects)]
     assert loop.last == steps[-1]
     rmse = table.loc[[loop.base, *steps], "rmse_test"]
     assert (rmse.diff().dropna() <= 0).all()
@@ -224,7 +210,7 @@ def test_with_its_column_it_is_found_by_name():
     )[1]
     loop = fem.close_loop(data.assign(**{"fan <W>": heat}), **PLACE)
     assert loop.findings[0].effect == "driver:fan <W>"
-    assert loop.findings[0].verdict == "named"
+    assert loop.findings[0].probabilities["driver:fan <W>"] > 0.5
     assert not loop.unexplained or loop.unexplained[0].gain < 0.3
 
 
@@ -316,7 +302,8 @@ def test_a_short_record_suggests_at_best(days):
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects == []
     assert {f.verdict for f in loop.findings} <= {"suggestive", "unknown"}
-    assert any("too few for a name, of 60" in f.why for f in loop.findings)
+    if days > 30:
+        assert any("too few for a name, of 60" in f.why for f in loop.findings)
 
 
 def test_a_late_clock_is_found_and_corrected():
@@ -328,19 +315,18 @@ def test_a_late_clock_is_found_and_corrected():
     assert clock.values["late"] == pytest.approx(10.0, abs=0.6)
     assert clock.columns == ("temp_module",) and all(c.passed for c in clock.checks)
     assert fine.corrections == ()
-    rows = [found.base, "clock corrected"]
+    rows = ["balance", "clock corrected"]
     before, after = (found.table["rmse_test"][name] for name in rows)
     assert after < 0.7 * before
     assert clock.after < 0.7 * clock.before
-    assert after == pytest.approx(fine.table["rmse_test"][fine.base], rel=0.1)
+    assert after == pytest.approx(fine.table["rmse_test"]["balance"], rel=0.1)
 
 
-def test_a_late_clock_is_judged_where_the_record_ends_in_a_choosing_week():
+def test_a_late_clock_is_judged_at_the_end_of_the_record():
     """Its last rows have no temperature once they are brought to the right time."""
     time = dict(days=63, step=300, start="2023-05-01")
     late = simulator.record(effects=PHYSICS | {"clock_shift": 10.0}, **time)
     loop = fem.close_loop(late, **PLACE)
-    assert loop.weeks.iloc[-1] == "choosing"
     (clock,) = loop.corrections
     assert clock.applied and clock.checks[0].statistic < 0
 
@@ -364,7 +350,7 @@ def test_a_file_that_keeps_summer_time_is_corrected_and_the_sun_tried():
     assert "shading" not in other.untestable
 
 
-def test_a_correction_that_the_choosing_weeks_contradict_is_withdrawn():
+def test_a_correction_that_raises_the_error_is_withdrawn():
     """Of a clock that was read the wrong way round."""
     late = simulator.record(effects=PHYSICS | {"clock_shift": 10.0}, **HALF)
     case = prepared(late, PLACE, None, None, fem.Criteria())
@@ -374,7 +360,7 @@ def test_a_correction_that_the_choosing_weeks_contradict_is_withdrawn():
     after, step, clock = module_clock(fits.case, fits, raw, Fits)
     assert not clock.applied and clock.after > clock.before
     assert step is raw and not after.case.clock.fault
-    assert clock.checks[0].criterion == "contradiction" and "contradict" in clock.why
+    assert not clock.checks[0].passed
 
 
 @pytest.mark.parametrize("snowy", [False, True])
@@ -393,7 +379,10 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
         data = hidden(switch, **days)
     loop = fem.close_loop(data, **PLACE)
     first = loop.findings[0]
-    assert (first.effect, first.verdict) == ("shading", "named")
+    # what follows the sun alone may be another cause that does, or a reflection
+    assert (first.effect, first.verdict) == ("shading", "class")
+    outside = first.probabilities["outside"]
+    assert 0.05 < outside < 0.2 if switch == "shading" else 0.3 < outside < 0.6
     assert first.coefficients["shading.share"] == pytest.approx(share, rel=0.15)
     (effect,) = (e for e in loop.fit.effects if e.name == "shading")
     assert effect.settings["sensor"] == (switch == "shading_sensor")
@@ -427,53 +416,22 @@ def test_no_decision_sees_the_test_weeks(step):
     assert other.table["rmse_test"].min() > 5 * loop.table["rmse_test"].max()
 
 
-def test_the_choosing_weeks_withdraw_what_they_contradict():
-    """A cause that is there in the fitting weeks, and turned round in the others."""
-    data = hidden("wind_direction", days=200)
-    weeks = fem.close_loop(data, **PLACE).weeks
-    random = np.random.default_rng(0)
-    fan = pd.Series(random.random(len(data)) < 0.02, data.index).rolling(24).max()
-    fan = fan.fillna(0.0)
-    sign = np.where(weeks == "choosing", -1.0, 1.0)
-    data["temp_module"] += sign * 3.0 * fan
-    loop = fem.close_loop(data.assign(fan=fan), **PLACE)
-    assert "driver:fan" not in loop.effects
-    (hint,) = [f for f in loop.findings if f.effect == "driver:fan"]
-    assert hint.failed.criterion == "contradiction"
-    assert "choosing weeks contradict" in hint.why
-
-
 def test_weeks_are_divided_once_and_whole():
     data = hidden(days=200)
     weeks = fem.close_loop(data, **PLACE).weeks
     by_week = weeks.groupby([data.index.isocalendar().week.to_numpy()])
     assert by_week.nunique().max() == 1
     share = weeks.value_counts(normalize=True)
-    assert share["fitting"] == pytest.approx(0.6, abs=0.06)
-    assert share["choosing"] == pytest.approx(0.2, abs=0.06)
+    assert share["fitting"] == pytest.approx(0.8, abs=0.06)
     own = pd.Series(data.index.month == 6, data.index)
     weeks = fem.close_loop(data, holdout=own, **PLACE).weeks
-    assert ((weeks == "test") == own).all() and (weeks == "choosing").any()
-
-
-def test_the_family_is_counted_before_the_first_look(two):
-    """One number in every chance: what can be tried of physics, in every round."""
-    _, loop = two
-    tried = {*loop.effects, *loop.ranking.index} - {*CHANGES}
-    assert loop.family == loop.criteria.rounds * len(tried)
-    counts = {
-        int(re.search(r"among (\d+) hyp", check.name)[1])
-        for finding in loop.findings
-        for check in finding.checks
-        if check.criterion == "chance"
-    }
-    assert counts == {loop.family}
+    assert ((weeks == "test") == own).all()
 
 
 def test_what_is_told_is_of_the_model_that_is_returned():
-    """With one round only, what was found is not told as absent."""
+    """What was found is not told as absent."""
     data = hidden("sky_radiation", "wind_direction")
-    loop = fem.close_loop(data, criteria=fem.Criteria(rounds=1), **PLACE)
+    loop = fem.close_loop(data, **PLACE)
     assert {"sky_radiation", "wind_direction"} <= {*loop.effects}
     assert not {*loop.ranking.index} & {*loop.effects}
     # nothing like their half a kelvin is left to explain
@@ -514,27 +472,27 @@ def test_every_finding_keeps_the_rules_it_was_asked(two):
         if finding.added:
             assert all(check.passed for check in finding.checks)
             asked = {check.criterion for check in finding.checks}
-            assert {"chance", "sure", "contradiction"} <= asked
+            assert {"probability", "min_gain"} <= asked
     content = json.loads(loop.to_json())
-    assert content["criteria"]["chance"] == 0.05
+    assert content["criteria"]["probability"] == 0.95
     assert content["findings"][0]["checks"][0]["passed"] is True
 
 
 def test_a_criterion_is_a_number_above_nothing_and_is_documented():
-    with pytest.raises(ValueError, match="chance = 0 must be more than 0"):
-        fem.Criteria(chance=0)
+    with pytest.raises(ValueError, match="prior = 0 must be more than 0"):
+        fem.Criteria(prior=0)
     documented = inspect.getdoc(fem.Criteria)
     for field in fields(fem.Criteria):
         row = rf"^(\w+, )*{field.name}(, \w+)* : "
         assert re.search(row, documented, re.M), field.name
         if field.name != "limits":
-            assert fem.Criteria.stages()[field.name] in STAGES
+            assert getattr(fem.Criteria(), field.name) > 0
 
 
 def test_what_is_held_is_not_fitted(two):
     data, _ = two
     loop = fem.close_loop(data, fixed={"tau": 300.0}, **PLACE)
-    assert loop.fit.dynamics == "ewm" and loop.base == "fem"
+    assert loop.fit.dynamics == "ewm"
     assert loop.fit.coefficients["tau"] == 300.0 and loop.fit.stderr["tau"] == 0.0
     assert {"sky_radiation", "wind_direction"} <= {*loop.effects}
     heavy = fem.close_loop(data, fixed={"capacity": 2e4}, **PLACE)
@@ -557,7 +515,7 @@ def test_progress_is_heard_and_one_effect_may_be_asked():
     loop = fem.close_loop(
         data, effects="wind_direction", progress=heard.append, **PLACE
     )
-    assert loop.effects == ["wind_direction"] and loop.family == 3
+    assert loop.effects == ["wind_direction"]
     assert heard[0] == "checking the record"
     assert any("round 1" in words for words in heard)
 
@@ -648,15 +606,6 @@ def test_air_of_another_station_beside_a_pyrgeometer_is_not_the_sky(seed):
     assert "sky_radiation" not in named
 
 
-def test_what_is_left_along_a_driver_of_the_model_may_be_its_law():
-    """Not so of another driver: rain is itself, sky in the model or not."""
-    found = SimpleNamespace(effects=EFFECTS)
-    proposals = Proposals(None, found, frozenset({"sky_radiation", "snow"}), {})
-    assert list(proposals.kin(found, ["air_elsewhere"])) == ["sky_radiation"]
-    assert list(proposals.kin(found, ["rain"])) == []
-    assert list(proposals.kin(found, ["season"])) == []
-
-
 def test_a_holdout_of_everything_is_named(two):
     data, _ = two
     with pytest.raises(
@@ -698,15 +647,24 @@ def test_a_frost_without_irradiance_is_no_row_that_counts(value):
     assert np.isfinite(list(loop.fit.coefficients.values())).all()
 
 
-def test_what_later_findings_leave_nothing_of_is_taken_out():
-    """Dirt stands in for a sensor that fades, until that is found."""
-    fading = simulator.PHYSICS | {"sensitivity_drift": 3.0}
-    data = simulator.record(effects=fading, days=730, step=3600, seed=0)
-    names = ["soiling", "sensitivity_drift", "radiative_loss"]
-    loop = fem.close_loop(data[[*COLUMNS, "precipitation"]], effects=names)
-    found = {finding.effect: finding for finding in loop.findings}
-    assert found["sensitivity_drift"].added and not found["soiling"].added
-    assert found["soiling"].verdict == "suggestive"
-    assert found["soiling"].failed.name == "gain"
-    assert "beside all that was found it takes 0.02 K off the error" in str(loop)
-    assert not any(name.startswith("soiling") for name in loop.fit.coefficients)
+def test_a_module_that_lies_flat_has_no_azimuth_and_is_reported():
+    """A slope of the plane by its azimuth is nothing there, and no coefficient."""
+    effects = PHYSICS | {"soiling": 1.0}
+    data = simulator.record(effects=effects, days=400, step=3600, seed=5)
+    place = PLACE | {"surface_tilt": 0}
+    loop = fem.close_loop(data, effects=["poa_misalignment", "soiling"], **place)
+    known = loop.ranking["coefficients"].get("poa_misalignment")
+    if isinstance(known, dict):
+        assert "poa_misalignment.azimuth" not in known
+    assert "pvlib_fem: the loop on 400 days" in str(loop) and loop.to_html()
+
+
+def test_columns_of_objects_that_are_numbers_are_taken_as_in_a_fit():
+    data = hidden("wind_direction", days=70)
+    objects = data.assign(
+        wind_direction=data["wind_direction"].astype(object),
+        words="clear",
+    )
+    found = fem.close_loop(objects, **PLACE)
+    assert str(found.findings[0]) == str(fem.close_loop(data, **PLACE).findings[0])
+    assert any("words is not numeric" in note for note in found.notes)

@@ -59,21 +59,17 @@ def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
         **dict.fromkeys(["power_dc", "power_ac", "clear sky"], against),
         "usual wind": ("wind_gain_step", Opinion.CONTRADICTS),
     }
+    # of the fifth that came with the step nothing else in the record is known
+    assert 0.0 < first.probabilities["outside"] < 0.1
 
 
-def test_at_bolzano_nothing_is_told_that_is_not_material_in_the_end(at_bolzano):
-    """
-    Of these weeks heat lost by radiation is worth 0.2 K beside a shape in wind.
-
-    Which a fit speaks against: beside what is told it is worth 0.12 K.
-    """
-    nine = told("eurac_bolzano", 9)
-    assert nine.names >= {
+def test_at_bolzano_other_weeks_say_the_same(at_bolzano):
+    nine = told("eurac_bolzano", 2)
+    assert nine.names == {
         (str(one.verdict), frozenset(one.candidates))
         for one in at_bolzano.findings
         if one.added
     }
-    assert not any("radiative_loss" in candidates for _, candidates in nine.names)
 
 
 def test_at_golden_the_irradiance_sensor_is_named(at_golden):
@@ -100,7 +96,7 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     (clock,) = at_bolzano.corrections
     assert "16 changes" in clock.why and "changes 16 times with summer time" in text
     assert "from 2018-06-21 until 2018-07-01" in clock.why
-    wind, step = at_bolzano.findings[:2]
+    step, sky = at_bolzano.findings[:2]
     its = next(e for e in at_bolzano.fit.effects if e.name == step.effect).settings
     low, high = its["between"]
     assert f"From {its['at']} ({low} to {high}) over-temperature per irradiance" in text
@@ -116,7 +112,7 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     place = at_bolzano.place
     angles = [f"{place[n]:.0f} ± 5°" for n in ("surface_tilt", "surface_azimuth")]
     assert f"clear days have them at {angles[0]} and {angles[1]}" in text
-    assert (wind.effect, wind.verdict) == ("wind_direction", Verdict.NAMED)
+    assert (sky.effect, sky.verdict) == ("sky_radiation", Verdict.CLASS)
     errors = at_bolzano.table.loc[["fem", at_bolzano.last]].round(2)
     before, after = errors["rmse_test"]
     told = f"falls from {before:.2f} K by the paper's form to {after:.2f} K, by day"
@@ -124,8 +120,8 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     before, after = errors["rmse_test_day"]
     assert f"by day from {before:.2f} K to {after:.2f} K." in text
     study = words("docs/study_measured.md")
-    for name in (step.effect, wind.effect):
-        assert f"| `{name}` | 10 | 10 | 10 |" in study
+    for name in (step.effect, sky.effect):
+        assert f"| `{name}` | 10 | 10 |" in study
     assert "come back in ten draws of ten" in text
 
 

@@ -107,7 +107,7 @@ def test_what_means_alone_follow_is_withdrawn(tmp_path):
     (found,) = (f for f in loop.findings if f.effect == "driver:fan")
     assert found.verdict == "suggestive"
     assert "on the record's own steps it takes 0." in found.why
-    assert found.checks[-1].criterion == "structure_keeps"
+    assert found.checks[-1].name == "share kept on the own steps"
     assert "driver:fan" not in loop.effects
     assert loop.own_steps.thermal_model.effects == loop.fit.effects
 
@@ -123,7 +123,7 @@ def test_a_finding_is_weighed_by_the_step_on_which_it_was_tried(folder, monkeypa
     monkeypatch.setattr(OwnSteps, "against", kept)
     loop = fem.close_loop(folder, fixed={"tau": 600.0})
     squares = loop.table["rmse_train"] ** 2
-    path = ["fem", *(name for name in squares.index if name.startswith("+"))]
+    path = [loop.base, *(f"+{name}" for name in loop.effects)]
     assert [f"+{finding.effect}" for finding, _ in falls] == path[1:] and falls
     for (_, fall), before, after in zip(falls, path, path[1:]):
         assert fall == pytest.approx(squares[before] - squares[after], rel=1e-2)

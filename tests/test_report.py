@@ -150,7 +150,7 @@ def test_it_has_the_printed_report_to_the_letter(closed, page):
 
 def test_it_begins_with_what_was_found(closed, page):
     error = closed.table["rmse_test"]
-    before = error["fem" if closed.fit.dynamics == "ewm" else "balance"]
+    before = error[closed.base]
     heading = f"Module temperature: {before:.2f} K before, {error.iloc[-1]:.2f} K after"
     assert heading in page.texts
     first = page.text.index("Errors by step")
@@ -251,7 +251,9 @@ SECTIONS = (
 def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     items = advice.to_measure(closed)
     start = page.texts.index("What to measure next")
-    shown = [page.texts.index(what, start) for what, _ in items]
+    # one measurement may decide on two findings
+    once = dict.fromkeys(what for what, _ in items)
+    shown = [page.texts.index(what, start) for what in once]
     assert shown == sorted(shown)
     decided = ("class", "suggestive", "unknown")
     open_ = [f.gain for f in closed.findings if f.verdict in decided]
@@ -272,7 +274,7 @@ def test_columns_that_test_most_come_first(record, place):
     assert counts == sorted(counts, reverse=True)
     told = dict(items)
     assert told["precipitation"] == "would test rain, soiling"
-    assert told["relative_humidity"] == "would test air_elsewhere, sky_radiation"
+    assert told["relative_humidity"].startswith("would test air_elsewhere")
     given = next(what for what in told if what.startswith("location"))
     assert "incidence_angle" in told[given]
     useless = record[list(COLUMNS)].assign(p_dc=100.0)

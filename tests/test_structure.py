@@ -4,16 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import pvlib_fem as fem
-from pvlib_fem import simulator
-from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.rules import Weighing
 from pvlib_fem.statistics.axes import axes, sorted_by
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.tables import find_structure
-from pvlib_fem.statistics.timetables import timetables
 
-CRITERIA = Criteria()
 TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
 DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
 FOLDS = np.unique(calendar_weeks(DATES), return_inverse=True)[1] % 5
@@ -28,9 +22,8 @@ HOUR, WEEKDAY = np.asarray(TIMES.hour), np.asarray(TIMES.day_of_week)
 
 
 def strongest(residual, without=(), columns=DRIVERS):
-    sorts = list(axes(TIMES, DATES, columns, CRITERIA))
-    sorts += timetables(residual, SECONDS, DATES, FOLDS, 900.0, CRITERIA)
-    return find_structure(residual, SECONDS, FOLDS, sorts, 900.0, CRITERIA, without)
+    sorts = list(axes(TIMES, DATES, columns))
+    return find_structure(residual, SECONDS, FOLDS, sorts, 900.0, without)
 
 
 def noise(sd=0.5):
@@ -52,11 +45,6 @@ PLACES = {
         (HOUR >= 22) | (HOUR < 4),
         {"hour": (22, 4)},
         "between 22 and 4 h",  # over midnight
-    ),
-    "hour × timetable_days": (
-        (DATES % 2 == 0) & (HOUR == 6),
-        {"hour": (6, 7), "timetable_days": ("2023-01-03", "2023-01-03")},
-        "between 6 and 7 h on 1 of every 2 days, as on 2023-01-03",
     ),
     "wind_direction": (
         (DIRECTION > 247.5) & (DIRECTION < 292.5),
@@ -111,13 +99,13 @@ def test_a_driver_can_be_left_out():
 
 def test_a_driver_that_does_not_vary_sorts_nothing():
     columns = {"still": np.full(len(TIMES), 3.0), "none": np.full(len(TIMES), np.nan)}
-    names = {axis.name for axis in axes(TIMES, DATES, columns, CRITERIA)}
+    names = {axis.name for axis in axes(TIMES, DATES, columns)}
     assert names == {"hour", "weekend", "month"}
 
 
 def test_few_days_have_no_weekend():
     rows = slice(0, 96 * 7)
-    names = {axis.name for axis in axes(TIMES[rows], DATES[rows], {}, CRITERIA)}
+    names = {axis.name for axis in axes(TIMES[rows], DATES[rows], {})}
     assert names == {"hour"}
 
 
@@ -125,27 +113,12 @@ def test_few_days_have_no_weekend():
 def test_rows_without_a_driver_are_a_bin_of_their_own(name):
     """They are sorted to no value, and what lives there is said so."""
     values = np.linspace(0.0, 100.0, 2000)
-    whole = sorted_by(name, values, CRITERIA)
+    whole = sorted_by(name, values)
     values[::7] = np.nan
-    axis = sorted_by(name, values, CRITERIA)
+    axis = sorted_by(name, values)
     gone = np.isnan(values)
     last = len(axis.labels) - 1
     assert (axis.bins[gone] == last).all() and (axis.bins[~gone] < last).all()
     assert axis.labels[last] == ("missing", "missing")
     assert len(axis.labels) == len(whole.labels) + 1
     assert "missing" in axis.words([last], 0.1)
-
-
-def test_what_a_larger_unknown_heat_makes_uncertain_is_found_beside_it(monkeypatch):
-    """At weekends warm air blows on the module, which always feels the wind."""
-    effects = simulator.PHYSICS | {"wind_direction": 1.0, "weekend_exhaust": 1.0}
-    data = simulator.record(effects=effects, days=100, step=300, start="2023-04-01")
-    data = data.drop(columns=["longwave_down", "p_dc"])
-    found = fem.close_loop(data)
-    (wind,) = (f for f in found.findings if f.effect == "wind_direction")
-    assert wind.verdict == "named"
-    assert any({*f.candidates} == {"hour", "weekend"} for f in found.unexplained)
-    # its chance alone is large, and nothing that is certain comes before it
-    monkeypatch.setattr(Weighing, "hidden", None)
-    alone = fem.close_loop(data)
-    assert not any(f.effect == "wind_direction" and f.added for f in alone.findings)

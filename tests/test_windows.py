@@ -1,7 +1,5 @@
 """Windows of the sky: an obstacle is found wherever it stands, and no other."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,8 +9,8 @@ from pvlib_fem.drivers import sun
 from pvlib_fem.effects import windows
 from pvlib_fem.effects.catalogue.shading import within_any
 from pvlib_fem.effects.windows import find_windows, largest, orthonormal
-from pvlib_fem.loop.criteria import Criteria
 
+LEAST = 0.1  # K, that each window has to take
 #: obstacles with edges anywhere, what is left of the beam, and where the module is
 OBSTACLES = {
     "a house": (50.0, [(112.6, 141.3, 0.0, 26.4)]),
@@ -51,7 +49,7 @@ class Scene:
         known = np.column_stack(self.beside)
         return whole - known @ np.linalg.lstsq(known, whole, rcond=None)[0]
 
-    def find(self, rest, sign=1.0, criteria=None, tangent=None):
+    def find(self, rest, sign=1.0, tangent=None):
         return find_windows(
             rest,
             self.tangent if tangent is None else tangent,
@@ -59,7 +57,7 @@ class Scene:
             (self.azimuth, self.elevation),
             self.weeks,
             sign,
-            criteria or Criteria(),
+            LEAST,
         )
 
     def share(self, rest, windows):
@@ -123,26 +121,6 @@ def test_a_record_without_sun_has_no_window():
     scene = Scene(50.0)
     dark = np.zeros(len(scene.tangent))
     assert scene.find(scene.noise, tangent=dark) == (0.0, ())
-
-
-@pytest.mark.parametrize(
-    "stricter", [{"window_share": 0.9}, {"window_errors": 1e3}, {"hint_gain": 5.0}]
-)
-def test_the_thresholds_are_those_of_the_criteria(stricter):
-    scene, obstacle = Scene(50.0), OBSTACLES["a house"][1]
-    rest = scene.rest(obstacle, 0.8)
-    assert scene.find(rest)[1]
-    assert not scene.find(rest, criteria=replace(Criteria(), **stricter))[1]
-
-
-def test_cells_and_windows_are_as_many_as_the_criteria_say():
-    scene, obstacle = Scene(50.0), OBSTACLES["two houses"][1]
-    rest = scene.rest(obstacle, 0.8)
-    one = scene.find(rest, criteria=Criteria(most_windows=1))[1]
-    assert len(one) == 1 < len(scene.find(rest)[1])
-    coarse = Criteria(window_azimuth=10.0, window_elevation=5.0)
-    for window in scene.find(rest, criteria=coarse)[1]:
-        assert all(edge % 5.0 == 0.0 for edge in window)
 
 
 def test_rounding_does_not_say_where_an_edge_stands():

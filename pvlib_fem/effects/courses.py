@@ -13,11 +13,8 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.statistics.changes import chance_of_episode, chance_of_step
 
 YEAR = 365.2425  # days
-SHARP = 0.5  # of a step's size, that is there at its date: between a step and a drift
-SURE = 2.0  # standard errors
 
 
 def number(date):
@@ -54,80 +51,15 @@ def drift(since=None):
     return lambda day: (day - (day[0] if first is None else first)) / YEAR
 
 
-def find_step(daily, criteria):
-    """The date from which on a channel is in what is left, or None."""
-    found = sudden(daily, criteria)
-    # what grows slowly is no step, and may hide one, or move its date
-    beside = daily.beside_drift()
-    other = sudden(beside, criteria)
-    if other and (found is None or daily.clearly(beside.taken + other.gain, found)):
-        # an episode has as many numbers as a step and a drift
-        stretch = daily.episode(criteria.change_side, criteria.change_side)
-        if stretch is None or stretch.gain <= beside.taken + other.gain:
-            found = other
-    if found is None:
-        return None
-    at = written(daily.dates[found.start])
-    return {"at": at, "between": around(found, daily.dates)}
-
-
-def sudden(daily, criteria):
-    """The best step, if it is no accident and all of it is there at once, or None."""
-    side = criteria.change_side
-    found = daily.step(side) if daily.days > 2 * side else None
-    if found is None:
-        return None
-    edge = side / daily.days
-    chance = chance_of_step(found.statistic, edge, 1.0 - edge, daily.drifts)
-    if chance > criteria.change_chance:
-        return None
-    share, error = daily.sharpness(found.start)
-    return found if share + SURE * error >= SHARP else None
-
-
-def find_episode(daily, criteria):
-    """The dates between which a channel is in what is left, or None."""
-    side = criteria.change_side
-    found = daily.episode(side, side)
-    if found is None:
-        return None
-    weeks = len(np.unique(daily.weeks))
-    chances = [chance_of_episode(found.statistic, weeks)]
-    if plain := daily.step(side):  # which has one date less
-        more = max(found.gain - plain.gain, 0.0) / found.gain
-        chances.append(chance_of_step(found.statistic * np.sqrt(more), 0.05, 0.95))
-    # a step that fades, of any channel, has one date less and one size more
-    if max(chances) > criteria.change_chance or daily.clearly(daily.sloped, found):
-        return None
-    # over is the day after the last that has it
-    dates = daily.dates
-    ends = {"start": dates[found.start], "end": dates[found.end - 1] + 1}
-    return {name: written(day) for name, day in ends.items()} | {
-        "between": around(found, dates)
-    }
-
-
-def around(found, dates):
-    """From and to of the date: the days with rows around may not be neighbours."""
-    return [written(dates[max(found.low - 1, 0)] + 1), written(dates[found.high])]
-
-
-def find_drift(daily, criteria):
-    """A drift needs no date but its first."""
-    return {"since": written(daily.dates[0])}
-
-
 @dataclass(frozen=True)
 class Course:
-    """A way to come and go: its weight by day, how its dates are found, its words."""
+    """A way to come and go: its weight by day, and its words."""
 
     name: str
     weight: Callable  # its dates, to a function of the day
-    find: Callable  # products by the day and the criteria to its dates, or None
     size: str  # what a coefficient is called
     unit: str = ""
     most: float = 1.0  # share of the channel's bounds that are its own
-    alike: tuple = ()  # effects that come and go so, and need a column to be told
 
     def name_of(self, channel):
         """The name of a channel's change along it."""
@@ -140,15 +72,9 @@ class Course:
 
 
 COURSES = (
-    Course("step", step, find_step, "change"),
-    Course("drift", drift, find_drift, "per_year", "/year", 0.5, ("soiling",)),
-    Course(
-        "episode",
-        episode,
-        find_episode,
-        "change",
-        alike=("electrical_output", "snow", "soiling"),
-    ),
+    Course("step", step, "change"),
+    Course("drift", drift, "per_year", "/year", 0.5),
+    Course("episode", episode, "change"),
 )
 
 
@@ -227,11 +153,6 @@ class Dated:
             scanned_from=replace(channel, name=name),
         )
 
-    def found(self, daily, criteria):
-        """The effect with the dates that products by the day show, or None."""
-        found = self.course.find(daily, criteria)
-        return None if found is None else self(**found)
-
 
 def told(dates):
     """Dates in words."""
@@ -248,33 +169,6 @@ def weights_of(effect, days):
     return effect.terms.course.weight(**effect.terms.dates)(np.asarray(days) + 0.5)
 
 
-def once_more(effect, changes):
-    """Whether a change may be of the date of one that is there already."""
-    return bool(effect.channel) and any(
-        one.channel and same_date(effect, one) for one in changes
-    )
-
-
-def changes_of(effects):
-    """Those effects that are changes of an instrument."""
-    return tuple(effect for effect in effects if effect.channel)
-
-
-def alike(effect):
-    """Effects that come and go along such a course."""
-    return effect.terms.course.alike
-
-
-def is_dated(effect):
-    """Whether all dates of a change are known."""
-    return not effect.terms.course.lacks(effect.terms.dates)
-
-
-def is_step(effect):
-    """Whether an effect's course is from a date on."""
-    return effect.terms.course.name == "step"
-
-
 def is_drift(effect):
     """Whether an effect's course is one that grows from year to year."""
     return effect.terms.course.name == "drift"
@@ -287,27 +181,6 @@ def interval(effect):
     if begin is None:
         return None
     return tuple(number(day) for day in dates.get("between") or (begin, begin))
-
-
-def known_within(effect, days):
-    """Whether the date of a change is known to so many days, if it has one."""
-    low, high = interval(effect) or (0, 0)
-    return high - low <= days
-
-
-def same_date(one, other):
-    """Whether two changes may have begun on one date, as far as those are known."""
-    ends = interval(one), interval(other)
-    if None in ends:
-        return False
-    (low, high), (first, last) = ends
-    return low <= last and first <= high
-
-
-def same_course(one, other):
-    """Whether two effects are changes that come and go in the same way."""
-    courses = {getattr(effect.terms, "course", None) for effect in (one, other)}
-    return len(courses) == 1 and None not in courses
 
 
 def along_all(channel):

@@ -131,23 +131,18 @@ class Effect:
         ``prepare(columns, rows)``: the effect with settings that it takes from a
         record's columns at ``rows``, which may be looked at.
     scan : callable, optional
-        ``scan(rest, tangents, columns, weeks, criteria)``: the effect with settings
+        ``scan(rest, tangents, columns, weeks, least)``: the effect with settings
         that what is left of a fit shows, or None. ``rest`` and ``tangents`` are in
         K, the latter a dict by name: of the parameters of ``scanned_from``, and after
         them of all beside which it is weighed; ``columns`` are the drivers of
-        ``scanned_from``, ``weeks`` the number of each row's week, and ``criteria``
-        holds the thresholds.
+        ``scanned_from``, ``weeks`` the number of each row's week, and ``least`` the
+        gain that is worth a setting. [K]
     scanned_from : Effect, optional
         The wide effect whose tangents the scan needs, if it is not this one.
     channel : str, optional
         The instrument, or mounting, of which it is a change along a course.
-    kin : tuple of str, optional
-        Channels that one record cannot tell from it, unless a witness does.
     dates : object, optional
-        ``dates.found(daily, criteria)``: the effect with the dates that products by
-        the day of the tangent of ``scanned_from`` show, or None.
-    choices : int, default 1
-        Forms among which its scan chooses, by which its chance is multiplied.
+        ``dates(**dates)``: the effect with its dates, where those are to be found.
     """
 
     name: str
@@ -166,9 +161,7 @@ class Effect:
     scan: Callable | None = None
     scanned_from: "Effect | None" = None
     channel: str = ""
-    kin: tuple = ()
     dates: Any = None
-    choices: int = 1
 
     @property
     def forms(self) -> "tuple[Effect, ...]":

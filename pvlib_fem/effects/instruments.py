@@ -138,29 +138,14 @@ def module_offset(temp_air, *, change):
     return Terms(offset=change + 0.0 * temp_air)
 
 
-#: what one record cannot tell apart but for its model's shape, which is not exact
-GAINS = ("sensitivity", "contact", "mounting")
-OFFSETS = ("air_offset", "module_offset")
-WINDS = ("wind_gain", "wind_stall")
-#: what lies on an irradiance sensor, and takes its light as a lower sensitivity does
-COVERS = ("snow", "soiling")
-#: what takes light from a module or its irradiance sensor, so that power follows it
-LIT = (
-    *COVERS,
-    "shading",
-    "sensitivity_step",
-    "sensitivity_drift",
-    "sensitivity_episode",
-)
 #: what happens to the weather station, and so to all modules that share it
-STATION = ("sensitivity", *WINDS, "air_offset", "air_shelter")
+STATION = ("sensitivity", "wind_gain", "wind_stall", "air_offset", "air_shelter")
 
 CHANNELS = (
     Effect(
         "sensitivity",
         sensitivity,
         {"change": Parameter(0.0, -0.5, 1.0, "-")},
-        kin=GAINS,
         decided_by="a recalibration of the irradiance sensor, or power and a clear sky "
         "beside it",
         confused_with=(
@@ -175,7 +160,6 @@ CHANNELS = (
         "contact",
         contact,
         {"change": Parameter(0.0, -0.95, 1.0, "-")},
-        kin=GAINS,
         decided_by="an inspection of the sensor at the module's back",
         confused_with=("sensitivity", "mounting", "season", "a module that ages"),
     ),
@@ -183,7 +167,6 @@ CHANNELS = (
         "mounting",
         mounting,
         {"change": Parameter(0.0, -0.6, 1.5, "-")},
-        kin=GAINS,
         decided_by="an inspection of the mounting, and what was built or grew around",
         confused_with=("sensitivity", "contact", "season", "a module that ages"),
     ),
@@ -191,7 +174,6 @@ CHANNELS = (
         "wind_gain",
         wind_gain,
         {"change": Parameter(0.0, -10.0, 40.0, "W s/(m³ K)")},
-        kin=WINDS,
         decided_by="a second anemometer",
         confused_with=("wind_direction", "wind_shape"),
     ),
@@ -199,7 +181,6 @@ CHANNELS = (
         "wind_stall",
         wind_stall,
         {"change": Parameter(0.0, 0.0, 40.0, "W s/(m³ K)")},
-        kin=WINDS,
         decided_by="a second anemometer",
         confused_with=("wind_shape", "natural_convection"),
     ),
@@ -207,7 +188,6 @@ CHANNELS = (
         "air_offset",
         air_offset,
         {"change": Parameter(0.0, -10.0, 10.0, "K")},
-        kin=OFFSETS,
         decided_by="a second thermometer in the air",
         confused_with=("an offset of the module's thermometer",),
     ),
@@ -222,7 +202,6 @@ CHANNELS = (
         "module_offset",
         module_offset,
         {"change": Parameter(0.0, -10.0, 10.0, "K")},
-        kin=OFFSETS,
         decided_by="a second thermometer at the module",
         confused_with=("an offset of the air's thermometer",),
     ),

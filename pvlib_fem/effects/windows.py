@@ -11,16 +11,23 @@ from functools import partial
 
 import numpy as np
 
-from pvlib_fem.statistics.changes import ALIKE, as_normal, largest
+from pvlib_fem.statistics.extremes import ALIKE, as_normal, largest
 from pvlib_fem.statistics.leastsquares import products
 
 UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
 BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
 STARTS = 5  # of those
+CELL = (1.0, 2.0)  # ° of elevation and azimuth; the sun crosses one in ten minutes
+LEAST_SHARE = 0.1  # of the beam that an obstacle takes, since less is none
+MOST_SHARE = (
+    1.5  # of it: all, and what the beam by irradiance in the plane is too small
+)
+LEAST_ERRORS = 4.0  # standard errors of a share: it is the best of thousands
+MOST_WINDOWS = 8  # rectangles of which one obstacle, or several, are made
 TURNS = 20  # of edges in azimuth and in elevation, until neither moves
 
 
-def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
+def find_windows(rest, tangent, basis, sun, weeks, sign, least, rows=None):
     """
     Windows of the sky that take beam from the module, or from its sensor.
 
@@ -37,7 +44,8 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
     weeks : array of int
     sign : float
         1 where the module loses beam, -1 where the sensor does.
-    criteria : object
+    least : float
+        Gain that each rectangle has to take. [K]
     rows : int, optional
         How many the record has, of which these are the lit ones; by default these.
 
@@ -52,12 +60,12 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
     if not len(sunny):
         return 0.0, ()
     basis = basis.T.take(sunny, axis=1).T  # in the memory, column by column
-    floor = (rows or len(rest)) * criteria.hint_gain**2
+    floor = (rows or len(rest)) * least**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
-    sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun), criteria)
+    sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun))
     mask, gain = np.zeros(sky.squares.shape, dtype=bool), 0.0
-    weigh = partial(gain_of, sign=sign, most=criteria.window_most)
-    for _ in range(criteria.most_windows):
+    weigh = partial(gain_of, sign=sign, most=MOST_SHARE)
+    for _ in range(MOST_WINDOWS):
         steps = [sky.step(mask, cut, weigh) for cut in (False, True)]
         new, its = steps[largest([gain for _, gain in steps])]
         if its - gain < floor:
@@ -69,10 +77,10 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows=None):
             known = np.column_stack([basis, tangent * mask.ravel()[sky.place]])
         # that there is an obstacle takes more than which shape it has
         errors = certainty(rest, column, known, weeks, few=not mask.any())
-        if errors < criteria.window_errors:
+        if errors < LEAST_ERRORS:
             break
         mask, gain = new, its
-    if not sign * sky.share(mask) >= criteria.window_share:
+    if not sign * sky.share(mask) >= LEAST_SHARE:
         return 0.0, ()
     return gain, tuple(sky.edges(mask))
 
@@ -94,9 +102,9 @@ class Sky:
     size: tuple  # of a cell in elevation and azimuth [°]
 
     @classmethod
-    def of(cls, rest, tangent, basis, azimuth, elevation, criteria):
+    def of(cls, rest, tangent, basis, azimuth, elevation):
         """The sums of some rows by where the sun stood."""
-        up, across = size = (criteria.window_elevation, criteria.window_azimuth)
+        up, across = size = CELL
         origin = darkest(azimuth, tangent, across)
         high = (elevation // up).astype(int)
         far = ((azimuth - origin) % 360.0 // across).astype(int)

@@ -7,7 +7,6 @@ import numpy as np
 
 from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.clock import Clock
@@ -15,8 +14,10 @@ from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes
-from pvlib_fem.statistics.clusters import calendar_weeks
+from pvlib_fem.statistics.clusters import FOLDS, calendar_weeks
 
+STEP_PRESENT = 0.5  # share of a step's rows that have to be there
+FEWEST_FITTING_DAYS = 10  # below which none can be left out in turn
 #: models without effects by the name of their step, and their dynamics
 BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
 
@@ -42,7 +43,6 @@ class Case:
     place: dict  # as it was given
     clock: Clock
     criteria: Criteria
-    family: Family  # hypotheses, counted before the first look
     fixed: dict = field(default_factory=dict)  # coefficients that are held
     notes: tuple = ()
     corrections: tuple = ()  # of the whole file
@@ -56,10 +56,6 @@ class Case:
     @cached_property
     def fitting(self):
         return self.rows(Part.FITTING)
-
-    @cached_property
-    def choosing(self):
-        return self.rows(Part.CHOOSING)
 
     @cached_property
     def test(self):
@@ -85,7 +81,7 @@ class Case:
     @property
     def divisible(self):
         """Whether there are days to leave out in turn."""
-        return self.fitting_days >= self.criteria.fewest_fitting_days
+        return self.fitting_days >= FEWEST_FITTING_DAYS
 
     @property
     def enough(self):
@@ -99,15 +95,13 @@ class Case:
         names = sorted({*self.drivers, *COLUMNS[:3]} - {"p_dc"})
         record, rows = self.record, self.searched
         columns = {name: record[name][rows] for name in names}
-        return list(
-            axes(record.index[rows], record.dates[rows], columns, self.criteria)
-        )
+        return list(axes(record.index[rows], record.dates[rows], columns))
 
     @cached_property
     def folds(self):
         """Group of weeks of each row that is searched."""
         weeks = calendar_weeks(self.record.dates[self.searched])
-        return np.unique(weeks, return_inverse=True)[1] % self.criteria.folds
+        return np.unique(weeks, return_inverse=True)[1] % FOLDS
 
     def placed(self, record):
         """A record with the place of sun and module, where that is known."""
@@ -152,7 +146,7 @@ def divided(whole, case):
     short = whole
     if whole.inputs.seconds[-1] > 0:
         hidden = without_answer(whole, case.parts == Part.TEST)
-        short = coarse(hidden, limits.search_step, limits.step_present)
+        short = coarse(hidden, limits.search_step, STEP_PRESENT)
         short = whole if short is hidden else short
     # the sun is where it is, and nothing is averaged over a horizon
     record = case.placed(short)

@@ -1,7 +1,6 @@
 """Close the loop: from the residual to the missing effect, and what it was worth."""
 
 from collections.abc import Callable, Iterable, Mapping
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -11,29 +10,33 @@ from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.effects.courses import changes_of, is_drift, same_course
-from pvlib_fem.findings import CORRECTED, Verdict, vouched
-from pvlib_fem.loop.confirm import bounds, confirmed, refused
+from pvlib_fem.findings import CORRECTED
+from pvlib_fem.loop.conclude import finding_of, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.evidence import Evidence
+from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.files import OwnSteps, in_means, on_days
+from pvlib_fem.loop.gather import Evidence
 from pvlib_fem.loop.leaks import leaks
+from pvlib_fem.loop.noise import with_outside
 from pvlib_fem.loop.outcome import outcome
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
-from pvlib_fem.loop.propose import Proposals, choices_of
-from pvlib_fem.loop.ranges import everywhere
+from pvlib_fem.loop.references import apart, heard, said
 from pvlib_fem.loop.result import Loop
-from pvlib_fem.loop.rules import in_the_end, weighed
+from pvlib_fem.loop.selection import Selection
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
+from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.steady import steady_model
 from pvlib_fem.types import FilePath
+
+LONGWAVE = "radiative_loss"  # of every module: in the base model, and no finding
+MOST_ROUNDS = 6  # of linearisations
 
 
 def close_loop(
@@ -53,15 +56,17 @@ def close_loop(
     """
     Trace what a fit leaves to the physical effects that the model lacks.
 
-    The weeks of a record are divided once. On *fitting* weeks the model is fitted,
-    and every effect that has its driver is weighed by what it would explain on
-    fitting weeks left out in turn, conditional on the tangents of all fitted
-    coefficients and on the confounders that any misfit leaves. One is proposed where
-    its gain is material, no accident among all that are tried, of a possible size,
-    and not better explained by structure of unknown cause. Confounders alone come
-    after, as classes. A proposal is fitted with all others, and kept unless the
-    *choosing* weeks contradict it. The *test* weeks, of which no decision sees the
-    module's temperature, give the errors that are told.
+    The weeks of a record are divided once. On *fitting* weeks the model is fitted and
+    linearised, and the remaining error is described by single effects: each is one
+    effect of the catalogue, one column of the user's own, or one fault of an
+    instrument from a date on. An effect is there where its gain on weeks left out in
+    turn is material, its size is possible, and its probability is at least
+    ``criteria.probability``. Each has the probabilities of all candidates that would
+    explain the same, with that of a cause outside the catalogue among them. One
+    candidate with ``criteria.probability`` is *named*; else the smallest set that has
+    it together is a *class*. The model is fitted with all of them and linearised anew
+    until nothing changes. The *test* weeks, of which no decision sees the module's
+    temperature, give the errors that are reported.
 
     Parameters
     ----------
@@ -112,20 +117,21 @@ def close_loop(
 
     Notes
     -----
-    How it decides, step by step, is in :doc:`/design`. Where a driver lacks, rows do
-    not count for its effect; nothing is filled in.
+    How it decides is in :doc:`/design`. Where a driver is missing, rows do not count
+    for its effect; nothing is filled in.
 
-    Of few weeks the choosing and the test weeks leave little to fit: below 60 days
-    there are no choosing weeks, and no effect is added.
+    Below ``criteria.enough_days`` no effect is added.
 
     References
     ----------
     .. [1] A. C. Cameron and D. L. Miller, "A Practitioner's Guide to
        Cluster-Robust Inference", J. Human Resources 50, 317-372, 2015.
        :doi:`10.3368/jhr.50.2.317`
-    .. [2] A. Chernozhukov et al., "Double/debiased machine learning", Econometrics
-       J. 21, C1-C68, 2018: what others explain is taken out before an effect is
-       weighed. :doi:`10.1111/ectj.12097`
+    .. [2] G. Wang, A. Sarkar, P. Carbonetto and M. Stephens, "A simple new approach
+       to variable selection in regression, with application to genetic fine mapping",
+       J. R. Stat. Soc. B 82, 1273-1300, 2020. :doi:`10.1111/rssb.12388`
+    .. [3] J. Wakefield, "Bayes factors for genome-wide association studies: comparison
+       with P-values", Genet. Epidemiol. 33, 79-86, 2009. :doi:`10.1002/gepi.20359`
 
     Examples
     --------
@@ -134,7 +140,7 @@ def close_loop(
     >>> loop = fem.close_loop(data[["poa_global", "temp_air", "wind_speed",
     ...                             "temp_module"]])
     >>> sorted(loop.weeks.unique())
-    ['choosing', 'fitting', 'test']
+    ['fitting', 'test']
     """
     criteria = criteria or Criteria()
     if min_gain is not None:
@@ -171,24 +177,37 @@ def searched(data, model, place, progress, **how):
     return search, replace(found, given=given)
 
 
+@dataclass(frozen=True, eq=False)
+class Round:
+    """What one linearisation chose, and from what."""
+
+    found: Evidence
+    selection: Selection
+    choices: tuple
+
+    @property
+    def names(self):
+        return [one.top.name for one in self.choices]
+
+
 @dataclass(eq=False)
 class Search:
     """A case, and what was found in it so far."""
 
     fits: Fits
-    tell: object
+    tell: Callable
     steps: dict = field(default_factory=dict)
     findings: list = field(default_factory=list)
-    vetoed: dict = field(default_factory=dict)  # what a fit spoke against, by name
-    doubted: tuple = ()  # effects that are no more tried, changes on their date
+    refused: list = field(default_factory=list)  # findings that are not in the model
+    choices: dict = field(default_factory=dict)  # of each finding
+    closed: frozenset = frozenset()  # names that a refit or the own steps speak against
     start: Step | None = None  # the one without effects from which the search begins
-    before: dict = field(default_factory=dict)  # steps and findings before each finding
     corrections: list = field(default_factory=list)
-    untestable: dict = field(default_factory=dict)
-    aside: dict = field(default_factory=dict)  # checks of what waits, by name
     clock: Clock = field(default_factory=Clock)  # by which the module's was set right
+    untestable: dict = field(default_factory=dict)
     own: OwnSteps | None = None  # of files, of which the case has means
-    left: Evidence | None = None  # of all that the last step lacks
+    usual: frozenset = frozenset()  # names of effects that are no findings
+    last: Round | None = None  # that which chose what is in the model
 
     @property
     def case(self):
@@ -212,80 +231,81 @@ class Search:
                 self.steps[CORRECTED] = step
         self.start = step
         self.leave_out_leaks(step)
-        step = self.rounds(step)
-        while doubted := self.doubtful(step, self.left) or self.contradicted(step):
-            step = self.rounds(self.gone_back(step, *doubted))
-        return step, base
+        if not self.case.divisible:
+            return step, base
+        step = self.with_usual(step)
+        base = next((n for n in reversed(self.steps) if n[0] == "+"), base)
+        so_far = dict(self.steps)
+        while True:
+            self.steps = dict(so_far)
+            last = self.converged(step)
+            if (against := self.contradicted(last)) is None:
+                return last, base
+            finding, check, why = against
+            self.closed |= {finding.effect}
+            self.refused.append(refused(finding, check, why))
 
-    def rounds(self, step):
-        """The step when no effect is found any more; what it leaves is kept."""
-        self.left, limits = None, self.case.criteria
-        for turn in range(limits.rounds if self.case.divisible else 0):
+    def with_usual(self, step):
+        """The step with what every module has, and with effects that are held."""
+        fixed = {*self.case.fixed}
+        effects = [e for e in self.case.wanted if e.rows() and {*e.rows()} <= fixed]
+        for one in self.case.wanted:
+            if one.name == LONGWAVE and self.case.enough and one not in effects:
+                effects.append(one)
+        for effect in effects:
+            model = replace(step.model, effects=(*step.model.effects, effect))
+            found = self.on_own_steps(self.fits.fitted(model, step, whole=False))
+            if not {*found.at_bound} & {*effect.rows()}:
+                step = self.steps[f"+{effect.name}"] = found
+        self.usual = frozenset(effect.name for effect in step.model.effects)
+        return step
+
+    def converged(self, plain):
+        """The last step, when one more linearisation chooses the same effects."""
+        step, seen = plain, []
+        for turn in range(MOST_ROUNDS):
             self.tell(f"weighing effects, round {turn + 1}")
-            self.left = self.evidence(step)
-            last, step = step, self.further(step, self.left)
-            if step is last:
+            this = self.round(step)
+            key = {column for one in this.choices for column in one.top.columns}
+            if key in seen:
                 break
-            step = self.on_own_steps(self.within_bounds(step))
-            self.fits.let_go("whole")
-        if self.left is None and self.case.divisible:
-            self.left = self.evidence(step)  # what is told is of the model that is told
-        return step
+            self.tell(f"fitting {', '.join(this.names) or 'no further effect'}")
+            found = self.with_effects(plain, this.choices)
+            bound = {*found.at_bound}
+            out = [
+                one.top.name for one in this.choices if {*one.top.effect.rows()} & bound
+            ]
+            if out:  # the smallest, which may be there for what another is not
+                self.closed |= {out[-1]}
+                continue
+            seen.append(key)
+            step = found
+        self.last = this
+        return self.with_findings(plain, this, step.coefficients)
 
-    def further(self, step, found):
-        """The last step that holds, of those with what one more round proposes."""
-        done = {n for finding in self.findings for n in finding.candidates}
-        done |= self.closed
-        dated = changes_of((*step.model.effects, *self.doubted))
-        beside = (step.coefficients, dated)
-        proposals = Proposals(self.case, found, frozenset(done), *beside)
-        new, self.aside = proposals.run(), proposals.aside
-        choices = [[*choices_of(finding, proposals.found)] for finding in new]
-        del found, proposals  # as large as what is fitted
-        names = ", ".join(f.effect for f in new if f.added)
-        self.tell(f"fitting {names or 'no further effect'}")
-        return self.added(new, choices, step)
-
-    def on_own_steps(self, step):
-        """The last step, fitted to the record's own steps, and with its own base."""
-        model = step.model.rebased(step.coefficients)
-        if self.case.record is not self.case.whole or model is not step.model:
-            step = self.fits.fitted(model, step, step.coarse)
-            self.steps[list(self.steps)[-1]] = step
-        return step
-
-    def evidence(self, step):
-        """Evidence of all that a step lacks."""
-        there = {effect.name for effect in step.model.effects}
-        # a confounder that is no more tried is the rival of the others all the same
-        there |= {e.name for e in self.doubted if not e.confounder} & self.closed
-        limits = self.case.criteria
-        wanted = [effect for effect in self.case.wanted if effect.name not in there]
+    def round(self, step):
+        """What the remaining error of a step asks for, all effects taken back."""
+        case = self.case
+        there = {e.name for e in step.model.effects if not e.channel}
+        wanted = [effect for effect in case.wanted if effect.name not in there]
         found = self.fits.gathered(step, wanted)
-        scanned = {e.name: e for e in wanted if is_before_the_sun(e)}
-        names = [name for name in scanned if name in found.effects]
-        weights, least = weighed(found, names, found.confounders), limits.hint_gain
-        shown = [scanned[name] for name, w in weights.items() if w.gain >= least]
-        if shown and self.another_plane is not None:
+        lifted = [
+            (effect, step.coefficients)
+            for effect in step.model.effects
+            if effect.name not in self.usual
+        ]
+        record = self.fits.ready["coarse"][1]
+        design = Design.of(found, record, lifted, case.drivers)
+        closed = self.closed
+        names = [e.name for e in case.wanted if is_before_the_sun(e)]
+        names = [name for name in names if name in design.own]
+        if names and self.another_plane is not None:
+            why = because(Reason.ANOTHER_PLANE, plane=str(self.another_plane))
             # before another plane an obstacle has no place
-            for effect in shown:
-                why = because(Reason.ANOTHER_PLANE, plane=str(self.another_plane))
-                self.untestable[effect.name] = why
-                self.fits.case = self.case.without(effect)
-            return self.evidence(step)
-        return found
-
-    @property
-    def closed(self):
-        """
-        Names of what is no more tried, since it was nothing beside another effect.
-
-        Of a change that has dates another date may be tried, once: else the search
-        might go back from one to the next for long.
-        """
-        names = [effect.name for effect in self.doubted]
-        dated = [e.name for e in self.doubted if e.channel and not is_drift(e)]
-        return {name for name in names if name not in dated or names.count(name) > 1}
+            self.untestable |= dict.fromkeys(names, why)
+            closed = closed | {*names}
+        selection = Selection(design, case.criteria, closed)
+        return Round(found, selection, tuple(selection.run()))
 
     @cached_property
     def another_plane(self):
@@ -305,55 +325,58 @@ class Search:
             case = case.without(effect)
         self.fits.case = case
 
-    def added(self, new, choices, step):
-        """The last step that holds, of those with one more effect each."""
-        for finding, own in zip(new, choices):
-            if finding.verdict != Verdict.SUGGESTIVE:
-                finding, attempt = self.tried(own, step)
-                if not finding.added:
-                    # beside effects that come later it may hold
-                    self.vetoed[finding.effect] = finding
-                    continue
-                self.left = None  # it is of another model now
-                so_far = (self.steps, self.findings, self.vetoed)
-                self.before[finding.effect] = tuple(map(copy, so_far))
-                self.steps.pop(f"+{finding.effect}", None)  # the last one comes last
-                step = self.steps[f"+{finding.effect}"] = attempt
-                self.vetoed.pop(finding.effect, None)
-            self.findings.append(finding)
-        return step
+    def with_effects(self, plain, choices):
+        """The model with the best member of each choice, fitted on coarse steps."""
+        if not choices:
+            return plain
+        effects = tuple(one.top.effect for one in choices)
+        model = replace(plain.model, effects=(*plain.model.effects, *effects))
+        start = {}
+        for one in choices:
+            start |= one.score.coefficients
+        fit = self.fits.fitted(model, plain, start, whole=False)
+        return replace(fit, model=model.rebased(fit.coefficients))
 
-    def within_bounds(self, step):
-        """The step without findings that beside later ones are more than can be."""
-        there = {effect.name for effect in step.model.effects}
-        for finding in [f for f in self.findings if f.effect in there]:
-            check, why = bounds(finding.coefficients, step)
+    def with_findings(self, plain, this, coefficients):
+        """The last step, with the findings that are in it one after the other."""
+        selection, case = this.selection, self.case
+        self.findings, self.choices = [], {}
+        self.refused = [f for f in self.refused if f.effect in self.closed]
+        changes = any(one.top.effect.channel for one in this.choices)
+        references = apart(case) if changes else []
+        chosen = [one for one in this.choices if one.top.name not in self.closed]
+        step = plain
+        for i, one in enumerate(selection.with_members(chosen)):
+            others = [*chosen[:i], *chosen[i + 1 :]]
+            given = selection.given(others)
+            logs = said(references, one, coefficients)
+            one = with_outside(selection.design, one, given, case.criteria, logs)
+            effect = selection.dated(one, one.first, given)
+            spoken = heard(references, one, effect, coefficients)
+            finding = finding_of(one, effect, case, selection.least, spoken)
+            self.choices[finding.effect] = one
+            if not finding.added:
+                self.refused.append(finding)
+                continue
+            model = replace(step.model, effects=(*step.model.effects, effect))
+            found = self.fits.fitted(model, step, finding.coefficients, whole=False)
+            check, why = bounds(finding.coefficients, found)
             if not check.passed:
-                step = self.removed(finding, check, why, step)
+                self.refused.append(refused(finding, check, why))
+                continue
+            step = self.steps[f"+{finding.effect}"] = found
+            self.findings.append(finding)
+        if self.findings:
+            step = self.on_own_steps(step)
+            self.steps[f"+{self.findings[-1].effect}"] = step
         return step
 
-    def doubtful(self, step, found):
-        """
-        The first finding that does not stand in the last model, or None.
-
-        Beside all that came later it is no more material, or it is near nothing beside
-        an effect that was not found. With the check of that and its reason. Of the
-        latter confounders, which stand for each other, are not asked: they are told as
-        classes. Nor is a change that witnesses agree with, who know nothing of these
-        models.
-        """
-        if found is None:
-            return None
-        effects = {effect.name: effect for effect in step.model.effects}
-        added = [f for f in self.findings if f.effect in effects]
-        asked = {f.effect: f for f in added if not vouched(f)}
-        checks = [*in_the_end(asked, found, step).items()]
-        others = everywhere(added, found, step).items()
-        checks += [one for one in others if not effects[one[0]].confounder]
-        for name, (check, why) in checks:
-            if name in asked and not check.passed:
-                return asked[name], check, why
-        return None
+    def on_own_steps(self, step):
+        """A step fitted to the record's own steps, and with its own base."""
+        model = step.model.rebased(step.coefficients)
+        if self.case.record is self.case.whole and model is step.model:
+            return step
+        return self.fits.fitted(model, step, step.coarse)
 
     def contradicted(self, step):
         """The first finding that the own steps of files speak against, or None."""
@@ -361,67 +384,12 @@ class Search:
             return None
         self.tell("fitting the record's own steps")
         fitting, falls = self.case.fitting, []
+        steps = [*self.steps]
         for finding in self.findings:
-            if after := self.steps.get(f"+{finding.effect}"):
-                before = self.step_before(finding)
-                fall = before.error(fitting) ** 2 - after.error(fitting) ** 2
-                falls.append((finding, fall))
+            at = steps.index(f"+{finding.effect}")
+            before, after = (self.steps[steps[i]] for i in (at - 1, at))
+            fall = before.error(fitting) ** 2 - after.error(fitting) ** 2
+            falls.append((finding, fall))
         inputs = self.fits.prepared(self.case.whole, step.model)[0].inputs
         corrected = any(one.applied for one in self.corrections)
         return self.own.against(self.case, step, inputs, corrected, falls)
-
-    def gone_back(self, step, finding, check, why):
-        """The step before a finding, on which later ones stand; it is no more tried."""
-        effects = {effect.name: effect for effect in step.model.effects}
-        self.steps, self.findings, self.vetoed = map(copy, self.before[finding.effect])
-        self.vetoed[finding.effect] = refused(finding, check, why)
-        self.doubted += (effects[finding.effect],)
-        last = self.step_before(finding)
-        return self.on_own_steps(last) if last.model.effects else last
-
-    def step_before(self, finding):
-        """The step on which a finding was tried."""
-        # before the first effect the last of the steps is the other of the two dynamics
-        steps, *_ = self.before[finding.effect]
-        later = [one for name, one in steps.items() if name[0] in "+-"]
-        return later[-1] if later else self.start
-
-    def removed(self, finding, check, why, step):
-        """The step without a finding, which does not pass a check after all."""
-        self.findings.remove(finding)
-        self.vetoed[finding.effect] = refused(finding, check, why)
-        effects = tuple(e for e in step.model.effects if e.name != finding.effect)
-        model = replace(step.model, effects=effects)
-        fit = self.fits.fitted(model, step, step.coarse, whole=False)
-        self.steps[f"- {finding.effect}"] = fit
-        return fit
-
-    def tried(self, choices, step):
-        """
-        A finding and its fit, by the first of its candidates that holds.
-
-        Changes are large, and a tangent is a poor judge of which comes nearest: those
-        that come and go alike are fitted, too, and one that leaves less by what is
-        material is taken.
-        """
-        tries, held = [], []
-        there = {effect.name for effect in step.model.effects}
-        for mine, effect in choices:
-            if effect.name in there:
-                continue
-            if held and not same_course(held[0][1].model.effects[-1], effect):
-                continue
-            larger = replace(step.model, effects=(*step.model.effects, effect))
-            fit = self.fits.fitted(larger, step, mine.coefficients, whole=False)
-            stderr = self.fits.errors(fit)
-            tries.append((confirmed(mine, self.case, step, fit, stderr), fit))
-            if tries[-1][0].added:
-                held.append(tries[-1])
-                if not effect.channel:
-                    break
-        if not held:
-            return tries[0]
-        left = [fit.error(self.case.fitting) ** 2 for _, fit in held]
-        nearest = left.index(min(left))
-        material = left[0] - left[nearest] > self.case.criteria.min_gain**2
-        return held[nearest if material else 0]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from pvlib_fem.findings import Correction
-from pvlib_fem.loop.confirm import choosing_check, contradiction
+from pvlib_fem.loop.verify import rise, rise_check
 from pvlib_fem.quality.clock import Clock, left_open
 from pvlib_fem.reasons import Reason, because
 
@@ -27,17 +27,16 @@ def module_clock(case, fits, raw, fits_of):
     Returns
     -------
     Fits, Step, Correction
-        The fits and the step to go on from: of the corrected record, unless the
-        choosing weeks speak against it.
+        The fits and the step to go on from: of the corrected record, unless its
+        error is larger.
     """
     other = fits_of(case.corrected())
     step = other.fitted(raw.model, raw).as_base()
-    rows = case.choosing if case.choosing.any() else case.fitting
+    rows = case.fitting
     both = np.isfinite(raw.temperature + step.temperature)
     both &= np.isfinite(raw.measured + step.measured)
     before, after = (s.error(rows & both) for s in (raw, step))
-    errors = contradiction(case, raw, step)
-    check, _ = choosing_check(*errors, case.criteria)
+    check, _ = rise_check(*rise(case, raw, step))
     found = described(case.clock, before, after, check)
     if check.passed:
         return other, step, found

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.findings import Check, vouched
+from pvlib_fem.findings import Check
 from pvlib_fem.fitting.files import FileFit, fitted, given_days
 from pvlib_fem.fitting.passes import first_pass
-from pvlib_fem.loop.confirm import bounds, choosing_check, rise_of, sureness
+from pvlib_fem.loop.case import STEP_PRESENT
+from pvlib_fem.loop.verify import bounds, sureness
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.reasons import Reason, because
@@ -18,6 +19,8 @@ from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.statistics.clusters import root
 from pvlib_fem.thermal.model import ThermalModel
+
+KEEPS = 0.5  # share of its gain on means that a finding keeps on the own steps
 
 
 def in_means(source, criteria):
@@ -35,7 +38,7 @@ def in_means(source, criteria):
         blocks = list(screened.record.blocks())
         parts = [block.inputs.frame() for block in blocks]
         return pd.concat(parts), screened
-    sums = Sums(step, criteria.step_present * step / usual)
+    sums = Sums(step, STEP_PRESENT * step / usual)
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
     means = sums.inputs()
@@ -82,10 +85,8 @@ class OwnSteps:
         if self.why or self.screened.look.step == case.whole.inputs.step:
             return None
         self.fit = self.fitted(case, step.model, inputs)
-        choosing = np.unique(case.whole.dates[case.parts == Part.CHOOSING])
         for finding, fall in falls:
-            checks = own_checks(finding, fall, self.fit, choosing, case.criteria)
-            for check, why in checks:
+            for check, why in own_checks(finding, fall, self.fit):
                 if not check.passed:
                     return finding, check, why
         return None
@@ -136,11 +137,10 @@ def impossible(model, corrected):
     return ""
 
 
-def own_checks(finding, worth, fit, choosing, criteria):
+def own_checks(finding, worth, fit):
     """Checks of a finding by a fit to the own steps, each with why it fails."""
     yield bounds(finding.coefficients, fit)
-    if not vouched(finding):
-        yield sureness(finding, fit.coefficients, fit.stderr, criteria)
+    yield sureness(finding, fit.coefficients, fit.stderr)
     stages = list(fit.scores.index)
     after = stages.index(f"+ {finding.effect}")
     before, after = stages[after - 1], stages[after]
@@ -149,10 +149,6 @@ def own_checks(finding, worth, fit, choosing, criteria):
     fall = float(squares[before] - squares[after])
     keeps = fall / worth if worth > 0.0 else 1.0
     yield (
-        Check(words, "structure_keeps", keeps, criteria.structure_keeps),
+        Check(words, "", keeps, KEEPS),
         because(Reason.LESS_ON_OWN_STEPS, gain=root(fall), means=root(worth)),
     )
-    days = fit.held_out.loc[fit.held_out.index.isin(choosing)]
-    left = (days[stage].to_numpy() for stage in (before, after))
-    rows = days["rows"].to_numpy()
-    yield choosing_check(*rise_of(*left, rows, days.index, criteria), criteria)

@@ -1,13 +1,12 @@
-"""Evidence for effects that a fitted model lacks, from one pass over a record."""
+"""Tangents of a fitted model and of effects that it lacks, row by row."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects.effect import Effect, Terms, tabled
-from pvlib_fem.loop.evidence import Evidence
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.inputs import Inputs
@@ -15,14 +14,90 @@ from pvlib_fem.relaxation import FADED, relax
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.thermal.model import ThermalModel
 
+RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 FEW = 18  # effects of which the tangents are made at a time
 
 
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """
+    Tangents of a fitted model and of effects that it lacks, and the remaining error.
+
+    Attributes
+    ----------
+    columns : dict of array
+        A tangent of each coefficient, misfit and effect on ``rows``; NaN where the
+        driver of an effect is missing. [K per unit of the coefficient]
+    residual : array
+        Measured minus modelled on ``rows``. [K]
+    dates : array of int
+        Day of each of the rows, from 1970-01-01.
+    rows : array of int
+        Those of the record that count.
+    base : tuple of str
+        The fitted coefficients.
+    misfits : tuple of str
+        Columns that a misshapen steady model leaves: functions of the usual inputs,
+        with which no effect is credited.
+    own : dict of tuple of str
+        Columns of each effect.
+    effects : dict of Effect
+    failed : dict of Because
+        Effects that could not be tried.
+    known : dict of int
+        Of each effect, on how many of the rows its drivers are known.
+    changing : tuple of (Effect, str)
+        Changes whose dates are to be found, each with the column that it scales.
+    """
+
+    columns: dict = field(repr=False)
+    residual: np.ndarray = field(repr=False)
+    dates: np.ndarray = field(repr=False)
+    rows: np.ndarray = field(repr=False)
+    base: tuple
+    misfits: tuple
+    own: dict = field(default_factory=dict)
+    effects: dict = field(default_factory=dict)
+    failed: dict = field(default_factory=dict)
+    known: dict = field(default_factory=dict)
+    changing: tuple = ()
+
+    def with_effect(self, effect, columns, known):
+        """The same with the tangents of one more effect, on the rows it is known."""
+        # of what is nowhere to be seen, as snow that never stays, nothing is asked
+        columns = {n: c for n, c in columns.items() if c[known].any()} or columns
+        return replace(
+            self,
+            columns=self.columns | missing(columns, known),
+            own=self.own | {effect.name: tuple(columns)},
+            effects=self.effects | {effect.name: effect},
+            known=self.known | {effect.name: int(known.sum())},
+        )
+
+    def without_shape(self):
+        """Remaining error given all functions of the usual inputs, and those."""
+        shapes = [n for n, effect in self.effects.items() if effect.confounder]
+        names = [*self.base, *self.misfits, *(c for n in shapes for c in self.own[n])]
+        table = np.column_stack([np.nan_to_num(self.columns[n]) for n in names])
+        squares = table.T @ table
+        scale = np.sqrt(np.diag(squares)) + 1e-12
+        squares = squares / np.outer(scale, scale) + RIDGE * np.eye(len(scale))
+        found = np.linalg.solve(squares, table.T @ self.residual / scale) / scale
+        return self.residual - table @ found, {n: self.columns[n] for n in names}
+
+
+def missing(columns, known):
+    """Columns that are unknown on some rows."""
+    if known.all():
+        return columns
+    return {name: np.where(known, column, np.nan) for name, column in columns.items()}
+
+
 def gather(
-    model, coefficients, record, seen, candidates, criteria, family, fixed=()
+    model, coefficients, record, seen, candidates, fixed=(), least=0.0
 ) -> Evidence:
     """
-    Evidence for candidates beside a model at its minimum.
+    Evidence for candidates given a model at its minimum.
 
     Parameters
     ----------
@@ -32,13 +107,12 @@ def gather(
     record : Record
         With every measured driver of the candidates.
     seen : array of bool
-        Rows that count. Where a driver lacks they do not count for its effect.
+        Rows that count. Where a driver is missing they do not count for its effect.
     candidates : sequence of Effect
-    criteria : Criteria
-    family : Family
-        Number of hypotheses.
     fixed : sequence of str
         Coefficients that are held, or at a bound, where they stay.
+    least : float
+        Gain from which an obstacle before the sun is worth its edges. [K]
     """
     model = replace(model, base=model.base or coefficients)
     inputs = model.with_base(model.with_drivers(record.inputs))
@@ -56,9 +130,6 @@ def gather(
         rows,
         tuple(base),
         tuple(wrong),
-        family=family,
-        criteria=criteria,
-        snowy=snowy(record, rows),
     )
     scanned, changing = [], []
     for one, own in tangents(tried, failed, inputs, at):
@@ -69,19 +140,19 @@ def gather(
             scanned.append((one.scan, one.wide, own, known))
         elif one.courses:
             (column,) = own
-            found = found.on_some(column, own, known)
+            found = replace(found, columns=found.columns | missing(own, known))
             changing += [(course, column) for course in one.courses]
         else:
             found = found.with_effect(one.wide, own, known)
     for scan, wide, own, known in scanned:
-        effect = narrowed(found, scan, wide, own, known, inputs)
+        effect = narrowed(found, scan, own, known, inputs, wide.drivers, least)
         if effect is None:
             failed[wide.name] = because(Reason.NO_WINDOW)
             continue
         there = replace(model, effects=(effect,)).with_drivers(inputs)
         for _, own in tangents([Tried(effect)], failed, there, at):
             found = found.with_effect(effect, own, known)
-    return with_changes(found, tuple(changing), failed)
+    return replace(found, changing=tuple(changing), failed=failed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,20 +263,6 @@ def are_numbers(column, known):
     return bool(np.isfinite(column.sum()) or np.isfinite(column[known]).all())
 
 
-def with_changes(found, changing, failed):
-    """The evidence with the channels along those courses whose dates are found."""
-    found = found.along(found.shown(changing, found.confounders))
-    dateless = [e.name for e, _ in changing if e.name not in found.effects]
-    failed |= dict.fromkeys(dateless, because(Reason.NO_DATE))
-    return replace(found, changing=changing, failed=failed)
-
-
-def snowy(record, rows):
-    """Which of some rows have snow on the ground; None where that is not measured."""
-    depth = record.inputs.columns.get("snow_depth")
-    return None if depth is None else depth[rows] > 0.0
-
-
 def terms_of(effect, columns):
     """Slopes of an effect's terms from where it adds nothing."""
     return tabled(effect, columns).slopes(columns, effect.start)
@@ -236,16 +293,13 @@ def filled(column):
     return column
 
 
-def narrowed(found, scan, wide, own, known, inputs):
-    """The effect where a scan of what is left shows it, or None."""
-    places = {name: inputs[name][found.rows[known]] for name in wide.drivers}
-    names, given = list(found.columns), found.places(found.confounders)
-    tangents = own | {names[i]: found.columns[names[i]] for i in given}
-    if not known.all():
-        tangents = {key: column[known] for key, column in tangents.items()}
-    rest = found.rest(found.confounders)[known]
+def narrowed(found, scan, own, known, inputs, drivers, least):
+    """The effect where a scan of the remaining error shows it, or None."""
+    places = {name: inputs[name][found.rows[known]] for name in drivers}
+    rest, beside = found.without_shape()
+    columns = {key: column[known] for key, column in (own | beside).items()}
     weeks = calendar_weeks(found.dates[known])
-    return scan(rest, tangents, places, weeks, found.criteria)
+    return scan(rest[known], columns, places, weeks, least)
 
 
 def misfits(temperature, record, rows):
@@ -254,7 +308,7 @@ def misfits(temperature, record, rows):
 
     Functions of the usual inputs alone, which every cause without a driver of
     its own shares: curvature in the over-temperature, its fall with air
-    temperature, a slower mass, and a record that is late.
+    temperature, a slower mass, a record that is late, and a sky that follows the air.
     """
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air
@@ -267,5 +321,6 @@ def misfits(temperature, record, rows):
         "warm": over * (air[rows] - np.nanmean(air)),
         "slow": slow - over,
         "late": np.nan_to_num(late[rows]),
+        "air": air[rows] - np.nanmean(air),
     }
     return {f"misfit:{name}": column for name, column in columns.items()}

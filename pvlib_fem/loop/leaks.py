@@ -6,6 +6,9 @@ import pandas as pd
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 
+BEYOND = 0.5  # of what is left of a column without the temperature, with it
+SAME = 0.15  # by which it may follow what a model leaves otherwise than the rest
+SURE = 5.0  # standard errors by which it has to follow that
 SOME = 20_000  # rows that are enough to compare columns
 
 
@@ -52,7 +55,7 @@ def foretold(column, usual, model, near, criteria):
     without = np.column_stack([usual, model])
     before = unexplained(column, without)
     after = unexplained(column, np.column_stack([without, near]))
-    return after < criteria.leak and after < criteria.leak_beyond * before
+    return after < criteria.leak and after < BEYOND * before
 
 
 def unexplained(column, others):
@@ -81,9 +84,5 @@ def of_one_piece(column, usual, model, near, days, criteria):
         return False
     slope, beyond = abs(found[-2]), abs(found[-1])
     slope_error, beyond_error = np.sqrt(np.diag(covariance))[-2:]
-    most = criteria.leak_same * slope
-    return (
-        slope > criteria.leak_sure * slope_error
-        and beyond < most
-        and beyond_error < most
-    )
+    most = SAME * slope
+    return slope > SURE * slope_error and beyond < most and beyond_error < most

@@ -1,23 +1,19 @@
 """What a search came to, as a finished thing."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.effects.courses import changes_of
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
+from pvlib_fem.fitting.search import natural
 from pvlib_fem.loop.budget import budget_of, episodes_of
-from pvlib_fem.loop.case import BASES
-from pvlib_fem.loop.ranges import with_ranges
-from pvlib_fem.loop.remains import hints, not_seen, tables_left, unexplained
+from pvlib_fem.loop.case import BASES, FEWEST_FITTING_DAYS
+from pvlib_fem.loop.conclude import hints, in_the_model, not_seen, patterns
+from pvlib_fem.loop.ranking import ranked
 from pvlib_fem.loop.result import Loop
-from pvlib_fem.loop.structure import sorting
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.loop.weeks import Part, named
-from pvlib_fem.loop.weights import as_row, ranked
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import DAYLIGHT
 
@@ -28,9 +24,7 @@ SCORES = [
 
 def outcome(search, last, base):
     """All that was found, as a finished thing."""
-    case, found, notes = search.case, search.left, []
-    if case.record is not case.whole:
-        search.fits.let_go("coarse")
+    case, notes = search.case, []
     record = case.placed_for(case.whole, last.model)
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = errors(last.model, daily, at_bound, notes)
@@ -47,14 +41,18 @@ def outcome(search, last, base):
         night=True,
         daily=daily,
     )
-    findings = [with_errors(f, last, stderr) for f in search.findings]
-    findings += search.vetoed.values()
-    ranking, more, unseen = left_over(search, found, findings, last)
-    raw = search.steps[base]
-    before = pd.Series(raw.measured - raw.temperature, record.index)
+    said = (last.coefficients, stderr, at_bound)
+    findings = [
+        in_the_model(f, search.choices[f.effect], *said) for f in search.findings
+    ]
+    ranking, more, unseen = left_over(search, [*findings, *search.refused], last)
+    raw = search.start
+    first = search.steps[base]
+    before = pd.Series(first.measured - first.temperature, record.index)
     stretches = episodes_of(case, last)
     # of the two dynamics the loop went on with one
-    path = [n for n in search.steps if n not in BASES or n in ("steady", base)]
+    dynamics = next(n for n, how in BASES.items() if how == raw.model.dynamics)
+    path = [n for n in search.steps if n not in BASES or n in ("steady", dynamics)]
     budget = budget_of(case, search.steps, path, table, more, stretches)
     return Loop(
         findings=tuple(more),
@@ -69,45 +67,47 @@ def outcome(search, last, base):
         place=case.place,
         residual_before=before.rename("residual"),
         weeks=pd.Series(named(case.parts), record.index, name="weeks"),
-        plain=(search.steps[base].model, search.start.coefficients),
+        plain=(raw.model, raw.coefficients),
         criteria=case.criteria,
-        family=case.family.physics,
-        weighed=found is not None,
+        weighed=search.last is not None,
         budget=budget,
         episodes=stretches,
     )
 
 
-def left_over(search, found, findings, last):
-    """The ranking, all findings with their ranges, and what was not to be seen."""
-    case = search.case
-    if found is None:
-        days, least = case.fitting_days, case.criteria.fewest_fitting_days
+def left_over(search, findings, last):
+    """The ranking, all findings, and what was not to be seen."""
+    case, this = search.case, search.last
+    if this is None:
+        days, least = case.fitting_days, FEWEST_FITTING_DAYS
         few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
         return table_of({}), findings, {effect.name: few for effect in case.wanted}
-    rows = ranked(found, case.days)
-    told = (case, found, rows)
-    by = sorting(case, found, [])
-    changes = changes_of(last.model.effects)
-    findings = [*findings, *hints(*told, findings, search.aside, changes)]
-    tables = [*tables_left(case, found, by)]
-    findings += [unexplained(*table) for table in tables]
-    findings = with_ranges(findings, found, last, [table for table, _ in tables])
-    unseen = dict(not_seen(case, found, rows, findings))
-    table = table_of({name: as_row(*row) for name, row in rows.items()})
+    selection, taken = this.selection, [f.effect for f in findings if f.added]
+    given = selection.given(this.choices)
+    names = [*taken, *this.names]
+    rows, failed = ranked(selection, this.found, given, case.days, names)
+    floor = selection.least
+    findings = [*findings, *hints(case, rows, findings, floor)]
+    if case.enough or not taken:
+        findings += patterns(case, *searched_rest(search, last), floor)
+    whole = search.start.error(case.fitting)
+    unseen = dict(not_seen(case, rows, failed, findings, whole))
+    table = table_of(
+        {n: {"note": str(why)} for n, why in failed.items()}
+        | {name: row.content() for name, row in rows.items()}
+    )
     table = table.sort_values("gain", ascending=False, kind="stable")
     return Ranking(table), findings, unseen
 
 
-def with_errors(finding, last, stderr):
-    """The finding with the coefficients of the last fit, where it is in it."""
-    if finding.effect not in {effect.name for effect in last.model.effects}:
-        return finding
-    return replace(
-        finding,
-        coefficients={k: last.coefficients[k] for k in finding.coefficients},
-        stderr={k: stderr[k] for k in finding.stderr},
-    )
+def searched_rest(search, last):
+    """What the last step leaves on the coarse rows that are searched, and those."""
+    case = search.case
+    record, tabled = search.fits.prepared(case.record, last.model)
+    coefficients = natural(last.model, last.coarse)[0]
+    rest = case.record["temp_module"] - tabled.temperature(record.inputs, coefficients)
+    rows = np.flatnonzero(case.searched & np.isfinite(rest))
+    return rest[rows], rows
 
 
 def error_table(case, steps):

@@ -10,7 +10,6 @@ from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
-from pvlib_fem.loop.family import Family
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
@@ -33,6 +32,7 @@ from pvlib_fem.record.columns import (
 )
 from pvlib_fem.record.inputs import Record, as_record, with_columns
 
+UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
 NEAR_HOUR = 0.25  # h beside a whole one, as near as a file of half hours shows it
 #: faults with which the sun is elsewhere
@@ -92,7 +92,6 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         place=site,
         clock=look.health.clock,
         criteria=criteria,
-        family=Family.counted(wanted, criteria.rounds),
         fixed=dict(fixed or {}),
         kept=look.kept,
         notes=(
@@ -151,7 +150,7 @@ def looked(data, holdout, site, criteria, check_units):
     taken = (*DERIVED, *MODELLED)
     witnesses = tuple(name for name in numeric(columns) if vouches(name))
     columns = {n: column for n, column in columns.items() if n not in witnesses}
-    drivers, refused = usable_drivers(columns, hidden, criteria.most_missing, taken)
+    drivers, refused = usable_drivers(columns, hidden, criteria.max_missing, taken)
     hidden = hidden.only([*COLUMNS, *drivers, *witnesses])
     health = check(hidden, limits=limits, **site)
     for name, doubt in health.doubtful.items():
@@ -210,7 +209,7 @@ def notes_of(look, corrections, wanted, site, criteria):
     yield from health.unchecked
     yield from twins(look, criteria.limits)
     yield from of_the_zone(look.whole.index, site["location"])
-    if health.clock.limit > criteria.unseen_clock and not health.clock.fault:
+    if health.clock.limit > UNSEEN_CLOCK and not health.clock.fault:
         minutes = health.clock.limit / 60.0
         yield str(because(Reason.COARSE_CLOCK, minutes=minutes))
     yield from (f"{reason}: not used" for reason in look.refused.values())

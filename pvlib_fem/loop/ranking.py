@@ -1,30 +1,202 @@
 """Which absent effect could explain what a fit leaves."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from scipy.special import fdtrc, stdtrit
 
-from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry
+from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed_for
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.loop.family import Family
+from pvlib_fem.loop.design import FOLDS, Design
 from pvlib_fem.loop.gather import gather
+from pvlib_fem.loop.selection import Score, Selection, existence, rows_of
 from pvlib_fem.loop.table import Ranking, table_of
-from pvlib_fem.loop.weights import as_row, ranked
 from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.record.columns import (
     COLUMNS as USUAL,
+    GEOMETRY,
     numeric,
     usable_drivers,
     with_aliases,
 )
 from pvlib_fem.record.inputs import as_record, with_columns
+
+POWER = 0.8  # chance to see an effect of the minimum detectable size
+LARGEST = 1e3  # standard errors, beyond which no size would be seen
+UNSEEN = 1e-6  # of a column's square: what rounding leaves of it given others
+SEEN = 0.95  # probability from which an effect is there
+TIED = 0.85  # share of its part that another explains, too
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What one candidate is worth given what a model has."""
+
+    effect: Effect
+    score: Score
+    p_value: float  # for this candidate alone
+    detectable: float  # minimum detectable gain [K]
+    rows: int  # on which its drivers are there
+    ties: tuple
+    note: Because | None
+
+    @property
+    def gain(self):
+        """Root of the fall of the mean square on weeks left out, with its sign. [K]"""
+        return float(np.copysign(np.sqrt(abs(self.score.fall)), self.score.fall))
+
+    def content(self):
+        """The row of the table."""
+        return {
+            "gain": self.gain,
+            "p_value": self.p_value,
+            "coefficients": self.score.coefficients,
+            "stderr": self.score.errors,
+            "physical": self.score.possible,
+            "minimum_detectable": self.detectable,
+            "rows": self.rows,
+            "ties": self.ties,
+            "note": "" if self.note is None else str(self.note),
+        }
+
+
+def ranked(selection, found, given, days, taken=()):
+    """
+    All candidates given what a model has, and those that could not be weighed.
+
+    Parameters
+    ----------
+    selection : Selection
+    found : Evidence
+    given : sequence
+        Columns given which each is weighed.
+    days : int
+        That count.
+    taken : sequence of str
+        Effects that the model has.
+
+    Returns
+    -------
+    dict of Row, dict of Because
+    """
+    design, rows, failed = selection.design, {}, dict(found.failed)
+    there = []
+    for one in selection.candidates(given, taken):
+        squares = design.by_week([*given, *one.columns]).sum(axis=0)
+        size = len(one.columns)
+        own = np.diag(squares)[-size:]
+        beside = beyond(squares, size)
+        if not (own > 0).all():
+            failed[one.name] = because(Reason.ADDS_NOTHING)
+        elif (beside < UNSEEN * own).any():
+            failed[one.name] = because(Reason.COLLINEAR)
+        else:
+            there.append((one, beside / design.count))
+    names = {one.name for one, _ in there}
+    for effect in design.changing:
+        if effect.name not in names and effect.name not in {*taken}:
+            failed.setdefault(effect.name, because(Reason.NO_DATE))
+    tied = [one for one, _ in there]
+    for one, beside in there:
+        score = selection.score(one, given)
+        size = len(score.estimate)
+        null = score.null + np.diag(np.diag(score.null)) * 1e-9
+        statistic = score.estimate @ np.linalg.solve(null, score.estimate)
+        scale = design.scales(one.columns)
+        errors = np.sqrt(np.diag(null)) * scale * np.sqrt(beside)
+        detectable = needed(one, design, score) * float(errors.max())
+        rows[one.name] = Row(
+            one.effect,
+            score,
+            float(fdtrc(size, score.freedom, max(statistic / size, 0.0))),
+            float(detectable),
+            found.known.get(one.name, len(found.rows)),
+            ties(selection, one, tied, given, score),
+            hindrance(one.effect, score, found, days, selection.criteria.enough_days),
+        )
+    return rows, failed
+
+
+def beyond(squares, size):
+    """Squares of the last columns given the others."""
+    inner, cross = squares[1:-size, 1:-size], squares[1:-size, -size:]
+    scale = np.sqrt(np.diag(inner)) + 1e-30
+    normal = inner / np.outer(scale, scale) + 1e-10 * np.eye(len(scale))
+    taken = cross / scale[:, None]
+    return np.diag(squares)[-size:] - (taken * np.linalg.solve(normal, taken)).sum(0)
+
+
+def needed(one, design, score):
+    """Standard errors that its size needs to be seen, with the stated power."""
+    rows = list(rows_of(one, design))
+    way = np.sqrt(np.diag(score.null) / len(rows))
+    low, high = 0.0, LARGEST
+    for _ in range(24):
+        middle = 0.5 * (low + high)
+        seen = existence(one, rows, middle * way, score.null, score.freedom)
+        low, high = (low, middle) if seen >= SEEN else (middle, high)
+    return high + float(stdtrit(score.freedom, POWER))
+
+
+def ties(selection, one, others, given, score):
+    """Other candidates that explain as much, given which it has little left."""
+    least = selection.criteria.hint_gain**2
+    own = selection.in_sample(one, given)
+    if not score.possible or own < least or score.probability < SEEN:
+        return ()
+    found = []
+    for other in others:
+        if other.name == one.name:
+            continue
+        part = selection.in_sample(other, given)
+        if part < TIED * own:
+            continue
+        both = selection.together(one, other, given)
+        if part + own - both >= TIED * own and selection.score(other, given).possible:
+            found.append(other.name)
+    return tuple(found)
+
+
+def hindrance(effect, score, found, days, least):
+    """What stands in the way of a candidate, if anything does."""
+    if not score.possible and score.fall > 0:
+        there = {key.split(".")[0] for key in found.base}
+        if effect.confounder or there & {*effect.confused_with}:
+            return because(Reason.ANOTHER_CONFOUNDER)
+        if "p_dc" in effect.drivers:  # power measures irradiance, too
+            return because(Reason.SUSPECT_IRRADIANCE)
+        return because(Reason.SUSPECT_SENSOR)
+    if days < least:
+        return because(Reason.TOO_SHORT, days=days, least=least)
+    if "source" in effect.settings:
+        return because(Reason.SOURCE, source=effect.settings["source"])
+    return None
+
+
+def refuse_missing(effects, columns, refused):
+    """Refuse a record without a column that an effect of a fit needs."""
+    for effect in effects:
+        for name in needed_for(effect.drivers):
+            if name in columns:
+                continue
+            if name in GEOMETRY:
+                remedy = "give location, surface_tilt and surface_azimuth"
+            else:
+                remedy = "give it, or rank a fit without the effect"
+            why = f" ({refused[name]})" if name in refused else ""
+            raise ValueError(
+                f"{effect.name} of the fit needs {name}, which the record lacks{why}; "
+                f"{remedy}"
+            )
 
 
 def rank_effects(
@@ -40,9 +212,9 @@ def rank_effects(
     Rank absent effects by what each would explain on days it has not seen.
 
     Every effect enters as the tangent of the fitted model, conditional on the
-    tangents of all fitted coefficients and on the confounders that any misfit
-    leaves (a year's swing, curvature, a slower mass), so that none is credited
-    with repairing those. Gains are measured on weeks left out in turn.
+    tangents of all fitted coefficients and on what any misshapen steady model leaves
+    (curvature, a slower mass, a late record), so that none is credited with
+    repairing those. Gains are measured on weeks left out in turn.
 
     This ranks; it names no cause. Effects that follow the same columns share
     their gain, and what no effect here can explain is not looked for.
@@ -80,7 +252,7 @@ def rank_effects(
         ``physical``: whether those are within the effect's bounds, as far as
         their errors let say;
         ``minimum_detectable``: the smallest gain that this record would have
-        shown, with the criteria's chance and power [K];
+        shown in four of five cases [K];
         ``rows``: on which its drivers are there;
         ``ties``: other candidates that explain as much, given which it has
         nothing left to explain: the record cannot tell them apart;
@@ -91,7 +263,8 @@ def rank_effects(
     Raises
     ------
     ValueError
-        If a column lacks or is unusable, or the place is none.
+        If a column lacks or is unusable, one that an effect of the fit needs among
+        them, or the place is none.
     """
     place = checked_place(location, surface_tilt, surface_azimuth)
     criteria = criteria or Criteria()
@@ -100,33 +273,29 @@ def rank_effects(
     usual = with_columns(usual, numeric(columns))
     record, faults = screened(usual, criteria.limits, check_units=False)
     taken = (*DERIVED, *MODELLED)
-    drivers, refused = usable_drivers(columns, record, criteria.most_missing, taken)
+    drivers, refused = usable_drivers(columns, record, criteria.max_missing, taken)
     there = {effect.name for effect in fit.effects}
     sun = geometry(record.index, **place)
     testable, notes = candidates({**drivers, **sun}, refused, effects, there)
     model = fit.thermal_model
     record = with_columns(record.only([*USUAL, *drivers]), sun)
+    refuse_missing(fit.effects, record.inputs.columns, refused)
     seen = counted(record.inputs.columns, fit.night)
     seen &= record.known(model.drivers)
     rows = {name: {"note": str(why)} for name, why in notes.items()}
     days = len(np.unique(record.dates[seen]))
-    if days < criteria.folds:
-        few = str(because(Reason.FEW_DAYS, days=days, least=criteria.folds))
+    if days < FOLDS:
+        few = str(because(Reason.FEW_DAYS, days=days, least=FOLDS))
         rows |= {effect.name: {"note": few} for effect in testable}
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
-        family = Family.counted(testable)
-        found = gather(
-            model,
-            coefficients,
-            record,
-            seen,
-            testable,
-            criteria,
-            family,
-            fit.at_bound,
-        )
-        rows |= {n: as_row(*row) for n, row in ranked(found, days).items()}
+        how = (fit.at_bound, criteria.hint_gain)
+        found = gather(model, coefficients, record, seen, testable, *how)
+        design = Design.of(found, record, drivers=drivers)
+        selection = Selection(design, criteria)
+        weighed, failed = ranked(selection, found, [*design.base], days)
+        rows |= {name: {"note": str(why)} for name, why in failed.items()}
+        rows |= {name: row.content() for name, row in weighed.items()}
     table = table_of(rows)
     order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
     order = order.sort_values(["no", "loss"], kind="stable").index

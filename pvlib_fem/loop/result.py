@@ -68,7 +68,7 @@ class Loop:
         Measured minus modelled temperature before anything was added. None, as
         ``weeks``, in a loop that was read from a file, which holds no rows. [K]
     weeks : Series of category or None
-        What each row was for: ``fitting``, ``choosing`` or ``test``.
+        What each row was for: ``fitting`` or ``test``.
     budget : DataFrame
         Where the mean square of the steady model went, on the test weeks (on the
         fitting weeks where there are none). Of the rows by ``kind``, those ``taken``
@@ -89,8 +89,6 @@ class Loop:
         The model without effects, and its coefficients.
     criteria : Criteria
         By which it decided.
-    family : int
-        Hypotheses among which each chance is counted.
     weighed : bool
         Whether there were enough fitting days to leave some out in turn.
     given : dict
@@ -117,7 +115,6 @@ class Loop:
     episodes: pd.DataFrame = field(repr=False)
     plain: tuple = field(repr=False)
     criteria: Criteria = field(repr=False)
-    family: int = 1
     weighed: bool = True
     given: dict = field(repr=False, default_factory=dict)
     own_steps: FemFit | None = field(repr=False, default=None)
@@ -331,7 +328,6 @@ class Loop:
             "weeks": self.week_rows,
             "plain": content_of(*self.plain),
             "criteria": asdict(self.criteria),
-            "family": self.family,
             "weighed": self.weighed,
             "given": self.given,
             "fit": self.fit.content(**cell),
@@ -392,7 +388,6 @@ class Loop:
             weeks=None,
             plain=model_of(content.part("plain"), own),
             criteria=Criteria(**limits),
-            family=content.count("family"),
             weighed=content.flag("weighed"),
             given=content.part("given").content,
         )

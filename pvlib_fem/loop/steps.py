@@ -15,7 +15,7 @@ from pvlib_fem.fitting.stages import minimise
 from pvlib_fem.loop.case import BASES, Case
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.spelling import FIXED, refusal
-from pvlib_fem.statistics.clusters import days_of_folds
+from pvlib_fem.statistics.clusters import FOLDS, days_of_folds
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
@@ -149,7 +149,7 @@ class Fits:
         """Mean square that a step leaves on fitting weeks left out in turn. [K²]"""
         case = self.case
         sums = self.sums(step, step.coefficients, case.record, case.searched).sums
-        folds = days_of_folds(sums.dates, case.criteria.folds)
+        folds = days_of_folds(sums.dates, FOLDS)
         return replace(sums, folds=folds).left(range(len(sums.scale)))
 
     def sums(self, step, coefficients, record, counts):
@@ -183,11 +183,6 @@ class Fits:
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
-    def let_go(self, *places):
-        """Forget what is prepared, which is many rows, until it is asked for."""
-        for place in places:
-            self.ready.pop(place, None)
-
     def gathered(self, step, candidates):
         """Evidence of some effects beside a step, on the coarse fitting rows."""
         case = self.case
@@ -202,9 +197,8 @@ class Fits:
             record,
             case.searched & record.known(step.model.drivers),
             candidates,
-            case.criteria,
-            case.family,
             step.at_bound,
+            case.criteria.hint_gain,
         )
 
 

@@ -1,4 +1,4 @@
-"""Three kinds of weeks, made once: to fit, to choose, and to test."""
+"""Two kinds of weeks, made once: to fit, and to test."""
 
 from enum import IntEnum
 
@@ -7,13 +7,14 @@ import pandas as pd
 
 from pvlib_fem.statistics.clusters import calendar_weeks
 
+FEWEST_WEEKS = 5  # below which every other day is a test day
+
 
 class Part(IntEnum):
     """What a row is for."""
 
     FITTING = 0  # coefficients, and what every effect would explain
-    CHOOSING = 1  # whether a refit is kept
-    TEST = 2  # the errors that are told; nothing looks at them before
+    TEST = 1  # the errors that are reported; nothing looks at them before
 
 
 def named(parts):
@@ -40,11 +41,6 @@ def parts(record, seen, holdout, criteria):
     Returns
     -------
     array of Part
-
-    Notes
-    -----
-    A record that is too short for a name has no choosing weeks: nothing is
-    chosen on it.
     """
     found = np.full(len(seen), Part.FITTING, dtype=np.int8)
     first, days = record.inputs.times.runs
@@ -52,14 +48,10 @@ def parts(record, seen, holdout, criteria):
     weeks = np.repeat(weeks, np.diff(first, append=len(seen)))
     if holdout is not None:
         found[record.rows(holdout)] = Part.TEST
-    elif weeks.max() + 1 >= criteria.fewest_weeks:
+    elif weeks.max() + 1 >= FEWEST_WEEKS:
         found[nth(weeks, criteria.test_every)] = Part.TEST
     elif record.count_days(seen) > 1:
         found[record.days % 2 == 1] = Part.TEST
-    if record.count_days(seen) >= criteria.enough_days:
-        rest = np.flatnonzero(found == Part.FITTING)
-        others = np.cumsum(np.bincount(weeks[rest]) > 0) - 1  # place of each week
-        found[rest[nth(others[weeks[rest]], criteria.choose_every)]] = Part.CHOOSING
     return found
 
 

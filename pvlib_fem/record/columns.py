@@ -88,7 +88,7 @@ def with_aliases(data, needed=COLUMNS):
     names = [printable(name) for name in data]
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
-    columns = {name: data[label] for name, label in zip(names, data)}
+    columns = {name: as_numbers(data[label]) for name, label in zip(names, data)}
     for alias, name in ALIASES.items():
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
@@ -96,6 +96,16 @@ def with_aliases(data, needed=COLUMNS):
         words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
         raise refusal(words, *of_several(columns))
     return columns
+
+
+def as_numbers(column):
+    """A column of objects as numbers, if all of them are; others as they are."""
+    if column.dtype != object:
+        return column
+    try:
+        return pd.to_numeric(column)
+    except (TypeError, ValueError):
+        return column
 
 
 def of_several(columns):

@@ -102,16 +102,11 @@ def recover(
 
     Notes
     -----
-    The predicted size is the least with which the loop would propose the effect,
-    given the record's own findings. Two looks are taken at the last residual with more
-    and more of it, both to first order: its date by the sums of days
-    (``change_chance``), its gain on weeks left out in turn (``min_gain``,
-    ``min_share``), its chance among all hypotheses and its bounds; then, from that
-    size on in steps of 30 %, a whole round of proposals with rivals, witnesses and
-    unknown structure. So it has in it what the chance of a date costs, and what of the
-    effect the record has already (``own`` of the table). It does not know that the
-    record's own findings may be lost beside a large effect, nor of the refit and the
-    choosing weeks.
+    The predicted size is the least with which the loop would choose the effect, or a
+    set that holds it, beside the record's own findings. More and more of it is added
+    to the last model's remaining error, to first order, and the selection is run on
+    each size. It does not know that the record's own findings may be lost beside a
+    large effect, nor of the refit.
 
     What the record has of an effect is in its coefficient, too: ``ratio`` and
     ``covered`` count it as error.
@@ -177,8 +172,7 @@ def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False)
             why = notes.get(name, "it is not among the effects that are put in")
             raise ValueError(f"sizes has {name}: {why}")
         ready = [effect for effect in ready if effect.name in sizes]
-    done = frozenset(n for f in loop.findings if f.added for n in f.candidates)
-    shared, tasks = (search.case, step, done, draws, seed), [(e,) for e in ready]
+    shared, tasks = (search.case, step, draws, seed), [(e,) for e in ready]
     looked = spread(predictions, tasks, processes, shared)
     with counting(len(tasks), 0, progress, "predicted") as tell:
         for effect, (looks, why) in zip(ready, looked):

@@ -34,11 +34,16 @@ from pvlib_fem.scores import GAMMA
 
 NOT_SHOWN = "smaller than this record can show"
 WITHOUT_CAUSE = "no effect and no column follows it"
-STEPS = {"steady": "no memory", "fem": "the paper's form", "balance": "heat balance"}
+STEPS = {
+    "steady": "no memory",
+    "fem": "the paper's form",
+    "balance": "heat balance",
+    "+radiative_loss": "longwave exchange, which every module has",
+}
 VERDICTS = {
     "named": "no other candidate explains it",
     "class": "one of several that this record cannot tell apart",
-    "alone": "it follows the usual columns alone, as other causes may, too",
+    "alone": "or a cause outside the catalogue that follows the same columns",
     "suggestive": "a hint, not added to the model",
     "unknown": "no effect of the catalogue follows it",
 }
@@ -212,7 +217,8 @@ def gained(finding):
     since = f"From {finding.place}. " if finding.place else ""
     gain = f"{finding.gain:.2f} K of the error on days left out"
     heard = "".join(f"; {witness}" for witness in finding.heard)
-    return f"{what}{since}{gain}; {worth(finding)}{heard}"
+    shares = f" ({finding.shares})" if finding.shares else ""
+    return f"{what}{since}{gain}; {worth(finding)}{shares}{heard}"
 
 
 def meaning(name):
@@ -289,8 +295,7 @@ def rules(loop):
     return table(
         ("finding", "rule", "", "#statistic", "asked", "unit", "criterion"),
         rows,
-        f"{days}. A chance is that of any of {loop.family} hypotheses. Each criterion "
-        "is a field of Criteria.",
+        f"{days}. Each criterion is a field of Criteria.",
     )
 
 

@@ -53,9 +53,8 @@ def coefficients(fit, corrections=(), ranges=None):
     words = "Errors from leaving out each fitted day in turn."
     if ranges:
         words += (
-            " The range is over other models that the record leaves possible: without "
-            "another finding, with another member of a class, with one effect more, "
-            "beside what is unexplained."
+            " The range adds the error of the effect's law, and by how much the "
+            "coefficient differs from one condition to another."
         )
     else:
         del head[4]

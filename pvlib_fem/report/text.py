@@ -28,6 +28,8 @@ LATE = {
 }
 
 
+#: what is in the base model, and no finding
+STEPS = {"+radiative_loss": "longwave exchange, which every module has"}
 TITLES = {Verdict.CLASS: "cannot tell", Verdict.SUGGESTIVE: "suggestive"}
 
 
@@ -76,7 +78,9 @@ def rows(loop):
         cells = "".join(cell(row[key], 7) for key in shown)
         cells += cell(row["energy_error_test"], 9) + " %"
         title = step_name(name)
-        words = verdict(verdicts[name], loop) if name in verdicts else ""
+        words = STEPS.get(name, "")
+        if name in verdicts:
+            words = verdict(verdicts[name], loop)
         if name == CORRECTED:
             own = [one for one in loop.corrections if one.unit == "K"]
             words = "; ".join(map(corrected, own))
@@ -95,10 +99,9 @@ def told(loop):
         yield "left", finding.why
     for finding in loop.findings:
         if finding.verdict in TITLES:
-            alone = finding.candidates == (finding.effect,)
             names = " | ".join(finding.candidates)
-            if alone and finding.verdict is Verdict.CLASS:
-                names += " or its like"  # of which the catalogue has none
+            if finding.shares and finding.verdict is Verdict.CLASS:
+                names = finding.shares
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
             yield TITLES[finding.verdict], f"{words}{rule}"
@@ -121,7 +124,10 @@ def verdict(finding, loop):
     """Words behind the row of an added effect."""
     (effect,) = [e for e in loop.fit.effects if e.name == finding.effect]
     parts = []
+    known = finding.coefficients  # of what a record does not show there is none
     for key, row in effect.rows().items():
+        if key not in known:
+            continue
         number = with_error(finding.coefficients[key], finding.stderr[key])
         name = f"{key.split('.')[-1]} " if len(effect.parameters) > 1 else ""
         unit = "" if row.unit == "-" else f" {row.unit}"

@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from pvlib_fem.effects.courses import find_step, number
+from pvlib_fem.effects import CHANGES
+from pvlib_fem.effects.courses import number
+from pvlib_fem.loop.design import Design
+from pvlib_fem.loop.selection import Selection
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.columns import same, twin_of
 from pvlib_fem.record.inputs import as_record
-from pvlib_fem.statistics.changes import Daily
-from pvlib_fem.statistics.clusters import cluster_sums
+from pvlib_fem.statistics.weekly import solve
 
 SUNNY = 200.0  # W/m², above which over-temperatures are compared
 PRESENT = 0.5  # of the rows of the one that has most, below which a sensor is not used
@@ -93,16 +95,24 @@ def step_of(over, beside, share, dates, criteria):
     known = np.isfinite(over)
     if not known.any():
         return {}
-    over, beside, dates = over[known], beside[known], dates[known]
-    sums = cluster_sums([beside, beside], over - share * beside, dates)
-    found = find_step(Daily.of(sums, 1, [0]), criteria)
+    channel = CHANGES["contact_step"]
+    design = Design.of_columns(
+        over[known] - share * beside[known],
+        {"level": beside[known]},
+        beside[known],
+        dates[known],
+        (channel,),
+    )
+    selection = Selection(design, criteria)
+    given = [*design.base]
+    (found,) = [*selection.candidates(given)] or [None]
     if found is None:
         return {}
-    later = beside * (dates >= number(found["at"]))
-    sums = cluster_sums([beside, later], over, dates)
-    before, more = sums.solve([0, 1]) / sums.scale
-    if abs(more) * sums.scale[1] < criteria.hint_gain:  # root mean square [K]
+    score = selection.score(found, given)
+    both = selection.design.by_week(given).sum(axis=0)
+    before = share + float(solve(both)[0] / design.scale[1])
+    if score.probability < criteria.probability or score.fall < criteria.hint_gain**2:
         return {}
-    error = np.sqrt(sums.covariance([0, 1])[1, 1]) / sums.scale[1]
-    sizes = float(more / before), float(error / before)
-    return {"step": found["at"], "change": sizes[0], "stderr": sizes[1]}
+    (size,), (error,) = score.estimate / before, score.stderr / before
+    at = found.effect.settings["at"]
+    return {"step": at, "change": float(size), "stderr": float(error)}

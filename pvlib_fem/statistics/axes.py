@@ -7,9 +7,12 @@ import numpy as np
 
 from pvlib_fem.record.columns import UNITS
 
+WEEKEND_DAYS = 14  # below which weekends are not told from the week: two of each
+DARK = 1.0  # W/m², up to which rows are in the night's own bin
+DRIVER_BINS = 10  # of a driver, with equal numbers of rows
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
 #: names that are not a column's
-CLOCK = ("hour", "weekend", "month", "timetable_days", "timetable_minutes")
+CLOCK = ("hour", "weekend", "month")
 MONTHS = (
     *("January", "February", "March", "April", "May", "June"),
     *("July", "August", "September", "October", "November", "December"),
@@ -63,8 +66,6 @@ class Axis:
         The column that it sorts by; none where that is clock or calendar.
     cyclic : bool
         Whether the first bin follows the last.
-    period : float
-        Time after which a timetable comes again, 0 for anything else. [s]
     """
 
     name: str
@@ -72,7 +73,6 @@ class Axis:
     labels: tuple = field(repr=False)
     column: str = ""
     cyclic: bool = False
-    period: float = 0.0
 
     def of(self, rows):
         """The same for some of the rows."""
@@ -102,7 +102,7 @@ class Axis:
         share = float(rows[bins].sum() / rows.sum())
         ends = self.labels[bins[0]][0], self.labels[bins[-1]][1]
         told = self.words(bins, share)
-        return Place(self.name, self.column, *ends, share, self.period, told)
+        return Place(self.name, self.column, *ends, share, told)
 
 
 @dataclass(frozen=True)
@@ -117,12 +117,9 @@ class Place:
     column : str
         The column that it is made of; none where that is clock or calendar.
     start, end : float or str
-        Labels of the bins: hours, months, the driver's unit, compass points; of a
-        timetable the dates of its first days, or its phase. [min]
+        Labels of the bins: hours, months, the driver's unit, compass points.
     share : float
-        Of all rows that lie there: the duty of a timetable. [-]
-    period : float
-        Time after which a timetable comes again, 0 for anything else. [s]
+        Of all rows that lie there. [-]
     words : str
         The same to be read; empty where it is everywhere along the axis.
     """
@@ -132,13 +129,12 @@ class Place:
     start: float | str
     end: float | str
     share: float
-    period: float
     words: str
 
 
-def axes(index, dates, columns, criteria):
+def axes(index, dates, columns):
     """
-    All ways to sort the rows but by timetables, which the residual itself shows.
+    All ways to sort the rows by clock, calendar and columns.
 
     ``columns`` are the drivers by name; those with few values get a bin for
     each, the others bins with equal numbers of rows.
@@ -146,7 +142,7 @@ def axes(index, dates, columns, criteria):
     hour = np.asarray(index.hour)
     month = np.asarray(index.month) - 1
     yield Axis("hour", hour, tuple((h, h + 1) for h in range(24)), cyclic=True)
-    if len(np.unique(dates)) >= criteria.weekend_days:
+    if len(np.unique(dates)) >= WEEKEND_DAYS:
         weekend = (np.asarray(dates) + 3) % 7 >= 5  # 1970-01-01 was a Thursday
         labels = (("weekdays",) * 2, ("weekend",) * 2)
         yield Axis("weekend", weekend.astype(int), labels)
@@ -154,11 +150,11 @@ def axes(index, dates, columns, criteria):
         labels = tuple((m, m) for m in range(1, 13))
         yield Axis("month", month, labels, cyclic=True)
     for name, values in columns.items():
-        if (axis := sorted_by(name, values, criteria)) is not None:
+        if (axis := sorted_by(name, values)) is not None:
             yield axis
 
 
-def sorted_by(name, values, criteria):
+def sorted_by(name, values):
     """Bins of one driver, or nothing where it does not vary."""
     known = np.isfinite(values)
     if name == "wind_direction":
@@ -168,13 +164,13 @@ def sorted_by(name, values, criteria):
         return Axis(name, *with_missing(bins, labels, known), name, cyclic=True)
     finite = values[known]
     if name == "poa_global":  # nights are a bin of their own
-        finite = finite[finite > criteria.dark]
+        finite = finite[finite > DARK]
     if len(finite) == 0:
         return None
-    inner = np.linspace(0.0, 1.0, criteria.driver_bins + 1)[1:-1]
+    inner = np.linspace(0.0, 1.0, DRIVER_BINS + 1)[1:-1]
     cuts = np.unique(np.quantile(finite[:: max(1, len(finite) // 20_000)], inner))
     if name == "poa_global":
-        cuts = np.concatenate(([criteria.dark], cuts))
+        cuts = np.concatenate(([DARK], cuts))
     low, high = finite.min(), finite.max()
     cuts = cuts[(cuts > min(low, np.nanmin(values))) & (cuts <= high)]
     if len(cuts) == 0:

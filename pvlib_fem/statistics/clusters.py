@@ -20,7 +20,6 @@ WEEK = 7  # days that stay together in a fold
 FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
 FEWEST_DAYS = 5  # below this the spread between days is no error
 AT_ONCE = 1 << 12  # rows of short days whose products are made together
-USUAL = 2.0  # times what is left of half of the days
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 
 
@@ -70,92 +69,15 @@ class ClusterSums:
         found = weeks @ self.sums.reshape(self.days, -1)
         return found.reshape(-1, *self.sums.shape[1:])
 
-    def on(self, days):
-        """Those of some days alone, by their places."""
-        picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
-        return replace(self, sums=self.sums[days], **picked)
-
-    def adding(self, columns):
-        """Those of a residual to which columns are added, so many times each."""
-        times = np.zeros(len(self.scale))
-        for place, number in columns.items():
-            times[place] = number
-        return self.about(-times)
-
     def of(self, kept):
         """Those of some columns alone."""
         sums = those(self.sums, [*kept, self.sums.shape[1] - 1])
         return replace(self, sums=sums, scale=self.scale[kept])
 
-    def with_column(self, columns, residual, dates, new):
-        """The same with one more column, before the residual."""
-        size = np.sqrt(np.einsum("i,i->", new, new) / self.rows) or 1.0
-        first, _ = starts(dates)
-        wide = self.sums.shape[1] + 1
-        sums = np.empty((self.days, wide, wide))
-        sums[:, :-2, :-2] = self.sums[:, :-1, :-1]
-        sums[:, -1, :-2] = sums[:, :-2, -1] = self.sums[:, -1, :-1]
-        sums[:, -1, -1] = self.sums[:, -1, -1]
-        part, scales = new / size, [*self.scale, 1.0, 1.0]
-        row = [
-            np.add.reduceat(column * part, first) / scale
-            for column, scale in zip((*columns, part, residual), scales)
-        ]
-        sums[:, -2] = sums[:, :, -2] = np.stack(row, axis=1)
-        scale = np.append(self.scale, size)
-        return replace(self, sums=sums, scale=scale)
-
-    def along(self, places, weights):
-        """The same with more columns: others, each times a weight of each day."""
-        end, size = self.sums.shape[1] - 1, len(places)
-        both = [*range(end), *places, end]
-        times = np.ones((self.days, len(both)))
-        times[:, end : end + size] = weights
-        sums = those(self.sums, both)
-        sums *= times[:, None]
-        sums *= times[:, :, None]
-        sizes = np.sqrt(np.einsum("dii->i", sums)[end : end + size] / self.rows)
-        sizes[sizes == 0] = 1.0
-        sums[:, end : end + size] /= sizes[:, None]
-        sums[:, :, end : end + size] /= sizes
-        scale = np.append(self.scale, self.scale[places] * sizes)
-        return replace(self, sums=sums, scale=scale)
-
-    def about(self, shift):
-        """The same of a residual that is less so much of each column."""
-        # no other product changes than those of the residual
-        less, sums = shift * self.scale, self.sums.copy()
-        changed = self.sums[:, :-1, :-1] @ less
-        crossed = self.sums[:, :-1, -1] - changed
-        sums[:, -1, -1] -= (self.sums[:, :-1, -1] + crossed) @ less
-        sums[:, :-1, -1] = sums[:, -1, :-1] = crossed
-        return replace(self, sums=sums)
-
-    def day_weights(self, kept):
-        """
-        By how much each day counts where one that is left by much is not to rule.
-
-        A day of snow may be left by as much as a month of others. Usual days count
-        alike, and others by the square that the kept columns leave of them, as in
-        weighted least squares.
-        """
-        found = np.zeros(self.sums.shape[1])
-        found[kept], found[-1] = -self.solve(kept), 1.0
-        left = self.sums @ found @ found
-        most = max(USUAL * np.median(left), np.finfo(float).tiny)
-        return most / np.maximum(left, most)
-
-    def reweighted(self, kept, known=None):
-        """
-        Those of the kept columns alone, each day by its weight.
-
-        That is by what the first ``known`` of them leave, by default all.
-        """
-        found = self.of(kept)
-        weights = found.day_weights([*range(len(kept) if known is None else known)])
-        sums = found.sums  # a copy of their own
-        sums *= weights[:, None, None]
-        return replace(found, sums=sums)
+    def on(self, days):
+        """Those of some days alone, by their places."""
+        picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
+        return replace(self, sums=self.sums[days], **picked)
 
     def solve(self, kept):
         """Best coefficients of the kept columns."""
@@ -197,12 +119,6 @@ class ClusterSums:
         inverse = np.linalg.inv(normals.sum(axis=0))
         covariance = days_left_out(normals, scores, inverse)
         return covariance / np.outer(self.scale, self.scale)
-
-    def given(self, column, kept):
-        """Root mean square of a column that the kept ones do not explain."""
-        explained = ridged(self.whole[kept][:, kept], self.whole[kept, column])
-        square = self.whole[column, column] - explained @ self.whole[kept, column]
-        return np.sqrt(max(square, 0.0) / self.rows)
 
 
 def those(sums, columns):

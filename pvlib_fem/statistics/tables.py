@@ -5,7 +5,13 @@ from itertools import combinations
 
 import numpy as np
 
-DAY = 86400.0  # s
+CELL_TIME = 900.0  # s, over which rows share a cell
+CELL_WEIGHT = 43200.0  # s of rows, by which a cell's mean is shrunk towards zero
+FOLD_SHARE = 0.8  # of the groups of weeks in which a table has to gain
+BETTER_GAIN = 1.02  # times an earlier table's, that a later one has to take
+PAIR_GAIN = 1.2  # times that of one driver, that a table of two has to take
+STRONG_CELL = 0.5  # of the largest mean, from which a cell is part of the place
+PLACE_SHARE = 0.92  # of those cells' squares, that the reported range holds
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +44,7 @@ class Structure:
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
 
 
-def find_structure(residual, seconds, folds, axes, step, criteria, without=()):
+def find_structure(residual, seconds, folds, axes, step, without=()):
     """
     The table that takes most off the residual of weeks that it has not seen.
 
@@ -51,11 +57,9 @@ def find_structure(residual, seconds, folds, axes, step, criteria, without=()):
     folds : array of int
         Group of weeks of each row.
     axes : sequence of Axis
-        Of :func:`axes`, and the timetables if there are any.
+        Of :func:`axes`.
     step : float
         Usual time between rows. [s]
-    criteria : Criteria
-        Thresholds of the stage *structure*.
     without : sequence of str
         Columns that it may not use.
 
@@ -67,29 +71,26 @@ def find_structure(residual, seconds, folds, axes, step, criteria, without=()):
     kept = [axis for axis in axes if axis.column not in without]
     # clock and calendar come first, which columns only follow
     kept.sort(key=lambda axis: bool(axis.column))
-    quick = {i for i, axis in enumerate(kept) if 0 < axis.period < DAY}
     residual = residual - residual.mean()
     series = (residual, seconds, folds)
-    wide = gathered(kept, (), *series, criteria.cell_time)
-    narrow = gathered(kept, quick, *series, criteria.cell_time) if quick else wide
-    shrink = criteria.cell_weight / step
+    cells = gathered(kept, *series)
+    shrink = CELL_WEIGHT / step
     best, found = {}, {}
     for chosen in ways(kept):
-        cells = narrow if quick & {*chosen} else wide
         bins, count = joined([cells.axes[i] for i in chosen])
         gains, means = held_out_gain(bins, count, *cells.rest, shrink)
-        if (gains > 0).sum() < criteria.fold_share * len(gains):
+        if (gains > 0).sum() < FOLD_SHARE * len(gains):
             continue  # an accident of some weeks
         gain = gains.sum()
-        if gain > criteria.better_gain * best.get(len(chosen), 0.0):
+        if gain > BETTER_GAIN * best.get(len(chosen), 0.0):
             best[len(chosen)], found[len(chosen)] = gain, (chosen, means)
     if not best:
         return None
-    pair = best.get(2, 0.0) > criteria.pair_gain * best.get(1, 0.0)
+    pair = best.get(2, 0.0) > PAIR_GAIN * best.get(1, 0.0)
     chosen, means = found[2 if pair else 1]
     chosen = [kept[i] for i in chosen]
     bins, count = joined(chosen)
-    places, size = placed(chosen, residual, bins, count, shrink, criteria)
+    places, size = placed(chosen, residual, bins, count, shrink)
     gain = float(np.sqrt(best[len(chosen)]))
     return Structure(places, gain, size, means[folds, bins], bins)
 
@@ -113,9 +114,9 @@ class Cells:
     rest: tuple  # sum of the residual, number of rows, fold
 
 
-def gathered(axes, quick, residual, seconds, folds, cell_time):
-    """Cells inside which no bin of the ``quick`` axes changes."""
-    marks = [np.floor(seconds / cell_time), folds, *(axes[i].bins for i in quick)]
+def gathered(axes, residual, seconds, folds):
+    """Cells of rows that are close in time."""
+    marks = [np.floor(seconds / CELL_TIME), folds]
     new = np.any([np.diff(mark) != 0 for mark in marks], axis=0)
     first = np.concatenate(([0], np.flatnonzero(new) + 1))
     size = np.diff(np.append(first, len(seconds)))
@@ -146,12 +147,12 @@ def held_out_gain(bins, count, sums, rows, folds, shrink):
     return gains, means
 
 
-def placed(chosen, residual, bins, count, shrink, criteria):
+def placed(chosen, residual, bins, count, shrink):
     """Place of the strongest cells along each axis, and the mean residual there."""
     sums = np.bincount(bins, residual, count)
     rows = np.bincount(bins, minlength=count)
     means = sums / (rows + shrink)
-    strong = np.abs(means) >= criteria.strong_cell * np.abs(means).max()
+    strong = np.abs(means) >= STRONG_CELL * np.abs(means).max()
     squares = np.where(strong, means**2 * rows, 0.0)
     top = strong & ((means > 0) == (squares @ np.sign(means) >= 0))
     # what happens part of the time leaves some of the other sign elsewhere
@@ -161,5 +162,5 @@ def placed(chosen, residual, bins, count, shrink, criteria):
     for i, axis in enumerate(chosen):
         other = tuple(j for j in range(len(shape)) if j != i)
         along, size = (t.reshape(shape).sum(axis=other) for t in (squares, rows))
-        places.append(axis.place(axis.strongest(along, criteria.place_share), size))
+        places.append(axis.place(axis.strongest(along, PLACE_SHARE), size))
     return tuple(places), float(sums[top].sum() / max(rows[top].sum(), 1))

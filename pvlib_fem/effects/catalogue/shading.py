@@ -106,7 +106,7 @@ def within(windows, sensor=False):
     )
 
 
-def scan(rest, tangents, columns, weeks, criteria):
+def scan(rest, tangents, columns, weeks, least):
     """
     Windows of the sky where what is left of a fit follows the beam.
 
@@ -123,7 +123,8 @@ def scan(rest, tangents, columns, weeks, criteria):
         of all that it is weighed beside. [K]
     columns : mapping
     weeks : array of int
-    criteria : object
+    least : float
+        Gain that each window has to take. [K]
 
     Returns
     -------
@@ -139,7 +140,7 @@ def scan(rest, tangents, columns, weeks, criteria):
     sun = azimuth, own["up"] / own["clear"]
     rest, weeks = rest[lit], weeks[lit]
     found = {
-        sensor: find_windows(rest, tangent, basis, sun, weeks, sign, criteria, rows)
+        sensor: find_windows(rest, tangent, basis, sun, weeks, sign, least, rows)
         for sensor, tangent, sign in (
             (False, own["share"], 1.0),
             (True, own["unseen"], -1.0),

@@ -48,7 +48,7 @@ def every_rain(poa_global, *days, even, **per_day):
     return Terms(heat=poa_global * (even + gathered))
 
 
-def scan(rest, tangents, columns, weeks, criteria):
+def scan(rest, tangents, columns, weeks, least):
     """The rain that cleans: that since which dirt follows what is left best."""
     even = tangents["soiling.even"]
     gathered = [tangents[f"soiling.per_day_{i}"] for i in range(len(RAINS))]

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from pvlib_fem.effects.courses import is_drift, weights_of
-from pvlib_fem.findings import Opinion, Witness
+from pvlib_fem.findings import OUTSIDE, Opinion, Witness
+from pvlib_fem.loop.noise import density
 from pvlib_fem.quality.clearsky import clear_sky
 from pvlib_fem.record.columns import is_power, twin_of
-from pvlib_fem.statistics.changes import UNSEEN, gained_by_two
-from pvlib_fem.statistics.clusters import WEEK, cluster_sums, starts
+from pvlib_fem.statistics.clusters import WEEK, cluster_sums
 
 BRIGHT = 200.0  # W/m², above which light is compared
 BREEZE = 1.0  # m/s, above which wind is
@@ -26,16 +26,16 @@ SLACK = 0.15  # of what is expected: a thermal coefficient is no better than tha
 FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1/year]
 HALF = 0.5  # of what is expected: less is nearer to nothing
 SURE = 2.0  # standard errors
-SIDES = (-SURE, SURE)
 FEWEST_DAYS = 40  # on which both are there
 FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
-FEWEST_MONTHS = 4  # of which a memory from one to the next can be told
 MONTH = 4 * WEEK  # days that are one draw of the weather
 YEAR = 365.25  # days, over which weather forgets what it was
 NEIGHBOURS = 4  # compared days before and after one that may be as it is
 OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
 HAZE = 0.02  # of a clear sky's light, from year to year: aerosol and water [-]
 WINDINESS = 0.1  # of the mean wind, from season to season and from year to year [-]
+WORTH = 0.05  # probability from which what a reference says of a member is reported
+ODD = 0.05  # probability that a reference shows something else than any candidate
 SKY, USUAL_WIND = "clear sky", "usual wind"  # no names of columns
 
 
@@ -111,13 +111,6 @@ def logs(one, other):
         return np.log(one / other)
 
 
-def shares(one, other):
-    """The ratio, of what it usually is."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = one / other
-    return ratio / np.nanmedian(ratio)
-
-
 def of_wind(change, coefficients):
     """The share that wind is read less, where each m/s of it has so much more loss."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -157,10 +150,6 @@ COMPARISONS = (
 )
 
 
-#: whether the plant fed, which is no change of an instrument
-OUTAGE = Comparison(is_power, bright, power, shares, {}, module=True)
-
-
 @dataclass(frozen=True, eq=False)
 class Apart:
     """How far two columns are apart, by the day."""
@@ -169,19 +158,11 @@ class Apart:
     column: str
     days: np.ndarray  # since 1970-01-01
     apart: np.ndarray
-    known: tuple = ()  # changes that are in the model
-
-    def beside(self, changes):
-        """The same, where some changes are known."""
-        shows = self.comparison.shows
-        return replace(self, known=tuple(c for c in changes if c.channel in shows))
 
     @cached_property
     def usual(self):
-        """What comes and goes of itself, or is known, by the day."""
-        known = (weights_of(effect, self.days) for effect in self.known)
-        usual = [np.ones(len(self.days)), *self.year()]
-        return [*usual, *(w for w in known if np.ptp(w) > 0)]
+        """What comes and goes of itself, by the day."""
+        return [np.ones(len(self.days)), *self.year()]
 
     def along(self, weights, values=None):
         """The change along a course, its error, and what it leaves."""
@@ -196,49 +177,6 @@ class Apart:
         error = np.sqrt(variance + self.wandering(table))
         left = values - table @ found
         return float(found[-1]), float(error), left
-
-    def misfits(self, courses, dates):
-        """
-        Twice the log-likelihood that courses lack, and that steps at two dates lack.
-
-        By months and the memory of what the best of all leaves: part of a change that
-        is left would be remembered for long.
-
-        Parameters
-        ----------
-        courses : array
-            Weights by the day, a row for each.
-        dates : array
-            Of steps, in days since 1970-01-01.
-
-        Returns
-        -------
-        array, array
-            By course; by both dates, of which twice the same one is one step.
-        """
-        basis = np.linalg.qr(np.column_stack(self.usual))[0]
-        rows = np.vstack([courses, self.days >= dates[:, None]]).astype(float)
-        rest, own = (v - (v @ basis) @ basis.T for v in (self.apart, rows))
-        sizes = np.square(own).sum(axis=1)
-        # a course that is usual, or known, takes nothing
-        own[sizes <= UNSEEN * np.square(rows).sum(axis=1)] = 0.0
-        own, steps = own[: len(courses)], own[len(courses) :]
-        alone, pairs = taken(rest, own), taken_by_two(rest, steps)
-        best = own[[np.argmax(alone)]]
-        if np.max(pairs, initial=0.0) > np.max(alone):
-            best = steps[[*np.unravel_index(np.argmax(pairs), pairs.shape)]]
-        left = rest - best.T @ np.linalg.lstsq(best.T, rest, rcond=None)[0]
-        first, _ = starts(self.days // MONTH)
-        means = np.add.reduceat(left, first) / np.diff(first, append=len(left))
-        memory = 0.0
-        if len(means) >= FEWEST_MONTHS and np.ptp(means) > 0:
-            memory = max(remembered(means), 0.0)
-        draws = len(means) * (1.0 - memory) / (1.0 + memory)
-        whole = rest @ rest
-        # of what follows a course to the last digit rounding is left
-        floor = max(UNSEEN**2 * whole, np.finfo(float).tiny)
-        lacks = (np.maximum(whole - part, floor) / len(rest) for part in (alone, pairs))
-        return tuple(draws * np.log(one) for one in lacks)
 
     def wandering(self, table):
         """Variance of the last coefficient by what differs from year to year."""
@@ -257,63 +195,78 @@ class Apart:
             yield np.cos(harmonic * angle)
             yield np.sin(harmonic * angle)
 
-    def of(self, effect, coefficient, stderr, coefficients):
-        """What it says of an effect of that size, or None."""
-        shows = self.comparison.shows.get(effect.channel)
-        if shows is None:
-            return None
-        weights = weights_of(effect, self.days)
-        if not np.ptp(weights) > 0:
+    def profiles(self, effects):
+        """Log-likelihood of each time profile compared with the best of them."""
+        channels = {}
+        for effect in effects:
+            channels.setdefault(effect.channel, []).append(effect)
+        for same in channels.values():
+            left = {}
+            for effect in same:
+                weights = weights_of(effect, self.days)
+                if np.ptp(weights) > 0:
+                    left[effect.name] = self.along(weights)[2]
+            squares = {name: float(rest @ rest) for name, rest in left.items()}
+            if len(squares) < 2:
+                continue
+            best = min(squares, key=squares.get)
+            draws = 0.5 * independent(left[best], self.days // MONTH)
+            for name, square in squares.items():
+                yield name, draws * float(np.log(squares[best] / square))
+
+    def asked(self, choice):
+        """Members of a choice of which it would show something."""
+        members = choice.members.items()
+        return [n for n, m in members if m.effect.channel in self.comparison.shows]
+
+    def shown(self, choice, first, names, coefficients):
+        """
+        Its deviation along the profile of an effect, and what members would make it.
+
+        With its error, and by how much it ages by itself; None where it tells nothing.
+        """
+        weights = weights_of(first, self.days)
+        if not names or not np.ptp(weights) > 0:
             return None
         size, error, _ = self.along(weights)
-        with np.errstate(invalid="ignore"):
-            shown = shows(coefficient * weights, coefficients)
-        expected = self.along(weights, shown)[0] if np.isfinite(shown).all() else 0.0
-        if expected == 0.0:
-            return None
-        aged = FADES if self.comparison.ages and is_drift(effect) else 0.0
-        error_or_age = np.hypot(error, aged / SURE)
-        own = np.hypot(error_or_age, SLACK * expected)
-        ends = (coefficient * (size + aged + side * own) / expected for side in SIDES)
-        low, high = sorted(ends)
-        doubt = expected * np.hypot(SLACK, stderr / coefficient)
-        expected = float(expected - aged)
-        opinion = opinion_of(size, expected, error_or_age, doubt)
-        unit = self.comparison.unit + ("/year" if is_drift(effect) else "")
-        said = (size, error, expected, opinion, unit, float(low), float(high))
-        return Witness(self.column, effect.name, *said)
+        expected = {
+            name: self.expected(
+                choice.members[name].effect,
+                float(choice.scores[name].estimate[0]),
+                weights,
+                coefficients,
+            )
+            for name in names
+        }
+        aged = FADES if self.comparison.ages and is_drift(first) else 0.0
+        return size, error, expected, aged
+
+    def expected(self, effect, size, along, coefficients):
+        """What a change of that size would have it show along a course."""
+        shows = self.comparison.shows.get(effect.channel)
+        if shows is None:
+            return 0.0
+        with np.errstate(invalid="ignore", divide="ignore"):
+            shown = shows(size * weights_of(effect, self.days), coefficients)
+        return self.along(along, shown)[0] if np.isfinite(shown).all() else 0.0
 
 
-def taken(rest, columns):
-    """What each column takes of a sum of squares."""
-    sizes = np.square(columns).sum(axis=1)
-    products = columns @ rest
-    return np.divide(products**2, sizes, out=np.zeros(len(sizes)), where=sizes > 0)
+def independent(values, months):
+    """Number of months less what each remembers of the one before."""
+    _, place = np.unique(months, return_inverse=True)
+    means = np.bincount(place, values) / np.bincount(place)
+    memory = 0.0
+    if len(means) > 3 and np.ptp(means) > 0:
+        memory = max(float(np.corrcoef(means[1:], means[:-1])[0, 1]), 0.0)
+    return len(means) * (1.0 - memory) / (1.0 + memory)
 
 
-def taken_by_two(rest, columns):
-    """What each two columns take together, and what one takes twice the same."""
-    both, products, alone = columns @ columns.T, columns @ rest, taken(rest, columns)
-    sizes = np.diag(both)
-    pairs = [np.meshgrid(part, part) for part in (products, sizes)]
-    together = gained_by_two(*pairs, both, UNSEEN * np.outer(sizes, sizes))
-    return np.maximum(together, np.maximum.outer(alone, alone))
-
-
-def remembered(means):
-    """Correlation of each with the one before."""
-    return float(np.corrcoef(means[1:], means[:-1])[0, 1])
-
-
-def opinion_of(size, expected, error, doubt=0.0):
-    """
-    Whether a size is what is expected, or nearer to nothing, as far as is sure.
-
-    ``error`` is that of the size, ``doubt`` that of what is expected, of which half
-    parts the two.
-    """
+def opinion_of(size, expected, error):
+    """Whether a size is nearer to what is expected than to nothing, if that is sure."""
+    if expected == 0.0:
+        return Opinion.CANNOT_TELL
     beyond = (size - HALF * expected) / expected
-    sure = SURE * np.hypot(error, HALF * doubt) / abs(expected)
+    sure = SURE * np.hypot(error, HALF * SLACK * expected) / abs(expected)
     if beyond > sure:
         return Opinion.AGREES
     return Opinion.CONTRADICTS if beyond < -sure else Opinion.CANNOT_TELL
@@ -381,3 +334,61 @@ def usual(values):
     kept = known.copy()
     kept[known] = away <= OUTLIER * max(high - low, 1e-9)
     return kept
+
+
+def said(references, choice, coefficients):
+    """
+    Log-likelihoods of the members of a choice, and of a cause outside, by references.
+
+    How far a reference deviates along the time profile of the best member is compared
+    with what each member would have it show; a cause that is in no instrument shows
+    nothing. Time profiles of one instrument are compared by what each leaves of the
+    reference.
+
+    Parameters
+    ----------
+    references : sequence of Apart
+    choice : Choice
+    coefficients : dict
+        Of the fitted model.
+    """
+    top = choice.top.effect
+    logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
+    for one in references if top.channel else ():
+        asked = one.asked(choice)
+        shown = one.shown(choice, top, asked, coefficients)
+        if shown is None:
+            continue
+        for name, worse in one.profiles([choice.members[n].effect for n in asked]):
+            logs[name] += worse
+        size, error, expected, aged = shown
+        expected = dict.fromkeys(logs, 0.0) | expected
+        broad = np.hypot(max(abs(value) for value in expected.values()), error)
+        for name, value in expected.items():
+            own = np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2)
+            likely = density(size - value + aged, own)
+            likely = (1.0 - ODD) * likely + ODD * density(size, broad)
+            logs[name] += float(np.log(likely))
+    return logs
+
+
+def heard(references, choice, first, coefficients):
+    """What each reference shows along the time profile of the first, by instrument."""
+    found = []
+    for one in references if first.channel else ():
+        alike = [
+            name
+            for name in one.asked(choice)
+            if choice.members[name].effect.terms.course is first.terms.course
+            and max(choice.probabilities[name], choice.weights[name]) >= WORTH
+        ]
+        shown = one.shown(choice, first, alike, coefficients) if alike else None
+        if shown is None:
+            continue
+        size, error, expected, aged = shown
+        unit = one.comparison.unit + ("/year" if is_drift(first) else "")
+        for name in alike:
+            value = expected[name] - aged
+            opinion = opinion_of(size, value, float(np.hypot(error, aged / SURE)))
+            found.append(Witness(one.column, name, size, error, value, opinion, unit))
+    return tuple(found)

@@ -1,0 +1,359 @@
+"""Which candidates the remaining error asks for, and how sure each is."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.design import Design
+from pvlib_fem.loop.dictionary import DATED, Candidate, dated, first_days, undated
+from pvlib_fem.statistics.weekly import LeastSquares, fall, held_out
+
+BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
+OVERLAP = 0.3  # share of the best one's part, from which another is its rival
+DOUBT = 0.5  # probability below which another is no rival
+SWEEPS = 4  # times that every choice is made anew given the others
+MOST = 10  # effects in one model
+DRAWS = 40  # of weeks, with replacement
+SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
+MOST_SURE = 20.0  # standard errors, beyond which no time profile is surer
+DAYS_ALIKE = 8.0 / 3.0  # over z²: share of a record's dates that are as good as one
+SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
+SLACK = 0.35  # share of a bound by which it may: a tangent is bent where it is large
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a candidate explains given others."""
+
+    keys: tuple  # names of its coefficients
+    fall: float  # of the mean square on weeks left out in turn [K²]
+    estimate: np.ndarray  # natural units
+    covariance: np.ndarray
+    probability: float  # that it is there
+    possible: bool  # within its bounds
+    null: np.ndarray  # covariance that it would have by accident
+    freedom: float  # of that
+
+    @property
+    def stderr(self):
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def coefficients(self):
+        """Coefficients by name."""
+        return dict(zip(self.keys, map(float, self.estimate)))
+
+    @property
+    def errors(self):
+        """Standard errors by name."""
+        return dict(zip(self.keys, map(float, self.stderr)))
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """One single effect: its best candidate, and all that may be it."""
+
+    top: Candidate
+    score: Score
+    members: dict = field(default_factory=dict)  # name to candidate
+    scores: dict = field(default_factory=dict)  # name to score
+    weights: dict = field(default_factory=dict)  # name to posterior among members
+    probabilities: dict = field(default_factory=dict)  # the outside among them
+    spread: dict = field(default_factory=dict)  # relative, between tables
+
+    @property
+    def fall(self):
+        return self.score.fall
+
+    @property
+    def first(self):
+        """Name of the most probable member."""
+        return max(self.members, key=self.probabilities.__getitem__)
+
+
+@dataclass(eq=False)
+class Selection:
+    """Single effects, each given all others, as far as they are material and sure."""
+
+    design: Design
+    criteria: Criteria
+    closed: frozenset = frozenset()  # names that are not to be taken
+    known: dict = field(default_factory=dict)
+
+    def run(self):
+        """All choices, the largest first."""
+        choices, seen = [], set()
+        while len(choices) < MOST:
+            best = self.best(choices)
+            if best is None:
+                break
+            choices = self.settled([*choices, best])
+            key = frozenset(c for one in choices for c in one.top.columns)
+            if key in seen:  # one that comes lets another go, in turn
+                break
+            seen.add(key)
+        return sorted(choices, key=lambda one: -one.fall)
+
+    def settled(self, choices):
+        """The same when none is better replaced given the others, or left out."""
+        for _ in range(SWEEPS):
+            changed = False
+            for i in range(len(choices) - 1, -1, -1):
+                mine = choices[i]
+                others = [*choices[:i], *choices[i + 1 :]]
+                now = self.score(mine.top, self.given(others))
+                found = self.best(others)
+                if found is None:
+                    choices, changed = others, True
+                elif not self.holds(now) or found.fall > BETTER * now.fall:
+                    same = found.top.columns == mine.top.columns
+                    changed = changed or not same
+                    choices = [*choices[:i], found, *choices[i + 1 :]]
+                else:
+                    choices[i] = replace(mine, score=now)
+            if not changed:
+                break
+        return choices
+
+    def dated(self, choice, name, given):
+        """The effect of a member, with the days between which its date is."""
+        one, score = choice.members[name], choice.scores[name]
+        if not one.effect.channel:
+            return one.effect
+        errors = float(np.abs(score.estimate[0]) / score.stderr[0])
+        side = self.criteria.change_side
+        return first_days(self.design, one, given, side, errors)
+
+    def given(self, choices):
+        """Columns of the base and of some choices."""
+        return [*self.design.base, *(c for one in choices for c in one.top.columns)]
+
+    def candidates(self, given, taken=()):
+        """Candidates given some columns, but those that are taken."""
+        key = tuple(map(str, given))
+        if key not in self.known:
+            limits = self.criteria
+            found = [
+                *undated(self.design, limits.prior),
+                *dated(self.design, given, limits.change_side, limits.prior),
+            ]
+            self.known[key] = [one for one in found if one.name not in self.closed]
+        return [one for one in self.known[key] if one.name not in {*taken}]
+
+    def best(self, choices):
+        """The choice that explains most given others, or None."""
+        given, best = self.given(choices), None
+        taken = [one.top.name for one in choices]
+        found = self.candidates(given, taken)
+        falls = {i: self.in_sample(one, given) for i, one in enumerate(found)}
+        for i in sorted(falls, key=lambda i: -falls[i]):
+            # on weeks left out it explains no more than on those that are fitted
+            if falls[i] < self.least or (best and falls[i] < best.fall):
+                break
+            score = self.score(found[i], given)
+            if self.holds(score) and (best is None or score.fall > best.fall):
+                best = Choice(found[i], score)
+        return best
+
+    @cached_property
+    def least(self):
+        """Fall of the mean square that is material. [K²]"""
+        mean = held_out(self.design.by_week(self.design.base), self.design.folds)
+        limits = self.criteria
+        return max(limits.min_gain**2, limits.min_share * mean / self.design.count)
+
+    def holds(self, score):
+        """Whether it is possible, there and material."""
+        there = score.probability >= self.criteria.probability
+        return score.possible and there and score.fall >= self.least
+
+    def in_sample(self, one, given):
+        """Fall of the mean square on the weeks that are fitted. [K²]"""
+        whole = self.design.by_week([*given, *one.columns]).sum(axis=0)
+        return fall(whole, len(one.columns)) / self.design.count
+
+    def together(self, one, other, given):
+        """Fall of the mean square by two candidates, on the weeks that are fitted."""
+        own = [c for c in (*one.columns, *other.columns) if c not in given]
+        whole = self.design.by_week([*given, *own]).sum(axis=0)
+        return fall(whole, len(own)) / self.design.count
+
+    def score(self, one, given):
+        """What a candidate explains given some columns."""
+        design = self.design
+        own = [c for c in one.columns if c not in given]
+        weekly = design.by_week([*given, *own])
+        size = len(own)
+        inner = weekly[:, :-size, :-size]
+        gain = held_out(inner, design.folds) - held_out(weekly, design.folds)
+        found, scale = LeastSquares(weekly, size), design.scales(own)
+        estimate = found.estimate / scale
+        covariance = found.covariance / np.outer(scale, scale)
+        rows = list(rows_of(one, design))
+        if one.effect.channel:
+            # other dates are no placebo of a date: whatever is slow has some
+            null, freedom = covariance, found.freedom
+        else:
+            null, freedom = design.placebo(given, own, found)
+            null = null / np.outer(scale, scale)
+        there = existence(one, rows, estimate, null, freedom)
+        fits = possible(rows, estimate, np.sqrt(np.diag(covariance)))
+        keys = tuple(one.effect.rows())
+        if not one.effect.channel:
+            keys = tuple(design.names[column] for column in one.columns)
+        sizes = gain / design.count, estimate, covariance
+        return Score(keys, *sizes, there, fits, null, freedom)
+
+    def with_members(self, choices):
+        """Choices with all candidates that may be each, and their posterior."""
+        found = []
+        for i, one in enumerate(choices):
+            others = [*choices[:i], *choices[i + 1 :]]
+            found.append(self.weighed(one, others))
+        return found
+
+    def weighed(self, choice, others):
+        """A choice with its rivals, by how much of its part each explains."""
+        given = self.given(others)
+        taken = [one.top.name for one in others]
+        top = choice.top
+        parts = {top.name: choice.score}
+        members = {top.name: top}
+        for one in self.candidates(given, taken):
+            if one.name == top.name:
+                continue
+            score_fall = self.in_sample(one, given)
+            if score_fall < OVERLAP * choice.fall:
+                continue
+            own = self.in_sample(top, given)
+            shared = score_fall + own - self.together(top, one, given)
+            if min(score_fall, shared) < OVERLAP * own:
+                continue
+            score = self.score(one, given)
+            if score.possible and score.probability >= DOUBT:
+                members[one.name], parts[one.name] = one, score
+        score = choice.score
+        sure = float(np.abs(score.estimate[0]) / score.stderr[0])
+        weights = self.posterior(members, given, top, min(sure, MOST_SURE))
+        return replace(choice, members=members, scores=parts, weights=weights)
+
+    def posterior(self, members, given, top, sure):
+        """
+        Posterior among members of one single effect, averaged over draws of weeks.
+
+        Each explains some of what the best one explains. What it lacks of that is
+        compared with the error of the laws: an exact likelihood of so many rows
+        would be sure of a law that is not exact (Huggins and Miller, 2023).
+        """
+        design = self.design
+        if len(members) == 1:
+            return {top.name: 1.0}
+        random = np.random.default_rng(0)
+        weeks = len(design.clusters)
+        draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
+        draws = np.vstack([np.ones(weeks), draws]).astype(float)
+        parts = {n: self.drawn(one.columns, given, draws) for n, one in members.items()}
+        overlaps = []
+        for name, one in members.items():
+            if name == top.name:
+                overlaps.append(parts[name])
+                continue
+            columns = [*top.columns, *one.columns]
+            together = self.drawn(columns, given, draws)
+            shared = parts[name] + parts[top.name] - together
+            overlaps.append(np.minimum(parts[name], shared))
+        table = np.maximum(np.array(overlaps), 0.0)
+        most = np.maximum(table.max(axis=0), 1e-12)
+        shapes = any(one.effect.confounder for one in members.values())
+        law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
+        # time profiles of one law differ by no error of that law
+        groups, logs = {}, np.empty_like(table)
+        for i, one in enumerate(members.values()):
+            groups.setdefault(one.effect.channel or one.name, []).append(i)
+        for own in groups.values():
+            best = table[own].max(axis=0)
+            within = 0.5 * sure**2 * (table[own] - best) / most
+            within -= np.array(
+                [[dates_cost([*members.values()][i], sure)] for i in own]
+            )
+            within -= within.max(axis=0)
+            within -= np.log(np.exp(within).sum(axis=0))
+            logs[own] = within - 0.5 * (most - best) / (law * most)
+        logs += np.array([[one.log_prior] for one in members.values()])
+        shares = np.exp(logs - logs.max(axis=0))
+        shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
+        return dict(zip(members, shares.tolist()))
+
+    def drawn(self, columns, given, draws):
+        """Fall of the mean square by columns in draws of weeks, less that of noise."""
+        design = self.design
+        own = [c for c in columns if c not in given]
+        weekly = design.by_week([*given, *own])
+        wholes = np.einsum("dw,wij->dij", draws, weekly)
+        found = LeastSquares(weekly, len(own))
+        # Takeuchi: what as many columns take of noise that is alike within weeks
+        beside = weekly.sum(axis=0)[1:, 1:]
+        inverse = np.linalg.inv(beside + 1e-9 * np.diag(np.diag(beside)))
+        own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
+        noise = np.trace(own_part @ found.covariance)
+        return (fall(wholes, len(own)) - noise) / design.count
+
+
+def dates_cost(one, sure):
+    """
+    What a date costs: minus the logarithm of the share of dates that are as good.
+
+    Away from its date a step loses what it explains in proportion to the days, so that
+    of the days on one side a share of 8/z² is as good, by Laplace.
+    """
+    if not one.effect.channel:
+        return 0.0
+    many = DATED[one.effect.terms.course.name]
+    return many * max(float(np.log(sure**2 / DAYS_ALIKE)), 0.0)
+
+
+def rows_of(one, design):
+    """Rows of the parameters of a candidate's columns."""
+    rows = one.effect.rows()
+    if one.effect.channel:
+        return rows.values()
+    return [rows[design.names[c]] for c in one.columns]
+
+
+def possible(rows, estimate, stderr):
+    """Whether coefficients are within their bounds, as far as a tangent can say."""
+
+    def slack(bound, error):
+        return max(SLACK_ERRORS * error, SLACK * abs(bound))
+
+    return all(
+        row.lower - slack(row.lower, error)
+        <= value
+        <= row.upper + slack(row.upper, error)
+        for row, value, error in zip(rows, estimate, stderr)
+    )
+
+
+def existence(one, rows, estimate, covariance, freedom):
+    """
+    Probability that a candidate is there, by its estimate and its error alone.
+
+    Wakefield's approximate Bayes factor, with the tails of Student's law for so many
+    weeks.
+    """
+    widths = np.array([(row.upper - row.lower) / SIZES for row in rows])
+    sizes = np.diag(widths**2)
+    scale = np.sqrt(np.diag(covariance))
+    unit = np.outer(scale, scale)
+    inner, sizes = covariance / unit, sizes / unit
+    mean = estimate / scale
+    inner += 1e-9 * np.eye(len(mean))
+    plain = mean @ np.linalg.solve(inner, mean)
+    wide = mean @ np.linalg.solve(inner + sizes, mean)
+    _, volume = np.linalg.slogdet(np.eye(len(mean)) + np.linalg.solve(inner, sizes))
+    tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
+    log_factor = -0.5 * volume + 0.5 * (freedom + len(mean)) * tails
+    log_odds = log_factor + one.log_prior - one.log_dates
+    return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
