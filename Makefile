@@ -60,11 +60,11 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --shift 3110000 3210000 3310000 --every 3 --table $(VENV)/study --out docs/study.md
+	$(BIN)/python tests/study.py --gate --table $(VENV)/study --out docs/study.md
 
 # what it says of instruments that change among physics
 study-instruments: $(VENV)/.installed
-	$(BIN)/python tests/study_instruments.py --seed 32000 --records 100 --table $(VENV)/instruments \
+	$(BIN)/python tests/study_instruments.py --gate --table $(VENV)/instruments \
 		--out docs/study_instruments.md
 
 # how often the loop's probabilities are right, from the rows of both

@@ -25,12 +25,16 @@ from study_records import (
 )
 from study_worlds import (
     CLEARLY,
+    CLOSED_CAUSES,
     FAMILIES,
     FLOOR,
+    GATE_EVERY,
+    GATE_SHIFTS,
     LOGGERS,
     MARGIN,
     NEAR,
     SECOND_GENERATOR,
+    WHOLE,
 )
 
 from pvlib_fem import Criteria
@@ -44,7 +48,8 @@ def worlds(families=None, quick=False, every=1):
     """All worlds and their cases; a small fixed part of them where ``quick``."""
     for name in families or FAMILIES:
         made = list(FAMILIES[name]())
-        yield from (part(name, made) if quick else made[::every])
+        thin = 1 if name in WHOLE else every
+        yield from (part(name, made) if quick else made[::thin])
 
 
 #: of each family, which worlds are in the small part
@@ -55,6 +60,7 @@ QUICK = {
     "one effect": (0, 1, 2, 4, 8, 9, 13),
     "pairs and triples": (0, 4),  # in which every effect shows
     "no catalogue": (0, 1, 2, 3),
+    CLOSED_CAUSES: (),
     "its driver as a column": (0, 1),
     "driver missing": (0, 1),
     "ties": (0, 1),
@@ -72,13 +78,15 @@ def part(name, made):
 
 def run(families=None, quick=False, processes=2, shifts=(0,), every=1):
     """A row for each record of as many draws as there are shifts of their seeds."""
-    tasks = []
+    tasks, blocks = [], []
     for shift in shifts:
         study_worlds.SHIFT = shift
         tasks += worlds(families, quick, every)
+        blocks += [shift] * (len(tasks) - len(blocks))
     rows, begin, done = [], time.perf_counter(), None
-    for (_, cases), some in zip(tasks, spread(judged, tasks, processes)):
-        rows += some
+    made = zip(tasks, blocks, spread(judged, tasks, processes))
+    for (_, cases), shift, some in made:
+        rows += [row | {"shift": shift} for row in some]
         if done not in (None, cases[0].family):
             told(rows, done, begin)
         done = cases[0].family
@@ -264,6 +272,7 @@ BARS = (
         0.90,
     ),
     Bar("no catalogue", NO_NAME, done, honest),
+    Bar(CLOSED_CAUSES, NO_NAME, done, honest, 0.98),
     Bar("its driver as a column", "`driver:<column>` is found", done, whole, 0.95),
     Bar("driver missing", NO_NAME, done, honest),
     Bar("driver missing", "said so", done, lambda row: row["mentioned"]),
@@ -465,7 +474,11 @@ def main():
     parser.add_argument("--shift", type=int, nargs="+", default=[0], help=shift)
     every = "of the worlds of each family, one of so many"
     parser.add_argument("--every", type=int, default=1, help=every)
+    gate = "on what the gate is measured, instead of shift and every"
+    parser.add_argument("--gate", action="store_true", help=gate)
     options = parser.parse_args()
+    if options.gate:
+        options.shift, options.every = GATE_SHIFTS, GATE_EVERY
     begin = time.perf_counter()
     how = options.family, options.quick, options.processes, options.shift
     table = run(*how, options.every)

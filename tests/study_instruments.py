@@ -14,7 +14,14 @@ import numpy as np
 import pandas as pd
 import study_ranges
 from study_records import refit, root, sets, smallest
-from study_worlds import CLEARLY, IN_PHYSICS, World, site
+from study_worlds import (
+    CLEARLY,
+    GATE_RECORDS,
+    GATE_SEED,
+    IN_PHYSICS,
+    World,
+    site,
+)
 
 from pvlib_fem import close_loop, simulator
 from pvlib_fem.effects import CHANGES, find
@@ -271,7 +278,11 @@ if __name__ == "__main__":
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--out", type=Path)
     parser.add_argument("--table", type=Path, help="all rows, pickled")
+    gate = "on what the gate is measured, instead of records and seed"
+    parser.add_argument("--gate", action="store_true", help=gate)
     given = parser.parse_args()
+    if given.gate:
+        given.records, given.seed = GATE_RECORDS, GATE_SEED
     found = run(given.records, given.seed, given.processes)
     if given.table:
         found.to_pickle(given.table)

@@ -10,7 +10,7 @@ from study_worlds import (
     IN_PHYSICS,
     SECOND_GENERATOR,
     TRUTHS,
-    UNDECLARED,
+    UNKNOWN,
     Case,
     skyline,
 )
@@ -127,7 +127,7 @@ def catalogue(loop, data, case, forms):
             terms[switch] = find({"name": switch, "source": "humidity"})
         elif switch in TRUTHS and TRUTHS[switch].effect in EFFECTS:
             terms[switch] = find(TRUTHS[switch].effect)
-        elif switch in UNDECLARED and case.neighbour:
+        elif switch in UNKNOWN and case.neighbour:
             terms[switch] = driver("neighbour", data["neighbour"])
     return terms
 
@@ -169,6 +169,7 @@ def looked(world, case, data, off=None):
         "seed": world.seed,
         "site": world.name,
         "days": world.days,
+        "generator": "fitted form" if case.form is not None else world.generator,
         "truth": case.label,
         "truths": case.truths,
         "sizes": dict(case.sizes),
@@ -185,13 +186,13 @@ def looked(world, case, data, off=None):
         broken = f"{type(error).__name__}: {error}"
         return None, row | {"broken": broken, "first": "broken"}
     row["seconds"] = time.perf_counter() - begin
-    row |= said(loop, case) | errors(loop, data, case, off, world.site.forms)
+    row |= said(loop, case, world) | errors(loop, data, case, off, world.site.forms)
     row["told"] = told(loop, world, case, off)
     row["coefficients"] = ratios(row["told"], case)
     return loop, row
 
 
-def said(loop, case):
+def said(loop, case, world):
     """What the loop found, and whether that is right."""
     added = [f for f in loop.findings if f.verdict in ("named", "class")]
     # one of the whole file is none of the module's logger
@@ -201,7 +202,7 @@ def said(loop, case):
     groups += [set(finding.candidates) for finding in added]
     there = set(case.truths) | (IN_PHYSICS if case.form is None else set())
     known = set(case.truths)
-    if case.family == SECOND_GENERATOR:  # which has a sky that follows the air
+    if world.generator == "fuentes":  # which has a sky that follows the air
         known |= {"sky_radiation"}
     wrong = [f.effect for f in added if f.verdict == "named" and f.effect not in known]
     wrong += ["clock_shift"] * (len(clocks) > 0 and "clock_shift" not in case.truths)
@@ -261,7 +262,7 @@ def first_ok(groups, case):
 
 def unexplained_ok(loop, case):
     """Whether structure of unknown cause is said to live where it does."""
-    hidden = [UNDECLARED[switch] for switch in case.sizes if switch in UNDECLARED]
+    hidden = [UNKNOWN[switch] for switch in case.sizes if switch in UNKNOWN]
     drivers = {name for f in loop.unexplained for name in f.candidates}
     return bool(hidden) and all(g & drivers for groups in hidden for g in groups)
 

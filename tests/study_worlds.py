@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 import pvlib
@@ -18,12 +19,16 @@ from pvlib_fem.simulator.forcing import (
 from pvlib_fem.simulator.second import ABSORPTION
 
 SHIFT = 0  # of all seeds, for worlds on which no rule was tried
+#: what the gate is measured on: shifts, one world of how many, and instruments
+GATE_SHIFTS, GATE_EVERY = (3110000, 3210000, 3310000), 3
+GATE_SEED, GATE_RECORDS = 32000, 100
 FLOOR = 0.15  # K, the least gain that the loop calls material
 CLEARLY = 2.0  # times the smallest detectable size, from which an effect must show
 NEAR = 0.20  # of a coefficient's truth
 MARGIN = 0.05  # K by which the loop may stay behind a refit with the truth
 PHYSICS = simulator.PHYSICS
 SECOND_GENERATOR = "second generator"
+CLOSED_CAUSES = "closed causes"  # the family that only the gate's shifts have
 LOGGERS = "clock, logger, unit"  # the family whose records may be refused
 FINE = 2.0  # ° of azimuth of the windows that trace a skyline
 #: share of sunlight that is heat
@@ -146,13 +151,36 @@ IN_PHYSICS = {
     "temperature_gain",
 }
 
-#: heats that nobody declared: along which drivers they live, each group by one
+#: causes that are in no catalogue: along which drivers they live, each group by one
 UNDECLARED = {
     "weekend_exhaust": ({"weekend"}, {"hour", "poa_global"}),
     "chiller": ({"hour", "poa_global"}, {"month", "temp_air"}),
     "irrigation": ({"hour", "poa_global"}, {"month", "temp_air", "hour"}),
     "shelter": ({"hour", "poa_global"}, {"month", "temp_air"}),
     "fan": ({"hour", "poa_global", "wind_speed", "temp_air"},),
+    "reflection": ({"hour", "poa_global"},),
+    "plume": ({"wind_direction"},),
+    "puddles": ({"hour", "poa_global"}, {"relative_humidity", "precipitation"}),
+}
+HEATS = tuple(UNDECLARED)[:5]  # by the clock, which a neighbour's column may have
+
+#: more of them, of which nothing is looked at before the gate is measured
+CLOSED = {
+    "sea_breeze": ({"hour", "poa_global"}, {"month", "temp_air"}),
+    "misters": ({"hour", "poa_global"}, {"month", "temp_air", "relative_humidity"}),
+    "fog": ({"hour", "poa_global"}, {"month", "temp_air", "relative_humidity"}),
+    "inverter_hall": ({"hour", "poa_global"}, {"month", "temp_air"}),
+    "compost": ({"month", "temp_air", "hour", "poa_global"},),
+    "lorries": ({"weekend"}, {"hour", "poa_global", "wind_speed"}),
+    "charger": ({"hour", "poa_global"},),
+    "frozen_contact": ({"month", "temp_air"}, {"hour", "poa_global"}),
+}
+UNKNOWN = UNDECLARED | CLOSED
+#: climates without which they would seldom be there
+PLACES = {
+    "puddles": dict(rain_days=0.3),
+    "fog": dict(dew_depression=3.0),
+    "frozen_contact": COLD,
 }
 
 
@@ -355,18 +383,31 @@ def several(count=30):
         yield world, [Case("pairs and triples", PHYSICS | sizes, sizes, PHYSICS)]
 
 
-def unknown(count=25, neighbour=False):
-    name = "its driver as a column" if neighbour else "no catalogue"
-    for i in range(count):
-        switch = list(UNDECLARED)[i % len(UNDECLARED)]
+def unknown(name, kinds, first, nodes=0, second=0, neighbour=False):
+    """Each kind in some weathers of the nodes, then of the second generator."""
+    generators = ["nodes"] * nodes + ["fuentes"] * second
+    for i, (generator, switch) in enumerate(product(generators, kinds)):
         size = {switch: 1.5 if switch == "irrigation" else 1.0}
-        seed = SHIFT + (5500 if neighbour else 5000) + i
+        seed = SHIFT + first + i
+        where = site(seed, **PLACES.get(switch, {}))
+        step = 600.0 if generator == "fuentes" else 300.0
         case = Case(name, PHYSICS | size, size, PHYSICS, neighbour=neighbour)
-        yield World(site(seed), seed), [case]
+        yield World(where, seed, step=step, generator=generator), [case]
 
 
-def with_column(count=10):
-    yield from unknown(count, neighbour=True)
+def no_catalogue():
+    name, others = "no catalogue", [kind for kind in UNDECLARED if kind not in HEATS]
+    yield from unknown(name, HEATS, 5000, nodes=5, second=1)
+    yield from unknown(name, others, 5030, nodes=3, second=2)
+
+
+def with_column():
+    yield from unknown("its driver as a column", HEATS, 5500, 2, neighbour=True)
+
+
+def closed_causes():
+    if SHIFT in GATE_SHIFTS:
+        yield from unknown(CLOSED_CAUSES, CLOSED, 5600, nodes=3, second=2)
 
 
 NO_SKY, NO_GAUGE = ("relative_humidity", "longwave_down"), ("precipitation",)
@@ -443,10 +484,13 @@ FAMILIES = {
     SECOND_GENERATOR: second_generator,
     "one effect": one_effect,
     "pairs and triples": several,
-    "no catalogue": unknown,
+    "no catalogue": no_catalogue,
+    CLOSED_CAUSES: closed_causes,
     "its driver as a column": with_column,
     "driver missing": no_driver,
     "ties": ties,
     LOGGERS: loggers,
     "short records": short,
 }
+#: of which every world counts, however few of the others do
+WHOLE = ("no catalogue", CLOSED_CAUSES)

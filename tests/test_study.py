@@ -1,6 +1,9 @@
 """A small part of the study, on every run of the tests; docs/study.md has it all."""
 
+from collections import Counter
+
 import pytest
+import study_worlds
 from study import (
     BARS,
     CLEARLY,
@@ -14,8 +17,9 @@ from study import (
     listed,
     page,
     run,
+    worlds,
 )
-from study_worlds import TRUTHS, UNDECLARED
+from study_worlds import CLOSED_CAUSES, GATE_SHIFTS, TRUTHS, UNKNOWN, WHOLE
 
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.simulator import SWITCHES
@@ -31,9 +35,29 @@ def of(table, family):
 
 
 def test_every_switch_is_one_and_leads_to_the_catalogue():
-    assert {*TRUTHS, *UNDECLARED} <= {*SWITCHES}
+    assert {*TRUTHS, *UNKNOWN} <= {*SWITCHES}
     assert {truth.effect for truth in TRUTHS.values()} - {*EFFECTS} == {"clock_shift"}
     assert {*QUICK} == {*FAMILIES}
+
+
+def test_closed_causes_are_in_the_gates_worlds_alone(monkeypatch):
+    def families(shift):
+        monkeypatch.setattr(study_worlds, "SHIFT", shift)
+        return Counter(cases[0].family for _, cases in worlds(every=3))
+
+    assert CLOSED_CAUSES not in families(0)
+    for shift in GATE_SHIFTS:
+        counts = families(shift)
+        assert all(len(GATE_SHIFTS) * counts[name] >= 100 for name in WHOLE)
+
+
+def test_every_unknown_cause_has_worlds_of_both_generators(monkeypatch):
+    monkeypatch.setattr(study_worlds, "SHIFT", GATE_SHIFTS[0])
+    some = [(w, *cases[0].sizes) for w, cases in worlds(WHOLE)]
+    counts = Counter((switch, world.generator) for world, switch in some)
+    for switch in UNKNOWN:
+        assert counts[switch, "fuentes"] >= 1
+        assert counts[switch, "nodes"] + counts[switch, "fuentes"] >= 4
 
 
 def test_no_record_breaks_or_is_refused_for_nothing(table):

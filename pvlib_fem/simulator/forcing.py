@@ -16,6 +16,7 @@ from pvlib_fem.simulator.pieces import (
     winter,
 )
 from pvlib_fem.simulator.schedules import curtailed, undeclared
+from pvlib_fem.simulator.surroundings import AIR, BACK, GLASS, LIGHT, WIND, total
 
 IN_GLASS, IN_CELL = 0.03, 0.89  # share of sunlight; together τα = 0.92, as [2]_
 REAR_ABSORPTANCE = 0.6  # of a light back sheet with cells behind it
@@ -58,6 +59,7 @@ def light(weather, site, on, covered, albedo):
     beam = beam * shade(weather, site, on["shading"])
     sun = beam * (1 + on["incidence_angle"] * (fresnel(cosine) - 1))
     sun += (sky + ground) * (1 + on["incidence_angle"] * (0.955 - 1))
+    sun += total(LIGHT, weather, site, on)
     sun *= 1 - on["soiling"] * dirt(weather, site)
     sun *= 1 - 0.95 * np.minimum(covered, 1)
     sun *= 1 + 0.04 * on["season"] * winter(site, clock(weather.index)[1])
@@ -68,10 +70,19 @@ def light(weather, site, on, covered, albedo):
     return sun, REAR_ABSORPTANCE * on["rear_irradiance"] * open_back * rear
 
 
-def scattered(weather, on):
+def scattered(weather, site, on):
     """Wind at the module over what the mast lets expect, 1 on average."""
     scatter = 0.3 * on["wind_scatter"]
-    return np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
+    found = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
+    return found * np.maximum(1 - total(WIND, weather, site, on), 0.0)
+
+
+def heats(weather, site, on):
+    """Heats that nobody declared, on the glass and on the back. [W/m²]"""
+    air = weather["temp_air"].to_numpy()
+    front, back = undeclared(weather.index, air, on, site.forms)
+    front = front + total(GLASS, weather, site, on)
+    return front, back + total(BACK, weather, site, on)
 
 
 def output(sun, idle, on):
@@ -87,7 +98,7 @@ def breeze(weather, site, on, calm):
     law = FORCED[site.forms.forced]
     around = np.radians(weather["wind_direction"].to_numpy() - site.surface_azimuth)
     facing = on["wind_direction"] * np.cos(around)
-    local = AT_MODULE * weather["wind_speed"].to_numpy() * scattered(weather, on)
+    local = AT_MODULE * weather["wind_speed"].to_numpy() * scattered(weather, site, on)
     local *= np.maximum(1 + SHELTER * facing, 0.0)
     speed, facing = np.array([local, local]), np.array([facing, -facing])
     luff = 0.5 + 0.5 * facing  # share of windward
@@ -114,7 +125,8 @@ def wet_bulb(celsius, humidity):
 def forcing(weather, site, on):
     """All that acts on the module and does not depend on its temperature."""
     celsius, step = weather["temp_air"].to_numpy(), seconds(weather.index)
-    ghi, air = weather["ghi"].to_numpy(), celsius + ZERO
+    ghi = weather["ghi"].to_numpy()
+    air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is
     tilt, rack = np.cos(np.radians(site.surface_tilt)), site.mounting == "rack"
     covered = on["snow"] * snow_cover(weather, site)
     albedo = bright(weather, site, on)
@@ -128,7 +140,7 @@ def forcing(weather, site, on):
     cold = on["sky_radiation"] * (black - weather["longwave_down"].to_numpy())
     to_sky = np.array([[(1 + tilt) / 2], [(1 - tilt) / 2 if rack else 0.0]])
     to_ground = np.array([[(1 - tilt) / 2], [(1 + tilt) / 2 if rack else 1.0]])
-    front, back = undeclared(weather.index, celsius, on, site.forms)
+    front, back = heats(weather, site, on)
     heat = np.array([IN_GLASS * sun + front, rear + back])
     # rain is at the wet-bulb temperature, snow not above 0 °C
     fluid = weather["precipitation"].to_numpy() * (celsius >= SNOW_BELOW) / 3600.0

@@ -10,12 +10,14 @@ from pvlib_fem.simulator.deposits import bright, snow_cover
 from pvlib_fem.simulator.forcing import (
     AT_MODULE,
     EFFICIENCY,
+    heats,
     light,
     output,
     scattered,
 )
-from pvlib_fem.simulator.schedules import curtailed, undeclared
+from pvlib_fem.simulator.schedules import curtailed
 from pvlib_fem.simulator.site import Site
+from pvlib_fem.simulator.surroundings import AIR, total
 from pvlib_fem.simulator.switches import amplitudes
 
 ABSORPTION = 0.83  # share of sunlight that is heat, pvlib's default
@@ -66,14 +68,13 @@ def fuentes(
     covered = on["snow"] * snow_cover(weather, site)
     sun, rear = light(weather, site, on, covered, bright(weather, site, on))
     idle = on["electrical_output"] * curtailed(weather)
-    air = weather["temp_air"].to_numpy()
-    front, back = undeclared(weather.index, air, on, site.forms)
+    front, back = heats(weather, site, on)
     heat = front + back + rear + EFFICIENCY * sun * idle
     poa = pd.Series(sun + heat / ABSORPTION, weather.index)
-    speed = weather["wind_speed"] * scattered(weather, on)
+    speed = weather["wind_speed"] * scattered(weather, site, on)
     module = pvlib.temperature.fuentes(
         poa,
-        weather["temp_air"],
+        weather["temp_air"] + total(AIR, weather, site, on),
         speed,
         INSTALLED[site.mounting],
         module_height=HEIGHT,

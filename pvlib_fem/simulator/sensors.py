@@ -17,6 +17,7 @@ from pvlib_fem.simulator.pieces import (
     wander,
 )
 from pvlib_fem.simulator.site import Site
+from pvlib_fem.simulator.surroundings import CONTACT, READING, total
 from pvlib_fem.simulator.switches import UNITS, amplitudes
 
 #: column: white noise (sd), slow noise (sd, memory [h]), resolution, relative?
@@ -77,7 +78,7 @@ def measure(
     on, step, rows = amplitudes(effects), seconds(weather.index), len(weather)
     speed = weather["wind_speed"].to_numpy()
     sunny = 2.0 * on["air_shield"] * weather["ghi"].to_numpy() / 1000.0
-    back, power = module_logger(weather.index, truth, on, step)
+    back, power = module_logger(weather, truth, site, on, step)
     tips = np.floor(np.cumsum(weather["precipitation"]) * step / 3600.0 / 0.1)
     signals = {
         "poa_global": pyranometer(weather, site, on, step),
@@ -122,12 +123,16 @@ def pyranometer(weather, site, on, step):
     return poa - 0.05 * on["irradiance_offset"] * net
 
 
-def module_logger(times, truth, on, step):
+def module_logger(weather, truth, site, on, step):
     """Module temperature, 40 s behind, and power, both by this logger's clock."""
+    times = weather.index
     now = np.arange(len(times)) * step
     late = 60.0 * on["clock_shift"] + on["clock_drift"] * now / DAY
     late = late + 3600.0 * on["dst"] * summer_time(times)
     back = lagged(truth["temp_back"].to_numpy(), 40 / step)
+    over = back - weather["temp_air"].to_numpy()
+    back = back - total(CONTACT, weather, site, on) * over
+    back = back + total(READING, weather, site, on)
     back = (1 - 0.03 * on["temperature_gain"]) * np.interp(now - late, now, back)
     power = np.interp(now - late, now, truth["p_dc"].to_numpy())
     return back + on["temperature_drift"] * years(times), power

@@ -39,6 +39,18 @@ SWITCHES = {
     "September; by default every second day, 6–7 and 20–21 h",
     "fan": "100 W/m² behind it by a timetable of minutes; by default 35 of every 150",
     "shelter": "50 W/m² behind it on nights from October to April (animals)",
+    # causes that no effect of the catalogue is, by laws of a site's own
+    "reflection": "a façade mirrors 20 % of the beam onto the module, not its sensor",
+    "plume": "50 W/m² behind it while wind comes from one direction",
+    "puddles": "−10 % of irradiance behind it after rain, until the ground is dry",
+    "sea_breeze": "air at it 3 K colder on sunny afternoons of the warm half year",
+    "misters": "air at it cooled by 15 % of air less dew point, in heat and by hours",
+    "fog": "up to −80 W/m² on the glass on mornings after humid nights",
+    "inverter_hall": "up to 75 W/m² behind it, by power and in warm air only",
+    "compost": "up to 60 W/m² behind it, for weeks once in 1 to 3 months",
+    "lorries": "30 % of the wind is gone on workdays, by hours",
+    "charger": "module sensor 1.2 K high while a battery charges, from sunrise",
+    "frozen_contact": "module sensor loses 20 % of the over-temperature in frost",
     # sensors
     "poa_misalignment": "irradiance sensor turned west by 1° (an amplitude in degrees)",
     "irradiance_gain": "irradiance sensor reads 2 % high",
