@@ -144,6 +144,12 @@ def test_a_frozen_contact_is_one_in_frost(sky):
 
 # ---------------------------------------------------------------- size and chance
 @pytest.mark.parametrize("name", LAWS)
+def test_an_hour_of_the_night_is_long_enough(name):
+    found = LAWS[name](weather(RHINE, days=1 / 24, step=600.0, seed=1), RHINE)
+    assert np.isfinite(found).all() and len(found) == 6
+
+
+@pytest.mark.parametrize("name", LAWS)
 def test_a_law_is_the_same_for_a_seed_and_another_for_others(name):
     skies = [weather(RHINE, days=365, step=3600.0, seed=seed) for seed in (1, 1, 2)]
     other = skies[2].copy()

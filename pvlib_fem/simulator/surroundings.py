@@ -51,7 +51,10 @@ def reflection(weather, site):
     random = chance(weather, "reflection")
     azimuth, elevation = (weather[n].to_numpy() for n in ("azimuth", "elevation"))
     low = (elevation > LOW_SUN) & (elevation < HIGH_SUN)
-    place = random.choice(np.flatnonzero(low & (around(azimuth, 180.0) < 90.0)))
+    low = np.flatnonzero(low & (around(azimuth, 180.0) < 90.0))
+    if not len(low):  # hours that have no such sun
+        return np.zeros(len(weather))
+    place = random.choice(low)
     width, height = random.uniform(15.0, 30.0), random.uniform(8.0, 15.0)
     there = around(azimuth, azimuth[place]) < width
     there &= np.abs(elevation - elevation[place]) < height
