@@ -176,6 +176,8 @@ CLOSED = {
     "frozen_contact": ({"month", "temp_air"}, {"hour", "poa_global"}),
 }
 UNKNOWN = UNDECLARED | CLOSED
+#: sizes that show, where 1 does not in every climate
+LARGER = {"irrigation": 1.5, "puddles": 1.5}
 #: climates without which they would seldom be there
 PLACES = {
     "puddles": dict(rain_days=0.3),
@@ -387,7 +389,7 @@ def unknown(name, kinds, first, nodes=0, second=0, neighbour=False):
     """Each kind in some weathers of the nodes, then of the second generator."""
     generators = ["nodes"] * nodes + ["fuentes"] * second
     for i, (generator, switch) in enumerate(product(generators, kinds)):
-        size = {switch: 1.5 if switch == "irrigation" else 1.0}
+        size = {switch: LARGER.get(switch, 1.0)}
         seed = SHIFT + first + i
         where = site(seed, **PLACES.get(switch, {}))
         step = 600.0 if generator == "fuentes" else 300.0
