@@ -1,10 +1,11 @@
 # A virtual environment with the package and all that its tests need.
 PYTHON ?= python3
 VENV ?= .venv
+ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet gate sweep coverage periods episodes clean
+.PHONY: fleet gate oracle sweep coverage periods episodes clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -67,9 +68,14 @@ study-instruments: $(VENV)/.installed
 	$(BIN)/python tests/study_instruments.py --gate --table $(VENV)/instruments \
 		--out docs/study_instruments.md
 
-# how often the loop's probabilities are right, from the rows of both
+# how often the loop's probabilities are right, from the rows of both, and of the oracle
 gate: study study-instruments
-	$(BIN)/python tests/study_gate.py $(VENV)/study $(VENV)/instruments --out docs/gate.md
+	$(BIN)/python tests/study_gate.py $(VENV)/study $(VENV)/instruments \
+		$(if $(wildcard $(ORACLE)),--oracle $(ORACLE)) --out docs/gate.md
+
+# what the loop decided by rules, before its statistical model, of the same records
+oracle: $(VENV)/.installed
+	$(BIN)/python tests/study_oracle.py $(ORACLE)
 
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
