@@ -448,6 +448,18 @@ class FemFit:
         return printable("\n".join(report(self)), "\n")
 
 
+def of_rows(record, temperature, train, test, out):
+    """What a result has of rows that are held, and of their temperature."""
+    residual = record["temp_module"] - temperature
+    return dict(
+        residual=pd.Series(residual, record.index, name="residual"),
+        train_days=record.count_days(train),
+        test_days=record.count_days(test),
+        holdout=pd.Series(out, record.index, name="holdout"),
+        record=record,
+    )
+
+
 def report(fit):
     """Lines of the printed report."""
     record = fit.summary
