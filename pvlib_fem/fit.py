@@ -129,7 +129,10 @@ def fit_fem(
     The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
     the recursion runs over all rows, night included. Errors come from leaving
     out each training day in turn, so they survive autocorrelation within a
-    day; below 5 training days they are NaN and the fit goes on.
+    day. To these is added what the resemblance of each day to the next makes of
+    an error that lasts for days; ``notes`` say where that is much, and where the
+    days are too few to tell how long it lasts. Below 5 training days errors are
+    NaN and the fit goes on.
 
     The tau of ``method="paper"`` runs backwards: it falls as the true time
     constant grows, see the table at :func:`pvlib_fem.paper.time_constant`.

@@ -48,8 +48,8 @@ class FemFit:
         Those of the model, ``tau`` [s] or ``capacity`` [J/(m² K)], and ``bias``
         [K].
     stderr : dict
-        Their standard errors from the spread between training days; NaN where
-        there is none, see ``notes``.
+        Their standard errors from the spread between training days, and from how
+        long the residual lasts; NaN where there is none, see ``notes``.
     scores : DataFrame
         What each step bought, in K on daytime rows: ``standard`` (steady,
         fitted to all rows), ``filter`` (steady, fitted to the filtered rows),
