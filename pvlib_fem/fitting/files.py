@@ -9,9 +9,10 @@ import pandas as pd
 
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import Frame
-from pvlib_fem.fitting.passes import Asked, Files, first_pass, screened_for
+from pvlib_fem.fitting.passes import Files, first_pass, screened_for
 from pvlib_fem.fitting.pasts import means_note
 from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.fitting.rows import Asked
 from pvlib_fem.fitting.search import as_searched, natural, searching
 from pvlib_fem.fitting.stages import NONE_OUT, days_out, flatness, planned, stages_of
 from pvlib_fem.record.filters import counted
@@ -37,8 +38,6 @@ class FileFit(FemFit):
     """
 
     files: Files = field(kw_only=True, repr=False)
-    #: of the days held out their rows, and the sums of squares that each step leaves
-    held_out: pd.DataFrame = field(kw_only=True, repr=False)
 
     def __post_init__(self):
         vars(self).pop("residual")
@@ -163,15 +162,10 @@ class InFiles:
     files: Files
     kind = FileFit
 
-    @cached_property
-    def fitted(self):
-        """Booleans of the days that are not held out."""
-        return ~np.isin(self.files.dates, self.files.out)
-
     @property
     def count(self):
         """How many rows are fitted."""
-        return int(self.files.rows[self.fitted].sum())
+        return self.files.count
 
     @property
     def night(self):
@@ -193,7 +187,7 @@ class InFiles:
         rows = np.array(counted(means.inputs.columns, self.night))
         rows &= means.known(target.drivers)
         try:
-            stages = stages_of(Frame(means, rows, out, self.night), target)[1]
+            stages = stages_of(Frame.of(means, rows, out, self.night), target)[1]
         except ValueError:  # too few means count, where rows may do
             stages = {}
         usual = {name: row.start for name, row in target.parameters.items()}
@@ -207,25 +201,19 @@ class InFiles:
         stages, minimum = together(self.files, steps, starts, flatness(steps, final))
         return stages, minimum, starts
 
-    def ended(self, target, stages, at_bound):
+    def ended(self, asked, last, names):
         """Sums by the day of the last step, and what a result has of the rows."""
-        files, means, final = self.files, self.files.means, list(stages)[-1]
-        names = tuple(name for name in target.free if name not in at_bound)
-        asked = {
-            name: Asked(model, found, "train", wanted=name == final)
-            for name, (model, found) in stages.items()
-        }
-        table, daily, held_out = files.ends(asked, final, names)
+        files, means = self.files, self.files.means
+        table, daily = files.ends(asked, last, names)
         out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
         return daily, dict(
             scores=table,
             residual=None,
-            train_days=int((files.rows[self.fitted] > 0).sum()),
-            test_days=int((files.rows[~self.fitted] > 0).sum()),
+            train_days=int((files.rows[files.fitted] > 0).sum()),
+            test_days=int((files.rows[~files.fitted] > 0).sum()),
             holdout=out,
             record=means,
             files=files,
-            held_out=held_out,
         )
 
     def notes(self, target):

@@ -5,6 +5,7 @@ import numpy as np
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit, of_rows
+from pvlib_fem.fitting.rows import Asked
 from pvlib_fem.fitting.stages import last, public, stages_of
 
 
@@ -26,8 +27,8 @@ def fit_source(source, target, notes):
     """
     target, stages, minimum = stages_of(source, target)
     at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
-    found = last(stages)[1]
-    daily, own = source.ended(target, stages, at_bound)
+    found, names = last(stages)[1], [n for n in target.free if n not in at_bound]
+    daily, own = source.ended(*asked(stages), tuple(names))
     stderr = errors(target, daily, at_bound, notes)
     days = own["train_days"]
     notes += memory_notes(source, target, found, stderr, at_bound, days)
@@ -42,6 +43,16 @@ def fit_source(source, target, notes):
         night=source.night,
         daily=daily,
     )
+
+
+def asked(stages):
+    """The models of some steps as a source is asked for them, and the last's name."""
+    final = list(stages)[-1]
+    models = {
+        name: Asked(model, found, wanted=name == final)
+        for name, (model, found) in stages.items()
+    }
+    return models, final
 
 
 def finished(target, record, temperature, parts, minimum, **how):
