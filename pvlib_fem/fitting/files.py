@@ -12,9 +12,15 @@ from pvlib_fem.fitting.frame import Frame
 from pvlib_fem.fitting.passes import Files, first_pass, screened_for
 from pvlib_fem.fitting.pasts import means_note
 from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.fitting.rows import Asked
-from pvlib_fem.fitting.search import as_searched, natural, searching
-from pvlib_fem.fitting.stages import NONE_OUT, days_out, flatness, planned, stages_of
+from pvlib_fem.fitting.search import as_searched, natural
+from pvlib_fem.fitting.stages import (
+    NONE_OUT,
+    days_out,
+    flatness,
+    minima,
+    planned,
+    stages_of,
+)
 from pvlib_fem.record.filters import counted
 from pvlib_fem.record.parquet import ParquetRecord, write_parquet
 from pvlib_fem.record.summary import Summary
@@ -198,8 +204,9 @@ class InFiles:
 
     def minima(self, steps, starts, final):
         """Each of some steps of a fit, the last minimum, and where all steps begin."""
-        stages, minimum = together(self.files, steps, starts, flatness(steps, final))
-        return stages, minimum, starts
+        found = minima(self.files, steps, starts, flatness(steps, final))
+        stages = {n: (model, natural(model, found[n][1])[0]) for n, model, *_ in steps}
+        return stages, found[steps[-1][0]][0], starts
 
     def ended(self, asked, last, names):
         """Sums by the day of the last step, and what a result has of the rows."""
@@ -219,32 +226,3 @@ class InFiles:
     def notes(self, target):
         """What of the answers is of means, and not of the rows."""
         return means_note(target, self.files)
-
-
-def together(files, steps, starts, flat):
-    """Steps of a fit that share their passes, and the last minimum."""
-    searches, waiting, ended = {}, {}, {}
-
-    def asks(name, answer=None):
-        try:
-            waiting[name] = searches[name].send(answer)
-        except StopIteration as end:
-            waiting.pop(name, None)
-            ended[name] = end.value
-
-    models = {name: (model, rows) for name, model, rows, _ in steps}
-    for name, model, _, biased in steps:
-        searches[name] = searching(model, files, starts[name], biased, flat[name])
-        asks(name)
-    while waiting:
-        asked = {
-            name: Asked(models[name][0], coefficients, models[name][1])
-            for name, (coefficients, _) in waiting.items()
-        }
-        names = {name: own for name, (_, own) in waiting.items()}
-        for name, sums in files.sums(asked, names).items():
-            asks(name, sums)
-    stages = {
-        name: (model, natural(model, ended[name][1])[0]) for name, model, *_ in steps
-    }
-    return stages, ended[steps[-1][0]][0]

@@ -8,7 +8,7 @@ import numpy as np
 from pvlib_fem.fitting.result import FemFit, of_rows
 from pvlib_fem.fitting.rows import Rows
 from pvlib_fem.fitting.search import natural, with_tables
-from pvlib_fem.fitting.stages import flatness, held_out, minimise
+from pvlib_fem.fitting.stages import flatness, held_out, minima, minimise
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.record.columns import COLUMNS
@@ -50,21 +50,23 @@ class Frame(Rows):
         One begins where the other ends. What a step changes is nearly the same on a
         part of the rows, on which the first are searched before.
         """
-        flat, model = flatness(steps, final), steps[-1][1]
-        record = self.known(model).record
-        stages, thin, source, some = {}, start, None, None
+        flat, whole = flatness(steps, final), self.known(steps[-1][1])
+        stages, thin, some, before = {}, start, None, None
         for name, model, which, biased in steps:
-            rows = self.kept[which]
-            if source is None or source.counts is not rows:
-                source = Rows(record, rows)
-                some = None if model.effects else source.thinned()
+            if which != before:
+                some = None if model.effects else self.thin(which)
+                before = which
             if some:
-                before, (_, thin) = thin, minimise(model, some, thin, biased, ROUGHER)
-                start = {n: value + thin[n] - before[n] for n, value in start.items()}
-            tabled = with_tables(model, record)
-            minimum, start = minimise(tabled, source, start, biased, flat[name])
+                last, (_, thin) = thin, minimise(model, some, thin, biased, ROUGHER)
+                start = {n: value + thin[n] - last[n] for n, value in start.items()}
+            step = (name, with_tables(model, whole.record), which, biased)
+            minimum, start = minima(whole, [step], {name: start}, flat)[name]
             stages[name] = (model, natural(model, start)[0])
         return stages, minimum, start
+
+    def thin(self, which):
+        """Some of the rows that count for something, or None of few."""
+        return Rows(self.record, self.kept[which]).thinned()
 
     def known(self, model):
         """The same with all drivers of a model's effects."""

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pvlib_fem.fitting.rows import normal_sums
+from pvlib_fem.fitting.rows import Asked
 from pvlib_fem.fitting.search import searching
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.leastsquares import FLAT, minimum_of
+from pvlib_fem.statistics.leastsquares import FLAT, minima_of
 from pvlib_fem.thermal.model import INSTANT
 
 NONE_OUT = "no row that counts is held out: test scores are NaN"
@@ -109,12 +109,38 @@ def with_effects(target, stages, fit):
     return own, found if own is target else fit(own)
 
 
+def minima(source, steps, starts, flat):
+    """
+    Minimum and coefficients as the search sees them, of steps that share their passes.
+
+    Parameters
+    ----------
+    source : Source
+    steps : sequence
+        As :func:`planned` has them.
+    starts, flat : dict
+        By the name of a step, where its search begins and how flat it ends.
+    """
+    models = {name: (model, rows) for name, model, rows, _ in steps}
+    searches = {
+        name: searching(model, source, starts[name], biased, flat[name])
+        for name, model, _, biased in steps
+    }
+
+    def sums(points):
+        asked = {
+            name: Asked(models[name][0], coefficients, models[name][1])
+            for name, (coefficients, _) in points.items()
+        }
+        return source.sums(asked, {name: own for name, (_, own) in points.items()})
+
+    return minima_of(searches, sums)
+
+
 def minimise(model, source, start, biased, flat):
     """Least squares of one stage on the rows of a source."""
-    return minimum_of(
-        searching(model, source, start, biased, flat),
-        lambda asked: normal_sums(model, asked[0], source, asked[1]),
-    )
+    steps = [("", model, "train", biased)]
+    return minima(source, steps, {"": start}, {"": flat})[""]
 
 
 def last(stages):
