@@ -7,8 +7,8 @@ from pathlib import Path
 import click
 import pandas as pd
 
+from pvlib_fem.fit import METHODS
 from pvlib_fem.fleet.tasks import TASKS
-from pvlib_fem.paper.recipe import METHODS
 from pvlib_fem.record.columns import COLUMNS, vouches
 from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.units import QUANTITIES, unit_of
