@@ -146,14 +146,14 @@ lowest of the {cells} of a table is near {tail:.1f} %.
 LASTING = """\
 ## An error that lasts for days
 
-The same with an error of the sensor of {noise:g} K of which half is left after a day,
-or after a week, for `faiman` with `ewm` and `wm1` with `balance`. Leaving out days one
-by one takes them as independent. What lasts from day to day is added to that
-(`statistics/lasting.py`): the first column of the bias is as `fit_fem` has it, the
-second without. Where it lasts for longer than a tenth of the fitted days, a note says
-that these are too few to tell how long; the last column is how often. Shares are in
-percent, of {records} records and two models: if one is 95 %, 19 of 20 are within
-{spread:.1f} points of it.
+The same, but half of the sensor's error of {noise:g} K is left after a day, or after a
+week. The models are `faiman` with `ewm` and `wm1` with `balance`. The first column of
+the bias has the intervals of `fit_fem`. The second has those of errors by the day
+alone, which take days as independent; `statistics/lasting.py` has the difference. If
+the residual lasts for longer than a tenth of the fitted days, a note of the fit says
+that the days are too few to tell how long. The last column is the share of fits with
+that note. Shares are in percent, of {records} records and two models: if one is 95 %,
+19 of 20 are within {spread:.1f} points of it.
 """
 
 
