@@ -9,7 +9,7 @@ from pvlib_fem.statistics.lasting import lasting
 
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 TIED = 0.1  # of an unknown direction: what a coefficient has part in it
-SAID = 1.5  # times the error by independent days, from which on a note says so
+SAID = 2.0  # times the error of independent days, from which on a note says so
 
 
 @dataclass(frozen=True, eq=False)
