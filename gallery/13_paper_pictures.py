@@ -28,7 +28,7 @@ record = [week[name] for name in names]
 # Over-temperature over irradiance (Fig. 3), where the air is calm and where it is not.
 # A week has few averages below 0.5 and above 6 m/s; we take 1 and 5.
 
-plotting.plot_resistances(*record, calm_wind=1.0, high_wind=5.0)
+paper.plot_resistances(*record, calm_wind=1.0, high_wind=5.0)
 plt.show()
 
 # %%
@@ -42,7 +42,7 @@ print(f"{bias.value:.1f} K by night, from {bias.points} rows")
 # %%
 # The convection coefficient of WM2 (Fig. 5) is the slope of slopes:
 
-plotting.plot_k_w(*record)
+paper.plot_k_w(*record)
 plt.show()
 
 # %%
@@ -57,8 +57,8 @@ simulated = [quarter[name] for name in names]
 k = paper.r_eq_max(*simulated, offset=paper.night_bias(*simulated).value)
 tau = paper.time_constant(*simulated, k.value)
 figure, axes = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
-plotting.plot_step_changes(*simulated, ax=axes[0])
-plotting.plot_tau_bins(tau, ax=axes[1])
+paper.plot_step_changes(*simulated, ax=axes[0])
+paper.plot_tau_bins(tau, ax=axes[1])
 plt.show()
 
 # %%

@@ -13,15 +13,15 @@ from . import (
 )
 from .effects.effect import Effect as Effect, Parameter as Parameter, Terms as Terms
 from .findings import Check as Check, Correction as Correction, Finding as Finding
-from .fitting.compare import compare as compare
-from .fitting.comparison import Comparison as Comparison
-from .fitting.fit import fit_fem as fit_fem
+from .fit import fit_fem as fit_fem
 from .fitting.result import FemFit as FemFit
 from .loop.close import close_loop as close_loop
 from .loop.criteria import Criteria as Criteria
 from .loop.ranking import rank_effects as rank_effects
 from .loop.result import Loop as Loop
 from .modelchain import DynamicCellTemperature as DynamicCellTemperature
+from .paper.compare import compare as compare
+from .paper.comparison import Comparison as Comparison
 from .quality.screen import Screening as Screening, screen as screen
 from .record.files import read_file as read_file
 from .record.parquet import ParquetRecord as ParquetRecord, open_parquet as open_parquet

@@ -20,8 +20,8 @@ from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.candidates import driver
 from pvlib_fem.effects.catalogue.shading import within
 from pvlib_fem.loop.close import close_loop
-from pvlib_fem.paper.filters import counted
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.filters import counted
 from pvlib_fem.simulator.schedules import undeclared
 from pvlib_fem.simulator.switches import amplitudes
 from pvlib_fem.thermal.model import thermal_model

@@ -29,12 +29,13 @@ ORDER = (
     "translation",
     "datasets",
     "modelchain",
-    "paper",
     "plotting",
     "findings",
     "report",
     "fitting",
     "loop",
+    "paper",
+    "fit",
     "sensors",
     "recovery",
     "fleet",
@@ -115,6 +116,16 @@ def test_the_simulator_and_the_models_share_nothing():
         for name in FILES
         for other in own_imports(name)
     )
+
+
+def test_the_paper_is_asked_by_the_choice_of_a_method_alone():
+    asks = {
+        name
+        for name in FILES
+        for other in own_imports(name)
+        if room(other) == "paper" != room(name)
+    }
+    assert asks == {"fit"}
 
 
 def test_outside_libraries_have_one_place_each():

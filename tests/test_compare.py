@@ -278,25 +278,25 @@ def test_the_picture_of_energy_errors_has_both_sides(ax):
 
 def test_the_lines_of_the_estimators_are_theirs(month, ax):
     record = [month[name] for name in COLUMNS]
-    plotting.plot_resistances(*record, calm_wind=1.0, ax=ax)
+    paper.plot_resistances(*record, calm_wind=1.0, ax=ax)
     words = f"r_eq,max = {1e3 * paper.r_eq_max(*record, 1.0).value:.1f} mK/(W/m²)"
     (calm,) = (line for name, line in drawn(ax).items() if name.endswith(words))
     slope = (calm[1][1] - calm[1][0]) / (calm[0][1] - calm[0][0])
     assert slope == pytest.approx(paper.r_eq_max(*record, 1.0).value)
     ax.clear()
-    plotting.plot_k_w(*record, ax=ax)
+    paper.plot_k_w(*record, ax=ax)
     for free in (False, True):
         k_w = paper.k_w(*record, intercept=free).value
         (line,) = (v for n, v in drawn(ax).items() if f"k_W = {1e3 * k_w:.2f}" in n)
         assert np.diff(line[1]) / np.diff(line[0]) == pytest.approx(-k_w)
     ax.clear()
-    plotting.plot_step_changes(*record, bins=(0, 1), ax=ax)
+    paper.plot_step_changes(*record, bins=(0, 1), ax=ax)
     assert len([n for n in drawn(ax) if "mK" in n]) == 2
     with pytest.raises(ValueError, match="no wind bin of 20 m/s has ten step changes"):
-        plotting.plot_step_changes(*record, bins=(20,), ax=ax)
+        paper.plot_step_changes(*record, bins=(20,), ax=ax)
     ax.clear()
     tau = paper.time_constant(*record, 0.033)
-    plotting.plot_tau_bins(tau, ax)
+    paper.plot_tau_bins(tau, ax)
     lines = drawn(ax)
     np.testing.assert_array_equal(lines["used"][1], tau.table["tau"][tau.table["used"]])
     fall = lines[f"f = {tau.f:.1f} m/s"][1]

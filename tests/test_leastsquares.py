@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from pvlib_fem.statistics.clusters import day_errors
-from pvlib_fem.statistics.leastsquares import descent, minimum_of, normal
+from pvlib_fem.statistics.leastsquares import descent, minima_of, minimum_of, normal
 
 # NIST StRD, Misra1a (nonlinear regression, lower difficulty), certified values
 MISRA_Y = [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05]
@@ -86,6 +86,25 @@ def test_a_place_without_a_number_is_no_minimum():
     found = minimum_of(descent((250, 5e-4), [1, 1e-6], [1e4, 1e-1]), sums_of(nowhere))
     assert not found.converged
     assert found.x.tolist() == [250, 5e-4]
+
+
+def test_searches_that_share_their_passes_end_where_each_does():
+    starts, asked = {"far": (500, 1e-4), "near": (250, 5e-4)}, []
+    evaluate = sums_of(misra)
+
+    def searches():
+        return {n: descent(x, [1, 1e-6], [1e4, 1e-1]) for n, x in starts.items()}
+
+    def together(points):
+        asked.append(set(points))
+        return {name: evaluate(point) for name, point in points.items()}
+
+    found, each = minima_of(searches(), together), searches()
+    assert list(found) and set(found) == set(starts)
+    for name, search in each.items():
+        np.testing.assert_array_equal(found[name].x, minimum_of(search, evaluate).x)
+    # one pass serves all that have not ended
+    assert asked[0] == set(starts) and len(asked[-1]) == 1
 
 
 def test_day_errors_are_the_jackknife_over_days():

@@ -11,10 +11,10 @@ import pvlib_fem as fem
 from pvlib_fem.cli import main
 from pvlib_fem.fitting.passes import Asked, first_pass, screened_for
 from pvlib_fem.fitting.rows import Rows, normal_sums
-from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record import parquet
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.record.resampling import coarse
 from pvlib_fem.thermal.model import thermal_model

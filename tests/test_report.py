@@ -13,7 +13,7 @@ import pytest
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.fitting.fit import fit_fem
+from pvlib_fem.fit import fit_fem
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.prepare import zone_of_the_sun
 from pvlib_fem.loop.table import Ranking

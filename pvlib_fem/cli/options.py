@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import pandas as pd
 
-from pvlib_fem.fitting.stages import METHODS
+from pvlib_fem.fit import METHODS
 from pvlib_fem.fleet.tasks import TASKS
 from pvlib_fem.record.columns import COLUMNS, vouches
 from pvlib_fem.record.layout import Layout

@@ -5,7 +5,7 @@ import sys
 from pvlib_fem.cli.words import note
 from pvlib_fem.drivers.place import in_local_days
 from pvlib_fem.effects import find
-from pvlib_fem.fitting.fit import fit_fem, fit_frame
+from pvlib_fem.fit import fit_fem, fit_frame
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.progress import line
 from pvlib_fem.recovery.recover import recover

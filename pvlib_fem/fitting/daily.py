@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums
+from pvlib_fem.statistics.lasting import lasting
 
 UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
 TIED = 0.1  # of an unknown direction: what a coefficient has part in it
+SAID = 2.0  # times the error of independent days, from which on a note says so
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +49,26 @@ def errors(target, daily, at_bound, notes):
     if tied := tied_names(names, unknown):
         notes.append(f"errors are NaN: {undetermined(tied)}")
         return stderr
-    error = np.sqrt(np.diag(sums.by_day()))
+    alone, lasts = np.diag(sums.by_day()), lasting(sums)
+    error = np.sqrt(alone + lasts.variance)
+    notes += lasting_notes(names, error / np.sqrt(alone), lasts)
     return {**stderr, **dict(zip(names, error.tolist()))}
+
+
+def lasting_notes(names, times, lasts):
+    """What the residual's memory from day to day makes of the errors, in a sentence."""
+    if not (more := [n for n, many in zip(names, times) if many >= SAID]):
+        return
+    note = (
+        f"the residual lasts for about {lasts.memory:.2g} fitted days: the error of "
+        f"{' and '.join(more)} is {max(times):.1f} times that of independent days"
+    )
+    if not lasts.known:
+        note += (
+            f", and may be larger, since {lasts.days} days are too few to tell how "
+            "long it lasts; fit a longer record"
+        )
+    yield note
 
 
 def undetermined(names):

@@ -7,30 +7,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.fitting.daily import errors
-from pvlib_fem.fitting.memory import memory_notes
-from pvlib_fem.fitting.passes import Asked, Files, first_pass, screened_for
+from pvlib_fem.fitting.fit import fit_source
+from pvlib_fem.fitting.frame import Frame
+from pvlib_fem.fitting.passes import Files, first_pass, screened_for
 from pvlib_fem.fitting.pasts import means_note
 from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.fitting.search import as_searched, natural, searching
+from pvlib_fem.fitting.search import as_searched, natural
 from pvlib_fem.fitting.stages import (
     NONE_OUT,
-    ROUGH,
     days_out,
-    last,
-    least_squares_stages,
-    needed,
+    flatness,
+    minima,
     planned,
-    planned_effects,
-    public,
-    with_effects,
+    stages_of,
 )
-from pvlib_fem.paper.filters import counted
+from pvlib_fem.record.filters import counted
 from pvlib_fem.record.parquet import ParquetRecord, write_parquet
 from pvlib_fem.record.summary import Summary
 from pvlib_fem.report.fit_page import fit_page
 from pvlib_fem.scores import GAMMA
-from pvlib_fem.statistics.leastsquares import FLAT
 from pvlib_fem.stored import saved
 from pvlib_fem.types import FilePath
 
@@ -49,8 +44,6 @@ class FileFit(FemFit):
     """
 
     files: Files = field(kw_only=True, repr=False)
-    #: of the days held out their rows, and the sums of squares that each step leaves
-    held_out: pd.DataFrame = field(kw_only=True, repr=False)
 
     def __post_init__(self):
         vars(self).pop("residual")
@@ -124,9 +117,6 @@ def fit_files(
 ) -> FileFit:
     """
     The fit of a record in files, by least squares.
-
-    All steps that can go side by side share each pass, and begin where the same fit
-    of means over a minute ends.
     """
     screened = screened_for(source, target, limits, check_units)
     files, notes = first_pass(screened, target, night), list(screened.notes)
@@ -135,48 +125,7 @@ def fit_files(
 
 def fitted(files, target, notes) -> FileFit:
     """The fit of a record in files on the days that are not held out."""
-    train = ~np.isin(files.dates, files.out)
-    needed("least squares", int(files.rows[train].sum()), len(target.free))
-    target, stages, minimum = stages_of(files, target)
-    at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
-    names = tuple(name for name in target.free if name not in at_bound)
-    final = list(stages)[-1]
-    asked = {
-        name: Asked(model, found, "train", wanted=name == final)
-        for name, (model, found) in stages.items()
-    }
-    table, daily, held_out = files.ends(asked, final, names)
-    stderr = errors(target, daily, at_bound, notes)
-    found, days = last(stages)[1], int((files.rows[train] > 0).sum())
-    notes += memory_notes(files, target, found, stderr, at_bound, days)
-    notes += means_note(target, files)
-    if not minimum.converged:
-        notes.append("the search did not converge: do not trust the numbers")
-    coefficients, means = public(target, found), files.means
-    out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
-    return FileFit(
-        model=target.steady_model.name,
-        dynamics=target.dynamics,
-        method="least_squares",
-        effects=target.effects,
-        coefficients=coefficients,
-        stderr={name: stderr.get(name, 0.0) for name in coefficients},
-        scores=table,
-        residual=None,
-        at_bound=at_bound,
-        converged=minimum.converged,
-        notes=tuple(notes),
-        train_days=days,
-        test_days=int((files.rows[~train] > 0).sum()),
-        holdout=out,
-        record=means,
-        night=files.night,
-        base=target.base if target.effects else None,
-        fixed=dict(target.held),
-        daily=daily,
-        files=files,
-        held_out=held_out,
-    )
+    return fit_source(InFiles(files), target, notes)
 
 
 def dates_out(files, holdout, notes):
@@ -207,62 +156,73 @@ def given_days(holdout):
     return local[holdout.to_numpy()].to_numpy().astype("M8[D]").astype(int)
 
 
-def stages_of(files, target):
-    """The model with its base, the steps to it, and the last minimum."""
-    starts, steps = begun(files, target), planned(target)
-    plain = [step for step in steps if not step[1].effects]
-    stages, minimum = together(files, plain, starts, steps[-1][0])
-    if not target.effects:
-        return target, stages, minimum
-    target, (more, minimum) = with_effects(
-        target,
-        stages,
-        lambda based: together(files, planned_effects(based), starts, steps[-1][0]),
-    )
-    return target, stages | more, minimum
+@dataclass(frozen=True, eq=False)
+class InFiles:
+    """
+    The rows of files, as a fit asks for them.
 
+    All steps that can go side by side share each pass, and begin where the same fit
+    of means over a minute or more ends.
+    """
 
-def begun(files, target):
-    """Where the search of each step begins: at its minimum of means, if it has one."""
-    means, out = files.means, np.isin(files.means.dates, files.out)
-    rows = np.array(counted(means.inputs.columns, files.night))
-    rows &= means.known(target.drivers) & ~out
-    try:
-        stages = least_squares_stages(target, means, rows, ~out)[2]
-    except ValueError:  # too few means count, where rows may do
-        stages = {}
-    usual = {name: row.start for name, row in target.parameters.items()}
-    return {
-        name: as_searched(*stages[name]) if name in stages else usual
-        for name, *_ in planned(target)
-    }
+    files: Files
+    kind = FileFit
 
+    @property
+    def count(self):
+        """How many rows are fitted."""
+        return self.files.count
 
-def together(files, steps, starts, final):
-    """Steps of a fit that share their passes, and the last minimum."""
-    searches, waiting, ended = {}, {}, {}
+    @property
+    def night(self):
+        return self.files.night
 
-    def asks(name, answer=None):
+    @property
+    def step(self):
+        """Usual time between rows. [s]"""
+        return self.files.step
+
+    @property
+    def wind(self):
+        """Mean wind speed of the record. [m/s]"""
+        return self.files.wind
+
+    def begun(self, target):
+        """Where the search of each step begins: at its minimum of means, if any."""
+        means, out = self.files.means, np.isin(self.files.means.dates, self.files.out)
+        rows = np.array(counted(means.inputs.columns, self.night))
+        rows &= means.known(target.drivers)
         try:
-            waiting[name] = searches[name].send(answer)
-        except StopIteration as end:
-            waiting.pop(name, None)
-            ended[name] = end.value
-
-    models = {name: (model, rows) for name, model, rows, _ in steps}
-    for name, model, _, biased in steps:
-        flat = FLAT if name == final else ROUGH
-        searches[name] = searching(model, files, starts[name], biased, flat)
-        asks(name)
-    while waiting:
-        asked = {
-            name: Asked(models[name][0], coefficients, models[name][1])
-            for name, (coefficients, _) in waiting.items()
+            stages = stages_of(Frame.of(means, rows, out, self.night), target)[1]
+        except ValueError:  # too few means count, where rows may do
+            stages = {}
+        usual = {name: row.start for name, row in target.parameters.items()}
+        return {
+            name: as_searched(*stages[name]) if name in stages else usual
+            for name, *_ in planned(target)
         }
-        names = {name: own for name, (_, own) in waiting.items()}
-        for name, sums in files.sums(asked, names).items():
-            asks(name, sums)
-    stages = {
-        name: (model, natural(model, ended[name][1])[0]) for name, model, *_ in steps
-    }
-    return stages, ended[steps[-1][0]][0]
+
+    def minima(self, steps, starts, final):
+        """Each of some steps of a fit, the last minimum, and where all steps begin."""
+        found = minima(self.files, steps, starts, flatness(steps, final))
+        stages = {n: (model, natural(model, found[n][1])[0]) for n, model, *_ in steps}
+        return stages, found[steps[-1][0]][0], starts
+
+    def ended(self, asked, last, names):
+        """Sums by the day of the last step, and what a result has of the rows."""
+        files, means = self.files, self.files.means
+        table, daily = files.ends(asked, last, names)
+        out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
+        return daily, dict(
+            scores=table,
+            residual=None,
+            train_days=int((files.rows[files.fitted] > 0).sum()),
+            test_days=int((files.rows[~files.fitted] > 0).sum()),
+            holdout=out,
+            record=means,
+            files=files,
+        )
+
+    def notes(self, target):
+        """What of the answers is of means, and not of the rows."""
+        return means_note(target, self.files)

@@ -7,37 +7,23 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import MODELLED, is_modelled
-from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.pasts import MEANS, Held, with_a_past
-from pvlib_fem.fitting.rows import Compiled, answer_of
+from pvlib_fem.fitting.rows import Asked, Part, Source, temperature_of
 from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.inputs import Inputs, Record
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
-from pvlib_fem.scores import scored, tallying
-from pvlib_fem.statistics.clusters import cluster_sums_of, joined
-from pvlib_fem.statistics.leastsquares import Normal
-from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
-from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
+from pvlib_fem.thermal.compiled import AT_ONCE, fast
+from pvlib_fem.thermal.model import BLOCK, blocks
 from pvlib_fem.thermal.response import Past
 
 PRESENT = 0.5  # share of such a step that has to be there
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
-    """A model that is to be answered in a pass, and over which rows."""
-
-    model: ThermalModel
-    coefficients: dict
-    rows: str  # "complete" or "train", of the days that are fitted
-    wanted: bool = True  # whether slopes are
-
-
-@dataclass(frozen=True, eq=False)
-class Files:
+class Files(Source):
     """A record in files less what was not measured, and what one pass showed of it."""
 
     screened: Screened
@@ -86,11 +72,20 @@ class Files:
         """The same with some days held out."""
         return replace(self, out=np.unique(dates))
 
+    @cached_property
+    def fitted(self):
+        """Booleans of the days that are not held out."""
+        return ~np.isin(self.dates, self.out)
+
+    @property
+    def count(self):
+        """How many rows are fitted."""
+        return int(self.rows[self.fitted].sum())
+
     @property
     def winds(self):
         """Mean wind and its spread over fitted rows, where the sun is. [m/s]"""
-        kept = ~np.isin(self.dates, self.out)
-        total, wind, squares = self.light[kept].sum(axis=0)
+        total, wind, squares = self.light[self.fitted].sum(axis=0)
         total = max(total, np.finfo(float).tiny)
         mean = wind / total
         return float(mean), float(np.sqrt(max(squares / total - mean**2, 0.0)))
@@ -100,18 +95,7 @@ class Files:
         return Past(self.usual[self.drivers if model.drivers else ()])
 
     def parts(self, asked):
-        """
-        Small parts of the record with what several models are given there.
-
-        Parameters
-        ----------
-        asked : dict of Asked
-
-        Yields
-        ------
-        Part, dict
-            Of model, and of inputs, coefficients and what was before, by who asked.
-        """
+        """The record in parts of its blocks; see :meth:`Source.parts`."""
         pasts = {key: self.past(one.model) for key, one in asked.items()}
         bases = Bases(self, asked.values())
         for start, inputs in self.inputs(asked.values()):
@@ -125,61 +109,6 @@ class Files:
                     given[key] = known, (*own, pasts[key])
                 counts = {which: at[piece] for which, at in rows.items()}
                 yield Part(here["temp_module"], dates[piece], counts), given
-
-    def sums(self, asked, names):
-        """:class:`Normal` of several models by some of their coefficients each."""
-        total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in asked}
-        for part, given in self.parts(asked):
-            for key, (model, own) in given.items():
-                answer = part.answered(model, own, asked[key].rows, self.quick(model))
-                total[key] += answer.products(names[key])
-        return {key: Normal.of(found) for key, found in total.items()}
-
-    def ends(self, asked, last, names):
-        """
-        Scores of several models, and sums by the day of the last of them.
-
-        Parameters
-        ----------
-        asked : dict of Asked
-        last : hashable
-            The one of the sums.
-        names : tuple of str
-            Its coefficients that vary.
-
-        Returns
-        -------
-        DataFrame, DailySums, DataFrame
-            The last of the days held out: their rows, and the sum of the squares of
-            what each of the models leaves.
-        """
-        tallies = {key: tallying() for key in asked}
-        by_day, days = [], {name: np.zeros(len(self.out)) for name in ("rows", *asked)}
-        for part, given in self.parts(asked):
-            out, counts = self.held_out(part.dates), part.counts["counted"]
-            rows = {
-                "train": np.flatnonzero(counts & ~out),
-                "test": np.flatnonzero(counts & out),
-            }
-            place = np.searchsorted(self.out, part.dates[rows["test"]])
-            days["rows"] += np.bincount(place, minlength=len(self.out))
-            for key, (model, own) in given.items():
-                quick = self.quick(model)
-                if key == last:
-                    found = np.empty(len(part.dates))
-                    answer = part.answered(model, own, "train", quick)
-                    by_day.append(answer.by_day(names, found))
-                else:
-                    found = temperature_of(model, own, quick, counts)
-                error = part.measured - found
-                for which, at in rows.items():
-                    tallies[key][which].add(error[at])
-                squares = error[rows["test"]] ** 2
-                days[key] += np.bincount(place, squares, minlength=len(self.out))
-        rows = int(self.rows[~np.isin(self.dates, self.out)].sum())
-        sums = cluster_sums_of(*joined(by_day), rows)
-        held_out = pd.DataFrame(days, index=self.out)
-        return scored(tallies), DailySums(names, sums, self.winds), held_out
 
     @property
     def at_once(self):
@@ -202,7 +131,7 @@ class Files:
 
     def residuals(self, model, coefficients):
         """Times and residual of all rows, block by block."""
-        asked, past = Asked(model, coefficients, "counted"), self.past(model)
+        asked, past = Asked(model, coefficients), self.past(model)
         bases = Bases(self, [asked])
         for block in self.clean.blocks():
             inputs, found = even(block), []
@@ -231,32 +160,7 @@ class Files:
         complete, counts, dates = self.seen[start].on(rows)
         fitted = ~self.held_out(dates)
         kept = {"complete": complete & fitted, "train": counts & fitted}
-        return kept | {"counted": counts}, dates
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """Rows that follow each other, and which of them count for what."""
-
-    measured: np.ndarray
-    dates: np.ndarray
-    counts: dict
-
-    def answered(self, model, given, which, quick):
-        """What a model says of those of the rows that count."""
-        counts = self.counts[which]
-        if quick:
-            return Compiled(model, given, counts, self.measured, self.dates)
-        return answer_of(*model.answer(*given), counts, self.measured, self.dates)
-
-
-def temperature_of(model, given, quick, counts=None):
-    """Temperature of a part's rows, or of those that count, from those before. [°C]"""
-    if not quick:
-        return model.answer(*given, wanted=False)[0]
-    found = np.zeros(len(given[0].index))
-    answered(model, *given, None if counts is None else (counts, np.nan), into=found)
-    return found
+        return kept | {"test": counts & ~fitted}, dates
 
 
 class FileSummary(Summary):

@@ -48,8 +48,8 @@ class FemFit:
         Those of the model, ``tau`` [s] or ``capacity`` [J/(m² K)], and ``bias``
         [K].
     stderr : dict
-        Their standard errors from the spread between training days; NaN where
-        there is none, see ``notes``.
+        Their standard errors from the spread between training days, and from how
+        long the residual lasts; NaN where there is none, see ``notes``.
     scores : DataFrame
         What each step bought, in K on daytime rows: ``standard`` (steady,
         fitted to all rows), ``filter`` (steady, fitted to the filtered rows),
@@ -446,6 +446,18 @@ class FemFit:
 
     def __str__(self):
         return printable("\n".join(report(self)), "\n")
+
+
+def of_rows(record, temperature, train, test, out):
+    """What a result has of rows that are held, and of their temperature."""
+    residual = record["temp_module"] - temperature
+    return dict(
+        residual=pd.Series(residual, record.index, name="residual"),
+        train_days=record.count_days(train),
+        test_days=record.count_days(test),
+        holdout=pd.Series(out, record.index, name="holdout"),
+        record=record,
+    )
 
 
 def report(fit):

@@ -13,6 +13,11 @@ from pvlib_fem.thermal.model import MEMORY
 TURNS = 3  # of a search whose bounds move with what it finds
 
 
+def holding(model, fixed):
+    """The model with coefficients that are held, if they are its own and can be."""
+    return replace(model, held=possible(model, fixed))
+
+
 def possible(model, fixed):
     """The coefficients to hold, if they are the model's and can be."""
     constants = model.steady_model.constants

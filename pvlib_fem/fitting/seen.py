@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.look import count_steps, median
+from pvlib_fem.record.filters import counted
 from pvlib_fem.relaxation import across
 
 OTHERS = 0.02  # share of a block's steps up to which those unlike the usual are kept

@@ -1,21 +1,17 @@
 """The steps of a fit, one after the other, and the days that it does not see."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from pvlib_fem.fitting.rows import Rows, normal_sums
-from pvlib_fem.fitting.search import natural, searching, with_tables
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.fitting.rows import Asked
+from pvlib_fem.fitting.search import searching
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.leastsquares import FLAT, minimum_of
+from pvlib_fem.statistics.leastsquares import FLAT, minima_of
 from pvlib_fem.thermal.model import INSTANT
 
-METHODS = ("least_squares", "paper")
 NONE_OUT = "no row that counts is held out: test scores are NaN"
-# relative fall of the cost that ends a step before the last, and one on a part of rows
-ROUGH, ROUGHER = 1e-8, 1e-5
+ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
 
 
 def held_out(record, filtered, holdout, notes):
@@ -69,32 +65,34 @@ def planned_effects(target):
     return [step for step in planned(target) if step[1].effects]
 
 
-def least_squares_stages(target, record, train, not_held_out):
-    """The model with its base, its record, the steps to it, and the last minimum."""
-    needed("least squares", int(train.sum()), len(target.free))
-    complete = np.isfinite(sum(record[name] for name in COLUMNS))
-    start = {name: row.start for name, row in target.parameters.items()}
-    kept = {"complete": complete & not_held_out, "train": train}
-    plain = replace(target, effects=())
-    stages, thin, source = {}, start, None
-    for name, model, which, biased in planned(plain):
-        rows = kept[which]
-        # what a later step starts from need not be as flat as the last
-        flat = ROUGH if target.effects or name != "fem" else FLAT
-        if source is None or source.counts is not rows:
-            source = Rows(record, rows)
-            some = source.thinned()
-        if some:
-            # what a stage changes is nearly the same on a part of the rows
-            before, (_, thin) = thin, minimise(model, some, thin, biased, ROUGHER)
-            start = {n: value + thin[n] - before[n] for n, value in start.items()}
-        minimum, start = minimise(model, source, start, biased, flat)
-        stages[name] = (model, natural(model, start)[0])
-    if not target.effects:
-        return target, record, stages, minimum
-    fit = partial(effect_stages, record=record, train=train, start=start)
-    target, (more, minimum, record) = with_effects(target, stages, fit)
-    return target, record, stages | more, minimum
+def stages_of(source, target):
+    """
+    The model with its base, the steps to it, and the last minimum.
+
+    Parameters
+    ----------
+    source : Frame or InFiles
+        The rows, which find the minima of some steps on them, one from another.
+    target : ThermalModel
+    """
+    needed("least squares", source.count, len(target.free))
+    plain = [step for step in planned(target) if not step[1].effects]
+    starts, more = source.begun(target), bool(target.effects)
+    stages, minimum, starts = source.minima(plain, starts, final=not more)
+    if not more:
+        return target, stages, minimum
+
+    def fit(based):
+        return source.minima(planned_effects(based), starts, final=True)
+
+    target, (added, minimum, _) = with_effects(target, stages, fit)
+    return target, stages | added, minimum
+
+
+def flatness(steps, final):
+    """How flat the cost is to be at the end of each step: most at the last of all."""
+    last_step = steps[-1][0] if final else None
+    return {name: FLAT if name == last_step else ROUGH for name, *_ in steps}
 
 
 def with_effects(target, stages, fit):
@@ -111,24 +109,38 @@ def with_effects(target, stages, fit):
     return own, found if own is target else fit(own)
 
 
-def effect_stages(target, record, train, start):
-    """The steps that add each effect, the last minimum, the record with drivers."""
-    record = replace(record, inputs=target.with_drivers(record.inputs))
-    stages, source, steps = {}, Rows(record, train), planned_effects(target)
-    for name, model, _, biased in steps:
-        flat = FLAT if name == steps[-1][0] else ROUGH
-        tabled = with_tables(model, record)
-        minimum, start = minimise(tabled, source, start, biased, flat)
-        stages[name] = (model, natural(model, start)[0])
-    return stages, minimum, record
+def minima(source, steps, starts, flat):
+    """
+    Minimum and coefficients as the search sees them, of steps that share their passes.
+
+    Parameters
+    ----------
+    source : Source
+    steps : sequence
+        As :func:`planned` has them.
+    starts, flat : dict
+        By the name of a step, where its search begins and how flat it ends.
+    """
+    models = {name: (model, rows) for name, model, rows, _ in steps}
+    searches = {
+        name: searching(model, source, starts[name], biased, flat[name])
+        for name, model, _, biased in steps
+    }
+
+    def sums(points):
+        asked = {
+            name: Asked(models[name][0], coefficients, models[name][1])
+            for name, (coefficients, _) in points.items()
+        }
+        return source.sums(asked, {name: own for name, (_, own) in points.items()})
+
+    return minima_of(searches, sums)
 
 
 def minimise(model, source, start, biased, flat):
     """Least squares of one stage on the rows of a source."""
-    return minimum_of(
-        searching(model, source, start, biased, flat),
-        lambda asked: normal_sums(model, asked[0], source, asked[1]),
-    )
+    steps = [("", model, "train", biased)]
+    return minima(source, steps, {"": start}, {"": flat})[""]
 
 
 def last(stages):

@@ -11,7 +11,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.findings import Correction, Finding
-from pvlib_fem.fitting.fit import fit_fem, fit_frame
+from pvlib_fem.fit import fit_fem, fit_frame
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.result import Loop

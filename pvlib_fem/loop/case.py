@@ -8,9 +8,9 @@ import numpy as np
 from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.weeks import Part
-from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
+from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
 from pvlib_fem.statistics.axes import axes

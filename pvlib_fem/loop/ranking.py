@@ -18,7 +18,6 @@ from pvlib_fem.loop.design import FOLDS, Design
 from pvlib_fem.loop.gather import gather
 from pvlib_fem.loop.selection import Score, Selection, existence, rows_of
 from pvlib_fem.loop.table import Ranking, table_of
-from pvlib_fem.paper.filters import counted
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.record.columns import (
@@ -28,6 +27,7 @@ from pvlib_fem.record.columns import (
     usable_drivers,
     with_aliases,
 )
+from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import as_record, with_columns
 
 POWER = 0.8  # chance to see an effect of the minimum detectable size

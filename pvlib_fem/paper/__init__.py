@@ -25,7 +25,12 @@ from pvlib_fem.paper.estimators import (
     r_film,
     r_m,
 )
-from pvlib_fem.paper.filters import daytime, night, usable
+from pvlib_fem.paper.pictures import (
+    plot_k_w,
+    plot_resistances,
+    plot_step_changes,
+    plot_tau_bins,
+)
 from pvlib_fem.paper.sites import table_3, tau_by_mounting
 from pvlib_fem.paper.timeconstant import (
     TimeConstant,
@@ -34,6 +39,7 @@ from pvlib_fem.paper.timeconstant import (
     time_constant,
 )
 from pvlib_fem.paper.wind import convection, wind_max
+from pvlib_fem.record.filters import daytime, night, usable
 
 __all__ = [
     "Estimate",
@@ -50,6 +56,10 @@ __all__ = [
     "k_w_bins",
     "night",
     "night_bias",
+    "plot_k_w",
+    "plot_resistances",
+    "plot_step_changes",
+    "plot_tau_bins",
     "r_eq_max",
     "r_film",
     "r_m",

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.paper.filters import daytime, night
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.filters import daytime, night
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 
 INTERVAL = "5min"

@@ -4,16 +4,51 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
+from pvlib_fem.fitting.fit import asked, of_minimum
+from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.fitting.stages import last
 from pvlib_fem.paper import estimators as paper
-from pvlib_fem.paper.filters import night
 from pvlib_fem.paper.timeconstant import time_constant
 from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
-from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
+from pvlib_fem.record.filters import night
+from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
+METHODS = ("least_squares", "paper")  # of a fit
 MODELS = ("ross", "sapm", "faiman", "wm1", "wm2")  # that the paper compares
 OFFSETS = ("night", "calm")  # by name; else a number [K], or None
+
+
+def refuse_paper(target, fixed, night):
+    """Refuse what the paper's recipe cannot fit."""
+    name, paper = target.steady_model.name, argument("method", "paper")
+    if name not in MODELS:
+        has = f" has no {name}; it has {', '.join(MODELS)}, or use "
+        raise refusal(paper, has, LEAST_SQUARES)
+    if target.dynamics == "balance":
+        ewm = argument("dynamics", "ewm")
+        raise refusal(paper, " has no heat balance; use ", ewm, ", or ", LEAST_SQUARES)
+    if target.effects:
+        raise refusal(paper, " has no effects; use ", LEAST_SQUARES)
+    if fixed:
+        raise refusal(paper, " holds nothing; use ", LEAST_SQUARES)
+    if night:
+        raise ValueError("method='paper' is for daytime rows; use night=False")
+
+
+def fit_paper(frame, target, notes, calm_wind, offset):
+    """The fit of a model to a record in memory by the paper's recipe."""
+    train, kept = frame.counts, ~frame.out
+    stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
+    found, own = last(stages)[1], frame.ended(*asked(stages), ())[1]
+    notes.append("no errors: the paper's recipe gives none")
+    return FemFit(
+        **of_minimum(target, found, dict.fromkeys(found, np.nan), (), True),
+        **own,
+        method="paper",
+        notes=tuple(notes),
+    )
 
 
 def paper_stages(target, record, train, not_held_out, calm_wind, offset, notes):

@@ -13,12 +13,6 @@ from pvlib_fem.plotting.comparisons import (
     plot_resolutions,
 )
 from pvlib_fem.plotting.days import plot_before_after, plot_contributions, plot_fit
-from pvlib_fem.plotting.estimators import (
-    plot_k_w,
-    plot_resistances,
-    plot_step_changes,
-    plot_tau_bins,
-)
 from pvlib_fem.plotting.look import AFTER, BEFORE, COLOURS, OTHER
 from pvlib_fem.plotting.memory import plot_step_response, plot_tau_by_wind, tau_by_wind
 from pvlib_fem.plotting.recovery import plot_recovery
@@ -41,17 +35,13 @@ __all__ = [
     "plot_contributions",
     "plot_energy_error",
     "plot_fit",
-    "plot_k_w",
     "plot_recovery",
     "plot_residual_by",
     "plot_residual_map",
     "plot_residual_rose",
-    "plot_resistances",
     "plot_resolutions",
-    "plot_step_changes",
     "plot_step_response",
     "plot_steps",
-    "plot_tau_bins",
     "plot_tau_by_wind",
     "plot_through_time",
     "plot_waterfall",

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from pvlib_fem.paper.filters import counted
 from pvlib_fem.plotting.look import AFTER, COLOURS, MARKERS, STYLES, ink, new_axes
+from pvlib_fem.record.filters import counted
 from pvlib_fem.relaxation import relax
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.fitting.fit import fit_fem
+from pvlib_fem.fit import fit_fem
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.record.columns import printable, with_aliases
 from pvlib_fem.record.inputs import as_record

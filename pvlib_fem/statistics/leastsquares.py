@@ -52,13 +52,28 @@ def normal(residual, jacobian):
 
 
 def minimum_of(search, evaluate):
-    """What a search comes to that yields what it asks for, and is sent that."""
-    try:
-        asked = next(search)
-        while True:
-            asked = search.send(evaluate(asked))
-    except StopIteration as end:
-        return end.value
+    """What a search ends with that is sent what ``evaluate`` makes of its points."""
+    return minima_of({"": search}, lambda asked: {"": evaluate(asked[""])})[""]
+
+
+def minima_of(searches, evaluate):
+    """
+    What each of several searches ends with, by its name.
+
+    Those that have not ended are answered together: ``evaluate`` takes their points by
+    name, and gives what each is sent.
+    """
+    found, asked = {}, {}
+    answers = dict.fromkeys(searches)
+    while answers:
+        for name, answer in answers.items():
+            try:
+                asked[name] = searches[name].send(answer)
+            except StopIteration as end:
+                asked.pop(name, None)
+                found[name] = end.value
+        answers = evaluate(asked) if asked else {}
+    return found
 
 
 def descent(start, lower, upper, steps=STEPS, flat=FLAT):

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem import paper
+from pvlib_fem.paper import estimators as paper
+from pvlib_fem.paper.timeconstant import TimeConstant, step_changes
 from pvlib_fem.plotting.look import (
     AFTER,
     BEFORE,
@@ -182,9 +183,7 @@ def plot_step_changes(
     ValueError
         If no bin has ten step changes.
     """
-    steps = paper.step_changes(
-        poa_global, temp_air, wind_speed, temp_module, interval, apart
-    )
+    steps = step_changes(poa_global, temp_air, wind_speed, temp_module, interval, apart)
     groups = [(low, steps[steps["wind_speed"] == low]) for low in bins]
     groups = [(low, rows) for low, rows in groups if len(rows) >= 10]
     if not groups:
@@ -211,7 +210,7 @@ def plot_step_changes(
     return ax
 
 
-def plot_tau_bins(tau: paper.TimeConstant, ax: Any = None) -> Any:
+def plot_tau_bins(tau: TimeConstant, ax: Any = None) -> Any:
     """
     The paper's time constants by wind bin, and the one that it chooses (Fig. 7).
 
@@ -228,7 +227,7 @@ def plot_tau_bins(tau: paper.TimeConstant, ax: Any = None) -> Any:
 
     See Also
     --------
-    plot_tau_by_wind : the record's own time constants by least squares.
+    pvlib_fem.plotting.plot_tau_by_wind : the record's own, by least squares.
     """
     ax = new_axes(ax)
     table = tau.table.dropna(subset=["tau"])

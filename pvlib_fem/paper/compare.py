@@ -6,14 +6,15 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.fitting.comparison import FITTED, STEPS, Comparison
-from pvlib_fem.fitting.stages import METHODS, held_out, least_squares_stages
+from pvlib_fem.fitting.frame import Frame
+from pvlib_fem.fitting.stages import held_out, stages_of
 from pvlib_fem.paper.comparators import COMPARATORS, fitted
-from pvlib_fem.paper.filters import daytime, night
-from pvlib_fem.paper.recipe import MODELS, paper_stages
+from pvlib_fem.paper.comparison import FITTED, STEPS, Comparison
+from pvlib_fem.paper.recipe import METHODS, MODELS, paper_stages
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.record.filters import daytime, night
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.steady import STEADY_MODELS
@@ -174,7 +175,8 @@ class Case:
         values = [self.record[name] for name in COLUMNS]
         rows = {part: np.asarray(inside(*values)) for part, inside in PARTS.items()}
         out = held_out(self.record, rows["day"], holdout, notes)
-        self.kept, self.train = ~out, rows["day"] & ~out
+        self.frame = Frame.of(record, rows["day"], out)
+        self.kept, self.train = ~out, self.frame.counts
         self.parts = {part: there & out for part, there in rows.items()}
         self.resolution = usual_step(self.record.index)
         self.rows, self.coefficients = {}, {}
@@ -182,12 +184,12 @@ class Case:
     def model(self, name, method, calm_wind, offset):
         """Every step of one steady model."""
         target, record = thermal_model(name, "ewm"), self.record
-        how = (target, record, self.train, self.kept)
         try:
             if method == "paper":
-                stages = paper_stages(*how, calm_wind, offset, [])
+                rows = (self.train, self.kept)
+                stages = paper_stages(target, record, *rows, calm_wind, offset, [])
             else:
-                _, record, stages, _ = least_squares_stages(*how)
+                _, stages, _ = stages_of(self.frame, target)
         except ValueError as error:
             self.failed(name, error, STEPS)
             return
@@ -219,7 +221,7 @@ class Case:
 
     def balance(self):
         target = thermal_model("faiman", "balance")
-        stages = least_squares_stages(target, self.record, self.train, self.kept)[2]
+        _, stages, _ = stages_of(self.frame, target)
         model, values = stages[FITTED]
         answer = model.temperature(self.record.inputs, values)
         self.add(BALANCE, FITTED, answer, values)

@@ -1,0 +1,232 @@
+"""Fit the FEM coefficients to a measured record, with honest errors."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.drivers import geometry, needed_for
+from pvlib_fem.effects import EffectLike, find, several
+from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.fitting.files import fit_files
+from pvlib_fem.fitting.fit import fit_source
+from pvlib_fem.fitting.frame import as_frame
+from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.fitting.search import holding
+from pvlib_fem.paper.recipe import METHODS, fit_paper, refuse_paper
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.record.columns import ALIASES, COLUMNS, with_aliases
+from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
+from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
+from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.types import FilePath
+
+MEMORIES = ("tau", "capacity")  # of which each dynamics has one
+NAMED = Spelled(
+    "name its column, and give location, surface_tilt and surface_azimuth",
+    "name a column with --map, the place with --lat, --lon, --tilt and --azimuth",
+)
+
+
+def fit_fem(
+    poa_global: pd.Series | pd.DataFrame | ParquetRecord | FilePath,
+    temp_air: pd.Series | None = None,
+    wind_speed: pd.Series | None = None,
+    temp_module: pd.Series | None = None,
+    model: str = "wm1",
+    dynamics: str = "ewm",
+    method: str = "least_squares",
+    holdout: pd.Series | None = None,
+    calm_wind: float = 0.5,
+    check_units: bool = True,
+    effects: EffectLike | Iterable[EffectLike] = (),
+    night: bool = False,
+    fixed: Mapping[str, float] | None = None,
+    offset: float | str | None = "night",
+    limits: Limits | None = None,
+    **drivers: pd.Series,
+) -> FemFit:
+    """
+    Fit a steady model, made dynamic, to measured module temperature.
+
+    The FEM method: Filter, Exponential weighted mean, Mean bias [1]_. By
+    default all coefficients, the time constant and the bias are fitted
+    together by least squares.
+
+    Parameters
+    ----------
+    poa_global : Series, DataFrame, str, path-like or ParquetRecord
+        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²] Or, in the
+        place of all columns, a frame that has them; or a file, folder or pattern of
+        Parquet files, a pyarrow Dataset, or what :func:`open_parquet` gives, which are
+        read in blocks and need not fit into memory.
+    temp_air : Series
+        Air temperature. [°C]
+    wind_speed : Series
+        Wind speed. [m/s]
+    temp_module : Series
+        Measured module temperature. [°C]
+    model : str, default "wm1"
+        ``"ross"``, ``"sapm"``, ``"faiman"``, ``"wm1"``, ``"wm2"``, ``"pvsyst"``,
+        ``"noct"`` or ``"noct_sam"``.
+    dynamics : str, default "ewm"
+        ``"steady"``; ``"ewm"``, the paper's smoothing of irradiance and wind
+        with one tau; ``"balance"``, the exact heat balance.
+    method : str, default "least_squares"
+        Or ``"paper"``: the paper's own recipe, with regressions of five-minute
+        averages for the coefficients, step changes for tau and the mean error
+        of the training days for the bias.
+    holdout : Series of bool, optional
+        Rows to hold out, or days of a record in files. By default the weekend days
+        where the record has two weekends, as in the paper, else every other day.
+    calm_wind : float, default 0.5
+        Wind below which ``method="paper"`` takes the air as calm. [m/s]
+    check_units : bool, default True
+        Refuse columns that look to be in another unit, or swapped.
+    effects : str, dict, Effect or sequence of them, optional
+        Physical effects to fit beside the model: by name
+        (``pvlib_fem.effects.EFFECTS``), by name and settings, as ``{"name":
+        "sky_radiation", "source": "humidity"}``, or of one's own. ``scores`` has a
+        row for each, in this order.
+    night : bool, default False
+        Whether night rows count, too. By day only, as in the paper, the
+        coefficients serve the energy; nights tell more of sky and storage.
+    fixed : dict, optional
+        Coefficients that are known and not fitted, as ``{"tau": 378.0}`` or
+        ``{"rain.film": 20.0}``; they have no error. So are constants of the model,
+        such as the ``module_efficiency`` of pvsyst, for other than their defaults.
+    offset : str, float or None, default "night"
+        Over-temperature without irradiance, which ``method="paper"`` takes off
+        before its regressions: ``"night"``, its mean by night; ``"calm"``, the
+        intercept of the line of calm air; a number [K]; or None, nothing, though
+        k keeps its line's intercept. The docs' page on the paper compares them.
+    limits : pvlib_fem.quality.limits.Limits, optional
+        Thresholds of the screening other than the usual.
+    **drivers : Series
+        Further columns that the effects need, by name: ``wind_direction`` [°
+        from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
+        ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm], and
+        ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
+        [°], of which ``pvlib_fem.drivers.sun`` gives the first two.
+
+    Returns
+    -------
+    FemFit
+        Of files one without ``residual``, which ``write_residual(path)`` writes.
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable (times, columns, units, too many impossible
+        values), a name is unknown, or a step has too few points. The message
+        names the column or step, the value and the remedy.
+
+    Notes
+    -----
+    What was not measured (:func:`pvlib_fem.screen`) is left out, and ``notes`` say
+    what.
+
+    The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
+    the recursion runs over all rows, night included. Errors come from leaving
+    out each training day in turn, so they survive autocorrelation within a
+    day. To these is added what the resemblance of each day to the next makes of
+    an error that lasts for days; ``notes`` say where that is much, and where the
+    days are too few to tell how long it lasts. Below 5 training days errors are
+    NaN and the fit goes on.
+
+    The tau of ``method="paper"`` runs backwards: it falls as the true time
+    constant grows, see the table at :func:`pvlib_fem.paper.time_constant`.
+    That method gives no errors.
+
+    References
+    ----------
+    .. [1] B. Herteleer et al., "Investigating methods to improve photovoltaic
+       thermal models at second-to-minute timescales", 2022, Eq. 28.
+       :doi:`10.22541/au.166922866.68736478`
+    """
+    target = holding(
+        thermal_model(model, dynamics, map(find, several(effects))), fixed or {}
+    )
+    drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+    refuse_coefficients(target, drivers)
+    if not (is_data_set(poa_global) or isinstance(poa_global, pd.DataFrame)):
+        target.check_drivers(drivers)
+    if method not in METHODS:
+        raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
+    if method == "paper":
+        refuse_paper(target, fixed, night)
+    columns = [poa_global, temp_air, wind_speed, temp_module]
+    how = (holdout, night, limits, check_units)
+    if is_data_set(poa_global):
+        refuse_columns(columns[1:], drivers, method)
+        return fit_files(as_source(poa_global), target, *how)
+    if isinstance(poa_global, pd.DataFrame):
+        refuse_columns(columns[1:], drivers)
+        there = with_aliases(poa_global, (*COLUMNS, *target.drivers))
+        columns = [there[name] for name in COLUMNS]
+        drivers = {name: there[name] for name in target.drivers}
+    frame, notes = as_frame(columns, drivers, target, *how)
+    if method == "paper":
+        return fit_paper(frame, target, notes, calm_wind, offset)
+    return fit_source(frame, target, notes)
+
+
+def fit_frame(
+    data,
+    effects=(),
+    location=None,
+    surface_tilt=None,
+    surface_azimuth=None,
+    **options,
+):
+    """
+    The fit of a frame, with the drivers that its effects need.
+
+    Parameters
+    ----------
+    data : DataFrame
+        As :func:`pvlib_fem.close_loop` takes it.
+    effects : sequence of str, dict or Effect
+    location, surface_tilt, surface_azimuth
+        As in :func:`pvlib_fem.close_loop`; none is estimated.
+    **options
+        Of :func:`pvlib_fem.fit_fem`.
+
+    Returns
+    -------
+    FemFit
+    """
+    columns = there = with_aliases(data)
+    if effects:
+        place = geometry(data.index, location, surface_tilt, surface_azimuth)
+        there = {**place, **columns}
+    chosen, lacking = candidates(there, {}, effects)
+    for name, why in lacking.items():
+        raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
+    wanted = {name for effect in chosen for name in needed_for(effect.drivers)}
+    drivers = {name: there[name] for name in there if name in wanted}
+    return fit_fem(
+        *(columns[name] for name in COLUMNS), effects=chosen, **options, **drivers
+    )
+
+
+def refuse_columns(columns, drivers, method=""):
+    """Refuse columns beside a frame or files that have them, and the paper's recipe."""
+    if any(column is not None for column in columns) or drivers:
+        raise ValueError(
+            "columns are given beside a record that has them; give the record alone, "
+            "or its columns one by one"
+        )
+    if method == "paper":
+        paper = argument("method", "paper")
+        raise refusal(paper, " takes no files; give it columns, or use ", LEAST_SQUARES)
+
+
+def refuse_coefficients(target, drivers):
+    """Refuse a number that is to be held where columns are given."""
+    for name, value in drivers.items():
+        if name in target.parameters or (np.isscalar(value) and name in MEMORIES):
+            raise ValueError(
+                f"{name} is a coefficient and no column; to hold it give "
+                f"fixed={{{name!r}: {value!r}}}"
+            )
