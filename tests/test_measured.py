@@ -60,7 +60,7 @@ def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
         "usual wind": ("wind_gain_step", Opinion.CONTRADICTS),
     }
     # of the fifth that came with the step nothing else in the record is known
-    assert 0.0 < first.probabilities["outside"] < 0.1
+    assert 0.0 < first.probabilities["outside"] < 0.15
 
 
 def test_at_bolzano_other_weeks_say_the_same(at_bolzano):

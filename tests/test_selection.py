@@ -12,8 +12,13 @@ from pvlib_fem.effects.courses import number, weights_of
 from pvlib_fem.findings import OUTSIDE
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.dictionary import Candidate, Changed, Scan, dated, first_days
-from pvlib_fem.loop.noise import kept, tables, with_outside
+from pvlib_fem.loop.noise import (
+    random_effects,
+    shares,
+    with_outside,
+)
 from pvlib_fem.loop.selection import Choice, Selection, existence
+from pvlib_fem.statistics.tables import Table
 from pvlib_fem.statistics.weekly import LeastSquares, held_out
 
 START = 19_358  # 2023-01-01
@@ -218,8 +223,7 @@ def test_a_true_effect_keeps_its_size_within_every_table():
     random, (days, hours) = np.random.default_rng(2), clock(300)
     own = np.maximum(random.normal(size=len(days)) + np.cos(hours / 4.0), 0.0)
     made, one, choice = chosen(2.0 * own + noise(random, len(days)), own, days, hours)
-    for groups in tables(made, one.effect):
-        share, error = kept(made, one, [*made.base], groups)
+    for share, error in shares(made, one, [*made.base]):
         assert abs(share - 1.0) < 4.0 * error + 0.02
     assert choice.probabilities["rain"] > 0.95
     assert sum(choice.probabilities.values()) == pytest.approx(1.0)
@@ -232,11 +236,8 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     own = pump + 0.3 * np.abs(random.normal(size=len(days)))
     rest = 3.0 * pump + noise(random, len(days))
     made, one, choice = chosen(rest, own, days, hours)
-    shares = [
-        kept(made, one, [*made.base], groups)[0]
-        for groups in [*tables(made, one.effect)][:1]
-    ]
-    assert shares[0] < 0.3
+    share, _ = shares(made, one, [*made.base])[0]  # by hour and month
+    assert share < 0.3
     assert choice.probabilities[OUTSIDE] > 0.5
 
 
@@ -280,3 +281,72 @@ def test_every_finding_holds_a_cause_outside_and_its_shares_are_one():
             assert finding.candidates == (finding.effect,)
         else:
             assert held + shares[OUTSIDE] >= sure
+
+
+def grouped_design(random, groups, columns=2):
+    """A design of random columns whose cells are in some groups, and those."""
+    days, hours = clock(70)
+    names = [f"column {i}" for i in range(columns)]
+    table = dict(zip(names, random.normal(size=(columns, len(days)))))
+    made = design(random.normal(size=len(days)), table, days, hours)
+    return made, random.integers(0, groups, len(days))
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 10.0))
+def test_whitened_least_squares_is_generalised_least_squares(seed, ratio):
+    """Against the inverse of the covariance of a random effect, written out."""
+    random = np.random.default_rng(seed)
+    made, groups = grouped_design(random, 12)
+    size = np.bincount(groups, minlength=12)
+    shares = ratio * size / (ratio * size + 1.0)  # variance over that of noise
+    white = made.whitened([Table((), groups, ratio, 9.0, size * 0.0, shares, size)])
+    there = np.eye(12)[groups]
+    covariance = np.eye(len(groups)) + ratio * there @ there.T
+    table = made.cells[:, :3]
+    expected = table.T @ np.linalg.solve(covariance, table)
+    np.testing.assert_allclose(white.by_week([1, 2]).sum(axis=0), expected, rtol=1e-8)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_change_is_whitened_as_any_column(seed):
+    """By the week, and in the sums by the day from which dates are found."""
+    random = np.random.default_rng(seed)
+    made, groups = grouped_design(random, 9)
+    other = random.integers(0, 5, len(groups))
+    tables = []
+    for one, many in ((groups, 9), (other, 5)):
+        size, shares = np.bincount(one, minlength=many), random.uniform(0, 1, many)
+        tables.append(Table((), one, 1.0, 9.0, size * 0.0, shares, size))
+    white = made.whitened(tables)
+    step = Changed.of(3, CHANGES["contact_step"].make(at="2023-02-10"))
+    column = made.cells[:, 3] * made.values(step)
+    free = white.values(step)
+    np.testing.assert_allclose(free, white.freed(made.values(step), tables))
+    found = white.by_week([1, step]).sum(axis=0)
+    assert found[0, 2] == pytest.approx(white.cells[:, 0] @ free)
+    assert found[2, 2] == pytest.approx(free @ free)
+    assert found[1, 2] == pytest.approx(white.cells[:, 1] @ free)
+    weights = weights_of(step.effect, made.dates)
+    daily = white.by_day(3, [1, step]) * weights[:, None]
+    expected = [white.cells[:, 0] @ free, white.cells[:, 1] @ free, free @ free]
+    np.testing.assert_allclose(daily.sum(axis=0), expected, rtol=1e-8)
+    assert column @ column == pytest.approx(column @ made.values(step))
+
+
+def test_an_effect_is_surer_beside_a_pattern_that_is_known():
+    """As where an exhaust warms a module at weekends and wind cools it."""
+    random, (days, hours) = np.random.default_rng(8), clock(126)
+    weekend = (days % 7 >= 5) & (hours >= 9) & (hours < 16)
+    sky = np.repeat(random.normal(size=126), 24)
+    rest = 3.0 * weekend + 0.2 * sky + 0.3 * noise(random, len(days))
+    columns = {"bias": np.ones(len(days)), "sky_radiation.share": sky}
+    made = design(rest, columns, days, hours, own=["sky_radiation"])
+    plain = Selection(made, CRITERIA)
+    known = random_effects(made, [1], plain.least)
+    assert known
+    known = replace(plain, noise=tuple(known), known={})
+    one = Candidate(made.effects["sky_radiation"], (2,), np.log(CRITERIA.prior))
+    before, after = (s.score(one, [1]) for s in (plain, known))
+    assert after.null[0, 0] < 0.5 * before.null[0, 0]
+    assert after.estimate[0] == pytest.approx(0.2, abs=3 * after.stderr[0])
+    assert after.probability > max(before.probability, CRITERIA.probability)

@@ -2,7 +2,8 @@
 What happens to instruments and mountings: channels, each along every course.
 
 A channel is an effect of constant size that has one parameter. Constant it would be in
-the coefficients of the steady model; from a date on, slowly or for a while it is not.
+the coefficients of the steady model, but for those of :data:`OF_NO_COEFFICIENT`; from a
+date on, slowly or for a while it is not.
 """
 
 import numpy as np
@@ -140,6 +141,9 @@ def module_offset(temp_air, *, change):
 
 #: what happens to the weather station, and so to all modules that share it
 STATION = ("sensitivity", "wind_gain", "wind_stall", "air_offset", "air_shelter")
+
+#: whose constant part no coefficient of a steady model takes up
+OF_NO_COEFFICIENT = ("wind_stall", "air_shelter")
 
 CHANNELS = (
     Effect(

@@ -9,12 +9,10 @@ from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.quality.clock import Clock
-from pvlib_fem.record.columns import COLUMNS, GEOMETRY
+from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
-from pvlib_fem.statistics.axes import axes
-from pvlib_fem.statistics.clusters import FOLDS, calendar_weeks
 
 STEP_PRESENT = 0.5  # share of a step's rows that have to be there
 FEWEST_FITTING_DAYS = 10  # below which none can be left out in turn
@@ -87,21 +85,6 @@ class Case:
     def enough(self):
         """Whether the record is long enough for a name."""
         return self.days >= self.criteria.enough_days
-
-    @cached_property
-    def axes(self):
-        """All ways to sort the rows that are searched."""
-        # power follows the light itself, and would sort by what it should tell
-        names = sorted({*self.drivers, *COLUMNS[:3]} - {"p_dc"})
-        record, rows = self.record, self.searched
-        columns = {name: record[name][rows] for name in names}
-        return list(axes(record.index[rows], record.dates[rows], columns))
-
-    @cached_property
-    def folds(self):
-        """Group of weeks of each row that is searched."""
-        weeks = calendar_weeks(self.record.dates[self.searched])
-        return np.unique(weeks, return_inverse=True)[1] % FOLDS
 
     def placed(self, record):
         """A record with the place of sun and module, where that is known."""

@@ -24,7 +24,7 @@ from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.references import apart, heard, said
 from pvlib_fem.loop.result import Loop
-from pvlib_fem.loop.selection import Selection
+from pvlib_fem.loop.selection import Selection, selected
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.loop.verify import bounds
@@ -304,8 +304,8 @@ class Search:
             # before another plane an obstacle has no place
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
-        selection = Selection(design, case.criteria, closed)
-        return Round(found, selection, tuple(selection.run()))
+        selection, choices = selected(design, case.criteria, closed)
+        return Round(found, selection, tuple(choices))
 
     @cached_property
     def another_plane(self):

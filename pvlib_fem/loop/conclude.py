@@ -9,15 +9,15 @@ from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects.courses import is_drift, told
 from pvlib_fem.effects.effect import deciding
 from pvlib_fem.findings import OUTSIDE, Check, Finding, Kind, Opinion, Verdict
+from pvlib_fem.loop.noise import in_turn
+from pvlib_fem.loop.references import SLACK
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import GEOMETRY
-from pvlib_fem.statistics.tables import find_structure
+from pvlib_fem.statistics.tables import ways
 
 HALF = 0.5  # probability from which a cause outside the catalogue is the likelier one
-ERRORS = 2.0  # of them in half a range
-CURVED = 0.1  # relative error of a coefficient by its law, beside that of the record
-MOST_PATTERNS = 3  # that are reported
+NINETY = 1.645  # standard errors in half a range that holds 90 %
+SUN = ("solar_azimuth", "solar_zenith")
 
 
 def finding_of(choice, effect, case, floor, heard=()):
@@ -95,19 +95,30 @@ def finding_of(choice, effect, case, floor, heard=()):
     )
 
 
-def in_the_model(finding, choice, coefficients, stderr, at_bound):
-    """The finding with the coefficients of the last fit, and their ranges."""
-    values = {key: coefficients[key] for key in finding.coefficients}
+def in_the_model(finding, choice, fit, stderr, criteria):
+    """
+    The finding with the coefficients of the last fit, and ranges that hold 90 %.
+
+    A range has the error of the fit and that of the law behind the coefficient.
+    """
+    values = {key: fit.coefficients[key] for key in finding.coefficients}
     errors = {key: stderr[key] for key in finding.coefficients}
-    relative = np.hypot(CURVED, choice.spread.get(finding.effect, 0.0))
-    # an effect of a class may be in part what another of the class is
+    law = relative_error(choice.members[finding.effect].effect, criteria)
     ranges = {}
     for key, value in values.items():
-        if key in at_bound or not errors[key] > 0:
+        if key in fit.at_bound or not errors[key] > 0:
             continue
-        half = ERRORS * float(np.hypot(errors[key], relative * abs(value)))
-        ranges[key] = (value - half, value + half)
+        row = fit.model.parameters[key]
+        half = NINETY * float(np.hypot(errors[key], law * value))
+        ranges[key] = max(value - half, row.lower), min(value + half, row.upper)
     return replace(finding, coefficients=values, stderr=errors, ranges=ranges)
+
+
+def relative_error(effect, criteria):
+    """Relative error of a coefficient by its law, or by that of the thermal model."""
+    if effect.channel:
+        return SLACK
+    return criteria.shape_error if effect.confounder else criteria.law_error
 
 
 def refused(finding, check, why):
@@ -157,29 +168,22 @@ def hints(case, rows, findings, floor):
         )
 
 
-def patterns(case, rest, rows, floor):
+def patterns(design, given, floor):
     """
     Tables of the remaining error that no effect explains, the strongest first.
 
     Parameters
     ----------
-    case : Case
-    rest : array
-        Remaining error given all that was found. [K]
-    rows : array of int
-        Of the record, to which that belongs.
+    design : Design
+    given : sequence
+        Columns of the base and of all that was found.
     floor : float
         Fall of the mean square that is material. [K²]
     """
-    record = case.record
-    kept = np.isin(np.flatnonzero(case.searched), rows, assume_unique=True)
-    axes, folds = [axis.of(kept) for axis in case.axes], case.folds[kept]
-    seconds, step = record.inputs.seconds[rows], usual_step(record.index[rows])
-    for _ in range(MOST_PATTERNS):
-        table = find_structure(rest, seconds, folds, axes, step)
-        if table is None or table.gain**2 < floor:
-            return
-        rest = rest - table.values
+    axes = [axis for axis in design.axes if axis.name not in GEOMETRY]
+    sun = [axis for axis in design.axes if axis.name in SUN]
+    kinds = [*ways(axes), *([tuple(sun)] if len(sun) == len(SUN) else [])]
+    for table in in_turn(design, design.left_by(given), kinds, floor):
         yield Finding(
             table.name,
             table.drivers,

@@ -13,8 +13,9 @@ import numpy as np
 
 from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
+from pvlib_fem.statistics.axes import axes
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.statistics.weekly import products, steady
+from pvlib_fem.statistics.weekly import products, solve, steady
 
 HOUR = 3600.0  # s, over which rows share a cell
 FOLDS = 5  # groups of weeks that are left out in turn
@@ -64,6 +65,8 @@ class Design:
     channels: dict
     changing: tuple
     places: dict = field(repr=False)
+    noise: tuple = ()  # random effects by which the cells are whitened
+    plain: "Design | None" = field(default=None, repr=False)  # the same without
 
     @classmethod
     def of(cls, found, record, lifted=(), drivers=()):
@@ -176,9 +179,18 @@ class Design:
     @cached_property
     def clusters(self):
         """First day of each week, whose weather is shared; each day where few weeks."""
+        return self.starts if self.has_weeks else np.arange(len(self.dates))
+
+    @cached_property
+    def starts(self):
+        """First day of each week."""
         weeks = calendar_weeks(self.dates)
-        first = np.flatnonzero(np.diff(weeks, prepend=weeks[:1] - 1))
-        return first if len(first) >= FEWEST_WEEKS else np.arange(len(weeks))
+        return np.flatnonzero(np.diff(weeks, prepend=weeks[:1] - 1))
+
+    @property
+    def has_weeks(self):
+        """Whether there are enough of them to see how far they differ."""
+        return len(self.starts) >= FEWEST_WEEKS
 
     @cached_property
     def weekly(self):
@@ -210,12 +222,48 @@ class Design:
         return weights_of(change.effect, self.dates)
 
     def parts(self, change):
-        """Weights of a change, and its products by the week with every column."""
+        """Weights of a change, and its products by the day with every column."""
         if change not in self.made:
             weights = self.weights(change)
-            rows = self.daily[:, change.place] * weights[:, None]
-            self.made[change] = weights, np.add.reduceat(rows, self.clusters, axis=0)
+            if self.noise:
+                column = self.values(change) * self.rows
+                rows = np.add.reduceat(column[:, None] * self.cells, self.first)
+            else:
+                rows = self.daily[:, change.place] * weights[:, None]
+            self.made[change] = weights, rows
         return self.made[change]
+
+    @cached_property
+    def weeks(self):
+        """Number of the week of each cell; of the day where weeks are few."""
+        starts = np.zeros(len(self.days), dtype=int)
+        starts[self.first[self.clusters[1:]]] = 1
+        return np.cumsum(starts)
+
+    @cached_property
+    def axes(self):
+        """Ways to sort the cells."""
+        return [*axes(self.places, self.days)]
+
+    def left_by(self, columns):
+        """What some columns leave of the residual in the cells. [K]"""
+        table = np.column_stack([self.values(c) for c in columns])
+        return self.cells[:, 0] - table @ solve(self.whole(columns))
+
+    def whitened(self, noise):
+        """The same as generalised least squares sees it, by some random effects."""
+        if not noise:
+            return self
+        cells = np.column_stack([self.freed(column, noise) for column in self.cells.T])
+        return replace(self, cells=cells, noise=tuple(noise), plain=self)
+
+    def freed(self, column, noise):
+        """A column less a part of its mean in each group of each random effect."""
+        for table in noise:
+            sums = np.bincount(table.groups, column * self.rows, len(table.rows))
+            means = sums / np.maximum(table.rows, 1.0)
+            column = column - (table.free * means)[table.groups]
+        return column
 
     def adding(self, sizes):
         """The same of a residual that has so much more of some columns, or changes."""
@@ -227,38 +275,82 @@ class Design:
 
     def by_week(self, columns):
         """Products by the week of the residual and some columns, changes among them."""
+
+        def sums(rows):
+            return np.add.reduceat(rows, self.clusters, axis=0)
+
+        return self.products(columns, self.weekly, sums)
+
+    def whole(self, columns):
+        """The same of all weeks together."""
+        return self.products(columns, self.total, lambda rows: rows.sum(axis=0))
+
+    def products(self, columns, known, sums):
+        """Products of the residual and some columns, from those by the day."""
         places = [0, *(c if isinstance(c, int) else c.place for c in columns)]
-        found = self.weekly[:, places][:, :, places]
+        found = known[..., places, :][..., places]
         changes = [(i + 1, c) for i, c in enumerate(columns) if not isinstance(c, int)]
         for i, change in changes:
-            weights, rows = self.parts(change)
-            found[:, i] = found[:, :, i] = rows[:, places]
+            rows = sums(self.parts(change)[1][:, places])
+            found[..., i, :] = found[..., i] = rows
             for j, other in changes:
-                both = weights * self.parts(other)[0]
-                crossed = both * self.daily[:, change.place, other.place]
-                found[:, i, j] = found[:, j, i] = np.add.reduceat(
-                    crossed, self.clusters
-                )
+                found[..., i, j] = found[..., j, i] = sums(self.crossed(change, other))
         return found
+
+    def crossed(self, change, other):
+        """Products of two changes by the day."""
+        if self.noise:
+            product = self.values(change) * self.values(other) * self.rows
+            return np.add.reduceat(product, self.first)
+        both = self.parts(change)[0] * self.parts(other)[0]
+        return both * self.daily[:, change.place, other.place]
 
     def by_day(self, place, columns):
         """Products by the day of one column with the residual and some others."""
-        found = np.empty((len(self.dates), len(columns) + 1))
-        found[:, 0] = self.daily[:, place, 0]
-        for i, column in enumerate(columns):
-            if isinstance(column, int):
-                found[:, i + 1] = self.daily[:, place, column]
-            else:
-                weights = self.parts(column)[0]
-                found[:, i + 1] = weights * self.daily[:, place, column.place]
-        return found
+        return np.column_stack([self.met(place, other) for other in (0, *columns)])
+
+    def met(self, place, other):
+        """Products by the day of a column with another, as least squares has them."""
+        if not self.noise:
+            if isinstance(other, int):
+                return self.daily[:, place, other]
+            return self.parts(other)[0] * self.daily[:, place, other.place]
+        if (place, other) not in self.meetings:
+            # one column as it is, the other whitened twice: any weight of a day may
+            # then be set on the first
+            column = self.plain.cells[:, place] * self.twice(other) * self.rows
+            self.meetings[place, other] = np.add.reduceat(column, self.first)
+        return self.meetings[place, other]
+
+    @cached_property
+    def meetings(self):
+        return {}
+
+    def twice(self, column):
+        """A column that is whitened twice."""
+        if column not in self.doubled:
+            self.doubled[column] = self.freed(self.values(column), self.noise[::-1])
+        return self.doubled[column]
+
+    @cached_property
+    def doubled(self):
+        return {}
 
     def values(self, column):
         """A column, or a change, in the cells."""
         if isinstance(column, int):
             return self.cells[:, column]
+        if self.noise:
+            if column not in self.freed_changes:
+                values = self.freed(self.plain.values(column), self.noise)
+                self.freed_changes[column] = values
+            return self.freed_changes[column]
         lengths = np.diff(self.first, append=len(self.days))
         return self.cells[:, column.place] * np.repeat(self.weights(column), lengths)
+
+    @cached_property
+    def freed_changes(self):
+        return {}
 
     @cached_property
     def grid(self):

@@ -1,7 +1,6 @@
 """What may be in the remaining error: effects, and changes at the dates that show."""
 
 from dataclasses import dataclass, field
-from itertools import combinations
 
 import numpy as np
 
@@ -108,26 +107,20 @@ class Scan:
     given: list
     side: int
     solved: np.ndarray  # coefficients of the columns
-    inverse: np.ndarray  # of their products
+    root: np.ndarray  # of the inverse of their products
     trust: np.ndarray  # of each day, 1 for usual ones
 
     @classmethod
     def of(cls, design, given, side):
         given = [*given]
-        whole = design.by_week(given).sum(axis=0)
-        solved = solve(whole)
-        remaining = squares_left(design, given, solved)
-        usual = np.median(remaining)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            trust = np.minimum(1.0, USUAL * usual / remaining)
-        trust = np.where(remaining > 0, trust, 1.0)
-        inverse = np.linalg.inv(steady(whole[1:, 1:]))
-        return cls(design, given, side, solved, inverse, trust)
+        whole = design.whole(given)
+        inverse = np.linalg.inv(np.linalg.cholesky(steady(whole[1:, 1:])))
+        return cls(design, given, side, solve(whole), inverse.T, trusted(design, given))
 
     def worth(self, parts, low, high):
         """Fall of the sum of squares by a column of such sums, with a possible sign."""
         score, square, beside = parts[..., 0], parts[..., 1], parts[..., 2:]
-        beyond = square - np.einsum("...i,ij,...j->...", beside, self.inverse, beside)
+        beyond = square - np.square(beside).sum(axis=-1)
         allowed = (score > 0) & (high > 0) | (score < 0) & (low < 0)
         good = allowed & (beyond > UNSEEN * np.maximum(square, 1e-12))
         return np.where(good, score**2 / np.where(good, beyond, 1.0), 0.0)
@@ -136,8 +129,9 @@ class Scan:
         """Products of a column with the remaining error and others, up to each day."""
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved
-        squares = self.design.daily[:, place, place] * self.trust
-        table = np.column_stack([scores, squares, rows[:, 1:]])
+        plain = self.design.plain or self.design
+        squares = plain.daily[:, place, place] * self.trust
+        table = np.column_stack([scores, squares, rows[:, 1:] @ self.root])
         return np.vstack([np.zeros(table.shape[1]), np.cumsum(table, axis=0)])
 
     def along(self, place, low, high):
@@ -166,12 +160,12 @@ class Scan:
         """First day and the day after the last of the best temporary change."""
         side, days = self.side, len(self.design.dates)
         grid = np.unique(np.linspace(0, days, min(GRID, days)).astype(int))
-        pairs = np.array([p for p in combinations(grid, 2) if side <= p[1] - p[0]])
-        if len(pairs):
-            # enough days have to be there without it, too
-            pairs = pairs[pairs[:, 1] - pairs[:, 0] <= days - side]
-            # one that begins or ends with the record is a step
-            pairs = pairs[(pairs[:, 0] >= side) & (pairs[:, 1] <= days - side)]
+        pairs = grid[np.column_stack(np.triu_indices(len(grid), 1))]
+        length = pairs[:, 1] - pairs[:, 0]
+        # enough days have to be there without it, too; and one that begins or ends
+        # with the record is a step
+        inside = (pairs[:, 0] >= side) & (pairs[:, 1] <= days - side)
+        pairs = pairs[(length >= side) & (length <= days - side) & inside]
         if not len(pairs):
             return None
         falls = worth(sums[pairs[:, 1]] - sums[pairs[:, 0]])
@@ -226,9 +220,10 @@ def first_days(design, one, given, side, errors):
     return effect.make(**{**dates, "between": between})
 
 
-def squares_left(design, given, solved):
-    """Root of the mean square that some columns leave of each day."""
-    values = [design.values(column) for column in given]
-    rest = design.cells[:, 0] - sum(c * v for c, v in zip(solved, values))
+def trusted(design, given):
+    """How much each day counts: less, where some columns leave much of it."""
+    rest = design.left_by(given)
     squares = np.add.reduceat(rest**2 * design.rows, design.first)
-    return np.sqrt(squares / np.add.reduceat(design.rows, design.first))
+    remaining = np.sqrt(squares / np.add.reduceat(design.rows, design.first))
+    most = USUAL * np.median(remaining)
+    return np.where(remaining > most, most / np.maximum(remaining, 1e-12), 1.0)

@@ -11,15 +11,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects.instruments import OF_NO_COEFFICIENT
 from pvlib_fem.findings import OUTSIDE
-from pvlib_fem.loop.design import FEWEST_WEEKS
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
+from pvlib_fem.statistics.axes import CLOCK, sorted_by
+from pvlib_fem.statistics.tables import Table, joined, largest
 from pvlib_fem.statistics.weekly import LeastSquares, products
 
 TINY = 1e-100  # density of what is as far as anything
-BINS = 8  # of a driver, with equal numbers of cells
-AZIMUTH, ELEVATION = 12.0, 6.0  # degrees of sun position
 FAR = 0.35  # spread of the part that is left of what stands for something unknown
+USUAL = COLUMNS[:3]
+#: axes of the tables in which an effect has to have the same size
+PAIRS = (
+    ("hour", "month"),
+    ("hour", "weekend"),
+    ("poa_global", "wind_speed"),
+    ("poa_global", "temp_air"),
+    ("wind_speed", "temp_air"),
+    ("solar_azimuth", "solar_zenith"),
+)
+MOST_TABLES = 3  # of random effects
 ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
 REFLECTION = 0.5  # of what takes light from a sensor and not from the module
 
@@ -36,8 +47,7 @@ def prior_of(effect, outside):
     """The prior of a cause outside the catalogue as a rival of an effect."""
     if effect.settings.get("sensor"):  # a reflection onto the module looks the same
         return Beyond(REFLECTION, 1.0)
-    own = {*needed_for(effect.drivers)} - {*COLUMNS[:3], *GEOMETRY}
-    if effect.channel or (own and not effect.confounder):
+    if effect.channel or (own_columns(effect) and not effect.confounder):
         return Beyond(outside, ALIKE)
     # what follows the sun and the usual inputs alone may be anything that does
     return Beyond(outside, 1.0)
@@ -61,13 +71,13 @@ def with_outside(design, choice, given, criteria, logs=None):
     logs = logs or dict.fromkeys([*choice.members, OUTSIDE], 0.0)
     most = max(logs.values())
     times = {name: float(np.exp(log - most)) for name, log in logs.items()}
-    mine, outside, spread = {}, 0.0, {}
+    mine, outside = {}, 0.0
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
         prior = prior_of(one.effect, criteria.outside)
-        inside, beyond, spread[name] = likelihoods(
-            design, one, given, criteria.law_error
-        )
+        sizes = shares(design, one, given)
+        rest = misfits(design, one, given, choice.scores[name].fall)
+        inside, beyond = likelihoods(sizes, rest, criteria.law_error)
         mine[name] = weight * (1.0 - prior.odds) * inside
         unknown = prior.alike * inside + (1.0 - prior.alike) * beyond
         if prior.alike == 1.0:
@@ -76,49 +86,85 @@ def with_outside(design, choice, given, criteria, logs=None):
     total = sum(mine.values()) + outside
     probabilities = {n: p / total for n, p in mine.items()}
     probabilities[OUTSIDE] = outside / total
-    return replace(choice, probabilities=probabilities, spread=spread)
+    return replace(choice, probabilities=probabilities)
 
 
-def likelihoods(design, one, given, law):
+def shares(design, one, given):
+    """Share of its size that is left under other conditions, with its error."""
+    own = [c for c in one.columns if c not in given]
+    plain = LeastSquares(design.by_week([*given, *own]), len(own))
+    others = [within(design, [*given, *own], t) for t in tables(design, one.effect)]
+    if one.effect.channel in OF_NO_COEFFICIENT:
+        # what the instrument has had all the time is no change
+        (change,) = one.columns
+        others.append(design.by_week([*given, change.place, *own]))
+    found = (kept(plain, LeastSquares(other, len(own))) for other in others)
+    return [share for share in found if share is not None]
+
+
+def misfits(design, one, given, fall):
     """
-    How likely its size within tables is, of it and of something unknown.
+    What a law leaves along its own drivers, over what it explains.
 
-    By the table that speaks most against it; and the largest share by which a table
-    changes its size, beyond the error of that.
+    Roots of mean squares, along the measured drivers and along its own columns. A law
+    leaves no more than its relative error; an unknown cause that follows the same
+    drivers in another shape leaves as much as it explains.
     """
-    worst, spread = None, 0.0
-    for groups in tables(design, one.effect):
-        found = kept(design, one, given, groups)
-        if found is None:
-            continue
-        share, error = found
-        spread = max(spread, abs(share - 1.0) - error)
-        true = density(share - 1.0, np.hypot(error, law))
-        other = density(share, np.hypot(error, FAR))
-        if worst is None or true / other < worst[0] / worst[1]:
-            worst = true, other
-    return *(worst or (1.0, 1.0)), spread
+    mine = own_columns(one.effect)
+    if not mine or one.effect.channel or one.effect.confounder or not fall > 0.0:
+        return []
+    axes = [axis for axis in design.axes if axis.column in mine]
+    axes += [sorted_by("", design.cells[:, place]) for place in one.columns]
+    rest = design.left_by([*given, *(c for c in one.columns if c not in given)])
+    weeks = design.rows, design.weeks
+    made = [Table.of((axis,), rest, *weeks) for axis in axes if axis is not None]
+    # by a standard error less: no more than is sure
+    sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in made]
+    return [float(np.sqrt(variance / fall)) for variance in sure]
+
+
+def own_columns(effect):
+    """Measured columns of an effect beyond the usual inputs and the sun."""
+    return {*needed_for(effect.drivers)} - {*COLUMNS[:3], *GEOMETRY}
+
+
+def likelihoods(sizes, rest, law):
+    """
+    How likely sizes within tables, and misfits, are by a law and by something unknown.
+
+    Of each by that which speaks most against the law.
+    """
+    shares = [
+        (density(share - 1.0, np.hypot(s, law)), density(share, np.hypot(s, FAR)))
+        for share, s in sizes
+    ]
+    shapes = [(density(misfit, law), density(misfit, 1.0)) for misfit in rest]
+    worst = [
+        min(seen, key=lambda pair: pair[0] / pair[1], default=(1.0, 1.0))
+        for seen in (shares, shapes)
+    ]
+    return tuple(np.prod(worst, axis=0).tolist())
 
 
 def density(distance, width):
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
 
 
-def kept(design, one, given, groups):
-    """Share of its size that is left within groups of a table, and its error."""
-    columns = [*given, *(c for c in one.columns if c not in given)]
-    values = np.column_stack([design.cells[:, 0], *(design.values(c) for c in columns)])
+def within(design, columns, groups):
+    """Products by the week of columns less their means in groups of cells."""
+    values = np.column_stack([design.cells[:, 0], *map(design.values, columns)])
     count = np.bincount(groups, design.rows)
-    within = values.copy()
     for i in range(values.shape[1]):
         means = np.bincount(groups, values[:, i] * design.rows) / count
-        within[:, i] -= means[groups]
+        values[:, i] -= means[groups]
     starts = np.append(design.first[design.clusters], len(design.rows))
-    size = len(one.columns)
-    plain = LeastSquares(design.by_week(columns), size)
-    other = LeastSquares(products(within, design.rows, starts), size)
-    before = np.diag(plain.whole)[-size:]
-    after = np.diag(other.whole)[-size:]
+    return products(values, design.rows, starts)
+
+
+def kept(plain, other):
+    """Share of its size that is left in another fit, and its error."""
+    size = plain.size
+    before, after = (np.diag(one.whole)[-size:] for one in (plain, other))
     if (after < 1e-3 * before).any():
         return None
     # along the estimate, in the metric of what it explains
@@ -134,53 +180,56 @@ def kept(design, one, given, groups):
 
 
 def tables(design, effect):
-    """Group of each cell, by each table of unknown structure."""
-    places = design.places
-    own = {*effect.drivers, *needed_for(effect.drivers)}
-    usual = {
-        name: binned(places[name], places["poa_global"] > 0.0)
-        for name in ("poa_global", "wind_speed", "temp_air")
-    }
-    hour, month = places["hour"].astype(int), places["month"].astype(int)
-    yield grouped(hour, month)
-    yield grouped(hour, places["weekend"].astype(int))
-    light, wind, air = usual.values()
-    yield grouped(light, wind)
-    yield grouped(light, air)
-    yield grouped(wind, air)
-    if "solar_azimuth" in places and "solar_zenith" in places:
-        up = places["solar_zenith"] < 90.0
-        azimuth = np.where(up, places["solar_azimuth"] // AZIMUTH, -1).astype(int)
-        height = np.where(up, places["solar_zenith"] // ELEVATION, -1).astype(int)
-        yield grouped(azimuth + 1, height + 1)
-    if not effect.channel and len(design.clusters) >= FEWEST_WEEKS:
-        weeks = np.zeros(len(design.dates), dtype=int)
-        weeks[design.clusters[1:]] = 1
-        lengths = np.diff(design.first, append=len(design.days))
-        yield np.repeat(np.cumsum(weeks), lengths)
-    skip = {*usual, *own, "hour", "month", "weekend"}
-    skip |= {"solar_azimuth", "solar_zenith", "aoi"}
-    for name, values in places.items():
-        if name in skip or np.ptp(values) == 0:
-            continue
-        yield grouped(binned(values), hour // 2)
+    """Group of each cell, by each table of unknown structure that an effect meets."""
+    axes = {axis.name: axis for axis in design.axes}
+    for kind in usual_tables(axes):
+        yield numbered(joined(kind)[0])
+    if not effect.channel and design.has_weeks:
+        yield design.weeks
+    skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
+    for name, axis in axes.items():
+        if axis.column not in skip and name not in skip:
+            yield numbered(joined((axis, axes["hour"]))[0])
 
 
-def binned(values, some=None):
-    """Bins with equal numbers of cells; a value that is common has its own."""
-    some = np.ones(len(values), dtype=bool) if some is None else some
-    if some.any():
-        common = np.median(values[some])
-        if (values[some] == common).mean() > 1.0 / BINS:
-            some = some & (values != common)
-    if some.sum() < BINS:
-        return some.astype(int)
-    edges = np.quantile(values[some], np.linspace(0.0, 1.0, BINS + 1)[1:-1])
-    found = np.searchsorted(np.unique(edges), values, side="right") + 1
-    return np.where(some, found, 0)
+def usual_tables(axes):
+    """Axes of the tables over clock and calendar, usual inputs, the sun's position."""
+    found = [tuple(axes[name] for name in pair if name in axes) for pair in PAIRS]
+    return [kind for kind in dict.fromkeys(found) if kind]
 
 
-def grouped(one, other):
-    """Number of each pair of bins that occurs."""
-    pairs = one.astype(np.int64) * 1000 + other
-    return np.unique(pairs, return_inverse=True)[1]
+def random_effects(design, given, least):
+    """
+    Tables of what is left given some columns: the largest, then that of the rest.
+
+    Parameters
+    ----------
+    design : Design
+    given : sequence
+        Columns.
+    least : float
+        Variance that is material. [K²]
+
+    Returns
+    -------
+    tuple of Table
+    """
+    kinds = usual_tables({axis.name: axis for axis in design.axes})
+    return in_turn(design, design.left_by(given), kinds, least)
+
+
+def in_turn(design, rest, kinds, least):
+    """The largest table of some kinds, then that of what it leaves, and so on."""
+    found = []
+    while len(found) < MOST_TABLES:
+        table = largest(kinds, rest, design.rows, design.weeks, least)
+        if table is None:
+            break
+        rest = rest - table.values
+        found.append(table)
+    return tuple(found)
+
+
+def numbered(groups):
+    """The same numbers without those that do not occur."""
+    return np.unique(groups, return_inverse=True)[1]

@@ -6,7 +6,6 @@ import pandas as pd
 from pvlib_fem import scores
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
-from pvlib_fem.fitting.search import natural
 from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.case import BASES, FEWEST_FITTING_DAYS
 from pvlib_fem.loop.conclude import hints, in_the_model, not_seen, patterns
@@ -41,11 +40,11 @@ def outcome(search, last, base):
         night=True,
         daily=daily,
     )
-    said = (last.coefficients, stderr, at_bound)
     findings = [
-        in_the_model(f, search.choices[f.effect], *said) for f in search.findings
+        in_the_model(f, search.choices[f.effect], last, stderr, case.criteria)
+        for f in search.findings
     ]
-    ranking, more, unseen = left_over(search, [*findings, *search.refused], last)
+    ranking, more, unseen = left_over(search, [*findings, *search.refused])
     raw = search.start
     first = search.steps[base]
     before = pd.Series(first.measured - first.temperature, record.index)
@@ -75,7 +74,7 @@ def outcome(search, last, base):
     )
 
 
-def left_over(search, findings, last):
+def left_over(search, findings):
     """The ranking, all findings, and what was not to be seen."""
     case, this = search.case, search.last
     if this is None:
@@ -89,7 +88,8 @@ def left_over(search, findings, last):
     floor = selection.least
     findings = [*findings, *hints(case, rows, findings, floor)]
     if case.enough or not taken:
-        findings += patterns(case, *searched_rest(search, last), floor)
+        chosen = [search.choices[name] for name in taken]
+        findings += patterns(selection.design, selection.given(chosen), floor)
     whole = search.start.error(case.fitting)
     unseen = dict(not_seen(case, rows, failed, findings, whole))
     table = table_of(
@@ -98,16 +98,6 @@ def left_over(search, findings, last):
     )
     table = table.sort_values("gain", ascending=False, kind="stable")
     return Ranking(table), findings, unseen
-
-
-def searched_rest(search, last):
-    """What the last step leaves on the coarse rows that are searched, and those."""
-    case = search.case
-    record, tabled = search.fits.prepared(case.record, last.model)
-    coefficients = natural(last.model, last.coarse)[0]
-    rest = case.record["temp_module"] - tabled.temperature(record.inputs, coefficients)
-    rows = np.flatnonzero(case.searched & np.isfinite(rest))
-    return rest[rows], rows
 
 
 def error_table(case, steps):

@@ -16,7 +16,7 @@ from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import FOLDS, Design
 from pvlib_fem.loop.gather import gather
-from pvlib_fem.loop.selection import Score, Selection, existence, rows_of
+from pvlib_fem.loop.selection import Score, Selection, rows_of, size_seen
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.reasons import Because, Reason, because
@@ -91,7 +91,7 @@ def ranked(selection, found, given, days, taken=()):
     design, rows, failed = selection.design, {}, dict(found.failed)
     there = []
     for one in selection.candidates(given, taken):
-        squares = design.by_week([*given, *one.columns]).sum(axis=0)
+        squares = design.whole([*given, *one.columns])
         size = len(one.columns)
         own = np.diag(squares)[-size:]
         beside = beyond(squares, size)
@@ -139,12 +139,8 @@ def needed(one, design, score):
     """Standard errors that its size needs to be seen, with the stated power."""
     rows = list(rows_of(one, design))
     way = np.sqrt(np.diag(score.null) / len(rows))
-    low, high = 0.0, LARGEST
-    for _ in range(24):
-        middle = 0.5 * (low + high)
-        seen = existence(one, rows, middle * way, score.null, score.freedom)
-        low, high = (low, middle) if seen >= SEEN else (middle, high)
-    return high + float(stdtrit(score.freedom, POWER))
+    least = size_seen(one, rows, way, score.null, score.freedom, SEEN)
+    return min(least, LARGEST) + float(stdtrit(score.freedom, POWER))
 
 
 def ties(selection, one, others, given, score):

@@ -8,7 +8,8 @@ import numpy as np
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.dictionary import DATED, Candidate, dated, first_days, undated
-from pvlib_fem.statistics.weekly import LeastSquares, fall, held_out
+from pvlib_fem.loop.noise import random_effects
+from pvlib_fem.statistics.weekly import LeastSquares, fall, held_out, steady
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
@@ -61,7 +62,6 @@ class Choice:
     scores: dict = field(default_factory=dict)  # name to score
     weights: dict = field(default_factory=dict)  # name to posterior among members
     probabilities: dict = field(default_factory=dict)  # the outside among them
-    spread: dict = field(default_factory=dict)  # relative, between tables
 
     @property
     def fall(self):
@@ -73,6 +73,30 @@ class Choice:
         return max(self.members, key=self.probabilities.__getitem__)
 
 
+def selected(design, criteria, closed=frozenset()):
+    """
+    A selection and its choices, by the noise that they leave.
+
+    Parameters
+    ----------
+    design : Design
+    criteria : Criteria
+    closed : frozenset of str
+        Names that are not to be taken.
+
+    Returns
+    -------
+    Selection, list of Choice
+    """
+    selection = Selection(design, criteria, closed)
+    choices = selection.run()
+    given = selection.given(choices)
+    if noise := random_effects(design, given, selection.least):
+        selection = Selection(design, criteria, closed, noise)
+        choices = selection.run(choices)
+    return selection, choices
+
+
 @dataclass(eq=False)
 class Selection:
     """Single effects, each given all others, as far as they are material and sure."""
@@ -80,11 +104,17 @@ class Selection:
     design: Design
     criteria: Criteria
     closed: frozenset = frozenset()  # names that are not to be taken
+    noise: tuple = ()  # random effects, by which certainty is told
     known: dict = field(default_factory=dict)
 
-    def run(self):
-        """All choices, the largest first."""
-        choices, seen = [], set()
+    @cached_property
+    def seen(self):
+        """The design as generalised least squares sees it."""
+        return self.design.whitened(self.noise)
+
+    def run(self, choices=()):
+        """All choices, the largest first, beginning with some."""
+        choices, seen = self.settled([*choices]), set()
         while len(choices) < MOST:
             best = self.best(choices)
             if best is None:
@@ -104,15 +134,15 @@ class Selection:
                 mine = choices[i]
                 others = [*choices[:i], *choices[i + 1 :]]
                 now = self.score(mine.top, self.given(others))
-                found = self.best(others)
-                if found is None:
-                    choices, changed = others, True
-                elif not self.holds(now) or found.fall > BETTER * now.fall:
-                    same = found.top.columns == mine.top.columns
-                    changed = changed or not same
+                held = self.holds(now)
+                found = self.best(others, BETTER * now.fall if held else 0.0)
+                if found is not None:
+                    changed = changed or found.top.columns != mine.top.columns
                     choices = [*choices[:i], found, *choices[i + 1 :]]
-                else:
+                elif held:
                     choices[i] = replace(mine, score=now)
+                else:
+                    choices, changed = others, True
             if not changed:
                 break
         return choices
@@ -124,7 +154,7 @@ class Selection:
             return one.effect
         errors = float(np.abs(score.estimate[0]) / score.stderr[0])
         side = self.criteria.change_side
-        return first_days(self.design, one, given, side, errors)
+        return first_days(self.seen, one, given, side, errors)
 
     def given(self, choices):
         """Columns of the base and of some choices."""
@@ -137,23 +167,23 @@ class Selection:
             limits = self.criteria
             found = [
                 *undated(self.design, limits.prior),
-                *dated(self.design, given, limits.change_side, limits.prior),
+                *dated(self.seen, given, limits.change_side, limits.prior),
             ]
             self.known[key] = [one for one in found if one.name not in self.closed]
         return [one for one in self.known[key] if one.name not in {*taken}]
 
-    def best(self, choices):
-        """The choice that explains most given others, or None."""
+    def best(self, choices, least=0.0):
+        """The choice that explains most given others, and more than that, or None."""
         given, best = self.given(choices), None
-        taken = [one.top.name for one in choices]
-        found = self.candidates(given, taken)
-        falls = {i: self.in_sample(one, given) for i, one in enumerate(found)}
-        for i in sorted(falls, key=lambda i: -falls[i]):
+        found = self.candidates(given, [one.top.name for one in choices])
+        falls, least = self.in_samples(found, given), max(self.least, least)
+        for i in np.argsort(-falls, kind="stable"):
             # on weeks left out it explains no more than on those that are fitted
-            if falls[i] < self.least or (best and falls[i] < best.fall):
+            if falls[i] < least or (best and falls[i] < best.fall):
                 break
             score = self.score(found[i], given)
-            if self.holds(score) and (best is None or score.fall > best.fall):
+            better = score.fall > (least if best is None else best.fall)
+            if better and self.holds(score):
                 best = Choice(found[i], score)
         return best
 
@@ -171,13 +201,37 @@ class Selection:
 
     def in_sample(self, one, given):
         """Fall of the mean square on the weeks that are fitted. [K²]"""
-        whole = self.design.by_week([*given, *one.columns]).sum(axis=0)
+        whole = self.design.whole([*given, *one.columns])
         return fall(whole, len(one.columns)) / self.design.count
+
+    def in_samples(self, found, given):
+        """The same of many candidates given the same columns, at once."""
+        design, size, falls = self.design, len(given), np.zeros(len(found))
+        plain = [i for i, one in enumerate(found) if not one.effect.channel]
+        places = dict.fromkeys(c for i in plain for c in found[i].columns)
+        order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
+        whole = design.whole([*given, *order])
+        whole[1:, 1:] = steady(whole[1:, 1:])
+        own = [0, *range(size + 1, len(whole))]
+        cross = whole[1 : size + 1, own]
+        beyond = whole[np.ix_(own, own)]
+        beyond = beyond - cross.T @ np.linalg.solve(
+            whole[1 : size + 1, 1 : size + 1], cross
+        )
+        for i in plain:
+            at = [order[c] for c in found[i].columns if c in order]
+            score = beyond[at, 0]
+            falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
+        falls /= design.count
+        for i, one in enumerate(found):
+            if one.effect.channel:
+                falls[i] = self.in_sample(one, given)
+        return falls
 
     def together(self, one, other, given):
         """Fall of the mean square by two candidates, on the weeks that are fitted."""
         own = [c for c in (*one.columns, *other.columns) if c not in given]
-        whole = self.design.by_week([*given, *own]).sum(axis=0)
+        whole = self.design.whole([*given, *own])
         return fall(whole, len(own)) / self.design.count
 
     def score(self, one, given):
@@ -188,6 +242,9 @@ class Selection:
         size = len(own)
         inner = weekly[:, :-size, :-size]
         gain = held_out(inner, design.folds) - held_out(weekly, design.folds)
+        if self.noise:
+            design = self.seen
+            weekly = design.by_week([*given, *own])
         found, scale = LeastSquares(weekly, size), design.scales(own)
         estimate = found.estimate / scale
         covariance = found.covariance / np.outer(scale, scale)
@@ -216,9 +273,9 @@ class Selection:
 
     def weighed(self, choice, others):
         """A choice with its rivals, by how much of its part each explains."""
-        given = self.given(others)
         taken = [one.top.name for one in others]
         top = choice.top
+        given = self.given(others)
         parts = {top.name: choice.score}
         members = {top.name: top}
         for one in self.candidates(given, taken):
@@ -343,17 +400,36 @@ def existence(one, rows, estimate, covariance, freedom):
     Wakefield's approximate Bayes factor, with the tails of Student's law for so many
     weeks.
     """
+    plain, wide, volume = distances(rows, estimate, covariance)
+    tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
+    log_factor = -0.5 * volume + 0.5 * (freedom + len(estimate)) * tails
+    log_odds = log_factor + one.log_prior - one.log_dates
+    return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
+
+
+def distances(rows, estimate, covariance):
+    """
+    Squared distances of an estimate from nothing, and how much broader one is.
+
+    By the covariance, and by that with the prior of its size.
+    """
     widths = np.array([(row.upper - row.lower) / SIZES for row in rows])
-    sizes = np.diag(widths**2)
     scale = np.sqrt(np.diag(covariance))
-    unit = np.outer(scale, scale)
-    inner, sizes = covariance / unit, sizes / unit
-    mean = estimate / scale
-    inner += 1e-9 * np.eye(len(mean))
+    inner = covariance / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    sizes, mean = np.diag(np.square(widths / scale)), estimate / scale
     plain = mean @ np.linalg.solve(inner, mean)
     wide = mean @ np.linalg.solve(inner + sizes, mean)
     _, volume = np.linalg.slogdet(np.eye(len(mean)) + np.linalg.solve(inner, sizes))
-    tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
-    log_factor = -0.5 * volume + 0.5 * (freedom + len(mean)) * tails
-    log_odds = log_factor + one.log_prior - one.log_dates
-    return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
+    return plain, wide, volume
+
+
+def size_seen(one, rows, way, covariance, freedom, probability):
+    """How many times an estimate has to be to be there with a probability."""
+    plain, wide, volume = distances(rows, way, covariance)
+    log_odds = np.log(probability / (1.0 - probability))
+    log_factor = log_odds - one.log_prior + one.log_dates + 0.5 * volume
+    # existence, solved for the square of the size
+    ratio = np.exp(min(2.0 * log_factor / (freedom + len(way)), 500.0))
+    if plain <= wide * ratio:
+        return np.inf
+    return float(np.sqrt(freedom * max(ratio - 1.0, 0.0) / (plain - wide * ratio)))

@@ -8,7 +8,7 @@ from pvlib_fem.effects.effect import Effect
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.dictionary import Candidate, Changed
 from pvlib_fem.loop.ranking import beyond
-from pvlib_fem.loop.selection import Selection
+from pvlib_fem.loop.selection import Selection, selected
 from pvlib_fem.loop.steps import Fits
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.reasons import Reason, because
@@ -97,7 +97,7 @@ class Look:
     def seen(self):
         """Whether anything of it is left beside the fitted coefficients."""
         design, size = self.selection.design, len(self.one.columns)
-        squares = design.by_week([*design.base, *self.one.columns]).sum(axis=0)
+        squares = design.whole([*design.base, *self.one.columns])
         return bool((beyond(squares, size) > 1e-6 * np.diag(squares)[-size:]).all())
 
     def size(self, draw, least):
@@ -108,8 +108,8 @@ class Look:
         """Whether so much of it is found."""
         parts = [size * part for part in draw.way.values()]
         design = self.selection.design.adding(dict(zip(self.one.columns, parts)))
-        selection = Selection(design, self.selection.criteria)
-        for choice in selection.with_members(selection.run()):
+        selection, choices = selected(design, self.selection.criteria)
+        for choice in selection.with_members(choices):
             mine = choice.members.get(self.one.name)
             if mine is not None and alike(mine.effect, self.one.effect, design.dates):
                 return True

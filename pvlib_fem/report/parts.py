@@ -52,10 +52,7 @@ def coefficients(fit, corrections=(), ranges=None):
     head = ["coefficient", "#value", "#± error", "unit", "range", "possible", ""]
     words = "Errors from leaving out each fitted day in turn."
     if ranges:
-        words += (
-            " The range adds the error of the effect's law, and by how much the "
-            "coefficient differs from one condition to another."
-        )
+        words += " The range holds 90 %: it adds the error of the effect's law."
     else:
         del head[4]
         rows = [(*row[:4], *row[5:]) for row in rows]

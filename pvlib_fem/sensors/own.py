@@ -109,7 +109,7 @@ def step_of(over, beside, share, dates, criteria):
     if found is None:
         return {}
     score = selection.score(found, given)
-    both = selection.design.by_week(given).sum(axis=0)
+    both = selection.design.whole(given)
     before = share + float(solve(both)[0] / design.scale[1])
     if score.probability < criteria.probability or score.fall < criteria.hint_gain**2:
         return {}

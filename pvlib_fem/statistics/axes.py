@@ -10,6 +10,8 @@ from pvlib_fem.record.columns import UNITS
 WEEKEND_DAYS = 14  # below which weekends are not told from the week: two of each
 DARK = 1.0  # W/m², up to which rows are in the night's own bin
 DRIVER_BINS = 10  # of a driver, with equal numbers of rows
+#: of the sun's position, and from where on it is in one bin [°]
+WIDTHS = {"solar_azimuth": (12.0, 359.9), "solar_zenith": (6.0, 90.0)}
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
 #: names that are not a column's
 CLOCK = ("hour", "weekend", "month")
@@ -132,24 +134,31 @@ class Place:
     words: str
 
 
-def axes(index, dates, columns):
+def axes(places, dates):
     """
-    All ways to sort the rows by clock, calendar and columns.
+    All ways to sort values by clock, calendar and columns.
 
-    ``columns`` are the drivers by name; those with few values get a bin for
-    each, the others bins with equal numbers of rows.
+    Parameters
+    ----------
+    places : dict of array
+        ``hour``, ``month``, ``weekend``, and columns by their names: those with few
+        values get a bin for each, the sun's position bins of equal width, the others
+        bins with equal numbers of values.
+    dates : array of int
+        Day of each value, from 1970-01-01.
     """
-    hour = np.asarray(index.hour)
-    month = np.asarray(index.month) - 1
-    yield Axis("hour", hour, tuple((h, h + 1) for h in range(24)), cyclic=True)
+    hours = tuple((h, h + 1) for h in range(24))
+    yield Axis("hour", places["hour"], hours, cyclic=True)
     if len(np.unique(dates)) >= WEEKEND_DAYS:
-        weekend = (np.asarray(dates) + 3) % 7 >= 5  # 1970-01-01 was a Thursday
         labels = (("weekdays",) * 2, ("weekend",) * 2)
-        yield Axis("weekend", weekend.astype(int), labels)
+        yield Axis("weekend", places["weekend"].astype(int), labels)
+    month = places["month"] - 1
     if len(np.unique(month)) > 1:
         labels = tuple((m, m) for m in range(1, 13))
         yield Axis("month", month, labels, cyclic=True)
-    for name, values in columns.items():
+    for name, values in places.items():
+        if name in CLOCK:
+            continue
         if (axis := sorted_by(name, values)) is not None:
             yield axis
 
@@ -162,6 +171,8 @@ def sorted_by(name, values):
         bins = np.round(np.nan_to_num(values) * count / 360.0).astype(int) % count
         labels = tuple((s, s) for s in SECTORS)
         return Axis(name, *with_missing(bins, labels, known), name, cyclic=True)
+    if name in WIDTHS:
+        return of_width(name, np.minimum(values, WIDTHS[name][1]), WIDTHS[name][0])
     finite = values[known]
     if name == "poa_global":  # nights are a bin of their own
         finite = finite[finite > DARK]
@@ -181,6 +192,14 @@ def sorted_by(name, values):
     clear = name not in CLOCK and not name.startswith(OF_COLUMN)
     shown = name if clear else OF_COLUMN + name
     return Axis(shown, *with_missing(bins, labels, known), name)
+
+
+def of_width(name, values, width):
+    """Bins of equal width."""
+    bins = np.floor(values / width).astype(int)
+    low, high = bins.min(), bins.max()
+    labels = tuple((n * width, (n + 1) * width) for n in range(low, high + 1))
+    return Axis(name, bins - low, labels, name)
 
 
 def with_missing(bins, labels, known):

@@ -1,28 +1,135 @@
-"""Where a residual lives: tables of its mean over clock, calendar and drivers."""
+"""
+Tables of the remaining error as random effects: what is unexplained but repeatable.
 
-from dataclasses import dataclass, field, replace
+Each cell of a table, such as an hour of a month, has a mean of its own. Its variance
+is estimated by the products of what different weeks have in the same cell, so that
+what weeks do not share has no part in it.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
 
-CELL_TIME = 900.0  # s, over which rows share a cell
-CELL_WEIGHT = 43200.0  # s of rows, by which a cell's mean is shrunk towards zero
-FOLD_SHARE = 0.8  # of the groups of weeks in which a table has to gain
-BETTER_GAIN = 1.02  # times an earlier table's, that a later one has to take
-PAIR_GAIN = 1.2  # times that of one driver, that a table of two has to take
+PAIR_GAIN = 1.2  # times the variance of one axis, that a table of two has to have
+SURE = 3.0  # standard errors that a variance has to be from nothing
 STRONG_CELL = 0.5  # of the largest mean, from which a cell is part of the place
 PLACE_SHARE = 0.92  # of those cells' squares, that the reported range holds
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
-    """A table of the residual's mean that holds on weeks it was not made of."""
+class Table:
+    """
+    A random effect of the remaining error.
 
-    places: tuple  # one for each axis
-    gain: float  # what it takes off the held-out error [K]
-    size: float  # mean residual there [K]
-    values: np.ndarray = field(repr=False)  # of each row, from other weeks [K]
-    bins: np.ndarray = field(repr=False)  # cell of each row
+    Attributes
+    ----------
+    axes : tuple of Axis
+        One, or two.
+    groups : array of int
+        Cell of the table of each value.
+    variance : float
+        Between the cells of the table. [K²]
+    errors : float
+        By how many standard errors that differs from nothing.
+    means, shares, rows : array
+        Of each cell: mean [K], share of it that is its own and not noise, and number
+        of rows.
+    """
+
+    axes: tuple
+    groups: np.ndarray = field(repr=False)
+    variance: float
+    errors: float
+    means: np.ndarray = field(repr=False)
+    shares: np.ndarray = field(repr=False)
+    rows: np.ndarray = field(repr=False)
+
+    @classmethod
+    def of(cls, axes, rest, rows, weeks):
+        """
+        The table of some axes.
+
+        Parameters
+        ----------
+        axes : tuple of Axis
+        rest : array
+            Remaining error, in order of time. [K]
+        rows : array
+            Number of rows of which each value is the mean.
+        weeks : array of int
+            Week of each value, from 0 on.
+
+        References
+        ----------
+        .. [1] S. R. Searle, G. Casella and C. E. McCulloch, "Variance Components",
+           Wiley, 1992, chapter 3. :doi:`10.1002/9780470316856`
+        """
+        groups, count = joined(axes)
+        rest = rest - rest @ rows / rows.sum()
+        place, size = weeks * count + groups, (weeks[-1] + 1) * count
+        sums = np.bincount(place, rest * rows, size).reshape(-1, count)
+        held = np.bincount(place, rows, size).reshape(-1, count)
+        whole, number = sums.sum(axis=0), held.sum(axis=0)
+        # of each cell the mean product of two weeks, by its part of all rows
+        alike = number**2 - np.square(held).sum(axis=0)
+        weight = number / number.sum() / np.where(alike > 0, alike, np.inf)
+        shared = (sums * weight) @ sums.T
+        crossed = shared.sum() - np.trace(shared)
+        spread = np.square(shared).sum() - np.square(np.diag(shared)).sum()
+        variance = max(crossed, 0.0)
+        errors = crossed / np.sqrt(2.0 * spread) if spread > 0 else 0.0
+        noise = np.square(sums).sum() - variance * np.square(held).sum()
+        noise = max(noise / number.sum(), 1e-12)
+        shares = variance * number / (variance * number + noise)
+        means = whole / np.maximum(number, 1.0)
+        return cls(
+            tuple(axes), groups, float(variance), float(errors), means, shares, number
+        )
+
+    @property
+    def values(self):
+        """Best linear prediction of each value. [K]"""
+        return (self.shares * self.means)[self.groups]
+
+    @property
+    def free(self):
+        """Share of the mean of each cell that whitening takes away."""
+        return 1.0 - np.sqrt(1.0 - self.shares)
+
+    @property
+    def gain(self):
+        """What it would take off the error. [K]"""
+        return float(np.sqrt(self.variance))
+
+    @cached_property
+    def top(self):
+        """Cells of the strongest sign."""
+        means, rows = self.shares * self.means, self.rows
+        strong = np.abs(means) >= STRONG_CELL * np.abs(means).max()
+        squares = np.where(strong, means**2 * rows, 0.0)
+        return strong & ((means > 0) == (squares @ np.sign(means) >= 0))
+
+    @property
+    def size(self):
+        """Mean remaining error where it is strongest. [K]"""
+        top = self.rows * self.top
+        return float(top @ self.means / max(top.sum(), 1.0))
+
+    @cached_property
+    def places(self):
+        """Place of the strongest cells along each axis."""
+        # what happens part of the time leaves some of the other sign elsewhere
+        means = self.shares * self.means
+        squares = np.where(self.top, means**2 * self.rows, 0.0)
+        shape, found = [len(axis.labels) for axis in self.axes], []
+        for i, axis in enumerate(self.axes):
+            other = tuple(j for j in range(len(shape)) if j != i)
+            both = squares, self.rows
+            along, size = (t.reshape(shape).sum(axis=other) for t in both)
+            found.append(axis.place(axis.strongest(along, PLACE_SHARE), size))
+        return tuple(found)
 
     @property
     def drivers(self):
@@ -44,123 +151,35 @@ class Structure:
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
 
 
-def find_structure(residual, seconds, folds, axes, step, without=()):
-    """
-    The table that takes most off the residual of weeks that it has not seen.
-
-    Parameters
-    ----------
-    residual : array
-        [K]
-    seconds : array
-        Time of each row. [s]
-    folds : array of int
-        Group of weeks of each row.
-    axes : sequence of Axis
-        Of :func:`axes`.
-    step : float
-        Usual time between rows. [s]
-    without : sequence of str
-        Columns that it may not use.
-
-    Returns
-    -------
-    Structure or None
-        None where no table gains anything.
-    """
-    kept = [axis for axis in axes if axis.column not in without]
-    # clock and calendar come first, which columns only follow
-    kept.sort(key=lambda axis: bool(axis.column))
-    residual = residual - residual.mean()
-    series = (residual, seconds, folds)
-    cells = gathered(kept, *series)
-    shrink = CELL_WEIGHT / step
-    best, found = {}, {}
-    for chosen in ways(kept):
-        bins, count = joined([cells.axes[i] for i in chosen])
-        gains, means = held_out_gain(bins, count, *cells.rest, shrink)
-        if (gains > 0).sum() < FOLD_SHARE * len(gains):
-            continue  # an accident of some weeks
-        gain = gains.sum()
-        if gain > BETTER_GAIN * best.get(len(chosen), 0.0):
-            best[len(chosen)], found[len(chosen)] = gain, (chosen, means)
-    if not best:
-        return None
-    pair = best.get(2, 0.0) > PAIR_GAIN * best.get(1, 0.0)
-    chosen, means = found[2 if pair else 1]
-    chosen = [kept[i] for i in chosen]
-    bins, count = joined(chosen)
-    places, size = placed(chosen, residual, bins, count, shrink)
-    gain = float(np.sqrt(best[len(chosen)]))
-    return Structure(places, gain, size, means[folds, bins], bins)
-
-
-def ways(axes):
-    """Places of each axis, and of each two that are not of a kind."""
-    numbers = range(len(axes))
-    pairs = combinations(numbers, 2)
-    kinds = [axis.name for axis in axes]
-    return [
-        *((i,) for i in numbers),
-        *((i, j) for i, j in pairs if kinds[i] != kinds[j]),
-    ]
-
-
-@dataclass(frozen=True, eq=False)
-class Cells:
-    """Runs of rows that share clock, calendar and drivers."""
-
-    axes: list  # with the bin of each cell
-    rest: tuple  # sum of the residual, number of rows, fold
-
-
-def gathered(axes, residual, seconds, folds):
-    """Cells of rows that are close in time."""
-    marks = [np.floor(seconds / CELL_TIME), folds]
-    new = np.any([np.diff(mark) != 0 for mark in marks], axis=0)
-    first = np.concatenate(([0], np.flatnonzero(new) + 1))
-    size = np.diff(np.append(first, len(seconds)))
-    sums = np.add.reduceat(residual, first)
-    coarse = [replace(axis, bins=axis.bins[first]) for axis in axes]
-    return Cells(coarse, (sums, size, folds[first]))
-
-
-def joined(chosen):
-    """One bin for each row from one or two axes."""
-    if len(chosen) == 1:
-        return chosen[0].bins, len(chosen[0].labels)
-    one, two = chosen
+def joined(axes):
+    """One number for each value's cell of one or two axes, and how many there are."""
+    if len(axes) == 1:
+        return axes[0].bins, len(axes[0].labels)
+    one, two = axes
     wide = len(two.labels)
     return one.bins * wide + two.bins, len(one.labels) * wide
 
 
-def held_out_gain(bins, count, sums, rows, folds, shrink):
-    """Fall of the mean square in each fold by means of the others, and those."""
-    groups = folds.max() + 1
-    place = folds * count + bins
-    shape = (groups, count)
-    held = np.bincount(place, sums, groups * count).reshape(shape)
-    size = np.bincount(place, rows, groups * count).reshape(shape)
-    others = size.sum(axis=0) - size
-    means = (held.sum(axis=0) - held) / (others + shrink)
-    gains = (2.0 * means * held - means**2 * size).sum(axis=1) / rows.sum()
-    return gains, means
+def ways(axes):
+    """Each axis, and each two that are not of a kind."""
+    pairs = combinations(axes, 2)
+    return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
 
 
-def placed(chosen, residual, bins, count, shrink):
-    """Place of the strongest cells along each axis, and the mean residual there."""
-    sums = np.bincount(bins, residual, count)
-    rows = np.bincount(bins, minlength=count)
-    means = sums / (rows + shrink)
-    strong = np.abs(means) >= STRONG_CELL * np.abs(means).max()
-    squares = np.where(strong, means**2 * rows, 0.0)
-    top = strong & ((means > 0) == (squares @ np.sign(means) >= 0))
-    # what happens part of the time leaves some of the other sign elsewhere
-    squares = np.where(top, squares, 0.0)
-    shape = [len(axis.labels) for axis in chosen]
-    places = []
-    for i, axis in enumerate(chosen):
-        other = tuple(j for j in range(len(shape)) if j != i)
-        along, size = (t.reshape(shape).sum(axis=other) for t in (squares, rows))
-        places.append(axis.place(axis.strongest(along, PLACE_SHARE), size))
-    return tuple(places), float(sums[top].sum() / max(rows[top].sum(), 1))
+def largest(kinds, rest, rows, weeks, least):
+    """
+    The table with the largest variance that is sure and material, or None.
+
+    One of two axes has to have more than one of one, since it has it by itself.
+    """
+    best = {}
+    for axes in kinds:
+        found = Table.of(axes, rest, rows, weeks)
+        if found.errors >= SURE and found.variance >= least:
+            size = len(axes)
+            if size not in best or found.variance > best[size].variance:
+                best[size] = found
+    one, two = best.get(1), best.get(2)
+    if one is None or two is None:
+        return one or two
+    return two if two.variance > PAIR_GAIN * one.variance else one
