@@ -76,9 +76,9 @@ class Limits:
         *negative by day.* Irradiance that the brightest of those days has to reach at
         that time of day: so early and late a negative value may be of the night.
         [W/m²]
-    spike_rows : int
-        *spike.* Rows that a value which jumps and returns may last; longer is
-        weather. [-]
+    few_rows : int
+        *spike, stuck.* Rows that a value which jumps and returns may last, and a
+        repetition that is an accident; longer is weather. [-]
     spike_air, spike_module : float
         *spike.* Change there and back that may be noise, in a thermometer's hut and on
         a module. [K]
@@ -95,44 +95,34 @@ class Limits:
     end_near : float
         *end of range.* Part of its span next to that value in which a column has to be
         less often than at it. [-]
-    still_rows : int
-        *stuck.* Rows of one value, up to which it is an accident. [-]
+    still_chance : float
+        *stuck.* Chance of a repetition, by how often its column keeps a value from row
+        to row, below which that is no accident. [-]
     still_time : float
-        *stuck.* Time for which a value may repeat at the resolution of
-        ``fine``: five time constants of a module. [s]
+        *stuck.* Time up to which a repetition is none: five time constants of a module,
+        by the fifth of which it smooths irradiance. [s]
     still_air : float
         *stuck.* Time over which air moves a thermometer, or a module in the dark,
         which an evening's calm may not. [s]
+    still_wind : float
+        *stuck.* Time for which wind may repeat any speed but its lowest. [s]
     still_day : float
-        *stuck.* Time for which irradiance may be 0 and a module under melting snow
-        at 0 °C: the longest night outside the polar circles, and a day. [s]
-    still_wind, calm : float
-        *stuck.* Time for which wind may repeat any speed but 0, and stay at 0, where
-        a cup anemometer does not start. [s]
-    still_driver, still_vane : float
-        *stuck.* Time for which a driver that moves with the weather (humidity below
-        saturation, longwave, power and rain that are not 0) may repeat one value; a
-        vane may in a trade wind or a calm. [s]
-    saturated : float
-        *stuck.* Relative humidity from which it may stay, as in fog. [%]
+        *stuck.* Time for which irradiance may be 0, a module under melting snow at
+        0 °C, and humidity, longwave, power and rain what they are, but where their
+        sensors rest: a day, and the longest night outside the polar circles. [s]
+    calm : float
+        *stuck.* Time for which wind may stay at its lowest, where a cup anemometer
+        does not start, and a vane in a trade wind; and after which a module, air and
+        irradiance are stuck whatever they usually do. [s]
     felt : float
         *stuck.* Change of irradiance that a module must answer, by 2 to 6 K at the
         20 to 60 mK/(W/m²) of all mountings. [W/m²]
-    felt_memory : float
-        *stuck.* Time constant by which that irradiance is smoothed, as the module
-        does it; usual modules have 5 to 10 min. [s]
     felt_air : float
         *stuck.* Change of air temperature that a module must answer, beside twice
         the resolution of both sensors. [K]
-    sunny_change : float
-        *stuck.* Change of irradiance that goes with a change of the air, as between
-        night and a fair day. [W/m²]
     warmed : float
         *stuck.* Change of over-temperature that takes a change of irradiance, some
         300 W/m². [K]
-    fine : float
-        *stuck.* Resolution up to which ``still_time`` holds; a coarser sensor may
-        stand still for that much longer. [K]
     melting : float
         *stuck.* Distance from 0 °C within which snow that melts may hold a module.
         [K]
@@ -260,7 +250,7 @@ class Limits:
     day_slot: float = 1800.0
     day_side: int = 3
     day_light: float = 300.0
-    spike_rows: int = 3
+    few_rows: int = 3
     spike_air: float = 10.0
     spike_module: float = 15.0
     spike_air_most: float = 25.0
@@ -271,21 +261,15 @@ class Limits:
     end_days: int = 5
     end_near: float = 0.03
 
-    still_rows: int = 5
+    still_chance: float = 1e-9
     still_time: float = 1800.0
     still_air: float = 10800.0
     still_day: float = 86400.0
     still_wind: float = 21600.0
     calm: float = 259200.0
-    still_driver: float = 86400.0
-    still_vane: float = 259200.0
-    saturated: float = 98.0
     felt: float = 100.0
-    felt_memory: float = 378.0
     felt_air: float = 1.0
-    sunny_change: float = 300.0
     warmed: float = 10.0
-    fine: float = 0.1
     melting: float = 0.5
 
     shortest_record: float = 129600.0

@@ -7,9 +7,8 @@ import numpy as np
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
 from pvlib_fem.quality.outliers import MOST_JUMP, NO_CODE, as_codes, few, jumps
-from pvlib_fem.quality.standing import Standing, table
 from pvlib_fem.quality.stray import refuse_gap
-from pvlib_fem.quality.stuck import DRIVERS, STILL
+from pvlib_fem.quality.stuck import DRIVERS, STILL, Standing, whole_run
 from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.clean import covered
 from pvlib_fem.record.inputs import Inputs
@@ -28,7 +27,6 @@ class Column:
     known: int = 0  # values that stand for one
     low: float = np.inf  # of those that can be
     high: float = -np.inf
-    zeros: int = 0  # values that are 0
     least: float = np.inf  # of those that stand for one, possible or not
     size: float = 0.0  # largest of those that stand for one, without its sign
     odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
@@ -37,7 +35,7 @@ class Column:
 
     def __post_init__(self):
         if self.name in (*STILL, *DRIVERS):
-            self.standing = Standing(self.limits, self.unit)
+            self.standing = Standing(self.name, self.limits, self.unit)
 
     def add(self, values, start, times):
         """Look at the next rows; what stands for a value of them comes back."""
@@ -57,7 +55,6 @@ class Column:
                 possible_ones = without(values, rows)
             low, high = np.fmin.reduce(possible_ones), np.fmax.reduce(possible_ones)
         self.known += len(values) - lacking
-        self.zeros += int(np.count_nonzero(values == 0))
         self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
         least = np.fmin.reduce(held)
         self.least = np.fmin(self.least, least)
@@ -94,7 +91,7 @@ class Column:
             new = values[there], rows[there], times[there]
         if not len(new[0]):
             return
-        least, size = MOST_JUMP[self.name](0.0, self.limits), self.limits.spike_rows + 1
+        least, size = MOST_JUMP[self.name](0.0, self.limits), self.limits.few_rows + 1
         before = [part[-1:] for part in self.tail] or [new[0][:1]]
         steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
         both = new
@@ -106,12 +103,12 @@ class Column:
                 x,
                 (count - count[0]) * self.unit,
                 lambda time: MOST_JUMP[self.name](time, self.limits),
-                self.limits.spike_rows,
+                self.limits.few_rows,
             )
             if found.any():
                 part = rows[found], count[found], x[found]
                 self.odd.setdefault("spike", []).append(part)
-        self.tail = tuple(part[-self.limits.spike_rows - 1 :] for part in both)
+        self.tail = tuple(part[-self.limits.few_rows - 1 :] for part in both)
 
     @property
     def never_moves(self):
@@ -224,18 +221,16 @@ class Look:
             columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
         return Inputs(columns, *datetime_steps(index, "the time"), index, True)
 
-    def standing(self):
-        """Long repetitions of each column, and the times at which they begin."""
+    def standing(self, rests):
+        """Long repetitions of each column, by where its sensor rests."""
         found = {}
         for name, column in self.columns.items():
             if column.standing is None:
                 continue
-            if column.never_moves:
-                if name in POSSIBLE:  # another may be a number that stands for all
-                    whole = (column.low, 0, self.rows - 1, *self.ends)
-                    found[name] = table([whole], self.unit)
-                continue
-            found[name] = column.standing.runs()
+            if not column.never_moves:
+                found[name] = column.standing.runs(rests[name])
+            elif name in POSSIBLE:  # another may be a number that stands for all
+                found[name] = whole_run(column.low, self.rows, *self.ends, self.unit)
         return found
 
 

@@ -166,7 +166,7 @@ def spikes(name, values, inputs, limits):
         def most(time):
             return MOST_JUMP[name](time, limits)
 
-        return jumps(values, inputs.seconds, most, limits.spike_rows)
+        return jumps(values, inputs.seconds, most, limits.few_rows)
     if possible(name) is not None:
         return np.zeros(len(values), dtype=bool)
     return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)

@@ -10,9 +10,16 @@ from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
 from pvlib_fem.quality.look import Look
 from pvlib_fem.quality.outliers import apart, at_end, is_light, range_ends, slots
 from pvlib_fem.quality.screen import KINDS, empty_error, refuse_share, sentence
-from pvlib_fem.quality.standing import Calm, frozen
-from pvlib_fem.quality.stuck import frozen_error, standing_line
+from pvlib_fem.quality.standing import frozen
+from pvlib_fem.quality.stuck import (
+    becalmed,
+    frozen_error,
+    may_rest,
+    rest_of,
+    standing_line,
+)
 from pvlib_fem.quality.units import doubtful, oddities, refuse_doubtful, refuse_units
+from pvlib_fem.quality.values import never_moves
 from pvlib_fem.record.clean import CleanRecord, size, spans, united
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 
@@ -264,9 +271,10 @@ class Screening:
     def standing(self):
         """Take out sensors that stand still."""
         clean, columns = self.clean, self.look.columns
-        runs = self.look.standing()
-        found, wind = frozen(clean, runs, self.limits), columns["wind_speed"]
-        calm, since = self.calm(wind)
+        sample = self.look.sampled(clean)
+        rests = {n: rest_of(n, sample[n], self.limits) for n in clean.names}
+        runs = self.look.standing(rests)
+        found, wind = frozen(clean, runs, rests, self.limits), columns["wind_speed"]
         if wind.never_moves:  # a number that stands for all wind
             found.pop("wind_speed", None)
         if whole := [n for n in found if n in POSSIBLE and columns[n].never_moves]:
@@ -275,19 +283,26 @@ class Screening:
             lines = [standing_line(n, v, first, last) for n, v in values.items()]
             raise frozen_error(whole[0], lines)
         for name, rows in found.items():
-            one, begin = runs[name]
+            one = runs[name]
             at = int(np.flatnonzero(one.first == rows[0, 0])[0])
-            time = clean.source.at(begin[at])
+            time = clean.source.at(one.begin[at])
             self.take("stuck", name, rows, time, one.value[at])
-        if len(calm) and not wind.never_moves:
-            self.take("stuck", "wind_speed", calm, clean.source.at(since), 0.0)
+        wind, rest = sample["wind_speed"], rests["wind_speed"]
+        usual = self.look.step * self.look.every
+        if not never_moves(wind) and may_rest(wind, rest, 2.0 * usual, self.limits):
+            self.calm(clean, rest)
 
-    def calm(self, wind):
-        """Spans of rows of an anemometer that stands at 0, and when they begin."""
-        usual, limits = self.look.step, self.limits
-        if wind.zeros * usual <= limits.calm:
-            return spans([]), None
-        return Calm.of(self.clean, usual, limits)
+    def calm(self, clean, rest):
+        """Take out an anemometer that stands at rest for longer than a calm."""
+
+        def blocks():
+            for block in clean.blocks(("wind_speed",)):
+                values, unit = block["wind_speed"], block.inputs.unit
+                yield values, block.start, block.times, unit
+
+        parts = [*becalmed(blocks, self.look.step, rest, self.limits)]
+        if sum(len(rows) for rows, *_ in parts):
+            self.note("stuck", "wind_speed", *map(np.concatenate, zip(*parts)))
 
     def told(self):
         """What was found, in the order of kinds and columns."""

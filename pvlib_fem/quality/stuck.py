@@ -1,6 +1,6 @@
 """A sensor that stands still while what moves it moves."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,9 @@ class Runs:
     value: np.ndarray
     first: np.ndarray  # row
     last: np.ndarray  # row
+    begin: np.ndarray  # time of the first row
     time: np.ndarray  # from the first to the last row [s]
+    odd: np.ndarray  # whether the column's own changes make it far too long
 
     def extent(self, other):
         """Largest less smallest value of another column in each; 0 without one."""
@@ -33,7 +35,7 @@ class Runs:
         first = np.searchsorted(seconds, seconds[self.first] + margin)
         first = np.minimum(first, self.last)  # a run at the record's end may be shorter
         last = np.searchsorted(seconds, seconds[self.last] - margin, "right") - 1
-        return Runs(self.value, first, np.maximum(first, last), self.time)
+        return replace(self, first=first, last=np.maximum(first, last))
 
     def rows(self, kept, rows):
         """Booleans that are True in the kept runs."""
@@ -45,25 +47,139 @@ class Runs:
         return np.cumsum(edge[:-1]) > 0
 
 
+#: columns whose sensors rest at their lowest value, whatever number that is
+FLOWS = ("wind_speed", "precipitation", "p_dc")
+
+
+@dataclass(eq=False)
+class Standing:
+    """Long repetitions of a column's value, of rows that come in blocks."""
+
+    name: str
+    limits: Limits
+    unit: float = 1.0  # of the times [s]
+    rows: int = 0  # values that are there
+    changes: int = 0  # those of them that are not as the one before
+    found: list = field(default_factory=list)
+    open: tuple | None = None  # the last one, which may go on
+
+    def add(self, values, start, times):
+        """Look at the next rows, the first of which is row ``start``."""
+        if not len(values):
+            return self
+        edges = np.flatnonzero(values[1:] != values[:-1]) + 1
+        edges = np.concatenate(([0], edges, [len(values)]))
+        goes_on = self.open is not None and self.open[0] == values[0]
+        self.rows += np.count_nonzero(np.isfinite(values))
+        self.changes += np.count_nonzero(np.isfinite(values[edges[:-1]])) - goes_on
+        many = np.flatnonzero(np.diff(edges) > self.limits.few_rows)
+        # the first may go on from the rows before, and the last in those that follow
+        many = np.union1d(many, [0, len(edges) - 2])
+        first, last = edges[many], edges[many + 1] - 1
+        runs = [values[first], first + start, last + start, times[first], times[last]]
+        if goes_on:
+            runs[1][0], runs[3][0] = self.open[1], self.open[3]
+        else:
+            self.close()
+        self.open = tuple(part[-1] for part in runs)
+        self.keep(*(part[:-1] for part in runs))
+        return self
+
+    def close(self):
+        if self.open is not None:
+            self.keep(*(np.array([one]) for one in self.open))
+
+    def keep(self, value, first, last, begin, end):
+        time = (end - begin) * self.unit
+        long = (last - first >= self.limits.few_rows) & (time > self.limits.still_time)
+        if long.any():
+            self.found.append([x[long] for x in (value, first, last, begin, time)])
+
+    def runs(self, rest):
+        """All of them, after the last row, and which are odd for the column."""
+        self.close()
+        self.open = None
+        if not self.found:
+            none, rows = np.zeros(0), np.zeros(0, dtype=int)
+            return Runs(none, rows, rows, none, none, none > 0)
+        parts = [np.concatenate(part) for part in zip(*self.found)]
+        value, first, last, *_ = parts
+        resting = at_rest(self.name, value, rest)
+        rows = self.rows - (last - first + 1)[resting].sum()
+        changes = self.changes - np.count_nonzero(resting)
+        return Runs(*parts, last - first > most_kept(rows, changes, self.limits))
+
+
+def most_kept(rows, changes, limits):
+    """
+    Rows in which a value may repeat the one before it by chance.
+
+    A value that is kept from row to row with a chance of p is kept n times with pⁿ.
+    """
+    if not 0 < changes < rows:
+        return 0.0
+    return np.log(limits.still_chance) / np.log1p(-changes / rows)
+
+
+def whole_run(value, rows, first, last, unit=1.0):
+    """The one repetition of a column that never moves, with its first and last time."""
+    ends = np.array([0]), np.array([rows - 1]), np.array([first])
+    time = np.array([(last - first) * unit])
+    return Runs(np.array([value]), *ends, time, np.array([True]))
+
+
+def runs(name, values, seconds, rest, limits):
+    """Repetitions of one value; a NaN ends one, unless there is no other value."""
+    if never_moves(values):
+        value = values[np.isfinite(values)][0]
+        return whole_run(value, len(values), seconds[0], seconds[-1])
+    return Standing(name, limits).add(values, 0, seconds).runs(rest)
+
+
+def rest_of(name, values, limits):
+    """
+    Value at which a column's sensor rests; NaN of one that does not.
+
+    That is the dark, the lowest value of a flow, the highest humidity. An anemometer's
+    calm, or a night of an inverter, need not be 0; a few values may be beyond.
+    """
+    if name == "poa_global":
+        return limits.light
+    seen = values[np.isfinite(values)]
+    if name not in (*FLOWS, "relative_humidity") or not len(seen):
+        return np.nan
+    beyond = int(limits.odd_share * (len(seen) - 1))
+    at = beyond if name in FLOWS else len(seen) - 1 - beyond
+    return float(np.partition(seen, at)[at])
+
+
+def at_rest(name, values, rest):
+    """Whether values are where the column's sensor rests."""
+    return values >= rest if name == "relative_humidity" else values <= rest
+
+
 def stuck(record, limits=None) -> dict[str, np.ndarray]:
     """
     Rows in which a sensor stands still while what moves it moves.
 
-    A value that repeats for more than 30 min and 5 rows is no sign by itself: a
-    night is still, a calm is long. It counts where
+    A value repeats by nature as long as its column's resolution, averaging and own
+    changes make it: a column that keeps its value from row to row with a share of *p*
+    keeps it *n* times with a chance of *pⁿ*. Repetitions count that have a chance below
+    1e-9, away from where the sensor rests: in the dark, at the lowest reading of an
+    anemometer, of power and of rain, at the highest humidity. Of these
 
-    * ``temp_module`` has felt irradiance change by 100 W/m², or the air by 1 K and
-      more over 3 h; at 0 °C, where snow melts, only after a day, and at a resolution
-      coarser than 0.1 K after that much longer than 30 min;
-    * ``temp_air`` has seen irradiance change by 300 W/m² and the module by 10 K
-      for 3 h;
-    * ``poa_global`` stays while the module's over-temperature changes by 10 K; in the
-      dark (20 W/m²) for more than a day, or more than two hours from either end,
+    * ``temp_module`` is stuck where it has felt irradiance change by 100 W/m², or the
+      air by 1 K and more over 3 h; at 0 °C, where snow melts, only after a day;
+    * ``temp_air`` where the module has changed by 10 K over 3 h;
+    * ``poa_global`` where the module's over-temperature has changed by 10 K; in the
+      dark (20 W/m²) over more than a day, or more than two hours from either end,
       above the air, and by the module's own warmth;
-    * ``wind_speed`` is not 0 for 6 h, or 0 for three days;
-    * further columns are ``relative_humidity`` below 98 %, ``longwave_down``, or
-      ``p_dc`` and ``precipitation`` that are not 0, for a day; ``wind_direction`` for
-      three. Other columns may stay, as a timetable does.
+    * ``wind_speed`` after 6 h, and at its lowest reading after three days;
+    * ``relative_humidity``, ``longwave_down``, ``p_dc`` and ``precipitation`` after a
+      day, ``wind_direction`` after three. Other columns may stay, as a timetable does.
+
+    After three days in which the others move, the first three are stuck whatever
+    they usually do.
 
     Parameters
     ----------
@@ -79,9 +195,8 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
 
     Notes
     -----
-    Only the resolution of the columns enters; a smooth column cannot repeat. A
-    missing value ends a repetition, but in a column that has one value only, and in
-    wind at 0: of a record by day alone that may be weeks. There the measured time
+    A missing value ends a repetition, but in a column that has one value only, and in
+    wind at rest: of a record by day alone that may be weeks. There the measured time
     counts.
     """
     limits = limits or Limits()
@@ -91,9 +206,8 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
     for name, still in STILL.items():
         values = columns[name]
-        repeated = runs(values, seconds, limits)
-        if name == "wind_speed":
-            found[name] = becalmed(values, seconds, limits)
+        rest = rest_of(name, values, limits)
+        repeated = runs(name, values, seconds, rest, limits)
         if not len(repeated.first):
             continue
         if name == "temp_module":
@@ -113,18 +227,24 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
         columns = columns.put(np.nan, {name: found[name]})
     for name in [name for name in DRIVERS if name in record.inputs.columns]:
         values = record[name]
-        if never_moves(values):  # a number that stands for all
+        if name not in POSSIBLE and never_moves(values):  # a number that stands for all
             continue
-        repeated = runs(values, seconds, limits)
-        kept = DRIVERS[name](repeated, limits)
+        rest = rest_of(name, values, limits)
+        repeated = runs(name, values, seconds, rest, limits)
+        kept = still_driver(name, repeated, rest, limits)
         found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
+        if name == "wind_speed" and len(seconds) > 1:
+            one, usual = [(values, 0, seconds, 1.0)], np.median(np.diff(seconds))
+            if may_rest(values, rest, usual, limits):
+                for rows, *_ in becalmed(lambda one=one: one, usual, rest, limits):
+                    found[name][rows] = True
     return found
 
 
 def felt(record, limits):
     """Irradiance as the module feels it, smoothed by its memory. [W/m²]"""
     poa = pd.Series(record["poa_global"], record.index)
-    return ewm(poa, limits.felt_memory).to_numpy()
+    return ewm(poa, limits.still_time / 5).to_numpy()
 
 
 def seen_by(name, columns):
@@ -135,23 +255,23 @@ def seen_by(name, columns):
     return over if name == "over" else np.maximum(over, 0.0)
 
 
+def too_long(runs, limits):
+    """Repetitions that are odd for the column, or last while others move for days."""
+    return runs.odd | (runs.time > limits.calm)
+
+
 def still_irradiance(runs, extent, steps, limits):
     night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
     # a late clock has the sun at night; frost cools a module, and snow keeps it warm
     warm = extent("warmth", limits.farthest_clock) > limits.warmed
     warm &= extent("temp_module", limits.farthest_clock) > limits.warmed
-    return (extent("over") > limits.warmed) & (~night | warm)
+    moved = (extent("over") > limits.warmed) & (~night | warm)
+    return moved & too_long(runs, limits)
 
 
 def still_air(runs, extent, steps, limits):
-    sunny = extent("poa_global") > limits.sunny_change
-    warmed = extent("temp_module") > limits.warmed
-    return sunny & warmed & (runs.time > limits.still_air)
-
-
-def still_wind(runs, extent, steps, limits):
-    calm = runs.value == 0
-    return runs.time > np.where(calm, limits.calm, limits.still_wind)
+    moved = extent("temp_module") > limits.warmed
+    return moved & (runs.time > limits.still_air) & too_long(runs, limits)
 
 
 def still_module(runs, extent, steps, limits):
@@ -159,68 +279,66 @@ def still_module(runs, extent, steps, limits):
     of_air = extent("temp_air") > limits.felt_air + 2 * sum(steps.values())
     of_air &= runs.time > limits.still_air
     melting = (np.abs(runs.value) <= limits.melting) & (runs.time <= limits.still_day)
-    coarse = limits.still_time * steps["temp_module"] / limits.fine
-    return (of_sun | of_air) & ~melting & (runs.time > coarse)
+    return (of_sun | of_air) & ~melting & too_long(runs, limits)
 
 
-def still_humidity(runs, limits):
-    return (runs.value < limits.saturated) & (runs.time > limits.still_driver)
-
-
-def still_flow(runs, limits):
-    return (runs.value != 0) & (runs.time > limits.still_driver)
-
-
-def still_vane(runs, limits):
-    return runs.time > limits.still_vane
-
-
-#: the same of further columns, of which the others tell nothing
-DRIVERS = {
-    "relative_humidity": still_humidity,
-    "longwave_down": still_flow,
-    "p_dc": still_flow,
-    "precipitation": still_flow,
-    "wind_direction": still_vane,
-}
-#: what makes a repetition of each column a fault
+#: what makes a repetition of each column a fault beside others that move
 STILL = {
     "temp_module": still_module,
     "poa_global": still_irradiance,
     "temp_air": still_air,
-    "wind_speed": still_wind,
+}
+#: the limit of time of columns of which the others tell nothing
+DRIVERS = {
+    "wind_speed": "still_wind",
+    "relative_humidity": "still_day",
+    "longwave_down": "still_day",
+    "p_dc": "still_day",
+    "precipitation": "still_day",
+    "wind_direction": "calm",
 }
 
 
-def runs(values, seconds, limits):
-    """Repetitions of one value; a NaN ends one, unless there is no other value."""
-    if never_moves(values):
-        values = np.full(len(values), values[np.isfinite(values)][0])
-    same = np.zeros(len(values) + 1, dtype=np.int8)  # as the row before
-    np.equal(values[1:], values[:-1], out=same[1:-1].view(bool))
-    edge = np.diff(same)
-    first, last = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
-    time = seconds[last] - seconds[first]
-    long = (last - first >= limits.still_rows) & (time > limits.still_time)
-    first, last = first[long], last[long]
-    return Runs(values[first], first, last, time[long])
+def still_driver(name, runs, rest, limits):
+    """Repetitions that none of the others explains."""
+    longest = limits.calm if name == "wind_speed" else np.inf
+    resting = at_rest(name, runs.value, rest)
+    most = np.where(resting, longest, getattr(limits, DRIVERS[name]))
+    return runs.odd & (runs.time > most)
 
 
-def becalmed(values, seconds, limits):
-    """Rows at 0 for longer than a calm lasts, of which gaps take no time."""
-    rows = np.zeros(len(values), dtype=bool)
-    calm = np.count_nonzero(values == 0)
-    if len(values) < 2 or not calm:
-        return rows
-    usual = np.median(np.diff(seconds))
-    if calm * usual <= limits.calm:
-        return rows
-    (there,) = np.nonzero(np.isfinite(values))
-    steps = np.minimum(np.diff(seconds[there]), usual)
-    measured = runs(values[there], np.concatenate(([0.0], np.cumsum(steps))), limits)
-    kept = (measured.value == 0) & (measured.time > limits.calm)
-    rows[there] = measured.rows(kept, len(there))
-    return rows
+def may_rest(wind, rest, usual, limits):
+    """Whether so many rows are at one value, or below, that a calm may be too long."""
+    _, counts = np.unique(wind[wind <= rest], return_counts=True)
+    return counts.max(initial=0) * usual > limits.calm
+
+
+def becalmed(blocks, usual, rest, limits):
+    """
+    Rows of wind at rest for longer than a calm lasts, with their times and values.
+
+    Gaps take no time. ``blocks()`` gives values, first row, times and their unit [s]
+    of each; the usual step is in seconds.
+    """
+    standing, number = Standing("wind_speed", limits), 0
+    elapsed, last = 0.0, None
+    for values, _, times, unit in blocks():
+        there = np.flatnonzero(np.isfinite(values))
+        if not len(there):
+            continue
+        times = times[there]
+        steps = np.diff(times, prepend=times[0] if last is None else last)
+        lasted = elapsed + np.cumsum(np.minimum(steps * unit, usual))
+        standing.add(values[there], number, lasted)
+        number, elapsed, last = number + len(there), lasted[-1], times[-1]
+    runs = standing.runs(rest)
+    kept = (runs.value <= rest) & (runs.time > limits.calm)
+    calm, number = runs.rows(kept, number), 0
+    for values, start, times, _ in blocks() if kept.any() else ():
+        there = np.flatnonzero(np.isfinite(values))
+        rows = there[calm[number : number + len(there)]]
+        yield rows + start, times[rows], values[rows]
+        number += len(there)
 
 
 def refuse_frozen(record, frozen):
