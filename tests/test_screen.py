@@ -85,8 +85,8 @@ def test_a_value_that_repeats_far_outside_is_no_value(record):
 )
 def test_some_rows_of_a_long_column_tell_nothing_but_what_all_do(values, far, rows):
     values = np.array(values * 3 + [far] * rows)
-    none, limits = np.zeros(len(values), dtype=bool), Limits(few_distinct=2)
-    how = none, limits.far, limits.far_rows, limits
+    none, limits = np.zeros(len(values), dtype=bool), Limits(few_values=2)
+    how = none, limits.far**2, limits.few_rows, limits
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outliers, "SAMPLE", 20)
         by_some = outliers.beyond(values, *how)
@@ -473,7 +473,7 @@ def test_limits_are_an_argument(record):
     jump = record["temp_air"].where(np.arange(len(record)) != 200, 60.0)
     data = record.assign(temp_air=jump)
     assert kinds(fem.screen(data)) == [("temp_air", "spike", 1)]
-    tolerant = Limits(spike_air=99.0, spike_air_most=99.0)
+    tolerant = Limits(spike=99.0)
     assert fem.screen(data, tolerant).counts.empty
     assert any("jumps and returns" in note for note in fit(data).notes)
     assert not any("jumps" in note for note in fit(data, limits=tolerant).notes)

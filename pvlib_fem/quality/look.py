@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
-from pvlib_fem.quality.outliers import MOST_JUMP, NO_CODE, as_codes, few, jumps
+from pvlib_fem.quality.limits import FASTEST, POSSIBLE, Limits, possible
+from pvlib_fem.quality.outliers import NO_CODE, as_codes, few, jumps
 from pvlib_fem.quality.stray import refuse_gap
 from pvlib_fem.quality.stuck import DRIVERS, STILL, Standing, whole_run
 from pvlib_fem.record.checks import datetime_steps
@@ -60,7 +60,7 @@ class Column:
         self.least = np.fmin(self.least, least)
         largest = max(np.fmax.reduce(held), -least)
         self.size = np.fmax(self.size, largest)
-        if self.name in MOST_JUMP:
+        if self.name in FASTEST:
             self.spikes(possible_ones, start, times)
         if self.standing is not None:
             clip = self.name == "poa_global" and low < 0
@@ -91,7 +91,7 @@ class Column:
             new = values[there], rows[there], times[there]
         if not len(new[0]):
             return
-        least, size = MOST_JUMP[self.name](0.0, self.limits), self.limits.few_rows + 1
+        least, size = self.limits.spike, self.limits.few_rows + 1
         before = [part[-1:] for part in self.tail] or [new[0][:1]]
         steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
         both = new
@@ -99,12 +99,8 @@ class Column:
             both = [np.concatenate(parts) for parts in zip(self.tail, new)]
         if steep:
             x, rows, count = both
-            found = jumps(
-                x,
-                (count - count[0]) * self.unit,
-                lambda time: MOST_JUMP[self.name](time, self.limits),
-                self.limits.few_rows,
-            )
+            seconds = (count - count[0]) * self.unit
+            found = jumps(self.name, x, seconds, self.limits)
             if found.any():
                 part = rows[found], count[found], x[found]
                 self.odd.setdefault("spike", []).append(part)
@@ -127,7 +123,7 @@ class Column:
         limits, sizes = self.limits, np.abs(sample[np.isfinite(sample)])
         near = sizes * factor >= self.size
         # what the sample has of them twice too often is no share that is in doubt
-        if not self.size or near.mean() > 2.0 * limits.far_share:
+        if not self.size or near.mean() > 2.0 * limits.few_share:
             return none
         if few(sizes[~near], limits):
             return none
@@ -141,7 +137,7 @@ class Column:
             size[rows] = np.nan
             rest = np.fmax(rest, np.fmax.reduce(size))
         rows, times, values = map(np.concatenate, zip(*parts))
-        if len(rows) > limits.far_share * self.known:
+        if len(rows) > limits.few_share * self.known:
             return none
         found, counts = np.unique(values, return_counts=True)
         far = (np.abs(values) >= factor * rest).all()

@@ -242,7 +242,7 @@ def refuse_impossible(found, limits):
 def refuse_share(name, share, value, time, limits):
     """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
     if share > limits.most_impossible:
-        low, high, unit = POSSIBLE[name]
+        low, high, unit = possible(name)
         raise ValueError(
             f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
             f"{high:g} {unit}), first {value:g} at {time}; check its unit and sensor"

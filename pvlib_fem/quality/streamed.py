@@ -115,7 +115,7 @@ class Screening:
                 self.note(kind, name, *one.of(kind))
         for name, one in self.ruled(doubts):
             if possible(name) is None:  # of which a lone one is a spike
-                lone = one.beyond(self.clean, sample[name], limits.lone, 1)
+                lone = one.beyond(self.clean, sample[name], limits.far**3, 1)
                 self.note("spike", name, *lone)
         self.refuse_impossible()
         self.ends(doubts)
@@ -180,7 +180,7 @@ class Screening:
             self.note("fill value", name, rows, times, values)
             if not one.known:
                 continue
-            far = one.beyond(self.clean, rest, limits.far, limits.far_rows)
+            far = one.beyond(self.clean, rest, limits.far**2, limits.few_rows)
             self.note("fill value", name, *far)
             again |= len(far[0]) > 0
         if again:

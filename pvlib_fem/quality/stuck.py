@@ -148,7 +148,7 @@ def rest_of(name, values, limits):
     seen = values[np.isfinite(values)]
     if name not in (*FLOWS, "relative_humidity") or not len(seen):
         return np.nan
-    beyond = int(limits.odd_share * (len(seen) - 1))
+    beyond = int(limits.few_share * (len(seen) - 1))
     at = beyond if name in FLOWS else len(seen) - 1 - beyond
     return float(np.partition(seen, at)[at])
 
@@ -275,10 +275,12 @@ def still_air(runs, extent, steps, limits):
 
 
 def still_module(runs, extent, steps, limits):
-    of_sun = extent("felt") > limits.felt
-    of_air = extent("temp_air") > limits.felt_air + 2 * sum(steps.values())
+    of_sun = extent("felt") > limits.bright
+    of_air = extent("temp_air") > limits.temp_slack + 2 * sum(steps.values())
     of_air &= runs.time > limits.still_air
-    melting = (np.abs(runs.value) <= limits.melting) & (runs.time <= limits.still_day)
+    melting = (np.abs(runs.value) <= limits.temp_slack) & (
+        runs.time <= limits.still_day
+    )
     return (of_sun | of_air) & ~melting & too_long(runs, limits)
 
 
