@@ -10,7 +10,6 @@ from hypothesis import given, settings, strategies as st
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.quality import outliers
 from pvlib_fem.quality.limits import Limits, possible
 from pvlib_fem.quality.outliers import CODES
 from pvlib_fem.simulator import ALBUQUERQUE, PHYSICS, RHINE
@@ -76,22 +75,6 @@ def test_a_value_that_repeats_far_outside_is_no_value(record):
     assert kinds(found) == [("fan", "fill value", 20)]
     found = fem.screen(with_values(record, "fan", [100], 4.2e5))
     assert kinds(found) == [("fan", "spike", 1)]
-
-
-@given(
-    st.lists(st.floats(-100, 100) | st.just(np.nan), min_size=1, max_size=60),
-    st.sampled_from([0.0, 300.0, -2000.0]),
-    st.integers(0, 4),
-)
-def test_some_rows_of_a_long_column_tell_nothing_but_what_all_do(values, far, rows):
-    values = np.array(values * 3 + [far] * rows)
-    none, limits = np.zeros(len(values), dtype=bool), Limits(few_values=2)
-    how = none, limits.far**2, limits.few_rows, limits
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(outliers, "SAMPLE", 20)
-        by_some = outliers.beyond(values, *how)
-        patch.setattr(outliers, "SAMPLE", 1)
-        assert np.array_equal(outliers.beyond(values, *how), by_some)
 
 
 @pytest.mark.parametrize(

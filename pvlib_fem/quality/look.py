@@ -10,7 +10,7 @@ from pvlib_fem.quality.outliers import NO_CODE, as_codes, few, jumps
 from pvlib_fem.quality.stray import refuse_gap
 from pvlib_fem.quality.stuck import DRIVERS, STILL, Standing, whole_run
 from pvlib_fem.record.checks import datetime_steps
-from pvlib_fem.record.clean import covered
+from pvlib_fem.record.clean import NONE, covered
 from pvlib_fem.record.inputs import Inputs
 
 SOME = 1 << 20  # rows of which what is usual in a column is told
@@ -164,6 +164,7 @@ class Look:
     steps: Counter = field(default_factory=Counter)
     gaps: list = field(default_factory=list)  # row, time before and after
     sample: list = field(default_factory=list)
+    taken: tuple | None = None  # the record of which they are one, and they
     days: set = field(default_factory=set)
 
     @classmethod
@@ -206,16 +207,29 @@ class Look:
 
     def sampled(self, clean):
         """Every so many rows of a record, as they are screened so far."""
-        times = np.concatenate([times for times, _ in self.sample])
-        index = clean.source.index(times)
-        rows = np.arange(len(times)) * self.every
-        columns = {}
-        for name in self.columns:
-            values = np.concatenate([kept[name] for _, kept in self.sample])
-            columns[name] = np.where(covered(clean.of(name), rows), np.nan, values)
-        if clean.clip:
-            columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
-        return Inputs(columns, *datetime_steps(index, "the time"), index, True)
+        if self.taken is None:
+            times, kept = zip(*self.sample)
+            index = clean.source.index(np.concatenate(times))
+            columns = {n: np.concatenate([part[n] for part in kept]) for n in kept[0]}
+            how = *datetime_steps(index, "the time"), index, True
+            self.sample, self.taken = [], (None, Inputs(columns, *how))
+        before, inputs = self.taken
+        if before is not clean:
+            rows, columns = np.arange(len(inputs.index)) * self.every, {}
+            for name in self.columns:
+                holes = clean.of(name)
+                if holes is not (NONE if before is None else before.of(name)):
+                    lost = covered(holes, rows)
+                    columns[name] = np.where(lost, np.nan, inputs[name])
+            if clean.clip and (inputs["poa_global"] < 0).any():
+                poa = columns.get("poa_global", inputs["poa_global"])
+                columns["poa_global"] = np.maximum(poa, 0.0)
+            self.taken = clean, inputs.having(columns) if columns else inputs
+        return self.taken[1]
+
+    def forget(self):
+        """Let go of those rows, which what follows would keep."""
+        self.sample, self.taken = [], None
 
     def standing(self, rests):
         """Long repetitions of each column, by where its sensor rests."""

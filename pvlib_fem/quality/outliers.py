@@ -1,7 +1,6 @@
 """What a column cannot have measured, seen from the column alone."""
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem.quality.limits import FASTEST, possible
 from pvlib_fem.record.checks import dates_of
@@ -18,30 +17,7 @@ CODES = np.array(
     ]
 )
 
-SAMPLE = 1 << 17  # rows of a long column that tell much of it
 NO_CODE = -98.0, 327.0  # between which there is none
-
-
-def fill_values(name, values, limits):
-    """
-    Rows of values that stand for none.
-
-    A known code counts where it lies outside what the column can hold, or, in a
-    column of unknown range, well away from all else. Any other value counts that
-    repeats and is many times as large as all else.
-    """
-    bounds = possible(name)
-    low, high = bounds[:2] if bounds else NO_CODE
-    coded = np.zeros(len(values), dtype=bool)
-    rows = np.flatnonzero(outside(values, low, high))
-    if len(rows):
-        known, rounded = as_codes(values[rows])
-        coded[rows[known]] = True
-        if not bounds and known.any():
-            codes = np.unique(rounded[known])
-            codes = apart(codes, values[np.isfinite(values) & ~coded], limits)
-            coded[rows[known]] = np.isin(rounded[known], codes)
-    return coded | beyond(values, coded, limits.far**2, limits.few_rows, limits)
 
 
 def as_codes(values):
@@ -59,37 +35,6 @@ def apart(codes, rest, limits):
     above &= not few(rest, limits)  # a switch may be on at any number
     below = (codes < 0) & (codes <= limits.far * min(low, 0.0))
     return codes[above | below]
-
-
-def beyond(values, known, factor, fewest, limits):
-    """
-    Rows of one or two values that are ``factor`` times as large as all else.
-
-    Each in ``fewest`` rows or more, and in a small share of all.
-    """
-    none = np.zeros(len(values), dtype=bool)
-    # of most columns a few rows tell that too many are near the largest
-    largest = max(np.fmax.reduce(values), -np.fmin.reduce(values)) if len(values) else 0
-    some = np.abs(values[:: max(1, len(values) // SAMPLE)]) * factor >= largest
-    if not known.any() and np.count_nonzero(some) > limits.few_share * len(values):
-        return none
-    size = np.abs(values)
-    size[known] = np.nan
-    there = np.isfinite(size)
-    if not there.any():
-        return none
-    largest = np.fmax.reduce(size)
-    near = size * factor >= largest  # all that could be far, and more
-    if np.count_nonzero(near) > limits.few_share * np.count_nonzero(there):
-        return none
-    rest = size[there & ~near]
-    if few(rest, limits):
-        return none
-    far = near & (size >= factor * rest.max())
-    found, counts = np.unique(values[far], return_counts=True)
-    if (near & ~far).any() or len(found) > 2 or (counts < fewest).any():
-        return none
-    return far
 
 
 def few(values, limits):
@@ -114,24 +59,6 @@ def outside(values, low, high):
     return (values < low) | (values > high)
 
 
-def negative_by_day(poa, index, limits):
-    """
-    Rows of negative irradiance at a time of day that is light on the days around.
-
-    At night a pyranometer that radiates to the sky reads a little below 0; by day the
-    same sign is a broken cable, or snow on the dome.
-    """
-    negative = poa < 0
-    if not negative.any():
-        return negative
-    day, slot = slots(index, limits)
-    light = pd.Series(np.where(negative, np.nan, poa))
-    usual = light.groupby([day, slot]).mean().unstack()  # noqa: PD010  of an index
-    found = np.zeros(len(poa), dtype=bool)
-    found[negative] = is_light(usual, day[negative], slot[negative], limits)
-    return found
-
-
 def slots(index, limits):
     """Number of each row's day, and of its part of the day."""
     local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
@@ -150,20 +77,6 @@ def is_light(usual, day, slot, limits):
     around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
     places = around.index.get_indexer(day), around.columns.get_indexer(slot)
     return around.to_numpy()[places] > limits.sunny
-
-
-def spikes(name, values, inputs, limits):
-    """
-    Rows of values that jump and return faster than what is measured can.
-
-    A module is held by its heat capacity, air by its mass. Of a column of the user's
-    own only a lone value many times as large as all else is one.
-    """
-    if name in FASTEST:
-        return jumps(name, values, inputs.seconds, limits)
-    if possible(name) is not None:
-        return np.zeros(len(values), dtype=bool)
-    return beyond(values, np.zeros(len(values), dtype=bool), limits.far**3, 1, limits)
 
 
 #: ends of a column at which its sensor, or a logger, may stop: most, and least. Light

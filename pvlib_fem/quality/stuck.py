@@ -1,13 +1,22 @@
 """A sensor that stands still while what moves it moves."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
-from pvlib_fem.quality.values import never_moves, resolution
-from pvlib_fem.relaxation import ewm
+from pvlib_fem.quality.values import never_moves
+from pvlib_fem.record.checks import SECONDS, usual_step
+from pvlib_fem.record.clean import (
+    NONE,
+    CleanRecord,
+    FrameRecord,
+    covered,
+    masked,
+    spans,
+    united,
+)
+from pvlib_fem.relaxation import relax
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,30 +30,14 @@ class Runs:
     time: np.ndarray  # from the first to the last row [s]
     odd: np.ndarray  # whether the column's own changes make it far too long
 
-    def extent(self, other):
-        """Largest less smallest value of another column in each; 0 without one."""
-        if not len(self.first):
-            return np.zeros(0)
-        # reduceat takes pairs of rows and what is between the pairs, which is left out
-        pairs = np.column_stack((self.first, self.last)).ravel()
-        low = np.fmin.reduceat(other, pairs)[::2]
-        return np.nan_to_num(np.fmax.reduceat(other, pairs)[::2] - low)
+    def some(self, kept):
+        """Some of them."""
+        return Runs(*(getattr(self, part.name)[kept] for part in fields(self)))
 
-    def within(self, seconds, margin):
-        """The same without some time at either end; none shorter than a row."""
-        first = np.searchsorted(seconds, seconds[self.first] + margin)
-        first = np.minimum(first, self.last)  # a run at the record's end may be shorter
-        last = np.searchsorted(seconds, seconds[self.last] - margin, "right") - 1
-        return replace(self, first=first, last=np.maximum(first, last))
-
-    def rows(self, kept, rows):
-        """Booleans that are True in the kept runs."""
-        if not kept.any():
-            return np.zeros(rows, dtype=bool)
-        edge = np.zeros(rows + 1, dtype=int)
-        edge[self.first[kept]] += 1
-        edge[self.last[kept] + 1] -= 1
-        return np.cumsum(edge[:-1]) > 0
+    @property
+    def spans(self):
+        """First row of each, and the one after its last."""
+        return np.column_stack([self.first, self.last + 1])
 
 
 #: columns whose sensors rest at their lowest value, whatever number that is
@@ -128,29 +121,25 @@ def whole_run(value, rows, first, last, unit=1.0):
     return Runs(np.array([value]), *ends, time, np.array([True]))
 
 
-def runs(name, values, seconds, rest, limits):
-    """Repetitions of one value; a NaN ends one, unless there is no other value."""
-    if never_moves(values):
-        value = values[np.isfinite(values)][0]
-        return whole_run(value, len(values), seconds[0], seconds[-1])
-    return Standing(name, limits).add(values, 0, seconds).runs(rest)
-
-
 def rest_of(name, values, limits):
     """
     Value at which a column's sensor rests; NaN of one that does not.
 
     That is the dark, the lowest value of a flow, the highest humidity. An anemometer's
-    calm, or a night of an inverter, need not be 0; a few values may be beyond.
+    calm, or a night of an inverter, need not be 0; a few values may be beyond it.
     """
     if name == "poa_global":
         return limits.light
-    seen = values[np.isfinite(values)]
+    way = 1.0 if name in FLOWS else -1.0
+    seen = way * values[np.isfinite(values)]
     if name not in (*FLOWS, "relative_humidity") or not len(seen):
         return np.nan
-    beyond = int(limits.few_share * (len(seen) - 1))
-    at = beyond if name in FLOWS else len(seen) - 1 - beyond
-    return float(np.partition(seen, at)[at])
+    at = int(limits.few_share * (len(seen) - 1))
+    rest = np.partition(seen, at)[at]
+    # where it rests it is more often than anywhere beyond
+    if 2 * np.count_nonzero(seen == rest) < np.count_nonzero(seen <= rest):
+        rest = seen.min()
+    return way * float(rest)
 
 
 def at_rest(name, values, rest):
@@ -199,52 +188,29 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     wind at rest: of a record by day alone that may be weeks. There the measured time
     counts.
     """
-    limits = limits or Limits()
-    seconds = record.inputs.seconds
-    columns = record.inputs.columns.only(POSSIBLE)
-    steps = {}
-    found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
-    for name, still in STILL.items():
+    limits, index = limits or Limits(), record.index
+    columns, frame = record.inputs.columns, FrameRecord(record.inputs)
+    names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
+    unit, standing = SECONDS[index.unit], {}
+    rests = {name: rest_of(name, columns[name], limits) for name in names}
+    for name in names:
         values = columns[name]
-        rest = rest_of(name, values, limits)
-        repeated = runs(name, values, seconds, rest, limits)
-        if not len(repeated.first):
-            continue
-        if name == "temp_module":
-            columns |= {"felt": felt(record, limits)}
-            steps = {n: resolution(record[n]) for n in ("temp_air", "temp_module")}
-
-        def extent(other, margin=0.0, repeated=repeated, columns=columns):
-            some = repeated.within(seconds, margin) if margin else repeated
-            return some.extent(seen_by(other, columns))
-
-        kept = still(repeated, extent, steps, limits)
-        if not kept.any():
-            continue
-        rows = repeated.rows(kept, len(values)) & np.isfinite(values)
-        found[name] = found[name] | rows
-        # a module that stands still is no witness of what moves it
-        columns = columns.put(np.nan, {name: found[name]})
-    for name in [name for name in DRIVERS if name in record.inputs.columns]:
-        values = record[name]
-        if name not in POSSIBLE and never_moves(values):  # a number that stands for all
-            continue
-        rest = rest_of(name, values, limits)
-        repeated = runs(name, values, seconds, rest, limits)
-        kept = still_driver(name, repeated, rest, limits)
-        found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
-        if name == "wind_speed" and len(seconds) > 1:
-            one, usual = [(values, 0, seconds, 1.0)], np.median(np.diff(seconds))
-            if may_rest(values, rest, usual, limits):
-                for rows, *_ in becalmed(lambda one=one: one, usual, rest, limits):
-                    found[name][rows] = True
-    return found
-
-
-def felt(record, limits):
-    """Irradiance as the module feels it, smoothed by its memory. [W/m²]"""
-    poa = pd.Series(record["poa_global"], record.index)
-    return ewm(poa, limits.still_time / 5).to_numpy()
+        if not never_moves(values):
+            found = Standing(name, limits, unit).add(values, 0, frame.counts)
+            standing[name] = found.runs(rests[name])
+        elif name in POSSIBLE:  # another may be a number that stands for all
+            value = values[np.isfinite(values)][0]
+            first, last = frame.counts[[0, -1]]
+            standing[name] = whole_run(value, len(values), first, last, unit)
+    clean = CleanRecord(frame, tuple(POSSIBLE))
+    found, calm = frozen(clean, standing, rests, limits), NONE
+    usual, rest = usual_step(index), rests["wind_speed"]
+    if may_rest(columns["wind_speed"], rest, usual, limits):
+        calm = spans(becalmed(clean, usual, rest, limits)[0])
+    if len(calm):
+        found["wind_speed"] = united(found.get("wind_speed", NONE), calm)
+    rows = {name: masked(found.get(name, NONE), len(index)) for name in names}
+    return {name: at & np.isfinite(record[name]) for name, at in rows.items()}
 
 
 def seen_by(name, columns):
@@ -265,13 +231,12 @@ def still_irradiance(runs, extent, steps, limits):
     # a late clock has the sun at night; frost cools a module, and snow keeps it warm
     warm = extent("warmth", limits.farthest_clock) > limits.warmed
     warm &= extent("temp_module", limits.farthest_clock) > limits.warmed
-    moved = (extent("over") > limits.warmed) & (~night | warm)
-    return moved & too_long(runs, limits)
+    return (extent("over") > limits.warmed) & (~night | warm)
 
 
 def still_air(runs, extent, steps, limits):
     moved = extent("temp_module") > limits.warmed
-    return moved & (runs.time > limits.still_air) & too_long(runs, limits)
+    return moved & (runs.time > limits.still_air)
 
 
 def still_module(runs, extent, steps, limits):
@@ -281,7 +246,7 @@ def still_module(runs, extent, steps, limits):
     melting = (np.abs(runs.value) <= limits.temp_slack) & (
         runs.time <= limits.still_day
     )
-    return (of_sun | of_air) & ~melting & too_long(runs, limits)
+    return (of_sun | of_air) & ~melting
 
 
 #: what makes a repetition of each column a fault beside others that move
@@ -309,38 +274,188 @@ def still_driver(name, runs, rest, limits):
     return runs.odd & (runs.time > most)
 
 
+#: what each column is seen by, and the margin within its repetitions
+SEEN_BY = {
+    "temp_module": (("felt", ""), ("temp_air", "")),
+    "poa_global": (
+        ("over", ""),
+        ("warmth", "farthest_clock"),
+        ("temp_module", "farthest_clock"),
+    ),
+    "temp_air": (("temp_module", ""),),
+}
+
+
+def frozen(clean, standing, rests, limits):
+    """
+    Spans of rows in which a sensor stands still, by column.
+
+    Parameters
+    ----------
+    clean : CleanRecord
+    standing : dict of Runs
+        Long repetitions of each column.
+    rests : dict
+        Value at which each sensor rests.
+    limits : Limits
+    """
+    seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
+    found, left = {}, [name for name in STILL if len(seen[name].first)]
+    while left:
+        extents = Extents.of(clean, {name: seen[name] for name in left}, limits)
+        for name in list(left):
+            runs, extent = seen[name], extents.taker(name)
+            kept = STILL[name](runs, extent, extents.steps, limits)
+            left.remove(name)
+            if kept.any():
+                found[name] = runs.some(kept).spans
+                # a module that stands still is no witness of what moves it
+                clean = clean.lacking({name: found[name]})
+                break
+    for name in [name for name in DRIVERS if name in standing]:
+        runs = standing[name]
+        kept = still_driver(name, runs, rests[name], limits)
+        if kept.any():
+            found[name] = runs.some(kept).spans
+    return found
+
+
+@dataclass(eq=False)
+class Extents:
+    """Least and largest value of other columns in repetitions of some."""
+
+    standing: dict
+    limits: Limits
+    steps: dict  # smallest change of both temperatures
+    bounds: dict = field(default_factory=dict)  # least, largest, and the last value
+    before: dict = field(default_factory=dict)
+    felt: float | None = None
+    since: float = 0.0
+
+    @classmethod
+    def of(cls, clean, standing, limits):
+        """The extents over a record, from one pass."""
+        steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
+        found = cls(standing, limits, steps)
+        for name, runs in standing.items():
+            for key in SEEN_BY[name]:
+                found.bounds[name, *key] = np.full((3, len(runs.first)), np.nan)
+        if found.bounds:
+            for block in clean.blocks(tuple(POSSIBLE)):
+                found.add(block)
+        found.steps = {n: s if s < np.inf else 0.0 for n, s in found.steps.items()}
+        return found
+
+    def add(self, block):
+        columns = dict(block.inputs.columns)
+        others = {other for _, other, _ in self.bounds}
+        if "felt" in others:
+            columns["felt"] = self.as_felt(block)
+            for name in self.steps:
+                self.resolve(name, columns[name])
+        for name in {"over", "warmth"} & others:
+            columns[name] = seen_by(name, columns)
+        count = block.times
+        for name, runs in self.standing.items():
+            end = runs.last >= block.start
+            near = np.flatnonzero(end & (runs.first < block.start + len(block)))
+            for i in near:
+                for other, margin in SEEN_BY[name]:
+                    inner = getattr(self.limits, margin) if margin else 0.0
+                    rows = self.rows(block, count, runs, i, inner)
+                    merge(self.bounds[name, other, margin], i, columns[other][rows])
+
+    @staticmethod
+    def rows(block, count, runs, i, margin):
+        """Rows of a block that lie in the i-th repetition, within a margin."""
+        first = max(runs.first[i] - block.start, 0)
+        last = min(runs.last[i] + 1 - block.start, len(block))
+        if margin:
+            unit = block.inputs.unit
+            seconds = (count[first:last] - runs.begin[i]) * unit
+            end = np.searchsorted(seconds, runs.time[i] - margin, "right")
+            return slice(first + np.searchsorted(seconds, margin), first + end)
+        return slice(first, last)
+
+    def as_felt(self, block):
+        """Irradiance as the module feels it, carried on from the blocks before."""
+        poa, steps = block["poa_global"], block.inputs.steps.astype(float)
+        there = np.flatnonzero(np.isfinite(poa))
+        if not len(there):
+            self.since += steps.sum()
+            return poa
+        steps[0] += self.since
+        self.since = steps[there[-1] + 1 :].sum()
+        memory = self.limits.still_time / 5 / block.inputs.unit
+        felt = relax(poa, steps, memory, self.felt)
+        self.felt = felt[there[-1]]
+        return felt
+
+    def resolve(self, name, values):
+        """Smallest change of a column so far."""
+        change = np.abs(np.diff(values, prepend=self.before.get(name, np.nan)))
+        self.before[name] = values[-1]
+        change = change[change > 1e-9]
+        if len(change):
+            self.steps[name] = min(self.steps[name], float(change.min()))
+
+    def taker(self, name):
+        """What tells the extent of another column in repetitions of one."""
+
+        def extent(other, margin=0.0):
+            key = name, other, "farthest_clock" if margin else ""
+            low, high, _ = self.bounds[key]
+            return np.nan_to_num(high - low)
+
+        return extent
+
+
+def merge(bounds, i, values):
+    """
+    Take further values into the least and largest of the i-th repetition.
+
+    Its last row is left out, as it is in memory: it waits until another comes.
+    """
+    if not len(values):
+        return
+    before = np.append(bounds[:, i], values[:-1])
+    bounds[:, i] = np.fmin.reduce(before), np.fmax.reduce(before), values[-1]
+
+
 def may_rest(wind, rest, usual, limits):
     """Whether so many rows are at one value, or below, that a calm may be too long."""
     _, counts = np.unique(wind[wind <= rest], return_counts=True)
     return counts.max(initial=0) * usual > limits.calm
 
 
-def becalmed(blocks, usual, rest, limits):
+def becalmed(clean, usual, rest, limits):
     """
     Rows of wind at rest for longer than a calm lasts, with their times and values.
 
-    Gaps take no time. ``blocks()`` gives values, first row, times and their unit [s]
-    of each; the usual step is in seconds.
+    Gaps take no time: no row is further from the one before than a usual step. [s]
     """
     standing, number = Standing("wind_speed", limits), 0
     elapsed, last = 0.0, None
-    for values, _, times, unit in blocks():
+    for block in clean.blocks(("wind_speed",)):
+        values, times = block["wind_speed"], block.times
         there = np.flatnonzero(np.isfinite(values))
         if not len(there):
             continue
         times = times[there]
         steps = np.diff(times, prepend=times[0] if last is None else last)
-        lasted = elapsed + np.cumsum(np.minimum(steps * unit, usual))
+        lasted = elapsed + np.cumsum(np.minimum(steps * block.inputs.unit, usual))
         standing.add(values[there], number, lasted)
         number, elapsed, last = number + len(there), lasted[-1], times[-1]
     runs = standing.runs(rest)
-    kept = (runs.value <= rest) & (runs.time > limits.calm)
-    calm, number = runs.rows(kept, number), 0
-    for values, start, times, _ in blocks() if kept.any() else ():
+    calm = runs.some((runs.value <= rest) & (runs.time > limits.calm)).spans
+    parts, number = [[np.empty(0, int)] * 3], 0
+    for block in clean.blocks(("wind_speed",)) if len(calm) else ():
+        values = block["wind_speed"]
         there = np.flatnonzero(np.isfinite(values))
-        rows = there[calm[number : number + len(there)]]
-        yield rows + start, times[rows], values[rows]
+        rows = there[covered(calm, np.arange(number, number + len(there)))]
+        parts.append([rows + block.start, block.times[rows], values[rows]])
         number += len(there)
+    return [np.concatenate(part) for part in zip(*parts)]
 
 
 def refuse_frozen(record, frozen):
