@@ -197,6 +197,18 @@ def test_an_anemometer_rests_at_its_lowest_reading(step, zeros):
         assert found.sum() <= len(at) + 12 * 3600 / step  # and the night after
 
 
+@pytest.mark.parametrize("step", [60.0, 600.0])
+def test_an_anemometer_that_never_rests_is_stuck_at_a_low_value_too(step):
+    """A value that few are below is no rest where the sensor does not stand."""
+    data = simulated({}, 30, step, 2, start="2023-06-01")
+    data["wind_speed"] = data["wind_speed"].round(2)
+    low = data["wind_speed"].quantile(0.01).round(2)
+    assert low > data["wind_speed"].min()
+    data.loc["2023-06-10 07:00":"2023-06-10 16:59", "wind_speed"] = low
+    found = stuck(checked(data)).pop("wind_speed")
+    assert round(36000 / step) <= found.sum() <= round(36000 / step) + 2
+
+
 @pytest.mark.parametrize("step", [600.0, 3600.0])
 def test_means_of_days_repeat_within_them(step):
     """They are no fault, on their first day nor where two are alike."""

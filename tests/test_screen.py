@@ -77,6 +77,22 @@ def test_a_value_that_repeats_far_outside_is_no_value(record):
     assert kinds(found) == [("fan", "spike", 1)]
 
 
+def test_a_code_does_not_hide_a_value_that_no_list_has(record):
+    data = with_values(record, "fan", range(100, 120), 4.2e4)
+    data = with_values(data, "fan", [7, 9], -99999.0)
+    found = fem.screen(data)
+    assert kinds(found) == [("fan", "fill value", 22)]
+    assert set(np.flatnonzero(found.mask["fan"])) == {7, 9, *range(100, 120)}
+
+
+def test_a_code_of_a_column_that_goes_far_is_one_too(record):
+    """Its distance from what the column holds is little beside the column's span."""
+    counter = record.assign(fan=np.arange(1440.0) ** 2)
+    assert fem.screen(counter).counts.empty
+    found = fem.screen(with_values(counter, "fan", [50, 51], -999.0))
+    assert kinds(found) == [("fan", "fill value", 2)]
+
+
 @pytest.mark.parametrize(
     "own",
     {

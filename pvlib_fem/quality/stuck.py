@@ -136,10 +136,18 @@ def rest_of(name, values, limits):
         return np.nan
     at = int(limits.few_share * (len(seen) - 1))
     rest = np.partition(seen, at)[at]
-    # where it rests it is more often than anywhere beyond
-    if 2 * np.count_nonzero(seen == rest) < np.count_nonzero(seen <= rest):
+    # where it rests it is more often than anywhere beyond, and not once
+    resting = seen == rest
+    once = longest_run(resting)
+    if 2 * (np.count_nonzero(resting) - once) < np.count_nonzero(seen <= rest) - once:
         rest = seen.min()
     return way * float(rest)
+
+
+def longest_run(rows):
+    """How many rows follow each other at most."""
+    edges = np.flatnonzero(np.diff(rows, prepend=False, append=False))
+    return int(np.diff(edges)[::2].max(initial=0))
 
 
 def at_rest(name, values, rest):
