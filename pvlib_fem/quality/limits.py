@@ -171,6 +171,9 @@ class Limits:
         *clock.* Time beyond one sample by which contact sensors and averaging may
         differ, and the error of an onset that tells anything: contact sensors answer
         within 10 to 60 s. [s]
+    clear_peak : float
+        *clock.* Height of a correlation over its own scatter, from which clouds
+        show when an answer begins. [-]
     block_number : int
         *clock.* Blocks into which a record is divided if it is long enough. [-]
     longest_block : int
@@ -181,8 +184,8 @@ class Limits:
         [s]
     sure : float
         *clock, noon.* Standard errors by which a fault has to differ from none; with
-        few blocks Student's t of the same chance. Twice as many are asked of the
-        farthest of many: a peak of a correlation, a block beside the others. [-]
+        few blocks Student's t of the same chance. Twice as many are asked of a block
+        beside the others. [-]
     sun_slack : float
         *noon, negative by day.* Time of day to which light alone tells it: what a
         turned plane, a horizon or averages of an hour may do to a noon, the least jump
@@ -229,6 +232,7 @@ class Limits:
     lag_share: float = 0.3
     farthest_clock: float = 7200.0
     sensor_slack: float = 30.0
+    clear_peak: float = 5.0
     block_number: int = 8
     longest_block: int = 14
     block_error: float = 3.0

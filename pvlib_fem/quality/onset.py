@@ -139,7 +139,7 @@ def measure(sums, days, limits):
     coarse = int(np.argmax(height)) - sums.reach
     # a clear sky's answer has no peak that stands out
     scatter = 1.4826 * np.median(np.abs(height))
-    clear = height.max() > 2 * limits.sure * scatter > 0
+    clear = height.max() > limits.clear_peak * scatter > 0
     if len(days) < FEWEST_DAYS or not clear:
         return None
     first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
