@@ -219,8 +219,10 @@ def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     that is light on the days around. *Spikes* are changes there and back that the heat
     capacity of module or air forbids. *End of range* is where a sensor or its logger
     stops, and stays, on several days; of light, air and wind the half hour after it is
-    left out, too, which a module remembers. *Stuck* are values that repeat while what
-    moves them moves, which takes all four columns. What this finds wrongly is in
+    left out, too, which a module remembers. *Stuck* are values that repeat for far
+    longer than their column's own changes make likely, while what moves them moves:
+    but for wind and drivers that takes all four columns. What is usual in a column is
+    told by a million of its rows, evenly taken. What this finds wrongly is in
     :doc:`/quality`.
 
     Examples
