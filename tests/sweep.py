@@ -99,7 +99,7 @@ def guarded():
     """Records with what the loop guards against."""
     sky = Case(GUARDS, PHYSICS | {"sky_radiation": 1.0}, {"sky_radiation": 1.0})
     changes = {leaks: 100.0, gaps: 25.0, far: 365.0, frozen: 45.0, thin: 120.0}
-    changes |= {foreign: 90.0, filled: 90.0}
+    changes |= {foreign: 90.0, filled: 90.0, coarse: 90.0}
     for i, (change, count) in enumerate(changes.items()):
         step = 60.0 if change is thin else STEP
         yield World(site(9700 + i), 9700 + i, count, step), sky, change
@@ -139,6 +139,19 @@ def frozen(data, random):
         rows = int(hours * 3600 / data.attrs["step"])
         begin = int(random.integers(len(data) - rows))
         data.iloc[begin : begin + rows, data.columns.get_loc(name)] = 7.0
+    return data
+
+
+def coarse(data, random):
+    """Sensors of whole units, calms at an offset, and faults of two and four days."""
+    for name in ("temp_air", "temp_module", "wind_speed", "relative_humidity"):
+        data[name] = data[name].round()
+    data["wind_speed"] = data["wind_speed"].clip(lower=1.0)
+    for name, days in (("temp_module", 2), ("relative_humidity", 2), ("wind_speed", 4)):
+        rows = int(days * 86400 / data.attrs["step"])
+        begin = int(random.integers(len(data) - rows))
+        value = data[name].min() if name == "wind_speed" else data[name].median()
+        data.iloc[begin : begin + rows, data.columns.get_loc(name)] = value
     return data
 
 
@@ -347,21 +360,21 @@ def page(table, seconds, day):
     yield f"Nothing moves in these records by: {names}."
 
 
-LIMITS = """\
+HEAD = "## Sensors and clocks"
+LIMITS = """
+{head}
 
-## Sensors and clocks
-
-The same for every field of `quality.limits.Limits`, by what is checked before
+The same on {day} for every field of `quality.limits.Limits`, by what is checked before
 any fit, in {count} records: faults of clocks and loggers of the study, sound ones, and
 those with what the loop guards against. A cell has in how many other faults are said,
 or, where none is, in how many the same ones in other numbers.
 """
 
 
-def page_of_limits(table):
+def page_of_limits(table, day):
     """The table of what is checked before any fit."""
     usual = table[table["name"] == ""]
-    yield LIMITS.format(count=len(usual))
+    yield LIMITS.format(head=HEAD, count=len(usual), day=day)
     yield "| limit | usual | halved | doubled |"
     yield "|---|---|---|---|"
     idle = []
@@ -389,18 +402,22 @@ def main():
     parser.add_argument("--date", default=date.today().isoformat())
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--criteria", nargs="*", default=(), help="these alone")
+    parser.add_argument(
+        "--limits", action="store_true", help="limits alone; the rest of --out stays"
+    )
     options = parser.parse_args()
-    begin = time.perf_counter()
-    limits = pd.DataFrame()
+    begin, lines = time.perf_counter(), []
+    if not options.limits:
+        table = run(swept, records(), options.processes, (options.criteria,))
+        if options.table:
+            table.to_pickle(options.table)
+        lines += page(table, time.perf_counter() - begin, options.date)
+    elif options.out:
+        before = options.out.read_text(encoding="utf-8").partition(f"\n{HEAD}")[0]
+        lines.append(before.rstrip("\n"))
     if not options.criteria:
         limits = run(looked_at, instruments(), options.processes)
-    table = run(swept, records(), options.processes, (options.criteria,))
-    if options.table:
-        table.to_pickle(options.table)
-    seconds = time.perf_counter() - begin
-    lines = [*page(table, seconds, options.date)]
-    if not limits.empty:
-        lines += page_of_limits(limits)
+        lines += page_of_limits(limits, options.date)
     text = "\n".join(lines) + "\n"
     if options.out:
         options.out.write_text(text, encoding="utf-8")

@@ -10,7 +10,6 @@ from hypothesis import given, settings, strategies as st
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.quality import outliers
 from pvlib_fem.quality.limits import Limits, possible
 from pvlib_fem.quality.outliers import CODES
 from pvlib_fem.simulator import ALBUQUERQUE, PHYSICS, RHINE
@@ -78,20 +77,20 @@ def test_a_value_that_repeats_far_outside_is_no_value(record):
     assert kinds(found) == [("fan", "spike", 1)]
 
 
-@given(
-    st.lists(st.floats(-100, 100) | st.just(np.nan), min_size=1, max_size=60),
-    st.sampled_from([0.0, 300.0, -2000.0]),
-    st.integers(0, 4),
-)
-def test_some_rows_of_a_long_column_tell_nothing_but_what_all_do(values, far, rows):
-    values = np.array(values * 3 + [far] * rows)
-    none, limits = np.zeros(len(values), dtype=bool), Limits(few_distinct=2)
-    how = none, limits.far, limits.far_rows, limits
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(outliers, "SAMPLE", 20)
-        by_some = outliers.beyond(values, *how)
-        patch.setattr(outliers, "SAMPLE", 1)
-        assert np.array_equal(outliers.beyond(values, *how), by_some)
+def test_a_code_does_not_hide_a_value_that_no_list_has(record):
+    data = with_values(record, "fan", range(100, 120), 4.2e4)
+    data = with_values(data, "fan", [7, 9], -99999.0)
+    found = fem.screen(data)
+    assert kinds(found) == [("fan", "fill value", 22)]
+    assert set(np.flatnonzero(found.mask["fan"])) == {7, 9, *range(100, 120)}
+
+
+def test_a_code_of_a_column_that_goes_far_is_one_too(record):
+    """Its distance from what the column holds is little beside the column's span."""
+    counter = record.assign(fan=np.arange(1440.0) ** 2)
+    assert fem.screen(counter).counts.empty
+    found = fem.screen(with_values(counter, "fan", [50, 51], -999.0))
+    assert kinds(found) == [("fan", "fill value", 2)]
 
 
 @pytest.mark.parametrize(
@@ -473,7 +472,7 @@ def test_limits_are_an_argument(record):
     jump = record["temp_air"].where(np.arange(len(record)) != 200, 60.0)
     data = record.assign(temp_air=jump)
     assert kinds(fem.screen(data)) == [("temp_air", "spike", 1)]
-    tolerant = Limits(spike_air=99.0, spike_air_most=99.0)
+    tolerant = Limits(spike=99.0)
     assert fem.screen(data, tolerant).counts.empty
     assert any("jumps and returns" in note for note in fit(data).notes)
     assert not any("jumps" in note for note in fit(data, limits=tolerant).notes)

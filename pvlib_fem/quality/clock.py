@@ -125,7 +125,7 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     seconds = record.inputs.seconds
     if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return unknown("the record is shorter than two days")
-    if (base := usual_step(record.index)) > limits.coarsest_lag:
+    if (base := usual_step(record.index)) > limits.coarsest:
         return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
     poa, module = record["poa_global"], record["temp_module"]
     if skip is not None:
@@ -186,7 +186,7 @@ def jumps_between(sums, blocks, limits):
     shape, found = plain(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
         moved = abs(other["late"] - one["late"])
-        if abs(moved - HOUR) >= limits.hour_slack:
+        if abs(moved - HOUR) >= limits.noon_error:
             continue
         days = np.arange(one["day"], end["day"])
         fit = (sums.later(block["coarse"], len(shape), days) for block in (one, other))
@@ -249,7 +249,8 @@ def line(x, y, stderr, limits):
     if len(x) > 3:  # blocks that are out of line by an accident do not count
         off = y - theilslopes(y, x).slope * x
         usual = max(median_abs_deviation(off), limits.block_error)
-        kept = np.abs(off - np.median(off)) <= limits.block_outlier * usual
+        # twice the standard deviations that are sure, of 1.48 median deviations
+        kept = np.abs(off - np.median(off)) <= 2 * 1.4826 * limits.sure * usual
         x, y, stderr = x[kept], y[kept], stderr[kept]
     stderr = np.hypot(stderr, limits.block_error)
     weight, rest = stderr**-2, len(x) - 1

@@ -251,7 +251,7 @@ def visible(time, days, limits):
     if not side // 2 <= at <= len(day) - side // 2:
         return False
     around = day[max(at - side, 0) : at + side]
-    return around[-1] - around[0] <= pd.Timedelta(days=limits.noon_gap)
+    return around[-1] - around[0] <= pd.Timedelta(days=4 * side)
 
 
 def standard_index(index, zone):

@@ -15,7 +15,7 @@ def jumps_of(day, middle, limits):
     """
     fewest = max(limits.noon_side // 2, 1)
     tried = np.arange(fewest, len(day) - fewest + 1)
-    tried = tried[np.abs(moves(middle, limits.noon_side))[tried] >= limits.off_noon]
+    tried = tried[np.abs(moves(middle, limits.noon_side))[tried] >= limits.sun_slack]
     found = filter(None, (jump_at(i, day, middle, limits) for i in tried))
     # neighbours see the same jump; it is where both sides are the most even
     groups = []
@@ -51,10 +51,10 @@ def jump_at(i, day, middle, limits):
     """A jump before the i-th day, or None."""
     first, last = max(i - limits.noon_side, 0), i + limits.noon_side
     around = day[first:last]
-    if around[-1] - around[0] > limits.noon_gap:
+    if around[-1] - around[0] > 4 * limits.noon_side:
         return None
     by, error, rough = change(middle[first:i], middle[i:last])
-    if abs(by) < limits.off_noon or abs(by) < limits.sure * error:
+    if abs(by) < limits.sun_slack or abs(by) < limits.sure * error:
         return None
     return dict(day=int(day[i]), before=int(day[i - 1]), at=i, by=by, rough=rough)
 
@@ -90,7 +90,7 @@ def size(middle, first, at, end, limits):
     if min(map(len, sides)) < side:
         return 0.0
     by, error, _ = change(*sides)
-    if abs(by) < max(limits.off_noon, 2 * limits.sure * error):
+    if abs(by) < max(limits.sun_slack, 2 * limits.sure * error):
         return 0.0
     return whole_hours(by, limits) or 60.0 * round(by / 60)
 
@@ -114,4 +114,4 @@ def widened(jump, day, middle, limits):
 def whole_hours(by, limits):
     """The whole hours that a move is near to, or 0. [s]"""
     hours = HOUR * round(by / HOUR)
-    return float(hours) if abs(by - hours) < limits.noon_slack else 0.0
+    return float(hours) if abs(by - hours) < limits.sure * limits.noon_error else 0.0

@@ -52,7 +52,7 @@ def lag(seconds, poa, air, module, limits) -> Lag | None:
     if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
         return None
     base = float(np.median(np.diff(seconds)))
-    if not 0 < base <= limits.coarsest_lag:
+    if not 0 < base <= limits.coarsest:
         return None
     step = base * max(1, round(limits.coarsest_clock / base))
     count = round(DAY / step)

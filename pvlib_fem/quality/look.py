@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
-from pvlib_fem.quality.outliers import MOST_JUMP, NO_CODE, as_codes, few, jumps
-from pvlib_fem.quality.standing import Standing, table
+from pvlib_fem.quality.limits import FASTEST, POSSIBLE, Limits, possible
+from pvlib_fem.quality.outliers import NO_CODE, as_codes, few, jumps
 from pvlib_fem.quality.stray import refuse_gap
-from pvlib_fem.quality.stuck import DRIVERS, STILL
+from pvlib_fem.quality.stuck import DRIVERS, STILL, Standing, whole_run
 from pvlib_fem.record.checks import datetime_steps
-from pvlib_fem.record.clean import covered
+from pvlib_fem.record.clean import NONE, covered
 from pvlib_fem.record.inputs import Inputs
 
 SOME = 1 << 20  # rows of which what is usual in a column is told
@@ -28,7 +27,6 @@ class Column:
     known: int = 0  # values that stand for one
     low: float = np.inf  # of those that can be
     high: float = -np.inf
-    zeros: int = 0  # values that are 0
     least: float = np.inf  # of those that stand for one, possible or not
     size: float = 0.0  # largest of those that stand for one, without its sign
     odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
@@ -37,7 +35,7 @@ class Column:
 
     def __post_init__(self):
         if self.name in (*STILL, *DRIVERS):
-            self.standing = Standing(self.limits, self.unit)
+            self.standing = Standing(self.name, self.limits, self.unit)
 
     def add(self, values, start, times):
         """Look at the next rows; what stands for a value of them comes back."""
@@ -57,13 +55,12 @@ class Column:
                 possible_ones = without(values, rows)
             low, high = np.fmin.reduce(possible_ones), np.fmax.reduce(possible_ones)
         self.known += len(values) - lacking
-        self.zeros += int(np.count_nonzero(values == 0))
         self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
         least = np.fmin.reduce(held)
         self.least = np.fmin(self.least, least)
         largest = max(np.fmax.reduce(held), -least)
         self.size = np.fmax(self.size, largest)
-        if self.name in MOST_JUMP:
+        if self.name in FASTEST:
             self.spikes(possible_ones, start, times)
         if self.standing is not None:
             clip = self.name == "poa_global" and low < 0
@@ -94,7 +91,7 @@ class Column:
             new = values[there], rows[there], times[there]
         if not len(new[0]):
             return
-        least, size = MOST_JUMP[self.name](0.0, self.limits), self.limits.spike_rows + 1
+        least, size = self.limits.spike, self.limits.few_rows + 1
         before = [part[-1:] for part in self.tail] or [new[0][:1]]
         steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
         both = new
@@ -102,16 +99,12 @@ class Column:
             both = [np.concatenate(parts) for parts in zip(self.tail, new)]
         if steep:
             x, rows, count = both
-            found = jumps(
-                x,
-                (count - count[0]) * self.unit,
-                lambda time: MOST_JUMP[self.name](time, self.limits),
-                self.limits.spike_rows,
-            )
+            seconds = (count - count[0]) * self.unit
+            found = jumps(self.name, x, seconds, self.limits)
             if found.any():
                 part = rows[found], count[found], x[found]
                 self.odd.setdefault("spike", []).append(part)
-        self.tail = tuple(part[-self.limits.spike_rows - 1 :] for part in both)
+        self.tail = tuple(part[-self.limits.few_rows - 1 :] for part in both)
 
     @property
     def never_moves(self):
@@ -130,7 +123,7 @@ class Column:
         limits, sizes = self.limits, np.abs(sample[np.isfinite(sample)])
         near = sizes * factor >= self.size
         # what the sample has of them twice too often is no share that is in doubt
-        if not self.size or near.mean() > 2.0 * limits.far_share:
+        if not self.size or near.mean() > 2.0 * limits.few_share:
             return none
         if few(sizes[~near], limits):
             return none
@@ -144,7 +137,7 @@ class Column:
             size[rows] = np.nan
             rest = np.fmax(rest, np.fmax.reduce(size))
         rows, times, values = map(np.concatenate, zip(*parts))
-        if len(rows) > limits.far_share * self.known:
+        if len(rows) > limits.few_share * self.known:
             return none
         found, counts = np.unique(values, return_counts=True)
         far = (np.abs(values) >= factor * rest).all()
@@ -171,6 +164,7 @@ class Look:
     steps: Counter = field(default_factory=Counter)
     gaps: list = field(default_factory=list)  # row, time before and after
     sample: list = field(default_factory=list)
+    taken: tuple | None = None  # the record of which they are one, and they
     days: set = field(default_factory=set)
 
     @classmethod
@@ -213,29 +207,40 @@ class Look:
 
     def sampled(self, clean):
         """Every so many rows of a record, as they are screened so far."""
-        times = np.concatenate([times for times, _ in self.sample])
-        index = clean.source.index(times)
-        rows = np.arange(len(times)) * self.every
-        columns = {}
-        for name in self.columns:
-            values = np.concatenate([kept[name] for _, kept in self.sample])
-            columns[name] = np.where(covered(clean.of(name), rows), np.nan, values)
-        if clean.clip:
-            columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
-        return Inputs(columns, *datetime_steps(index, "the time"), index, True)
+        if self.taken is None:
+            times, kept = zip(*self.sample)
+            index = clean.source.index(np.concatenate(times))
+            columns = {n: np.concatenate([part[n] for part in kept]) for n in kept[0]}
+            how = *datetime_steps(index, "the time"), index, True
+            self.sample, self.taken = [], (None, Inputs(columns, *how))
+        before, inputs = self.taken
+        if before is not clean:
+            rows, columns = np.arange(len(inputs.index)) * self.every, {}
+            for name in self.columns:
+                holes = clean.of(name)
+                if holes is not (NONE if before is None else before.of(name)):
+                    lost = covered(holes, rows)
+                    columns[name] = np.where(lost, np.nan, inputs[name])
+            if clean.clip and (inputs["poa_global"] < 0).any():
+                poa = columns.get("poa_global", inputs["poa_global"])
+                columns["poa_global"] = np.maximum(poa, 0.0)
+            self.taken = clean, inputs.having(columns) if columns else inputs
+        return self.taken[1]
 
-    def standing(self):
-        """Long repetitions of each column, and the times at which they begin."""
+    def forget(self):
+        """Let go of those rows, which what follows would keep."""
+        self.sample, self.taken = [], None
+
+    def standing(self, rests):
+        """Long repetitions of each column, by where its sensor rests."""
         found = {}
         for name, column in self.columns.items():
             if column.standing is None:
                 continue
-            if column.never_moves:
-                if name in POSSIBLE:  # another may be a number that stands for all
-                    whole = (column.low, 0, self.rows - 1, *self.ends)
-                    found[name] = table([whole], self.unit)
-                continue
-            found[name] = column.standing.runs()
+            if not column.never_moves:
+                found[name] = column.standing.runs(rests[name])
+            elif name in POSSIBLE:  # another may be a number that stands for all
+                found[name] = whole_run(column.low, self.rows, *self.ends, self.unit)
         return found
 
 

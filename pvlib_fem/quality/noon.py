@@ -86,7 +86,7 @@ def solar_noon_shift(
         middle = (late + DAY / 2) % DAY - DAY / 2
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
-    if step <= limits.coarsest_noon:
+    if step <= limits.coarsest:
         changes = jumps_of(day, middle, limits)
     else:
         why = (
@@ -118,14 +118,14 @@ def levels(when, middle, changes, limits):
     level = np.array([np.median(middle[parts == i]) for i in range(len(starts))])
     level -= level[np.argmin(np.abs(level))]
     # neighbours that differ by what is no jump are one clock, uneven by its sun
-    small = np.abs(level) < limits.off_noon
+    small = np.abs(level) < limits.sun_slack
     late = [whole_hours(by, limits) or 60.0 * round(by / 60) for by in level]
     return tuple(zip(starts, np.where(small, 0.0, late)))
 
 
 def noon_faults(late, jumps, step, limits):
     faults = {}
-    if abs(late) > limits.off_noon + step / 2:
+    if abs(late) > limits.sun_slack + step / 2:
         faults["file_shift"] = (
             f"the clock of the file is off: the day's light comes and goes "
             f"{abs(late) / 60:.0f} min too {'late' if late > 0 else 'early'} for the "
@@ -152,7 +152,7 @@ def with_nights(seconds, poa, limits):
     """The same with 0 before and after each day's light, in a file of days alone."""
     whole = np.floor(seconds / DAY)  # twice as fast as // and %
     deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
-    if not deep.any() or np.isfinite(poa[deep]).mean() > limits.night_rows:
+    if not deep.any() or np.isfinite(poa[deep]).mean() > limits.few_share:
         return poa
     day, row = whole.astype(int), np.arange(len(poa))
     lit = np.flatnonzero(poa > limits.light)
@@ -177,7 +177,8 @@ def middles(seconds, poa, step, limits):
         edge(seconds, poa, lit[at], way, limits) for at, way in ((first, -1), (last, 1))
     )
     # what is lost of a day may be its first or last light
-    whole = (highest > limits.bright) & (rows[of_lit] > limits.whole_day * DAY / step)
+    lost = 1.0 - rows[of_lit] * step / DAY
+    whole = (highest > limits.bright) & (lost < limits.few_share)
     whole &= DAY - (fall - rise) > limits.shortest_night  # False where one is NaN
     return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
 

@@ -14,6 +14,7 @@ SENSOR = 32.0
 DECAYS = np.array([150.0, 300.0, 600.0, 1200.0, 2400.0])  # s, of modules and roofs
 BEFORE, AFTER = 720.0, 2700.0  # s, lags around the onset
 FINEST = 60.0  # s; a module answers within minutes
+FEWEST_DAYS = 2  # of a block: the error is by what days differ
 FADE = 3600.0  # s; slower changes are the sun's path and the weather's, not clouds'
 
 
@@ -120,8 +121,7 @@ def plain(step):
 
 def measured_blocks(sums, changes, limits):
     """Blocks of some days, eight of them if they can; none across a change."""
-    length = len(sums) / limits.block_number
-    length = np.clip(length, limits.shortest_block, limits.longest_block)
+    length = np.clip(len(sums) / limits.block_number, FEWEST_DAYS, limits.longest_block)
     blocks = []
     for first, end in pairwise([0, *changes, len(sums)]):
         parts = np.array_split(
@@ -140,7 +140,7 @@ def measure(sums, days, limits):
     # a clear sky's answer has no peak that stands out
     scatter = 1.4826 * np.median(np.abs(height))
     clear = height.max() > limits.clear_peak * scatter > 0
-    if len(days) < limits.shortest_block or not clear:
+    if len(days) < FEWEST_DAYS or not clear:
         return None
     first = max(coarse - round(BEFORE / sums.step) - 2, -sums.reach)
     last = min(coarse + round(AFTER / sums.step), sums.reach)
@@ -166,7 +166,7 @@ def measure(sums, days, limits):
     if not weights.any():
         return None
     stderr, told = error(sums, days, lags, onset, weights, normal)
-    if not stderr < limits.onset_error * sums.step:
+    if not stderr < sums.step + limits.sensor_slack:
         return None
     middle = np.average(sums.begin(days), weights=told) + sums.day / 2
     return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)

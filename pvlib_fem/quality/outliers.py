@@ -1,9 +1,8 @@
 """What a column cannot have measured, seen from the column alone."""
 
 import numpy as np
-import pandas as pd
 
-from pvlib_fem.quality.limits import possible
+from pvlib_fem.quality.limits import FASTEST, possible
 from pvlib_fem.record.checks import dates_of
 
 #: what loggers and files write for "no value", and the ends of whole numbers of 16 bits
@@ -18,30 +17,7 @@ CODES = np.array(
     ]
 )
 
-SAMPLE = 1 << 17  # rows of a long column that tell much of it
 NO_CODE = -98.0, 327.0  # between which there is none
-
-
-def fill_values(name, values, limits):
-    """
-    Rows of values that stand for none.
-
-    A known code counts where it lies outside what the column can hold, or, in a
-    column of unknown range, well away from all else. Any other value counts that
-    repeats and is many times as large as all else.
-    """
-    bounds = possible(name)
-    low, high = bounds[:2] if bounds else NO_CODE
-    coded = np.zeros(len(values), dtype=bool)
-    rows = np.flatnonzero(outside(values, low, high))
-    if len(rows):
-        known, rounded = as_codes(values[rows])
-        coded[rows[known]] = True
-        if not bounds and known.any():
-            codes = np.unique(rounded[known])
-            codes = apart(codes, values[np.isfinite(values) & ~coded], limits)
-            coded[rows[known]] = np.isin(rounded[known], codes)
-    return coded | beyond(values, coded, limits.far, limits.far_rows, limits)
 
 
 def as_codes(values):
@@ -55,49 +31,16 @@ def apart(codes, rest, limits):
     if not len(rest):
         return codes
     low, high = rest.min(), rest.max()
-    far = np.array([np.abs(rest - code).min() for code in codes])
-    far = far > limits.fill_apart * (high - low)
-    above = codes >= limits.fill_above * max(abs(low), abs(high))
+    above = codes >= limits.far * max(abs(low), abs(high))
     above &= not few(rest, limits)  # a switch may be on at any number
-    below = (codes < 0) & (codes <= limits.fill_above * min(low, 0.0))
-    return codes[far & (above | below)]
-
-
-def beyond(values, known, factor, fewest, limits):
-    """
-    Rows of one or two values that are ``factor`` times as large as all else.
-
-    Each in ``fewest`` rows or more, and in a small share of all.
-    """
-    none = np.zeros(len(values), dtype=bool)
-    # of most columns a few rows tell that too many are near the largest
-    largest = max(np.fmax.reduce(values), -np.fmin.reduce(values)) if len(values) else 0
-    some = np.abs(values[:: max(1, len(values) // SAMPLE)]) * factor >= largest
-    if not known.any() and np.count_nonzero(some) > limits.far_share * len(values):
-        return none
-    size = np.abs(values)
-    size[known] = np.nan
-    there = np.isfinite(size)
-    if not there.any():
-        return none
-    largest = np.fmax.reduce(size)
-    near = size * factor >= largest  # all that could be far, and more
-    if np.count_nonzero(near) > limits.far_share * np.count_nonzero(there):
-        return none
-    rest = size[there & ~near]
-    if few(rest, limits):
-        return none
-    far = near & (size >= factor * rest.max())
-    found, counts = np.unique(values[far], return_counts=True)
-    if (near & ~far).any() or len(found) > 2 or (counts < fewest).any():
-        return none
-    return far
+    below = (codes < 0) & (codes <= limits.far * min(low, 0.0))
+    return codes[above | below]
 
 
 def few(values, limits):
     """Whether a column has so few different values that it is a switch."""
     some = values[:: max(1, len(values) // 20_000)]
-    return len(np.unique(some)) < limits.few_distinct
+    return len(np.unique(some)) < limits.few_values
 
 
 def out_of_range(name, values):
@@ -116,30 +59,12 @@ def outside(values, low, high):
     return (values < low) | (values > high)
 
 
-def negative_by_day(poa, index, limits):
-    """
-    Rows of negative irradiance at a time of day that is light on the days around.
-
-    At night a pyranometer that radiates to the sky reads a little below 0; by day the
-    same sign is a broken cable, or snow on the dome.
-    """
-    negative = poa < 0
-    if not negative.any():
-        return negative
-    day, slot = slots(index, limits)
-    light = pd.Series(np.where(negative, np.nan, poa))
-    usual = light.groupby([day, slot]).mean().unstack()  # noqa: PD010  of an index
-    found = np.zeros(len(poa), dtype=bool)
-    found[negative] = is_light(usual, day[negative], slot[negative], limits)
-    return found
-
-
 def slots(index, limits):
     """Number of each row's day, and of its part of the day."""
     local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
     day = local.astype("M8[D]")
     seconds = (local - day) / np.timedelta64(1, "s")
-    return day.astype("i8"), (seconds // limits.day_slot).astype(int)
+    return day.astype("i8"), (seconds // limits.sun_slack).astype(int)
 
 
 def is_light(usual, day, slot, limits):
@@ -151,25 +76,7 @@ def is_light(usual, day, slot, limits):
     """
     around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
     places = around.index.get_indexer(day), around.columns.get_indexer(slot)
-    return around.to_numpy()[places] > limits.day_light
-
-
-def spikes(name, values, inputs, limits):
-    """
-    Rows of values that jump and return faster than what is measured can.
-
-    A module is held by its heat capacity, air by its mass. Of a column of the user's
-    own only a lone value many times as large as all else is one.
-    """
-    if name in MOST_JUMP:
-
-        def most(time):
-            return MOST_JUMP[name](time, limits)
-
-        return jumps(values, inputs.seconds, most, limits.spike_rows)
-    if possible(name) is not None:
-        return np.zeros(len(values), dtype=bool)
-    return beyond(values, np.zeros(len(values), dtype=bool), limits.lone, 1, limits)
+    return around.to_numpy()[places] > limits.sunny
 
 
 #: ends of a column at which its sensor, or a logger, may stop: most, and least. Light
@@ -194,7 +101,7 @@ def range_ends(name, values, index, limits):
         most = (np.fmax if way > 0 else np.fmin).reduce(values)
         at = values == most
         rows = np.count_nonzero(at)
-        if rows < limits.end_rows:
+        if rows < limits.few_values:
             continue
         size, most = way * values, way * most
         if len(np.unique(dates_of(index[at]))) < limits.end_days:
@@ -203,7 +110,7 @@ def range_ends(name, values, index, limits):
         if few(values[np.isfinite(values)], limits) or not len(below):
             continue
         # a coarse sensor has its next value further away
-        near = min(most - limits.end_near * (most - below.min()), below.max())
+        near = min(most - limits.few_share * (most - below.min()), below.max())
         if rows > np.count_nonzero(below >= near):
             found.append(float(way * most))
     return found
@@ -223,41 +130,34 @@ def at_end(name, values, seconds, ends, limits, since=-np.inf):
     return seconds - last <= limits.still_time
 
 
-def most_air(time, limits):
-    """Change of air there and back within a time that may be."""
-    fast = limits.spike_air + limits.spike_air_rate * time / 2.0
-    short = time <= limits.still_air
-    return np.where(short, np.minimum(fast, limits.spike_air_most), np.inf)
+def most_jump(name, time, limits):
+    """Change there and back within a time that may be, half of it there."""
+    most = limits.spike + FASTEST[name] * time / 2.0
+    if name == "temp_air":
+        short = time <= limits.still_air
+        return np.where(short, np.minimum(most, 2.0 * limits.spike), np.inf)
+    return most
 
 
-def most_module(time, limits):
-    """The same of a module, half of it there, half of it back."""
-    return limits.spike_module + limits.spike_module_rate * time / 2.0
-
-
-#: columns that are held by a heat capacity, and by how much they may jump
-MOST_JUMP = {"temp_air": most_air, "temp_module": most_module}
-
-
-def jumps(values, seconds, most, longest):
+def jumps(name, values, seconds, limits):
     """
     Rows that lie on one side of those before and after by more than can be.
 
-    ``most`` gives what can be, from the time between those two: the longer, the more.
+    The longer the time between those two, the more can be.
     """
     result = np.zeros(len(values), dtype=bool)
     known = np.isfinite(values)
     x = values if known.all() else values[known]
     # no jump there and back without one there, of which there are few
-    step, least = np.diff(x), most(0.0)
+    step, least = np.diff(x), limits.spike
     begin = np.flatnonzero(outside(step, -least, least))
     if not len(begin):
         return result
     there = np.flatnonzero(known)
-    for rows in range(1, longest + 1):
+    for rows in range(1, limits.few_rows + 1):
         begin = begin[begin + rows + 1 < len(x)]
         first, end = x[begin], begin + rows + 1
-        limit = most(seconds[there[end]] - seconds[there[begin]])
+        limit = most_jump(name, seconds[there[end]] - seconds[there[begin]], limits)
         inner = x[begin[:, None] + np.arange(1, rows + 1)]
         up = inner.min(axis=1) - np.maximum(first, x[end]) > limit
         down = np.minimum(first, x[end]) - inner.max(axis=1) > limit

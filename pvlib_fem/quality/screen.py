@@ -1,41 +1,17 @@
-"""One screening of a measured record, the same for all that takes one."""
+"""The screening of a record in memory, the same for all that takes one."""
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
-from pvlib_fem.quality.outliers import (
-    at_end,
-    fill_values,
-    negative_by_day,
-    out_of_range,
-    range_ends,
-    spikes,
-)
+from pvlib_fem.quality.limits import POSSIBLE, Limits
+from pvlib_fem.quality.screening import KINDS, Screener, sentence
 from pvlib_fem.quality.stray import refuse_stray
-from pvlib_fem.quality.stuck import refuse_frozen, stuck
-from pvlib_fem.quality.units import (
-    doubtful,
-    oddities,
-    refuse_doubtful,
-    refuse_units,
-)
-from pvlib_fem.quality.values import never_moves
-from pvlib_fem.record.columns import ALIASES, GEOMETRY, printable, with_aliases
+from pvlib_fem.quality.units import oddities, refuse_doubtful, refuse_units
+from pvlib_fem.record.clean import CleanRecord, FrameRecord
+from pvlib_fem.record.columns import ALIASES, printable, with_aliases
 from pvlib_fem.record.inputs import Columns, Record, read
-
-#: what a value can be found at fault for, in the order in which it is asked, and how
-#: it is said after the column's name
-KINDS = {
-    "fill value": "holds the fill value {value:.7g}",
-    "negative by day": "is negative by day, as {value:.4g},",
-    "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
-    "spike": "jumps and returns faster than it can, as to {value:.5g},",
-    "end of range": "stays at {value:.5g}, the end of its range, or did just before,",
-    "stuck": "stands still at {value:g}",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,14 +67,6 @@ class Faults:
         return replace(self, record=other.record, masks=masks)
 
 
-def sentence(row):
-    """What was found in one column, in one line."""
-    low, high, unit = possible(row.column) or (0, 0, "")
-    what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
-    many = f"in {row.rows:,} rows, first at" if row.rows > 1 else "at"
-    return f"{row.column} {what} {many} {row.first}: not used"
-
-
 def screened(record, limits=None, check_units=True):
     """
     A record without what was not measured, and what that is.
@@ -126,24 +94,11 @@ def screened(record, limits=None, check_units=True):
     """
     limits = limits or Limits()
     refuse_stray(record.index, limits)
-    clean, found = alone(record, limits, check_units)
-    frozen = stuck(clean, limits)
-    if never_moves(clean["wind_speed"]):  # a number that stands for all wind
-        del frozen["wind_speed"]
-    refuse_frozen(clean, frozen)
-    clean, found = without_frozen(clean, found, frozen)
+    found, clipped = by_columns(record, limits, check_units)
+    found.standing()
     if check_units:
-        refuse_doubtful(clean.inputs.columns, limits)
-    return clean, found
-
-
-def without_frozen(clean, found, frozen):
-    """The same less sensors that stand still."""
-    frozen = {name: rows for name, rows in frozen.items() if rows.any()}
-    if not frozen:
-        return clean, found
-    found = replace(found, masks={**found.masks, "stuck": frozen})
-    return clean.lacking(frozen), found
+        refuse_doubtful(found.sampled().columns, limits)
+    return less(record, found, clipped)
 
 
 def alone(record, limits, check_units=True, names=None, late=False):
@@ -153,100 +108,36 @@ def alone(record, limits, check_units=True, names=None, late=False):
     ``names`` are those columns that are asked, by default all. ``late`` has a module
     pass whose clock is off by hours.
     """
-    clean, found = ruled(record, Faults(record), limits, ("fill value",), names)
-    refuse_empty(found, clean)
+    return less(record, *by_columns(record, limits, check_units, names, late))
+
+
+def by_columns(record, limits, check_units=True, names=None, late=False):
+    """What the rules find that look at one column, and rows of offset by night."""
+    found = screener(record, limits, names)
+    found.fills()
+    found.refuse_empty()
     if check_units:
-        refuse_units(clean.inputs, limits, late)
-    clean, found = ruled(clean, found, limits, LATER, names)
-    refuse_impossible(found, limits)
-    return with_nights(clean, found)
+        refuse_units(found.sampled(), limits, late)
+    clipped = found.rules()
+    found.refuse_impossible()
+    found.ends()
+    return found, clipped
 
 
-def ruled(clean, found, limits, kinds, asked=None):
-    """A record and its faults after some of the rules, of some columns or of all."""
-    columns = clean.inputs.columns.only(asked or clean.inputs.columns)
-    doubted = doubtful(columns, limits) if kinds is LATER else ()
-    names = [n for n in columns if n not in doubted and n not in GEOMETRY]
-    for kind in kinds:
-        rows = {name: RULES[kind](name, clean, limits) for name in names}
-        rows = {name: at for name, at in rows.items() if at.any()}
-        if rows:
-            found = replace(found, masks={**found.masks, kind: rows})
-            clean = clean.lacking(rows)
-    return clean, found
+def screener(record, limits, names=None):
+    """The screening of a record in memory, before any rule."""
+    clean = CleanRecord(FrameRecord(record.inputs), tuple(record.inputs.columns))
+    return Screener.of(clean, limits, names)
 
 
-def with_nights(clean, found):
-    """The same with 0 where irradiance is a little below it by night."""
-    poa = clean["poa_global"]
-    clipped = int(np.count_nonzero(poa < 0))
-    if clipped:
-        clean = clean.put(0.0, {"poa_global": poa < 0})
-    found = replace(found, clipped=clipped)
-    return replace(clean, impossible=found.impossible, clipped=clipped), found
-
-
-#: kind to the rule that finds its rows in a column
-RULES = {
-    "fill value": lambda name, record, limits: fill_values(name, record[name], limits),
-    "negative by day": lambda name, record, limits: (
-        negative_by_day(record[name], record.index, limits)
-        if name == "poa_global"
-        else np.zeros(len(record.index), dtype=bool)
-    ),
-    "out of range": lambda name, record, limits: out_of_range(name, record[name]),
-    "spike": lambda name, record, limits: spikes(
-        name, record[name], record.inputs, limits
-    ),
-    "end of range": lambda name, record, limits: at_end(
-        name,
-        record[name],
-        record.inputs.seconds,
-        range_ends(name, record[name], record.index, limits),
-        limits,
-    ),
-}
-#: those that take no column in another unit
-LATER = tuple(kind for kind in RULES if kind != "fill value")
-
-
-def refuse_empty(found, clean):
-    """Refuse one of the four columns in which no value is left."""
-    for row in found.counts.itertuples() if found.masks else ():
-        if row.column in POSSIBLE and not np.isfinite(clean[row.column]).any():
-            raise empty_error(row)
-
-
-def empty_error(row):
-    """The error of a column in which nothing but one kind of fault was found."""
-    return ValueError(
-        f"{row.column} holds nothing but the fill value {row.value:g}, from "
-        f"{row.first} on; check the column's name and the logger"
-    )
-
-
-def refuse_impossible(found, limits):
-    """Refuse a record of which too much cannot be, or is negative by day."""
-    for name in POSSIBLE:
-        values, fills = found.record[name], found.masks.get("fill value", {})
-        rows = found.of(name, ("fill value", "spike", "end of range"))
-        if not rows.any():
-            continue
-        share = rows.sum() / max(np.isfinite(values).sum(), 1)
-        if name in fills:
-            share = rows.sum() / max((np.isfinite(values) & ~fills[name]).sum(), 1)
-        at = int(np.argmax(rows))
-        refuse_share(name, share, values[at], found.record.index[at], limits)
-
-
-def refuse_share(name, share, value, time, limits):
-    """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
-    if share > limits.most_impossible:
-        low, high, unit = POSSIBLE[name]
-        raise ValueError(
-            f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
-            f"{high:g} {unit}), first {value:g} at {time}; check its unit and sensor"
-        )
+def less(record, found, clipped):
+    """A record without what was found, and that."""
+    faults = Faults(record, found.masks(), clipped)
+    holes = {name: faults.of(name) for name in found.clean.holes}
+    clean = record.lacking(holes) if holes else record
+    if (below := clean["poa_global"] < 0).any():
+        clean = clean.put(0.0, {"poa_global": below})
+    return replace(clean, impossible=faults.impossible, clipped=clipped), faults
 
 
 @dataclass(frozen=True, eq=False)
@@ -328,8 +219,10 @@ def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     that is light on the days around. *Spikes* are changes there and back that the heat
     capacity of module or air forbids. *End of range* is where a sensor or its logger
     stops, and stays, on several days; of light, air and wind the half hour after it is
-    left out, too, which a module remembers. *Stuck* are values that repeat while what
-    moves them moves, which takes all four columns. What this finds wrongly is in
+    left out, too, which a module remembers. *Stuck* are values that repeat for far
+    longer than their column's own changes make likely, while what moves them moves:
+    but for wind and drivers that takes all four columns. What is usual in a column is
+    told by a million of its rows, evenly taken. What this finds wrongly is in
     :doc:`/quality`.
 
     Examples
@@ -346,12 +239,14 @@ def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     """
     limits = limits or Limits()
     record, labels = of_frame(data)
-    clean, found = ruled(record, Faults(record), limits, ("fill value",))
-    odd = [*oddities(clean.inputs, limits)]
-    doubts = doubtful(clean.inputs.columns, limits)
-    odd += [f"{name} {reason}" for name, reason in doubts.items()]
-    clean, found = with_nights(*ruled(clean, found, limits, LATER))
-    clean, found = without_frozen(clean, found, stuck(clean, limits))
+    found = screener(record, limits)
+    found.fills()
+    odd = [*oddities(found.sampled(), limits)]
+    clipped = found.rules()
+    odd += [f"{name} {reason}" for name, reason in found.doubts.items()]
+    found.ends()
+    found.standing(refuse=False)
+    clean, found = less(record, found, clipped)
     masks = {kind: pd.DataFrame(False, data.index, data.columns) for kind in KINDS}
     cleaned = data.copy()
     for kind, columns in found.masks.items():

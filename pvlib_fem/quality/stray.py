@@ -19,7 +19,7 @@ def refuse_gap(at, total, start, before, after, limits):
     """Refuse the rows on one side of a gap before row ``at``, if they are few."""
     early = at <= total / 2
     rows = at if early else total - at
-    if rows > max(limits.stray_share * total, 1):
+    if rows > max(limits.few_share * total, 1):
         return
     ends = after.to_datetime64(), before.to_datetime64()
     years = (ends[0] - ends[1]) / np.timedelta64(31_556_952, "s")

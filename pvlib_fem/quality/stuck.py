@@ -1,13 +1,22 @@
 """A sensor that stands still while what moves it moves."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 
 import numpy as np
-import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
-from pvlib_fem.quality.values import never_moves, resolution
-from pvlib_fem.relaxation import ewm
+from pvlib_fem.quality.values import never_moves
+from pvlib_fem.record.checks import SECONDS, usual_step
+from pvlib_fem.record.clean import (
+    NONE,
+    CleanRecord,
+    FrameRecord,
+    covered,
+    masked,
+    spans,
+    united,
+)
+from pvlib_fem.relaxation import relax
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,53 +26,157 @@ class Runs:
     value: np.ndarray
     first: np.ndarray  # row
     last: np.ndarray  # row
+    begin: np.ndarray  # time of the first row
     time: np.ndarray  # from the first to the last row [s]
+    odd: np.ndarray  # whether the column's own changes make it far too long
 
-    def extent(self, other):
-        """Largest less smallest value of another column in each; 0 without one."""
-        if not len(self.first):
-            return np.zeros(0)
-        # reduceat takes pairs of rows and what is between the pairs, which is left out
-        pairs = np.column_stack((self.first, self.last)).ravel()
-        low = np.fmin.reduceat(other, pairs)[::2]
-        return np.nan_to_num(np.fmax.reduceat(other, pairs)[::2] - low)
+    def some(self, kept):
+        """Some of them."""
+        return Runs(*(getattr(self, part.name)[kept] for part in fields(self)))
 
-    def within(self, seconds, margin):
-        """The same without some time at either end; none shorter than a row."""
-        first = np.searchsorted(seconds, seconds[self.first] + margin)
-        first = np.minimum(first, self.last)  # a run at the record's end may be shorter
-        last = np.searchsorted(seconds, seconds[self.last] - margin, "right") - 1
-        return Runs(self.value, first, np.maximum(first, last), self.time)
+    @property
+    def spans(self):
+        """First row of each, and the one after its last."""
+        return np.column_stack([self.first, self.last + 1])
 
-    def rows(self, kept, rows):
-        """Booleans that are True in the kept runs."""
-        if not kept.any():
-            return np.zeros(rows, dtype=bool)
-        edge = np.zeros(rows + 1, dtype=int)
-        edge[self.first[kept]] += 1
-        edge[self.last[kept] + 1] -= 1
-        return np.cumsum(edge[:-1]) > 0
+
+#: columns whose sensors rest at their lowest value, whatever number that is
+FLOWS = ("wind_speed", "precipitation", "p_dc")
+
+
+@dataclass(eq=False)
+class Standing:
+    """Long repetitions of a column's value, of rows that come in blocks."""
+
+    name: str
+    limits: Limits
+    unit: float = 1.0  # of the times [s]
+    rows: int = 0  # values that are there
+    changes: int = 0  # those of them that are not as the one before
+    found: list = field(default_factory=list)
+    open: tuple | None = None  # the last one, which may go on
+
+    def add(self, values, start, times):
+        """Look at the next rows, the first of which is row ``start``."""
+        if not len(values):
+            return self
+        edges = np.flatnonzero(values[1:] != values[:-1]) + 1
+        edges = np.concatenate(([0], edges, [len(values)]))
+        goes_on = self.open is not None and self.open[0] == values[0]
+        self.rows += np.count_nonzero(np.isfinite(values))
+        self.changes += np.count_nonzero(np.isfinite(values[edges[:-1]])) - goes_on
+        many = np.flatnonzero(np.diff(edges) > self.limits.few_rows)
+        # the first may go on from the rows before, and the last in those that follow
+        many = np.union1d(many, [0, len(edges) - 2])
+        first, last = edges[many], edges[many + 1] - 1
+        runs = [values[first], first + start, last + start, times[first], times[last]]
+        if goes_on:
+            runs[1][0], runs[3][0] = self.open[1], self.open[3]
+        else:
+            self.close()
+        self.open = tuple(part[-1] for part in runs)
+        self.keep(*(part[:-1] for part in runs))
+        return self
+
+    def close(self):
+        if self.open is not None:
+            self.keep(*(np.array([one]) for one in self.open))
+
+    def keep(self, value, first, last, begin, end):
+        time = (end - begin) * self.unit
+        long = (last - first >= self.limits.few_rows) & (time > self.limits.still_time)
+        if long.any():
+            self.found.append([x[long] for x in (value, first, last, begin, time)])
+
+    def runs(self, rest):
+        """All of them, after the last row, and which are odd for the column."""
+        self.close()
+        self.open = None
+        if not self.found:
+            none, rows = np.zeros(0), np.zeros(0, dtype=int)
+            return Runs(none, rows, rows, none, none, none > 0)
+        parts = [np.concatenate(part) for part in zip(*self.found)]
+        value, first, last, *_ = parts
+        resting = at_rest(self.name, value, rest)
+        rows = self.rows - (last - first + 1)[resting].sum()
+        changes = self.changes - np.count_nonzero(resting)
+        return Runs(*parts, last - first > most_kept(rows, changes, self.limits))
+
+
+def most_kept(rows, changes, limits):
+    """
+    Rows in which a value may repeat the one before it by chance.
+
+    A value that is kept from row to row with a chance of p is kept n times with pⁿ.
+    """
+    if not 0 < changes < rows:
+        return 0.0
+    return np.log(limits.still_chance) / np.log1p(-changes / rows)
+
+
+def whole_run(value, rows, first, last, unit=1.0):
+    """The one repetition of a column that never moves, with its first and last time."""
+    ends = np.array([0]), np.array([rows - 1]), np.array([first])
+    time = np.array([(last - first) * unit])
+    return Runs(np.array([value]), *ends, time, np.array([True]))
+
+
+def rest_of(name, values, limits):
+    """
+    Value at which a column's sensor rests; NaN of one that does not.
+
+    That is the dark, the lowest value of a flow, the highest humidity. An anemometer's
+    calm, or a night of an inverter, need not be 0; a few values may be beyond it.
+    """
+    if name == "poa_global":
+        return limits.light
+    way = 1.0 if name in FLOWS else -1.0
+    seen = way * values[np.isfinite(values)]
+    if name not in (*FLOWS, "relative_humidity") or not len(seen):
+        return np.nan
+    at = int(limits.few_share * (len(seen) - 1))
+    rest = np.partition(seen, at)[at]
+    # where it rests it is more often than anywhere beyond, and not once
+    resting = seen == rest
+    once = longest_run(resting)
+    if 2 * (np.count_nonzero(resting) - once) < np.count_nonzero(seen <= rest) - once:
+        rest = seen.min()
+    return way * float(rest)
+
+
+def longest_run(rows):
+    """How many rows follow each other at most."""
+    edges = np.flatnonzero(np.diff(rows, prepend=False, append=False))
+    return int(np.diff(edges)[::2].max(initial=0))
+
+
+def at_rest(name, values, rest):
+    """Whether values are where the column's sensor rests."""
+    return values >= rest if name == "relative_humidity" else values <= rest
 
 
 def stuck(record, limits=None) -> dict[str, np.ndarray]:
     """
     Rows in which a sensor stands still while what moves it moves.
 
-    A value that repeats for more than 30 min and 5 rows is no sign by itself: a
-    night is still, a calm is long. It counts where
+    A value repeats by nature as long as its column's resolution, averaging and own
+    changes make it: a column that keeps its value from row to row with a share of *p*
+    keeps it *n* times with a chance of *pⁿ*. Repetitions count that have a chance below
+    1e-9, away from where the sensor rests: in the dark, at the lowest reading of an
+    anemometer, of power and of rain, at the highest humidity. Of these
 
-    * ``temp_module`` has felt irradiance change by 100 W/m², or the air by 1 K and
-      more over 3 h; at 0 °C, where snow melts, only after a day, and at a resolution
-      coarser than 0.1 K after that much longer than 30 min;
-    * ``temp_air`` has seen irradiance change by 300 W/m² and the module by 10 K
-      for 3 h;
-    * ``poa_global`` stays while the module's over-temperature changes by 10 K; in the
-      dark (20 W/m²) for more than a day, or more than two hours from either end,
+    * ``temp_module`` is stuck where it has felt irradiance change by 100 W/m², or the
+      air by 1 K and more over 3 h; at 0 °C, where snow melts, only after a day;
+    * ``temp_air`` where the module has changed by 10 K over 3 h;
+    * ``poa_global`` where the module's over-temperature has changed by 10 K; in the
+      dark (20 W/m²) over more than a day, or more than two hours from either end,
       above the air, and by the module's own warmth;
-    * ``wind_speed`` is not 0 for 6 h, or 0 for three days;
-    * further columns are ``relative_humidity`` below 98 %, ``longwave_down``, or
-      ``p_dc`` and ``precipitation`` that are not 0, for a day; ``wind_direction`` for
-      three. Other columns may stay, as a timetable does.
+    * ``wind_speed`` after 6 h, and at its lowest reading after three days;
+    * ``relative_humidity``, ``longwave_down``, ``p_dc`` and ``precipitation`` after a
+      day, ``wind_direction`` after three. Other columns may stay, as a timetable does.
+
+    After three days in which the others move, the first three are stuck whatever
+    they usually do.
 
     Parameters
     ----------
@@ -79,52 +192,33 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
 
     Notes
     -----
-    Only the resolution of the columns enters; a smooth column cannot repeat. A
-    missing value ends a repetition, but in a column that has one value only, and in
-    wind at 0: of a record by day alone that may be weeks. There the measured time
+    A missing value ends a repetition, but in a column that has one value only, and in
+    wind at rest: of a record by day alone that may be weeks. There the measured time
     counts.
     """
-    limits = limits or Limits()
-    seconds = record.inputs.seconds
-    columns = record.inputs.columns.only(POSSIBLE)
-    steps = {}
-    found = dict.fromkeys(POSSIBLE, np.zeros(len(seconds), dtype=bool))
-    for name, still in STILL.items():
+    limits, index = limits or Limits(), record.index
+    columns, frame = record.inputs.columns, FrameRecord(record.inputs)
+    names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
+    unit, standing = SECONDS[index.unit], {}
+    rests = {name: rest_of(name, columns[name], limits) for name in names}
+    for name in names:
         values = columns[name]
-        repeated = runs(values, seconds, limits)
-        if name == "wind_speed":
-            found[name] = becalmed(values, seconds, limits)
-        if not len(repeated.first):
-            continue
-        if name == "temp_module":
-            columns |= {"felt": felt(record, limits)}
-            steps = {n: resolution(record[n]) for n in ("temp_air", "temp_module")}
-
-        def extent(other, margin=0.0, repeated=repeated, columns=columns):
-            some = repeated.within(seconds, margin) if margin else repeated
-            return some.extent(seen_by(other, columns))
-
-        kept = still(repeated, extent, steps, limits)
-        if not kept.any():
-            continue
-        rows = repeated.rows(kept, len(values)) & np.isfinite(values)
-        found[name] = found[name] | rows
-        # a module that stands still is no witness of what moves it
-        columns = columns.put(np.nan, {name: found[name]})
-    for name in [name for name in DRIVERS if name in record.inputs.columns]:
-        values = record[name]
-        if never_moves(values):  # a number that stands for all
-            continue
-        repeated = runs(values, seconds, limits)
-        kept = DRIVERS[name](repeated, limits)
-        found[name] = repeated.rows(kept, len(values)) & np.isfinite(values)
-    return found
-
-
-def felt(record, limits):
-    """Irradiance as the module feels it, smoothed by its memory. [W/m²]"""
-    poa = pd.Series(record["poa_global"], record.index)
-    return ewm(poa, limits.felt_memory).to_numpy()
+        if not never_moves(values):
+            found = Standing(name, limits, unit).add(values, 0, frame.counts)
+            standing[name] = found.runs(rests[name])
+        elif name in POSSIBLE:  # another may be a number that stands for all
+            value = values[np.isfinite(values)][0]
+            first, last = frame.counts[[0, -1]]
+            standing[name] = whole_run(value, len(values), first, last, unit)
+    clean = CleanRecord(frame, tuple(POSSIBLE))
+    found, calm = frozen(clean, standing, rests, limits), NONE
+    usual, rest = usual_step(index), rests["wind_speed"]
+    if may_rest(columns["wind_speed"], rest, usual, limits):
+        calm = spans(becalmed(clean, usual, rest, limits)[0])
+    if len(calm):
+        found["wind_speed"] = united(found.get("wind_speed", NONE), calm)
+    rows = {name: masked(found.get(name, NONE), len(index)) for name in names}
+    return {name: at & np.isfinite(record[name]) for name, at in rows.items()}
 
 
 def seen_by(name, columns):
@@ -133,6 +227,11 @@ def seen_by(name, columns):
         return columns[name]
     over = columns["temp_module"] - columns["temp_air"]
     return over if name == "over" else np.maximum(over, 0.0)
+
+
+def too_long(runs, limits):
+    """Repetitions that are odd for the column, or last while others move for days."""
+    return runs.odd | (runs.time > limits.calm)
 
 
 def still_irradiance(runs, extent, steps, limits):
@@ -144,83 +243,227 @@ def still_irradiance(runs, extent, steps, limits):
 
 
 def still_air(runs, extent, steps, limits):
-    sunny = extent("poa_global") > limits.sunny_change
-    warmed = extent("temp_module") > limits.warmed
-    return sunny & warmed & (runs.time > limits.still_air)
-
-
-def still_wind(runs, extent, steps, limits):
-    calm = runs.value == 0
-    return runs.time > np.where(calm, limits.calm, limits.still_wind)
+    moved = extent("temp_module") > limits.warmed
+    return moved & (runs.time > limits.still_air)
 
 
 def still_module(runs, extent, steps, limits):
-    of_sun = extent("felt") > limits.felt
-    of_air = extent("temp_air") > limits.felt_air + 2 * sum(steps.values())
+    of_sun = extent("felt") > limits.bright
+    of_air = extent("temp_air") > limits.temp_slack + 2 * sum(steps.values())
     of_air &= runs.time > limits.still_air
-    melting = (np.abs(runs.value) <= limits.melting) & (runs.time <= limits.still_day)
-    coarse = limits.still_time * steps["temp_module"] / limits.fine
-    return (of_sun | of_air) & ~melting & (runs.time > coarse)
+    melting = (np.abs(runs.value) <= limits.temp_slack) & (
+        runs.time <= limits.still_day
+    )
+    return (of_sun | of_air) & ~melting
 
 
-def still_humidity(runs, limits):
-    return (runs.value < limits.saturated) & (runs.time > limits.still_driver)
-
-
-def still_flow(runs, limits):
-    return (runs.value != 0) & (runs.time > limits.still_driver)
-
-
-def still_vane(runs, limits):
-    return runs.time > limits.still_vane
-
-
-#: the same of further columns, of which the others tell nothing
-DRIVERS = {
-    "relative_humidity": still_humidity,
-    "longwave_down": still_flow,
-    "p_dc": still_flow,
-    "precipitation": still_flow,
-    "wind_direction": still_vane,
-}
-#: what makes a repetition of each column a fault
+#: what makes a repetition of each column a fault beside others that move
 STILL = {
     "temp_module": still_module,
     "poa_global": still_irradiance,
     "temp_air": still_air,
-    "wind_speed": still_wind,
+}
+#: the limit of time of columns of which the others tell nothing
+DRIVERS = {
+    "wind_speed": "still_wind",
+    "relative_humidity": "still_day",
+    "longwave_down": "still_day",
+    "p_dc": "still_day",
+    "precipitation": "still_day",
+    "wind_direction": "calm",
 }
 
 
-def runs(values, seconds, limits):
-    """Repetitions of one value; a NaN ends one, unless there is no other value."""
-    if never_moves(values):
-        values = np.full(len(values), values[np.isfinite(values)][0])
-    same = np.zeros(len(values) + 1, dtype=np.int8)  # as the row before
-    np.equal(values[1:], values[:-1], out=same[1:-1].view(bool))
-    edge = np.diff(same)
-    first, last = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
-    time = seconds[last] - seconds[first]
-    long = (last - first >= limits.still_rows) & (time > limits.still_time)
-    first, last = first[long], last[long]
-    return Runs(values[first], first, last, time[long])
+def still_driver(name, runs, rest, limits):
+    """Repetitions that none of the others explains."""
+    longest = limits.calm if name == "wind_speed" else np.inf
+    resting = at_rest(name, runs.value, rest)
+    most = np.where(resting, longest, getattr(limits, DRIVERS[name]))
+    return runs.odd & (runs.time > most)
 
 
-def becalmed(values, seconds, limits):
-    """Rows at 0 for longer than a calm lasts, of which gaps take no time."""
-    rows = np.zeros(len(values), dtype=bool)
-    calm = np.count_nonzero(values == 0)
-    if len(values) < 2 or not calm:
-        return rows
-    usual = np.median(np.diff(seconds))
-    if calm * usual <= limits.calm:
-        return rows
-    (there,) = np.nonzero(np.isfinite(values))
-    steps = np.minimum(np.diff(seconds[there]), usual)
-    measured = runs(values[there], np.concatenate(([0.0], np.cumsum(steps))), limits)
-    kept = (measured.value == 0) & (measured.time > limits.calm)
-    rows[there] = measured.rows(kept, len(there))
-    return rows
+#: what each column is seen by, and the margin within its repetitions
+SEEN_BY = {
+    "temp_module": (("felt", ""), ("temp_air", "")),
+    "poa_global": (
+        ("over", ""),
+        ("warmth", "farthest_clock"),
+        ("temp_module", "farthest_clock"),
+    ),
+    "temp_air": (("temp_module", ""),),
+}
+
+
+def frozen(clean, standing, rests, limits):
+    """
+    Spans of rows in which a sensor stands still, by column.
+
+    Parameters
+    ----------
+    clean : CleanRecord
+    standing : dict of Runs
+        Long repetitions of each column.
+    rests : dict
+        Value at which each sensor rests.
+    limits : Limits
+    """
+    seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
+    found, left = {}, [name for name in STILL if len(seen[name].first)]
+    while left:
+        extents = Extents.of(clean, {name: seen[name] for name in left}, limits)
+        for name in list(left):
+            runs, extent = seen[name], extents.taker(name)
+            kept = STILL[name](runs, extent, extents.steps, limits)
+            left.remove(name)
+            if kept.any():
+                found[name] = runs.some(kept).spans
+                # a module that stands still is no witness of what moves it
+                clean = clean.lacking({name: found[name]})
+                break
+    for name in [name for name in DRIVERS if name in standing]:
+        runs = standing[name]
+        kept = still_driver(name, runs, rests[name], limits)
+        if kept.any():
+            found[name] = runs.some(kept).spans
+    return found
+
+
+@dataclass(eq=False)
+class Extents:
+    """Least and largest value of other columns in repetitions of some."""
+
+    standing: dict
+    limits: Limits
+    steps: dict  # smallest change of both temperatures
+    bounds: dict = field(default_factory=dict)  # least, largest, and the last value
+    before: dict = field(default_factory=dict)
+    felt: float | None = None
+    since: float = 0.0
+
+    @classmethod
+    def of(cls, clean, standing, limits):
+        """The extents over a record, from one pass."""
+        steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
+        found = cls(standing, limits, steps)
+        for name, runs in standing.items():
+            for key in SEEN_BY[name]:
+                found.bounds[name, *key] = np.full((3, len(runs.first)), np.nan)
+        if found.bounds:
+            for block in clean.blocks(tuple(POSSIBLE)):
+                found.add(block)
+        found.steps = {n: s if s < np.inf else 0.0 for n, s in found.steps.items()}
+        return found
+
+    def add(self, block):
+        columns = dict(block.inputs.columns)
+        others = {other for _, other, _ in self.bounds}
+        if "felt" in others:
+            columns["felt"] = self.as_felt(block)
+            for name in self.steps:
+                self.resolve(name, columns[name])
+        for name in {"over", "warmth"} & others:
+            columns[name] = seen_by(name, columns)
+        count = block.times
+        for name, runs in self.standing.items():
+            end = runs.last >= block.start
+            near = np.flatnonzero(end & (runs.first < block.start + len(block)))
+            for i in near:
+                for other, margin in SEEN_BY[name]:
+                    inner = getattr(self.limits, margin) if margin else 0.0
+                    rows = self.rows(block, count, runs, i, inner)
+                    merge(self.bounds[name, other, margin], i, columns[other][rows])
+
+    @staticmethod
+    def rows(block, count, runs, i, margin):
+        """Rows of a block that lie in the i-th repetition, within a margin."""
+        first = max(runs.first[i] - block.start, 0)
+        last = min(runs.last[i] + 1 - block.start, len(block))
+        if margin:
+            unit = block.inputs.unit
+            seconds = (count[first:last] - runs.begin[i]) * unit
+            end = np.searchsorted(seconds, runs.time[i] - margin, "right")
+            return slice(first + np.searchsorted(seconds, margin), first + end)
+        return slice(first, last)
+
+    def as_felt(self, block):
+        """Irradiance as the module feels it, carried on from the blocks before."""
+        poa, steps = block["poa_global"], block.inputs.steps.astype(float)
+        there = np.flatnonzero(np.isfinite(poa))
+        if not len(there):
+            self.since += steps.sum()
+            return poa
+        steps[0] += self.since
+        self.since = steps[there[-1] + 1 :].sum()
+        memory = self.limits.still_time / 5 / block.inputs.unit
+        felt = relax(poa, steps, memory, self.felt)
+        self.felt = felt[there[-1]]
+        return felt
+
+    def resolve(self, name, values):
+        """Smallest change of a column so far."""
+        change = np.abs(np.diff(values, prepend=self.before.get(name, np.nan)))
+        self.before[name] = values[-1]
+        change = change[change > 1e-9]
+        if len(change):
+            self.steps[name] = min(self.steps[name], float(change.min()))
+
+    def taker(self, name):
+        """What tells the extent of another column in repetitions of one."""
+
+        def extent(other, margin=0.0):
+            key = name, other, "farthest_clock" if margin else ""
+            low, high, _ = self.bounds[key]
+            return np.nan_to_num(high - low)
+
+        return extent
+
+
+def merge(bounds, i, values):
+    """
+    Take further values into the least and largest of the i-th repetition.
+
+    Its last row is left out, as it is in memory: it waits until another comes.
+    """
+    if not len(values):
+        return
+    before = np.append(bounds[:, i], values[:-1])
+    bounds[:, i] = np.fmin.reduce(before), np.fmax.reduce(before), values[-1]
+
+
+def may_rest(wind, rest, usual, limits):
+    """Whether so many rows are at one value, or below, that a calm may be too long."""
+    _, counts = np.unique(wind[wind <= rest], return_counts=True)
+    return counts.max(initial=0) * usual > limits.calm
+
+
+def becalmed(clean, usual, rest, limits):
+    """
+    Rows of wind at rest for longer than a calm lasts, with their times and values.
+
+    Gaps take no time: no row is further from the one before than a usual step. [s]
+    """
+    standing, number = Standing("wind_speed", limits), 0
+    elapsed, last = 0.0, None
+    for block in clean.blocks(("wind_speed",)):
+        values, times = block["wind_speed"], block.times
+        there = np.flatnonzero(np.isfinite(values))
+        if not len(there):
+            continue
+        times = times[there]
+        steps = np.diff(times, prepend=times[0] if last is None else last)
+        lasted = elapsed + np.cumsum(np.minimum(steps * block.inputs.unit, usual))
+        standing.add(values[there], number, lasted)
+        number, elapsed, last = number + len(there), lasted[-1], times[-1]
+    runs = standing.runs(rest)
+    calm = runs.some((runs.value <= rest) & (runs.time > limits.calm)).spans
+    parts, number = [[np.empty(0, int)] * 3], 0
+    for block in clean.blocks(("wind_speed",)) if len(calm) else ():
+        values = block["wind_speed"]
+        there = np.flatnonzero(np.isfinite(values))
+        rows = there[covered(calm, np.arange(number, number + len(there)))]
+        parts.append([rows + block.start, block.times[rows], values[rows]])
+        number += len(there)
+    return [np.concatenate(part) for part in zip(*parts)]
 
 
 def refuse_frozen(record, frozen):

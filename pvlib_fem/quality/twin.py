@@ -56,13 +56,13 @@ def twin_clock(poa_global, other, index, limits=None) -> TwinClock:
     if len(apart) < limits.noon_side:
         return TwinClock(np.nan, np.nan, pd.Series(dtype=float))
     number, middle = apart.index.to_numpy(), apart.to_numpy()
-    found = jumps_of(number, middle, limits) if step <= limits.coarsest_noon else []
+    found = jumps_of(number, middle, limits) if step <= limits.coarsest else []
     dates = days_of(index[0], dark + number * DAY)
     jumps = tuple((dates[jump["at"]], jump["by"]) for jump in found)
     days = pd.Series(middle, dates)
     late, stderr, _ = change(np.zeros(1), days.to_numpy())
     parts = []
-    if abs(late) > limits.off_noon:
+    if abs(late) > limits.sun_slack:
         way = "late" if late > 0 else "early"
         parts.append(f"is {abs(late) / 60:.0f} ± {max(stderr / 60, 1):.0f} min {way}")
     if jumps:

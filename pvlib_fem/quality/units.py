@@ -7,7 +7,14 @@ import numpy as np
 
 from pvlib_fem.quality.between import between
 from pvlib_fem.quality.lag import lag, retimed
-from pvlib_fem.quality.limits import POSSIBLE, Limits
+from pvlib_fem.quality.limits import (
+    EFFICIENCY,
+    GAIN,
+    POSSIBLE,
+    RANGES,
+    Limits,
+    range_of,
+)
 from pvlib_fem.quality.onset import HOUR
 from pvlib_fem.quality.values import FEW
 from pvlib_fem.record.units import ForeignUnit, Swapped
@@ -53,7 +60,8 @@ def doubtful(columns, limits=None) -> dict[str, str]:
         if not len(seen):
             continue
         kind = "temp_" if name.startswith("temp_") else name
-        reason = DOUBTS[kind](seen, limits) if kind in DOUBTS else ""
+        known, doubt = range_of(name), DOUBTS.get(kind)
+        reason = doubt(seen, known, limits) if doubt else ""
         if name == "p_dc" and "poa_global" in columns:
             reason = power_doubt(
                 values, np.asarray(columns["poa_global"], float), limits
@@ -71,23 +79,22 @@ def refuse_doubtful(columns, limits=None):
 
 
 def often(odd, limits):
-    return np.mean(odd) > limits.odd_share
+    return np.mean(odd) > limits.few_share
 
 
-def humidity_doubt(seen, limits):
-    if seen.max() <= limits.largest_fraction:
+def humidity_doubt(seen, known, limits):
+    if 100.0 * seen.max() <= known.most:
         return f"is {seen.max():.2g} at most, a fraction; multiply it by 100 for %"
-    if often((seen < 0) | (seen > limits.largest_humidity), limits):
+    if often((seen < known.least) | (seen > known.most), limits):
         return f"goes from {seen.min():.3g} to {seen.max():.3g}; it should be in %"
     return ""
 
 
-def longwave_doubt(seen, limits):
-    low, high = limits.least_longwave, limits.most_longwave
-    odd = (seen < low) | (seen > high)
+def longwave_doubt(seen, known, limits):
+    odd = (seen < known.least) | (seen > known.most)
     if often(odd, limits):
         return (
-            f"is outside the {low:g} to {high:g} W/m² that skies send in "
+            f"is outside the {known.least:g} to {known.most:g} W/m² that skies send in "
             f"{np.mean(odd):.0%} of its rows, from {seen.min():.0f} to "
             f"{seen.max():.0f}; a pyrgeometer's net signal needs the σT⁴ of its body "
             "added"
@@ -95,48 +102,50 @@ def longwave_doubt(seen, limits):
     return ""
 
 
-def direction_doubt(seen, limits):
-    if seen.max() <= limits.largest_radians and len(seen) > limits.few_values:
+def direction_doubt(seen, known, limits):
+    circle = round(np.degrees(seen.max())) <= known.most  # 2π may be rounded to 6.3
+    if circle and len(seen) >= limits.few_values:
         return f"is {seen.max():.2g} at most, radians; multiply it by 57.3 for °"
-    if often((seen < 0) | (seen > 360), limits):
+    if often((seen < known.least) | (seen > known.most), limits):
         return f"goes from {seen.min():.0f} to {seen.max():.0f}°; use it modulo 360"
     return ""
 
 
-def rain_doubt(seen, limits):
-    if (seen < 0).any():
+def rain_doubt(seen, known, limits):
+    if (seen < known.least).any():
         return f"is {seen.min():.3g} at least; a counter needs its resets taken out"
     return ""
 
 
-def snow_doubt(seen, limits):
-    if often(seen < 0, limits):
+def snow_doubt(seen, known, limits):
+    if often(seen < known.least, limits):
         return f"is {seen.min():.3g} at least; set the zero of the gauge"
     return ""
 
 
-def kelvin_doubt(seen, limits):
-    if np.median(seen) > limits.least_kelvin:
+def kelvin_doubt(seen, known, limits):
+    if np.median(seen) > known.most:
         return f"has a median of {np.median(seen):.0f}, kelvin; subtract 273.15"
     return ""
 
 
 def power_doubt(power, poa, limits):
-    """A module gives a quarter of its light at most; 0.4 leaves room for sensors."""
+    """What is odd of power by irradiance, in the sun."""
     sunny = (poa > limits.sunny) & np.isfinite(power)
     if not sunny.any():
         return ""
+    least, most = EFFICIENCY
     shares = power[sunny] / poa[sunny]
     ratio, best = np.median(shares), np.quantile(shares, 0.99)
-    if 0.0 < best < limits.least_efficiency:
+    if 0.0 < best < least:
         return (
             f"is {best:.2g} of poa_global at its best, kW; multiply it by 1000, and "
             "divide it by the area of the modules for W/m²"
         )
-    if ratio > limits.most_efficiency:
+    if ratio > most:
         return (
-            f"is {ratio:.2g} of poa_global, and no module gives "
-            f"{limits.most_efficiency:g}; divide W by the area of the modules for W/m²"
+            f"is {ratio:.2g} of poa_global, and no module gives {most:g}; divide W by "
+            "the area of the modules for W/m²"
         )
     return ""
 
@@ -308,7 +317,7 @@ def suspicion(inputs, found, limits):
             "Name the column of the module's own sensor",
             "that is",
         )
-    if slope < -limits.swapped and found.sunny < 0:
+    if slope < -GAIN[0] and found.sunny < 0:
         why = (
             f"in the sun temp_module is {-found.sunny:.0f} K below temp_air, and falls "
             "as irradiance grows"
@@ -369,7 +378,7 @@ def oddities(inputs, limits=None):
     if odd := odd or (off and of_hours(off)):
         yield odd.what
         return
-    if found.hot > limits.hot_air:
+    if found.hot > RANGES["temp_air"].most:
         yield (
             f"temp_air is above {found.hot:.0f} °C in 1 % of the rows, which few "
             "places reach: is it in °F, or in the sun?"
@@ -379,15 +388,19 @@ def oddities(inputs, limits=None):
             f"wind_speed is {found.wind:g} m/s in all rows, so that nothing can be "
             "said of the wind's coefficient"
         )
-    elif found.wind > limits.windy and inputs.seconds[-1] > limits.shortest_record:
+    elif (
+        found.wind > RANGES["wind_speed"].most
+        and inputs.seconds[-1] > limits.shortest_record
+    ):
         yield (
             f"wind_speed is {found.wind:.1f} m/s in the mean, more than near the "
             "ground of most sites: is it in mph or km/h, or from a mast?"
         )
-    if not limits.least_gain < found.slope < limits.most_gain:
+    least, most = GAIN
+    if not least < found.slope < most:
         yield (
             f"the module gains {1000 * found.slope:.0f} K per 1000 W/m², and mountings "
-            f"gain {1000 * limits.least_gain:.0f} to {1000 * limits.most_gain:.0f} K: "
+            f"gain {1000 * least:.0f} to {1000 * most:.0f} K: "
             "look at the units of both, at where the sensors are, and at shade"
         )
 

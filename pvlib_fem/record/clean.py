@@ -1,20 +1,72 @@
-"""A record in files less what was not measured, which is known by its rows alone."""
+"""A record less what was not measured, which is known by its rows alone."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from pvlib_fem.record.parquet import Block, ParquetRecord
+from pvlib_fem.record.checks import SECONDS, instants
+from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.parquet import ROWS, Block, ParquetRecord
 
 NONE = np.empty((0, 2), dtype=np.int64)
 
 
+class FrameRecord:
+    """
+    A record in memory, read in blocks as a :class:`ParquetRecord` is.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With times.
+    """
+
+    files = ("",)
+
+    def __init__(self, inputs):
+        self.inputs = inputs
+
+    def __len__(self):
+        return len(self.inputs.index)
+
+    @cached_property
+    def counts(self):
+        """Times as counts of the index's unit since 1970."""
+        return instants(self.inputs.index).view("i8")
+
+    def at(self, count):
+        """The time of such a count."""
+        return self.index(np.array([count]))[0]
+
+    def index(self, counts):
+        """The times of such counts."""
+        return self.inputs.index[np.searchsorted(self.counts, counts)]
+
+    def blocks(self, names, rows=ROWS):
+        """The columns of some names, in blocks of rows."""
+        columns, whole = self.inputs.columns.only(names), self.inputs.index
+        unit = SECONDS[whole.unit]
+        for start in range(0, len(self), rows):
+            some = slice(start, start + rows)
+            counts = self.counts[some]
+            before = self.counts[max(start - 1, 0)]
+            steps = np.diff(counts, prepend=before)
+            part = Inputs(columns.taken(some), steps, unit, whole[some], True)
+            yield Block(part, start, "")
+
+    def values(self, names):
+        """First row and columns of the same blocks, without their times."""
+        for block in self.blocks(names):
+            yield block.start, dict(block.inputs.columns)
+
+
 @dataclass(frozen=True, eq=False)
 class CleanRecord:
-    """A :class:`ParquetRecord` with NaN where a value is at fault."""
+    """A :class:`ParquetRecord`, or one in memory, with NaN for values at fault."""
 
-    source: ParquetRecord
+    source: ParquetRecord | FrameRecord
     names: tuple
     holes: dict = field(default_factory=dict)  # column to spans of rows, see spans
     clip: bool = False  # whether negative irradiance is 0
@@ -105,6 +157,14 @@ def within(some, start, rows):
         return some
     near = some[(some[:, 1] > start) & (some[:, 0] < start + rows)]
     return np.clip(near - start, 0, rows)
+
+
+def masked(some, rows):
+    """Booleans of that many rows, True in spans that do not overlap."""
+    found = np.zeros(rows, dtype=bool)
+    for first, end in some:
+        found[first:end] = True
+    return found
 
 
 def covered(some, rows):
