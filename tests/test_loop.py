@@ -668,3 +668,20 @@ def test_columns_of_objects_that_are_numbers_are_taken_as_in_a_fit():
     found = fem.close_loop(objects, **PLACE)
     assert str(found.findings[0]) == str(fem.close_loop(data, **PLACE).findings[0])
     assert any("words is not numeric" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("value", [np.nan, 20.0])
+def test_whether_test_rows_have_an_answer_decides_nothing(value):
+    """On 70 days, of which only 56 are fitted; 60 have to count."""
+    effects = PHYSICS | {"sky_radiation": 1.0}
+    data = simulator.record(
+        effects=effects, days=70, step=1800, start="2023-04-01", seed=3
+    )
+    want = fem.close_loop(data)
+    hidden = data.copy()
+    hidden.loc[want.weeks == "test", "temp_module"] = value
+    found = fem.close_loop(hidden)
+    assert want.effects and found.effects == want.effects
+    assert found.fit.coefficients == want.fit.coefficients
+    columns = ["gain", "coefficients", "stderr"]
+    pd.testing.assert_frame_equal(found.ranking[columns], want.ranking[columns])
