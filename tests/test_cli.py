@@ -581,12 +581,15 @@ def test_module_sensors_are_compared_and_their_common_part_goes_into_the_loop(tm
         noise = random.normal(0.0, 0.2, len(data))
         data[f"T{i}"] = data["temp_air"] + share * over + noise
     path, common = tmp_path / "plant.csv", tmp_path / "common.csv"
-    data.drop(columns="temp_module").to_csv(path, index_label="time")
+    data = data.drop(columns="temp_module").assign(**{"=cmd|' /C calc'!A0": noise})
+    data.to_csv(path, index_label="time")
     maps = [w for i in range(3) for w in ("--map", f"temp_module_{i}=T{i}")]
     found = call("modules", path, *maps, "--common", common)
     assert found.exit_code == 0, found.output
     assert found.output.startswith("3 module sensors, each beside the median of")
     assert "temp_module_2  0.9" in found.output
+    header = common.read_text().splitlines()[0]
+    assert "'=cmd" in header and ",=" not in header and ',"=' not in header
     loop = call("loop", common)
     assert loop.exit_code == 0, loop.output
     refused = call("fit", path, *maps)
