@@ -685,3 +685,32 @@ def test_whether_test_rows_have_an_answer_decides_nothing(value):
     assert found.fit.coefficients == want.fit.coefficients
     columns = ["gain", "coefficients", "stderr"]
     pd.testing.assert_frame_equal(found.ranking[columns], want.ranking[columns])
+
+
+@pytest.mark.parametrize(
+    ("latitude", "tilt", "azimuth"),
+    [(49, 0, 180), (49, 90, 0), (49, 35, 360), (90, 35, 180), (-90, 35, 0), (0, 0, 0)],
+)
+def test_a_place_of_any_kind_has_its_report_and_its_ranking(latitude, tilt, azimuth):
+    """Where a slope by azimuth is nothing, or the sun never sets, too."""
+    effects = PHYSICS | {"soiling": 1.0, "poa_misalignment": 5.0, "sky_radiation": 1.0}
+    data = simulator.record(effects=effects, days=120, step=3600, seed=5)
+    place = dict(
+        location=pvlib.location.Location(latitude, 8.7, tz=RHINE.tz),
+        surface_tilt=tilt,
+        surface_azimuth=azimuth,
+    )
+    loop = fem.close_loop(data, **place)
+    assert "the loop on 120 days" in str(loop) and loop.to_html()
+    assert json.loads(loop.to_json())["place"]["surface_tilt"] == tilt
+    assert len(fem.rank_effects(loop.fit, data, **place))
+
+
+def test_360_degrees_is_north():
+    data = simulator.record(effects=PHYSICS, days=70, step=3600, seed=5)
+    north, whole = (
+        fem.close_loop(data, **PLACE | {"surface_azimuth": azimuth})
+        for azimuth in (0, 360)
+    )
+    assert whole.fit.coefficients == pytest.approx(north.fit.coefficients, rel=1e-9)
+    assert whole.effects == north.effects
