@@ -20,6 +20,7 @@ from pvlib_fem.types import FilePath
 
 FIT, LOOP = "pvlib_fem.FemFit", "pvlib_fem.Loop"  # formats of files
 FITS = (FIT, LOOP)  # those that hold a fit
+CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 #: what pvlib fills in, in silence, where weather lacks the column
 FILLED = {"wind_speed": (0.0, "m/s"), "temp_air": (20.0, "°C")}
@@ -248,7 +249,13 @@ class DynamicCellTemperature:
 
 def fit_in(stored):
     """The part of a file that is a fit."""
-    return stored.part("fit") if stored["format"] == LOOP else stored
+    fit = stored.part("fit") if stored["format"] == LOOP else stored
+    if unknown := {*fit.numbers("cell")} - {*CELL}:
+        raise ValueError(
+            f"{stored.file}: {fit.place}cell.{min(unknown)} is none of "
+            f"{', '.join(CELL)}"
+        )
+    return fit
 
 
 def irradiance(results):

@@ -1,14 +1,21 @@
 """Work spread over processes: the same results in the same order for any number."""
 
 import os
+import pickle
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from multiprocessing import current_process, get_context, parent_process
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from threading import Thread
 
 #: one thread each, since processes share the cores
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+GUARD = (
+    "A script has to call this under `if __name__ == '__main__':`, since each process "
+    "reads the script anew"
+)
 WORK = []  # of a process: the function, and what all its tasks share
 
 
@@ -43,17 +50,45 @@ def spread(function, tasks, processes=None, shared=()):
     how = dict(mp_context=get_context("spawn"), initializer=begin)
     with (
         one_thread_each(),
-        ProcessPoolExecutor(processes, initargs=(function, shared), **how) as pool,
+        kept(shared) as path,
+        ProcessPoolExecutor(processes, initargs=(function, path), **how) as pool,
     ):
         try:
             yield from pool.map(work, tasks)
         except BrokenProcessPool as error:
             raise RuntimeError(
-                "a process ended before its work was done. A script has to call this "
-                "under `if __name__ == '__main__':`, since each process reads the "
-                "script anew; where memory is short give fewer processes, and "
-                "processes=1 needs none"
+                f"a process ended before its work was done. {GUARD}; where memory is "
+                "short give fewer processes, and processes=1 needs none"
             ) from error
+
+
+@contextmanager
+def kept(shared):
+    """
+    A file of what all tasks share, while they work.
+
+    What goes to a new process through its pipe has to be small: Python waits for ever
+    for one that ends before it has read more than the pipe holds.
+    """
+    with TemporaryDirectory(prefix="pvlib_fem-") as folder:
+        path = Path(folder, "shared.pickle")
+        path.write_bytes(pickle.dumps(shared, pickle.HIGHEST_PROTOCOL))
+        yield path
+
+
+def refuse_anew():
+    """
+    Refuse a call in a process that still reads the script of its parent.
+
+    Without it each process would do at length what goes before the work is spread.
+
+    Raises
+    ------
+    RuntimeError
+    """
+    # Python's own check of this comes when the process starts another
+    if getattr(current_process(), "_inheriting", False):
+        raise RuntimeError(GUARD)
 
 
 def cores():
@@ -77,8 +112,8 @@ def one_thread_each():
                 os.environ[name] = value
 
 
-def begin(function, shared):
-    WORK[:] = [function, shared]
+def begin(function, path):
+    WORK[:] = [function, pickle.loads(path.read_bytes())]
     Thread(target=end_with_parent, daemon=True).start()
 
 

@@ -114,12 +114,22 @@ def content_of(path, kinds):
     def refused(constant):
         raise ValueError(f"{path} holds {constant}, which is no number of JSON")
 
+    def once(pairs):
+        names = [name for name, _ in pairs]
+        if twice := {name for name in names if names.count(name) > 1}:
+            raise ValueError(f"{path} holds {min(twice)} twice in one object")
+        return dict(pairs)
+
     try:
         content = json.loads(
-            Path(path).read_text(encoding="utf-8"), parse_constant=refused
+            Path(path).read_text(encoding="utf-8"),
+            parse_constant=refused,
+            object_pairs_hook=once,
         )
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path} is no JSON: {error}") from error
+    except RecursionError as error:
+        raise ValueError(f"{path} is nested deeper than any to_json writes") from error
     content = content if isinstance(content, dict) else {}
     if content.get("format") not in kinds:
         raise ValueError(
@@ -178,7 +188,12 @@ class Stored:
         return self.of(key, bool, "true or false")
 
     def count(self, key):
-        return self.of(key, int, "a whole number")
+        value = self.of(key, int, "a whole number")
+        if value < 0:
+            raise ValueError(
+                f"{self.file}: {self.place}{key} is {value}, where a count belongs"
+            )
+        return value
 
     def number(self, key, unknown=False):
         """A finite number; where one may be unknown, NaN or infinite, too."""

@@ -19,6 +19,7 @@ from pvlib.location import Location
 from pvlib_fem import (
     DynamicCellTemperature,
     FemFit,
+    Loop,
     __version__,
     cli,
     datasets,
@@ -581,12 +582,15 @@ def test_module_sensors_are_compared_and_their_common_part_goes_into_the_loop(tm
         noise = random.normal(0.0, 0.2, len(data))
         data[f"T{i}"] = data["temp_air"] + share * over + noise
     path, common = tmp_path / "plant.csv", tmp_path / "common.csv"
-    data.drop(columns="temp_module").to_csv(path, index_label="time")
+    data = data.drop(columns="temp_module").assign(**{"=cmd|' /C calc'!A0": noise})
+    data.to_csv(path, index_label="time")
     maps = [w for i in range(3) for w in ("--map", f"temp_module_{i}=T{i}")]
     found = call("modules", path, *maps, "--common", common)
     assert found.exit_code == 0, found.output
     assert found.output.startswith("3 module sensors, each beside the median of")
     assert "temp_module_2  0.9" in found.output
+    header = common.read_text().splitlines()[0]
+    assert "'=cmd" in header and ",=" not in header and ',"=' not in header
     loop = call("loop", common)
     assert loop.exit_code == 0, loop.output
     refused = call("fit", path, *maps)
@@ -596,3 +600,15 @@ def test_module_sensors_are_compared_and_their_common_part_goes_into_the_loop(tm
     assert none.exit_code == 1
     assert "1 module sensors are there (temp_module)" in none.output
     assert "--map temp_module_1=COLUMN" in none.output
+
+
+def test_the_loop_of_a_module_that_lies_flat_is_told_and_written(tmp_path):
+    effects = simulator.PHYSICS | {"soiling": 1.0, "poa_misalignment": 5.0}
+    data = simulator.record(effects=effects, days=120, step=3600, seed=5)
+    data.to_csv(tmp_path / "flat.csv", index_label="time")
+    place = ("--lat", 49.4, "--lon", 8.7, "--tilt", 0, "--azimuth", 180)
+    out = tmp_path / "flat.json"
+    found = call("loop", tmp_path / "flat.csv", *place, "--out", out)
+    assert found.exit_code == 0, found.output
+    assert "the loop on 120 days" in found.output
+    assert Loop.from_json(out).place["surface_tilt"] == 0.0

@@ -298,3 +298,23 @@ def test_a_column_that_an_effect_of_the_fit_needs_is_asked_for_by_name(plant, no
     still = data.assign(wind_direction=180.0)
     with pytest.raises(ValueError, match=r"wind_direction is constant\)"):
         fem.rank_effects(fit, still)
+
+
+def test_a_fit_that_follows_the_sun_is_not_ranked_without_a_place(plant, noise):
+    data = record_with(plant, noise)[[*COLUMNS]]
+    place = dict(location=Location(49.4, 8.7), surface_tilt=35, surface_azimuth=180)
+    sun = fem.drivers.geometry(data.index, **place)
+    fit = fem.fit_fem(
+        *(data[name] for name in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        effects="incidence_angle",
+        **sun,
+    )
+    assert len(fem.rank_effects(fit, data, ["season"], **place))
+    with pytest.raises(
+        ValueError,
+        match=r"incidence_angle of the fit needs solar_.*; "
+        "give location, surface_tilt and surface_azimuth",
+    ):
+        fem.rank_effects(fit, data, ["season"])

@@ -1,11 +1,13 @@
 """Files as people have them: read as they say, or refused with what would read them."""
 
+import gzip
 import os
 import re
 import shlex
 import sys
 
 import numpy as np
+import openpyxl
 import pandas as pd
 import pytest
 from click.testing import CliRunner
@@ -13,7 +15,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.constants import convert_temperature
 
 import pvlib_fem as fem
-from pvlib_fem import cli
+from pvlib_fem import cli, datasets
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.guess import guess
 from pvlib_fem.record.layout import Layout, found_layout
@@ -749,3 +751,26 @@ def test_the_months_of_one_logger_are_one_record(record, tmp_path):
     parts[1].drop(columns="wind_speed").to_csv(paths[1])
     with pytest.raises(ValueError, match="lacks wind_speed"):
         frame([paths], [Layout()], {})
+
+
+def test_a_small_file_that_swells_is_refused_before_it_does(tmp_path):
+    line = b"2024-01-01 00:00,0,0,0,0\n"
+    path = tmp_path / "plant.csv.gz"
+    path.write_bytes(gzip.compress(b"time,a,b,c,d\n" + line * 400_000, 9))
+    with pytest.raises(
+        ValueError, match=r"plant\.csv\.gz has .* unpacks to 10,000,013"
+    ):
+        fem.read_file(path)
+    book = openpyxl.Workbook()
+    book.active["A1"] = book.active["XFD1048576"] = 1
+    book.save(tmp_path / "plant.xlsx")
+    with pytest.raises(ValueError, match="reaches to row 1,048,576 and column 16,384"):
+        fem.read_file(tmp_path / "plant.xlsx")
+
+
+def test_a_packed_record_is_read_as_it_is(tmp_path):
+    data = datasets.synthetic(8, 600.0, seed=2)
+    data.to_csv(tmp_path / "plant.csv", index_label="time")
+    data.to_csv(tmp_path / "plant.csv.gz", index_label="time")
+    plain, packed = (fem.read_file(tmp_path / n) for n in ("plant.csv", "plant.csv.gz"))
+    pd.testing.assert_frame_equal(packed, plain)

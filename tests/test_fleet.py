@@ -135,8 +135,11 @@ def test_what_is_done_stays_and_what_has_changed_is_done_again(folder, tmp_path)
     assert kept(model="faiman") == again | {"east": False}
     table.loc[0, "site"] = "another"
     assert kept(model="faiman") == again | {"east": False}
-    result_path(tmp_path, "east").write_text("{", "utf-8")  # half a file
-    assert kept(model="faiman") == again | {"east": False}
+    other = ("{", "[]", '{"fleet": []}', '{"fleet": {}}', '{"fleet": {"key": ""}}')
+    for text in other:  # half a file, and what no fleet wrote
+        result_path(tmp_path, "east").write_text(text, "utf-8")
+        assert kept(model="faiman") == again | {"east": False}, text
+        assert pd.read_parquet(tmp_path / "systems.parquet")["state"].eq("done").all()
 
 
 def test_data_that_are_wrong_stay_so_and_a_lost_disk_is_tried_again(table, tmp_path):

@@ -668,3 +668,49 @@ def test_columns_of_objects_that_are_numbers_are_taken_as_in_a_fit():
     found = fem.close_loop(objects, **PLACE)
     assert str(found.findings[0]) == str(fem.close_loop(data, **PLACE).findings[0])
     assert any("words is not numeric" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("value", [np.nan, 20.0])
+def test_whether_test_rows_have_an_answer_decides_nothing(value):
+    """On 70 days, of which only 56 are fitted; 60 have to count."""
+    effects = PHYSICS | {"sky_radiation": 1.0}
+    data = simulator.record(
+        effects=effects, days=70, step=1800, start="2023-04-01", seed=3
+    )
+    want = fem.close_loop(data)
+    hidden = data.copy()
+    hidden.loc[want.weeks == "test", "temp_module"] = value
+    found = fem.close_loop(hidden)
+    assert want.effects and found.effects == want.effects
+    assert found.fit.coefficients == want.fit.coefficients
+    columns = ["gain", "coefficients", "stderr"]
+    pd.testing.assert_frame_equal(found.ranking[columns], want.ranking[columns])
+
+
+@pytest.mark.parametrize(
+    ("latitude", "tilt", "azimuth"),
+    [(49, 0, 180), (49, 90, 0), (49, 35, 360), (90, 35, 180), (-90, 35, 0), (0, 0, 0)],
+)
+def test_a_place_of_any_kind_has_its_report_and_its_ranking(latitude, tilt, azimuth):
+    """Where a slope by azimuth is nothing, or the sun never sets, too."""
+    effects = PHYSICS | {"soiling": 1.0, "poa_misalignment": 5.0, "sky_radiation": 1.0}
+    data = simulator.record(effects=effects, days=120, step=3600, seed=5)
+    place = dict(
+        location=pvlib.location.Location(latitude, 8.7, tz=RHINE.tz),
+        surface_tilt=tilt,
+        surface_azimuth=azimuth,
+    )
+    loop = fem.close_loop(data, **place)
+    assert "the loop on 120 days" in str(loop) and loop.to_html()
+    assert json.loads(loop.to_json())["place"]["surface_tilt"] == tilt
+    assert len(fem.rank_effects(loop.fit, data, **place))
+
+
+def test_360_degrees_is_north():
+    data = simulator.record(effects=PHYSICS, days=70, step=3600, seed=5)
+    north, whole = (
+        fem.close_loop(data, **PLACE | {"surface_azimuth": azimuth})
+        for azimuth in (0, 360)
+    )
+    assert whole.fit.coefficients == pytest.approx(north.fit.coefficients, rel=1e-9)
+    assert whole.effects == north.effects

@@ -262,3 +262,15 @@ def test_a_bare_state_needs_even_steps():
         ewm([0.0, 1.0, 2.0], 378.0, times=[0, 60, 200], initial=5.0)
     with pytest.raises(ValueError, match="does not go with adjust=True"):
         ewm([0.0, 1.0, 2.0], 378.0, step=60, initial=5.0, adjust=True)
+
+
+def test_a_day_of_the_calendar_lasts_as_long_as_it_does():
+    """The 23 h of a change to summer time, with every pandas and without a freq."""
+    days = pd.date_range("2024-03-29", periods=5, freq="D", tz="Europe/Brussels")
+    values = pd.Series([10.0, 0.0, 0.0, 0.0, 0.0], days)
+    bare = values.set_axis(pd.DatetimeIndex(list(days)))
+    found = ewm(values, 86400.0)
+    np.testing.assert_array_equal(found, ewm(bare, 86400.0))
+    hours = np.array([24.0, 24.0, 23.0, 24.0])
+    want = 10.0 * np.exp(-np.cumsum(hours) / 24.0)
+    assert_allclose(found.iloc[1:], want, rtol=1e-12)

@@ -139,6 +139,16 @@ def test_a_fit_of_which_all_is_at_a_bound_ends(usual):
     assert any("mountings gain 8 to 65 K" in note for note in found.notes)
 
 
+@pytest.mark.parametrize("dynamics", ["steady", "ewm", "balance"])
+@pytest.mark.parametrize("model", ["ross", "wm1", "wm2", "sapm", "faiman"])
+def test_a_module_as_warm_as_the_air_ends_no_fit(usual, model, dynamics):
+    """Which gains nothing, so that no coefficient is determined."""
+    data = usual.assign(temp_module=usual["temp_air"])
+    found = fit(data, model=model, dynamics=dynamics, check_units=False)
+    assert np.isfinite(list(found.coefficients.values())).all()
+    assert "temp_module is a copy of temp_air, row by row" in found.notes
+
+
 @pytest.mark.parametrize("entry", ["---", "812,4", "0.0"])
 def test_text_in_a_column_is_named_where_it_is(usual, entry):
     """One entry makes text of a whole column, as pandas reads it."""

@@ -182,7 +182,12 @@ BROKEN = [
     (lambda c: c["coefficients"].update(u0=True), "coefficients.u0 is true"),
     (lambda c: c["coefficients"].update(k=1.0), "coefficients.k is no coefficient"),
     (lambda c: c["base"].pop("u1"), "lacks base.u1"),
+    (lambda c: c["base"].update(u0=-1.0), "base.*u0 = -1"),
+    (lambda c: c["coefficients"].update(u0=1e308), r"coefficients.u0 is 1e\+308 W"),
+    (lambda c: c.update(fixed={"u0": 3.0}), "fixed.u0 is 3, and coefficients.u0 is"),
+    (lambda c: c.update(stderr={}), "lacks stderr.u0"),
     (lambda c: c["cell"].update(deltaT=None), "cell.deltaT is null"),
+    (lambda c: c["cell"].update(evil=1), "cell.evil is none of deltaT, k_bs_c"),
     (lambda c: c["effects"].append("dust"), "unknown effect 'dust'.*given again"),
     (lambda c: c.update(dynamics="fast"), "unknown dynamics 'fast'"),
     (lambda c: c.update(version=0), "is of version 0 of its format"),
@@ -204,13 +209,35 @@ def test_a_broken_file_is_refused_by_its_key(files, tmp_path, damage, message):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("{", "is no JSON"), ("[]", "its format is not"), ('{"a": NaN}', "holds NaN")],
+    [
+        ("{", "is no JSON"),
+        ("[]", "its format is not"),
+        ('{"a": NaN}', "holds NaN"),
+        ('{"a": {"b": 1, "b": 2}}', "holds b twice"),
+        ("[" * 100_000 + "]" * 100_000, "nested deeper"),
+    ],
 )
 def test_what_is_no_result_is_refused(tmp_path, text, message):
     (tmp_path / "x.json").write_text(text)
     for read in (fem.FemFit.from_json, fem.Loop.from_json):
         with pytest.raises(ValueError, match=message):
             read(tmp_path / "x.json")
+
+
+def test_a_count_is_not_negative(files, tmp_path):
+    content = json.loads((files / "fit.json").read_text("utf-8")) | {"train_days": -5}
+    (tmp_path / "x.json").write_text(json.dumps(content))
+    with pytest.raises(ValueError, match="train_days is -5, where a count belongs"):
+        fem.FemFit.from_json(tmp_path / "x.json")
+
+
+def test_a_fault_in_the_fit_of_a_loop_is_named_with_its_place(files, tmp_path):
+    content = json.loads((files / "loop.json").read_text("utf-8"))
+    content["fit"]["cell"] = {"evil": 1}
+    (tmp_path / "x.json").write_text(json.dumps(content))
+    for read in (fem.FemFit, fem.Loop, fem.DynamicCellTemperature):
+        with pytest.raises(ValueError, match=r"fit\.cell\.evil is none of"):
+            read.from_json(tmp_path / "x.json")
 
 
 def test_the_file_of_a_fit_is_no_loop(files):

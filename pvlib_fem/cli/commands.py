@@ -34,7 +34,7 @@ from pvlib_fem.cli.running import (
     injected,
 )
 from pvlib_fem.cli.words import note, plainly, say
-from pvlib_fem.cli.writing import check_outputs, picture, write
+from pvlib_fem.cli.writing import as_csv, check_outputs, picture, write
 from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
@@ -159,7 +159,7 @@ def modules(files, common, model, **options):
         data, _ = read(files, options, needed=COLUMNS[:3])
         found = compare_modules(data, model=model)
         say(found)
-        write(common, lambda path: saved(found.common.to_csv(), path))
+        write(common, lambda path: saved(as_csv(found.common), path))
 
 
 @click.command()

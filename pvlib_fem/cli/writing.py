@@ -13,6 +13,7 @@ ENDINGS = {
     "out": ("JSON", (".json",)),
     "common": ("a table", (".csv",)),
 }
+FORMULA = ("=", "+", "-", "@")  # with which a formula begins
 
 
 def check_outputs(read=(), made=(), **written):
@@ -70,6 +71,18 @@ def write(path, writer):
     if path is not None:
         writer(path)
         say(f"\nwrote {path}")
+
+
+def as_csv(frame):
+    """
+    A frame as CSV, in whose header a spreadsheet finds no formula.
+
+    A name that begins as a formula does gets an apostrophe before it, as a spreadsheet
+    has it for text.
+    """
+    return frame.rename(
+        columns=lambda name: f"'{name}" if str(name).lstrip()[:1] in FORMULA else name
+    ).to_csv()
 
 
 def picture(result, path):

@@ -56,13 +56,15 @@ def keep(out, identity, head, result=None):
 
 
 def kept(out, identity):
-    """What a system's file holds, or None where there is no whole one."""
+    """What a system's file holds, or None where there is none that `keep` wrote."""
     try:
         path = result_path(out, identity)
         content = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError):
         return None
-    return content if isinstance(content, dict) and "fleet" in content else None
+    head = content.get("fleet") if isinstance(content, dict) else None
+    whole = isinstance(head, dict) and {"key", "state", "message"} <= {*head}
+    return content if whole else None
 
 
 def put_page(out, identity, html):

@@ -69,8 +69,14 @@ class Case:
 
     @cached_property
     def days(self):
-        """Days that count."""
-        return self.whole.count_days(self.seen)
+        """
+        Days that count: those of the fitting rows, with as many test days as the
+        division gives them. What the module does on test days has no say.
+        """
+        fitting = self.parts == Part.FITTING
+        every = self.whole.count_days(np.ones_like(fitting))
+        share = self.whole.count_days(fitting) / every
+        return round(self.whole.count_days(self.fitting) / share) if share else 0
 
     @cached_property
     def fitting_days(self):

@@ -22,9 +22,10 @@ class Criteria:
         Share of a driver's rows that may be missing; a driver with more gaps is not
         used. [-]
     leak : float
-        Share of a column's variance that the measured temperature leaves
-        unexplained; a column with less is made from the temperature and is not
-        used. [-]
+        A column that follows the measured temperature as a whole is made from it and
+        is not used, unless what the model explains and what it leaves, with
+        coefficients of their own, describe more of the column by at least this share
+        of what the remaining error describes. [-]
     search_step : float
         Step of the means on which effects are searched; the last fit is to the
         record's own steps. [s]

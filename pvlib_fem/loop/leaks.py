@@ -1,25 +1,37 @@
-"""Columns of a user's own that hold the answer."""
+"""
+Columns of a user's own that are made from the module's temperature.
+
+A model splits the temperature `T` into what it explains, `M`, and the remaining error,
+`r = T - M`. A cause of `r` cannot know `M` beyond what any function of the usual inputs
+knows of it. What is made from `T` knows both, by the same coefficient.
+"""
 
 import numpy as np
-import pandas as pd
 
-from pvlib_fem.record.columns import COLUMNS
-from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
+from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
+from pvlib_fem.relaxation import relax
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
 
-BEYOND = 0.5  # of what is left of a column without the temperature, with it
-SAME = 0.15  # by which it may follow what a model leaves otherwise than the rest
-SURE = 5.0  # standard errors by which it has to follow that
+SURE = 3.0  # standard errors between days by which one description has to be better
 SOME = 20_000  # rows that are enough to compare columns
+LATE = np.array([-15.0, 0.0, 15.0, 30.0, 60.0, 90.0, 120.0, 180.0]) * 60.0  # s
+SMOOTH = np.array([60.0, 180.0]) * 60.0  # s, time constants of smoothed temperatures
+MEMORY = np.array([15.0, 60.0, 180.0]) * 60.0  # s, of smoothed inputs
+RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
+LEAST = 1e-12  # of a column's square: less of it on a day is rounding
+KNOTS = np.linspace(0.0, 1.0, 6)[1:-1]  # quantiles at which splines of inputs bend
 
 
 def leaks(record, seen, modelled, names, criteria):
     """
     Columns that are the module temperature, or made from it.
 
-    One is so if the measured temperature, as it is, a little before and after and
-    smoothed, foretells it far better than all that a model knows (:func:`foretold`), or
-    if it follows what a model leaves of the temperature by as much for each kelvin as
-    what the model gives (:func:`of_one_piece`).
+    Each is described by smooth functions of the usual inputs, now and smoothed over
+    minutes to hours, and by one of these, at several lags: what the model explains of
+    the temperature, what it leaves, or the temperature as a whole. A column is made
+    from the temperature if the whole describes it better than either part does, and
+    both parts with coefficients of their own do not describe it much better. So a
+    column that a cause drives stays, and so does one that the weather alone drives.
 
     Parameters
     ----------
@@ -31,58 +43,129 @@ def leaks(record, seen, modelled, names, criteria):
     names : sequence of str
     criteria : Criteria
     """
-    module = pd.Series(record["temp_module"]).interpolate(limit_direction="both")
-    rows = np.flatnonzero(seen & np.isfinite(modelled))[1:-1]
+    both = seen & np.isfinite(modelled) & np.isfinite(record["temp_module"])
+    rows = np.flatnonzero(both)
     rows = rows[:: max(1, len(rows) // SOME)]
-    usual = [np.ones(len(rows)), *(record[name][rows] for name in COLUMNS[:3])]
-    usual = np.column_stack(usual)
-    near = [module, module.shift(1), module.shift(-1), module.rolling(5, 1).mean()]
-    near = np.column_stack([column.to_numpy()[rows] for column in near])
-    model, dates = modelled[rows], record.dates[rows]
+    if len(np.unique(record.dates[rows])) < FEWEST_DAYS:
+        return
+    whole = np.where(both, record["temp_module"], np.nan)
+    scale = np.mean(whole[both]), max(np.std(whole[both]), 1e-300)
+    whole = forms(record, whole, rows, *scale)
+    model = forms(record, np.where(both, modelled, np.nan), rows, *scale)
+    usual, dates = functions(record, rows), record.dates[rows]
+    # electrical power falls with temperature by irradiance, and may still be a cause
+    power = record["poa_global"][rows] * record["temp_module"][rows]
+    usual = np.column_stack([usual, power])
     for name in names:
-        column = record[name][rows]
-        known = np.isfinite(column)
-        parts = (part[known] for part in (column, usual, model, near, dates))
-        column, *others, days = parts
-        if foretold(column, *others, criteria) or of_one_piece(
-            column, *others, days, criteria
-        ):
+        column = record[name]
+        tells = np.isfinite(column) & ~asleep(column, record["poa_global"])
+        parts = (column[rows], usual, whole, model, dates)
+        parts = (part[tells[rows]] for part in parts)
+        if is_one_piece(*parts, criteria.leak):
             yield name
 
 
-def foretold(column, usual, model, near, criteria):
-    """Whether the temperature leaves little of a column, and the model much."""
-    without = np.column_stack([usual, model])
-    before = unexplained(column, without)
-    after = unexplained(column, np.column_stack([without, near]))
-    return after < criteria.leak and after < BEYOND * before
+def forms(record, temperature, rows, centre, spread):
+    """A temperature at some rows: at several lags, smoothed, and to higher powers."""
+    seconds, inputs = record.inputs.seconds, record.inputs
+    known = np.isfinite(temperature)
+    at, values = seconds[known], (temperature[known] - centre) / spread
+    now = np.interp(seconds, at, values)
+    found = [np.interp(seconds[rows] - late, at, values) for late in LATE]
+    found += [relax(now, inputs.steps, s / inputs.unit)[rows] for s in SMOOTH]
+    return np.column_stack([*found, now[rows] ** 2, now[rows] ** 3])
 
 
-def unexplained(column, others):
-    """Share of a column's variance that others leave."""
-    found = np.linalg.lstsq(others, column, rcond=None)[0]
-    return np.var(column - others @ found) / max(np.var(column), 1e-300)
+def functions(record, rows):
+    """Smooth functions of each usual input at some rows, now and smoothed in time."""
+    inputs, found = record.inputs, [np.ones(len(rows))]
+    for name in COLUMNS[:3]:
+        known = np.isfinite(record[name])
+        values = record[name][known]
+        now = np.interp(inputs.seconds, inputs.seconds[known], values)
+        found += [np.log1p(np.maximum(now[rows], 0.0))]
+        found += splines(now[rows])
+        for memory in MEMORY:
+            found += splines(relax(now, inputs.steps, memory / inputs.unit)[rows])
+    return np.column_stack(found)
 
 
-def of_one_piece(column, usual, model, near, days, criteria):
+def splines(values):
+    """A basis of quadratic splines."""
+    values = (values - values.mean()) / max(values.std(), 1e-300)
+    knots = np.unique(np.quantile(values, KNOTS))
+    return [values, values**2, *(np.maximum(values - k, 0.0) ** 2 for k in knots)]
+
+
+def asleep(column, poa_global):
     """
-    Whether a column takes the temperature as one piece.
+    Rows of a column at its most frequent value through a night, as a voltage of 0.
 
-    A model divides it into what it gives and what it leaves. What is made from the
-    temperature, however noisy and with whatever of the usual columns taken off,
-    follows both parts alike; a cause of what is left knows nothing of the model's part.
+    It tells nothing there of a temperature, and the jump in the morning is large.
     """
-    if len(np.unique(days)) < FEWEST_DAYS:
+    finite = column[np.isfinite(column)]
+    values, counts = np.unique(finite, return_counts=True)
+    if len(values) == len(finite):
+        return np.zeros(len(column), dtype=bool)
+    still = column == values[counts.argmax()]
+    run = np.cumsum(np.diff(still, prepend=still[:1]))
+    return still & np.isin(run, run[poa_global < DAYLIGHT])
+
+
+def is_one_piece(column, usual, whole, model, dates, most):
+    """
+    Whether a column takes what a model explains and what it leaves as one piece.
+
+    Parameters
+    ----------
+    column : array
+    usual, whole, model : array
+        Functions of the usual inputs, of the temperature and of the model's part.
+    dates : array of int
+    most : float
+        Share of what the remaining error describes of the column, that both parts
+        with coefficients of their own may describe beyond the whole.
+    """
+    if len(np.unique(dates)) < FEWEST_DAYS or not np.std(column) > 0:
         return False
-    # the whole beside the model's part: a piece takes nothing of that part more
-    columns = [*usual.T, near[:, 0], model]
-    found = np.linalg.lstsq(np.column_stack(columns), column, rcond=None)[0]
-    left = column - np.column_stack(columns) @ found
-    try:
-        covariance = day_errors(columns, left, days)
-    except np.linalg.LinAlgError:
-        return False
-    slope, beyond = abs(found[-2]), abs(found[-1])
-    slope_error, beyond_error = np.sqrt(np.diag(covariance))[-2:]
-    most = SAME * slope
-    return slope > SURE * slope_error and beyond < most and beyond_error < most
+    column = (column - column.mean()) / column.std()
+    table = np.column_stack([column, model, whole - model])
+    table -= usual @ coefficients(usual, table)
+    column, model, rest = np.split(table, [1, 1 + model.shape[1]], axis=1)
+    folds = days_of_folds(dates)
+    by_model, by_rest, by_whole, by_parts = (
+        held_out(column[:, 0], others, folds)
+        for others in (model, rest, model + rest, np.hstack([model, rest]))
+    )
+    beyond = by_whole.sum() - by_parts.sum()
+    return (
+        is_less(by_whole, by_model, dates)
+        and is_less(by_whole, by_rest, dates)
+        and beyond < most * (by_model.sum() - by_parts.sum())
+    )
+
+
+def coefficients(columns, table):
+    """Those of a least squares of each column of a table."""
+    products = columns.T @ columns
+    size = np.sqrt(np.diag(products))
+    size[size == 0.0] = 1.0
+    inner = products / np.outer(size, size) + RIDGE * np.eye(len(size))
+    return np.linalg.solve(inner, columns.T @ table / size[:, None]) / size[:, None]
+
+
+def held_out(column, others, folds):
+    """Squares that a regression leaves on groups of weeks that did not make it."""
+    left = np.empty(len(column))
+    for fold in range(FOLDS):
+        out = folds == fold
+        found = coefficients(others[~out], column[~out, None])
+        left[out] = (column[out] - (others[out] @ found)[:, 0]) ** 2
+    return left
+
+
+def is_less(one, other, dates):
+    """Whether squares are surely less than others, by their ratio on each day."""
+    day = np.unique(dates, return_inverse=True)[1]
+    ratio = np.log((np.bincount(day, other) + LEAST) / (np.bincount(day, one) + LEAST))
+    return bool(ratio.mean() > SURE * ratio.std() / np.sqrt(len(ratio)))

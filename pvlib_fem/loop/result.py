@@ -21,7 +21,7 @@ from pvlib_fem.loop.budget import (
 )
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
-from pvlib_fem.modelchain import LOOP, DynamicCellTemperature
+from pvlib_fem.modelchain import LOOP, DynamicCellTemperature, fit_in
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, printable, with_aliases
@@ -379,7 +379,7 @@ class Loop:
             last=content.text("last"),
             untestable={n: Because.stored(why[n]) for n in why.content},
             ranking=ranking_from(content.part("ranking")),
-            fit=FemFit.stored(content.part("fit"), own),
+            fit=FemFit.stored(fit_in(content), own),
             budget=budget_from(content.parts("budget")),
             episodes=episodes_from(content.parts("episodes")),
             notes=content.texts("notes"),

@@ -106,7 +106,9 @@ def datetime_steps(index, name):
             "such rows"
         )
     unit = SECONDS[index.unit]
-    if isinstance(index.freq, pd.offsets.Tick) and index.freq.n > 0:
+    tick = isinstance(index.freq, pd.offsets.Tick) and index.freq.n > 0
+    # a day of the calendar, which pandas 2 has among its ticks, may have 23 h
+    if tick and not isinstance(index.freq, pd.offsets.Day):
         return pd.Timedelta(index.freq) / pd.Timedelta(seconds=1) / unit, unit
     count = instants(index).view("i8")
     steps = np.empty(len(count), dtype="i8")

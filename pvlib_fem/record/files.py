@@ -17,6 +17,9 @@ from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, 
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal
 from pvlib_fem.types import FilePath
 
+MOST_SWELLING = 200  # times its size, to which a packed record unpacks
+MOST_CELLS = 200_000_000  # of a sheet: each takes some 50 bytes while it is read
+
 MISSING = ("NAN",)  # as TOA5 writes it, beside what pandas knows
 
 
@@ -122,6 +125,8 @@ def frame(
 def table(file, layout):
     """A file's columns as they are."""
     suffix = file.suffix.lower()
+    if suffix == ".gz":
+        refuse_swelling(file)
     if suffix in PARQUET:
         try:
             return pd.read_parquet(file)
@@ -146,6 +151,40 @@ def table(file, layout):
     return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
 
 
+def refuse_swelling(file):
+    """Refuse a packed file of which little on disk takes all memory, before it does."""
+    with open(file, "rb") as packed:
+        size = packed.seek(0, io.SEEK_END)
+        packed.seek(max(size - 4, 0))
+        content = int.from_bytes(packed.read(4), "little")  # as gzip says it
+    if content > MOST_SWELLING * size:
+        raise ValueError(
+            f"{file.name} has {size:,} bytes and unpacks to {content:,}, as no "
+            "measured record does; if it is one, unpack it first"
+        )
+
+
+def refuse_wide(file):
+    """Refuse a workbook whose cells reach so far that no memory holds them."""
+    import openpyxl
+
+    book = openpyxl.load_workbook(file, read_only=True)
+    try:
+        reach = [(s.title, s.max_row or 0, s.max_column or 0) for s in book.worksheets]
+    finally:
+        book.close()
+    for name, rows, columns in reach:
+        if rows * columns > MOST_CELLS:
+            raise TooLarge(
+                f"sheet {name!r} of {file.name} reaches to row {rows:,} and column "
+                f"{columns:,}; delete the cells beyond the table, or save it as CSV"
+            )
+
+
+class TooLarge(ValueError):
+    """A file that would take all memory."""
+
+
 def texts(data):
     """Names of the columns of text."""
     kinds = pd.api.types
@@ -158,7 +197,11 @@ def texts(data):
 
 def workbook(file, **how):
     try:
+        if file.suffix.lower() in (".xlsx", ".xlsm"):
+            refuse_wide(file)
         data = pd.read_excel(file, **how)
+    except TooLarge:
+        raise
     except ImportError as error:
         raise ValueError(
             f"reading {file.suffix} needs another package ({error.name or error}): "

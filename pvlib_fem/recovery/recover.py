@@ -12,7 +12,7 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.loop.close import searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.progress import counting
-from pvlib_fem.parallel import spread
+from pvlib_fem.parallel import refuse_anew, spread
 from pvlib_fem.recovery.draw import chosen
 from pvlib_fem.recovery.going_on import (
     digest,
@@ -128,6 +128,7 @@ def recover(
     """
     from pvlib_fem import __version__  # the package is complete by now
 
+    refuse_anew()
     criteria = criteria or Criteria()
     how: dict[str, Any] = dict(
         holdout=holdout, effects=tried, check_units=check_units, fixed=fixed

@@ -33,7 +33,7 @@ def model_of(stored, own=()):
     Raises
     ------
     ValueError
-        If a coefficient lacks, is no finite number or is of no such model.
+        If a coefficient lacks, is no finite number, is of no such model or cannot be.
     """
     own = [find(effect) for effect in several(own)]
     specs = stored.of("effects", list, "a list")
@@ -41,8 +41,20 @@ def model_of(stored, own=()):
     names = stored.text("model"), stored.text("dynamics")
     plain = thermal_model(*names)
     base = None if stored["base"] is None else coefficients_of(stored, "base", plain)
-    model = thermal_model(*names, effects, base, stored.numbers("fixed"))
-    return model, coefficients_of(stored, "coefficients", model)
+    fixed = stored.numbers("fixed")
+    model = thermal_model(*names, effects, base, fixed)
+    found = coefficients_of(stored, "coefficients", model)
+    for name, value in fixed.items():
+        if found.get(name) != value:
+            raise ValueError(
+                f"{stored.file}: {stored.place}fixed.{name} is {value:g}, and "
+                f"coefficients.{name} is {found.get(name, 'not there')}"
+            )
+    if "stderr" in stored.content:  # of a fit, and not of a model alone
+        errors = stored.numbers("stderr", unknown=True)
+        if lacking := [name for name in model.parameters if name not in errors]:
+            raise ValueError(f"{stored.file} lacks {stored.place}stderr.{lacking[0]}")
+    return model, found
 
 
 def effect_of(spec, own, stored):
@@ -63,10 +75,22 @@ def coefficients_of(stored, key, model):
     most = {*least, *model.steady_model.fixed}
     most |= {"tau"} if model.dynamics == "steady" else set()
     if lacking := [name for name in model.parameters if name not in found]:
-        raise ValueError(f"{stored.file} lacks {key}.{lacking[0]}")
+        raise ValueError(f"{stored.file} lacks {stored.place}{key}.{lacking[0]}")
     if unknown := [name for name in found if name not in most]:
         raise ValueError(
-            f"{stored.file}: {key}.{unknown[0]} is no coefficient of "
+            f"{stored.file}: {stored.place}{key}.{unknown[0]} is no coefficient of "
             f"{model.steady_model.name}, {model.dynamics}"
         )
+    for name, row in model.parameters.items():
+        # a regression of the paper's knows no bounds, and gives nothing far from them
+        span = row.upper - row.lower
+        if not row.lower - span <= found[name] <= row.upper + span:
+            raise ValueError(
+                f"{stored.file}: {stored.place}{key}.{name} is {found[name]:g} "
+                f"{row.unit}, where {row.lower:g} to {row.upper:g} belongs"
+            )
+    try:
+        model.checked(found)
+    except ValueError as error:
+        raise ValueError(f"{stored.file}: {stored.place}{key}: {error}") from error
     return found
