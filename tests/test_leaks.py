@@ -148,3 +148,16 @@ def test_a_cause_is_not_refused(data):
         acting = data.assign(temp_module=data["temp_module"] + np.asarray(kelvin))
         refused |= found(acting, {name: column})
     assert refused == set()
+
+
+def test_a_copy_between_two_steps_of_the_lags_is_refused():
+    """Ten minutes apart, copies are late by any of them."""
+    site, effects = WORLDS["roof"]
+    data = simulator.record(site, effects, days=90, step=600, seed=19)
+    module = data["temp_module"]
+    late = {f"late_{10 * n}": module.shift(n).bfill() for n in range(0, 13, 2)}
+    late |= {
+        f"late_{m}": module.rolling(2).mean().shift(m // 10).bfill()
+        for m in (45, 75, 105)
+    }
+    assert found(data, late) == {*late}

@@ -14,7 +14,9 @@ from pvlib_fem.statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
 
 SURE = 3.0  # standard errors between days by which one description has to be better
 SOME = 20_000  # rows that are enough to compare columns
-LATE = np.array([-15.0, 0.0, 15.0, 30.0, 60.0, 90.0, 120.0, 180.0]) * 60.0  # s
+LATE = 7200.0  # s, up to which a temperature is taken at every step
+LATER = (9000.0, 10800.0)  # s, beyond it
+SHORT = 300.0  # s, of a step at least
 SMOOTH = np.array([60.0, 180.0]) * 60.0  # s, time constants of smoothed temperatures
 MEMORY = np.array([15.0, 60.0, 180.0]) * 60.0  # s, of smoothed inputs
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
@@ -71,7 +73,9 @@ def forms(record, temperature, rows, centre, spread):
     known = np.isfinite(temperature)
     at, values = seconds[known], (temperature[known] - centre) / spread
     now = np.interp(seconds, at, values)
-    found = [np.interp(seconds[rows] - late, at, values) for late in LATE]
+    step = max(inputs.step, SHORT)
+    lags = [*np.arange(-step, LATE + step, step), *LATER]
+    found = [np.interp(seconds[rows] - lag, at, values) for lag in lags]
     found += [relax(now, inputs.steps, s / inputs.unit)[rows] for s in SMOOTH]
     return np.column_stack([*found, now[rows] ** 2, now[rows] ** 3])
 
