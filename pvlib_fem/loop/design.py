@@ -307,34 +307,15 @@ class Design:
 
     def by_day(self, place, columns):
         """Products by the day of one column with the residual and some others."""
-        return np.column_stack([self.met(place, other) for other in (0, *columns)])
-
-    def met(self, place, other):
-        """Products by the day of a column with another, as least squares has them."""
-        if not self.noise:
-            if isinstance(other, int):
-                return self.daily[:, place, other]
-            return self.parts(other)[0] * self.daily[:, place, other.place]
-        if (place, other) not in self.meetings:
-            # one column as it is, the other whitened twice: any weight of a day may
-            # then be set on the first
-            column = self.plain.cells[:, place] * self.twice(other) * self.rows
-            self.meetings[place, other] = np.add.reduceat(column, self.first)
-        return self.meetings[place, other]
-
-    @cached_property
-    def meetings(self):
-        return {}
-
-    def twice(self, column):
-        """A column that is whitened twice."""
-        if column not in self.doubled:
-            self.doubled[column] = self.freed(self.values(column), self.noise[::-1])
-        return self.doubled[column]
-
-    @cached_property
-    def doubled(self):
-        return {}
+        found = np.empty((len(self.dates), len(columns) + 1))
+        found[:, 0] = self.daily[:, place, 0]
+        for i, column in enumerate(columns):
+            if isinstance(column, int):
+                found[:, i + 1] = self.daily[:, place, column]
+            else:
+                weights = self.parts(column)[0]
+                found[:, i + 1] = weights * self.daily[:, place, column.place]
+        return found
 
     def values(self, column):
         """A column, or a change, in the cells."""

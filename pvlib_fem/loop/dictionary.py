@@ -129,8 +129,7 @@ class Scan:
         """Products of a column with the remaining error and others, up to each day."""
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved
-        plain = self.design.plain or self.design
-        squares = plain.daily[:, place, place] * self.trust
+        squares = self.design.daily[:, place, place] * self.trust
         table = np.column_stack([scores, squares, rows[:, 1:] @ self.root])
         return np.vstack([np.zeros(table.shape[1]), np.cumsum(table, axis=0)])
 

@@ -154,7 +154,7 @@ class Selection:
             return one.effect
         errors = float(np.abs(score.estimate[0]) / score.stderr[0])
         side = self.criteria.change_side
-        return first_days(self.seen, one, given, side, errors)
+        return first_days(self.design, one, given, side, errors)
 
     def given(self, choices):
         """Columns of the base and of some choices."""
@@ -167,7 +167,7 @@ class Selection:
             limits = self.criteria
             found = [
                 *undated(self.design, limits.prior),
-                *dated(self.seen, given, limits.change_side, limits.prior),
+                *dated(self.design, given, limits.change_side, limits.prior),
             ]
             self.known[key] = [one for one in found if one.name not in self.closed]
         return [one for one in self.known[key] if one.name not in {*taken}]
