@@ -130,20 +130,23 @@ def own_columns(effect):
 
 def likelihoods(sizes, rest, law):
     """
-    How likely sizes within tables, and misfits, are by a law and by something unknown.
+    How likely sizes within tables and misfits are, by a law and by something unknown.
 
-    Of each by that which speaks most against the law.
+    What is unknown follows other inputs, or the same drivers in another shape: one as
+    often as the other. Of tables, and of misfits, by what speaks most against the law.
     """
-    shares = [
+    within = [
         (density(share - 1.0, np.hypot(s, law)), density(share, np.hypot(s, FAR)))
         for share, s in sizes
     ]
     shapes = [(density(misfit, law), density(misfit, 1.0)) for misfit in rest]
-    worst = [
-        min(seen, key=lambda pair: pair[0] / pair[1], default=(1.0, 1.0))
-        for seen in (shares, shapes)
-    ]
-    return tuple(np.prod(worst, axis=0).tolist())
+    (size, other), (shape, another) = (
+        min(seen, key=lambda pair: pair[0] / pair[1], default=(1.0 / law, 1.0 / law))
+        for seen in (within, shapes)
+    )
+    unknown = [other * shape] * bool(within) + [size * another] * bool(shapes)
+    inside = law**2 * size * shape
+    return inside, law**2 * float(np.mean(unknown)) if unknown else inside
 
 
 def density(distance, width):
