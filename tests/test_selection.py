@@ -341,5 +341,5 @@ def test_an_effect_is_surer_beside_a_pattern_that_is_known():
     one = Candidate(made.effects["sky_radiation"], (2,), np.log(CRITERIA.prior))
     before, after = (s.score(one, [1]) for s in (plain, known))
     assert after.null[0, 0] < 0.5 * before.null[0, 0]
-    assert after.estimate[0] == pytest.approx(0.2, abs=3 * after.stderr[0])
+    assert after.seen[0] == pytest.approx(0.2, abs=4 * np.sqrt(after.null[0, 0]))
     assert after.probability > max(before.probability, CRITERIA.probability)

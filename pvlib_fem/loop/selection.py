@@ -34,6 +34,7 @@ class Score:
     covariance: np.ndarray
     probability: float  # that it is there
     possible: bool  # within its bounds
+    seen: np.ndarray  # estimate by whitened columns
     null: np.ndarray  # covariance that it would have by accident
     freedom: float  # of that
 
@@ -242,26 +243,27 @@ class Selection:
         size = len(own)
         inner = weekly[:, :-size, :-size]
         gain = held_out(inner, design.folds) - held_out(weekly, design.folds)
-        if self.noise:
-            design = self.seen
-            weekly = design.by_week([*given, *own])
         found, scale = LeastSquares(weekly, size), design.scales(own)
-        estimate = found.estimate / scale
-        covariance = found.covariance / np.outer(scale, scale)
-        rows = list(rows_of(one, design))
+        unit = np.outer(scale, scale)
+        estimate, covariance = found.estimate / scale, found.covariance / unit
+        # sizes are those of the refit; whether there is one, of whitened columns
+        sure = found
+        if self.noise:
+            sure = LeastSquares(self.seen.by_week([*given, *own]), size)
         if one.effect.channel:
             # other dates are no placebo of a date: whatever is slow has some
-            null, freedom = covariance, found.freedom
+            null, freedom = sure.covariance, sure.freedom
         else:
-            null, freedom = design.placebo(given, own, found)
-            null = null / np.outer(scale, scale)
-        there = existence(one, rows, estimate, null, freedom)
+            null, freedom = self.seen.placebo(given, own, sure)
+        rows, null = list(rows_of(one, design)), null / unit
+        seen = sure.estimate / scale
+        there = existence(one, rows, seen, null, freedom)
         fits = possible(rows, estimate, np.sqrt(np.diag(covariance)))
         keys = tuple(one.effect.rows())
         if not one.effect.channel:
             keys = tuple(design.names[column] for column in one.columns)
         sizes = gain / design.count, estimate, covariance
-        return Score(keys, *sizes, there, fits, null, freedom)
+        return Score(keys, *sizes, there, fits, seen, null, freedom)
 
     def with_members(self, choices):
         """Choices with all candidates that may be each, and their posterior."""
