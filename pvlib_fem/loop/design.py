@@ -214,7 +214,7 @@ class Design:
 
     @cached_property
     def made(self):
-        """Products by the week of changes with all columns, which are kept."""
+        """Weights of changes, and products by the day with all columns, once made."""
         return {}
 
     def weights(self, change):

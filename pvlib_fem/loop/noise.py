@@ -1,9 +1,10 @@
 """
-A cause outside the catalogue that follows the same inputs: how probable it is.
+What nobody declared: random effects, and the probability of a cause outside.
 
-A true effect is the same under all conditions in which it acts. What only stands for
-something unknown is not: once the unknown may differ from one condition to the next
-(random effects of tables), little of it is left.
+Patterns that repeat from week to week are random effects of tables, which the columns
+are whitened by. A true effect has the same size under all conditions in which it acts,
+and its law leaves nothing along its own drivers. What stands in for something unknown
+loses its size within those tables, or leaves as much as it explains.
 """
 
 from dataclasses import dataclass, replace
@@ -80,8 +81,8 @@ def with_outside(design, choice, given, criteria, logs=None):
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
         mine[name] = weight * (1.0 - prior.odds) * inside
         unknown = prior.alike * inside + (1.0 - prior.alike) * beyond
-        if prior.alike == 1.0:
-            unknown += max(beyond - inside, 0.0)
+        if prior.alike == 1.0:  # all of them look as this one, or worse
+            unknown = max(inside, beyond)
         outside += choice.weights[name] * times[OUTSIDE] * prior.odds * unknown
     total = sum(mine.values()) + outside
     probabilities = {n: p / total for n, p in mine.items()}

@@ -50,7 +50,10 @@ def coefficients(fit, corrections=(), ranges=None):
             what = "corrected" if one.applied else "not corrected"
             rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", "", what))
     head = ["coefficient", "#value", "#± error", "unit", "range", "possible", ""]
-    words = "Errors from leaving out each fitted day in turn."
+    words = (
+        "Errors from leaving out each fitted day in turn, with what lasts from day to "
+        "day."
+    )
     if ranges:
         words += " The range holds 90 %: it adds the error of the effect's law."
     else:
