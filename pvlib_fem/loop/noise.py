@@ -135,19 +135,20 @@ def likelihoods(sizes, rest, law):
 
     What is unknown follows other inputs, or the same drivers in another shape: one as
     often as the other. Of tables, and of misfits, by what speaks most against the law.
+    How well laws fit is in the weights of the members, so that a misfit is compared
+    with that of something unknown alone.
     """
     within = [
         (density(share - 1.0, np.hypot(s, law)), density(share, np.hypot(s, FAR)))
         for share, s in sizes
     ]
     shapes = [(density(misfit, law), density(misfit, 1.0)) for misfit in rest]
-    (size, other), (shape, another) = (
+    (inside, other), (shape, another) = (
         min(seen, key=lambda pair: pair[0] / pair[1], default=(1.0 / law, 1.0 / law))
         for seen in (within, shapes)
     )
-    unknown = [other * shape] * bool(within) + [size * another] * bool(shapes)
-    inside = law**2 * size * shape
-    return inside, law**2 * float(np.mean(unknown)) if unknown else inside
+    unknown = [other] * bool(within) + [inside * another / shape] * bool(shapes)
+    return law * inside, law * float(np.mean(unknown or [inside]))
 
 
 def density(distance, width):
