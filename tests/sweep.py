@@ -214,7 +214,7 @@ def swept(names, world, case, change):
         except ValueError as error:
             rows.append(row | {"broken": f"{type(error).__name__}: {error}"})
             continue
-        what = said(loop, case)
+        what = said(loop, case, world)
         row["found"] = len(what["found"]) + what["unexplained_ok"]
         row["asked"] = len(case.truths) or int(case.family == "no catalogue")
         row["wrong"] = len(what["named_wrong"])
