@@ -181,8 +181,8 @@ def expected(channel, named, size):
     if over is not None:
         gains = {"sensitivity": over, "contact": over}
         return (gains | {"mounting": 1.0 / (1.0 + over) - 1.0}).get(named, np.nan)
-    alike = named in ("module_offset", "air_offset") and offset is not None
-    return offset if alike else np.nan
+    # the air's offset reaches the module by the heat that air brings: no share of both
+    return offset if named == channel and offset is not None else np.nan
 
 
 def dated(loop, right, world, course, at):

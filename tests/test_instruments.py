@@ -2,19 +2,22 @@
 
 import json
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 import study_instruments
 from conftest import COLUMNS, DRIVERS
+from pvlib.location import Location
 from test_effects import coefficients, model_with
 
 import pvlib_fem as fem
-from pvlib_fem import datasets
-from pvlib_fem.effects import CHANGES, CHANNELS, find
+from pvlib_fem import datasets, simulator
+from pvlib_fem.effects import CHANGES, CHANNELS, EFFECTS, find
 from pvlib_fem.effects.courses import number, weights_of
 from pvlib_fem.findings import Verdict
+from pvlib_fem.loop.close import searched
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
@@ -263,3 +266,42 @@ def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
     share = 1.0 / (1.0 + change) - 1.0 if less else change
     assert share == pytest.approx(0.18, abs=0.02)
     assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"]["fem"] - 0.1
+
+
+@pytest.mark.parametrize("name", ["mounting_step", "contact_step", "sensitivity_step"])
+def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
+    """By its tangent as by the fit: no other tangent, no misfit has a part of it."""
+    data, _ = with_change(half_a_year, name, **{name: -0.3})
+    no_place = (None, None, None)
+    how = dict(holdout=None, effects=None, fixed=None, criteria=fem.Criteria())
+    search, loop = searched(data, "faiman", no_place, None, **how)
+    assert loop.findings[0].added
+    steps = [*search.steps.values()][-1 - len(loop.effects) :]
+    before, after = (one.error(search.case.fitting) ** 2 for one in steps[:2])
+    assert search.last.choices[0].fall == pytest.approx(before - after, rel=0.2)
+
+
+@pytest.mark.parametrize("source", ["measured longwave", "humidity"])
+@pytest.mark.parametrize("channel", ["air_offset", "air_shelter"])
+def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
+    """With it the model has of the wrong air what it has of the true one."""
+    days = simulator.record(effects=simulator.PHYSICS, days=20, step=600)
+    site = simulator.RHINE
+    place = Location(site.latitude, site.longitude)
+    days = days.join(fem.drivers.sun(days.index, place))
+    days[["surface_tilt", "surface_azimuth"]] = site.surface_tilt, site.surface_azimuth
+    sky = EFFECTS["sky_radiation"].made(source=source)
+    true = ThermalModel(STEADY_MODELS["faiman"], "balance", (sky,))
+    values = dict(u0=25.0, u1=4.0, capacity=17e3, bias=0.0)
+    values |= {"sky_radiation.share": 1.2}
+    change = dated(f"{channel}_step", at="2022-12-31")
+    changed = replace(true, effects=(sky, change), base=dict(values))
+    (key,) = change.rows()
+    drivers = {name: days[name] for name in true.drivers}
+    light, air, wind = (days[name] for name in DRIVERS)
+    by = -1.0 if channel == "air_offset" else light / 1000.0
+    expected = true.predict(light, air, wind, values, **drivers)
+    wrong = true.predict(light, air + by, wind, values, **drivers)
+    found = changed.predict(light, air + by, wind, values | {key: 1.0}, **drivers)
+    left, before = ((one - expected).abs().max() for one in (found, wrong))
+    assert left < 0.05 * before

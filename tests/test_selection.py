@@ -19,7 +19,7 @@ from pvlib_fem.loop.noise import (
 )
 from pvlib_fem.loop.selection import Choice, Selection, existence
 from pvlib_fem.statistics.tables import Table
-from pvlib_fem.statistics.weekly import LeastSquares, held_out
+from pvlib_fem.statistics.weekly import LeastSquares, alike, held_out
 
 START = 19_358  # 2023-01-01
 CRITERIA = Criteria()
@@ -343,3 +343,48 @@ def test_an_effect_is_surer_beside_a_pattern_that_is_known():
     assert after.null[0, 0] < 0.5 * before.null[0, 0]
     assert after.seen[0] == pytest.approx(0.2, abs=4 * np.sqrt(after.null[0, 0]))
     assert after.probability > max(before.probability, CRITERIA.probability)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 2), st.integers(1, 2))
+def test_what_another_would_explain_is_its_fit_to_what_the_first_explains(
+    seed, size, rival
+):
+    """By the columns themselves, given others; twice the same explains all of it."""
+    random = np.random.default_rng(seed)
+    table = random.normal(size=(200, 3 + size + rival))
+    rest, known = table[:, 0], table[:, 1:3]
+    own, other = table[:, 3 : 3 + size], table[:, 3 + size :]
+
+    def beyond(columns):
+        return columns - known @ np.linalg.lstsq(known, columns, rcond=None)[0]
+
+    rest, own, other = map(beyond, (rest, own, other))
+    part = own @ np.linalg.lstsq(own, rest, rcond=None)[0]
+    stands_in = other @ np.linalg.lstsq(other, part, rcond=None)[0]
+    whole = table.T @ table
+    expected = (stands_in @ stands_in) / (part @ part)
+    assert alike(whole, size, rival) == pytest.approx(expected, rel=1e-4, abs=1e-6)
+    twice = np.column_stack([table[:, : 3 + size], table[:, 3 : 3 + size]])
+    assert alike(twice.T @ twice, size, size) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
+    """
+    A drift, whose mean of each month is in a table, is seen within the months.
+
+    The sensor's column follows the wind, and the truth does so by a third less: within
+    hours of a month that is more than the drift, and none of it.
+    """
+    random, (days, hours) = np.random.default_rng(1), clock(360)
+    wind = random.gamma(2.0, 1.0, len(days))
+    seen, true = (1.0 / (1.0 + a * wind) for a in (0.3, 0.2))
+    drift = next(e for e in CHANGES.values() if e.name == "air_offset_drift")
+    drift = drift.dates(since="2023-01-01")
+    rest = 3.0 * weights_of(drift, START + days) * true
+    rest += 0.3 * noise(random, len(days))
+    usual = {"flat": np.ones(len(days)), "windy": seen}
+    made = design(rest, usual, days, hours, changing=[drift])
+    made.cells[:, -1] = seen / np.sqrt(np.mean(seen**2))
+    one = Candidate(drift, (Changed.of(len(made.names) - 1, drift),), 0.0)
+    months, *_ = shares(made, one, [*made.base])
+    assert months[0] == pytest.approx(1.0, abs=max(0.2, 2.0 * months[1]))

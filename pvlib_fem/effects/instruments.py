@@ -100,32 +100,34 @@ def wind_stall(wind_speed, *, change, below=1.5):
     return Terms(loss=change * np.maximum(below - wind_speed, 0.0))
 
 
-def air_offset(loss_base, *, change):
+def air_offset(air_base, *, change):
     r"""
     Air that is warmer than its thermometer says, more than before.
 
     .. math::
 
-        \mathrm{heat} = \mathrm{change} \cdot \mathrm{loss\_base}
+        \mathrm{heat} = \mathrm{change} \cdot \mathrm{air\_base}
 
-    The module is in the air that there is; ``loss_base`` is the loss by the model's
-    own coefficients.
+    ``air_base`` is the heat that each K of air brings by the fitted model. With a sky
+    in it that is less than the loss: what the module radiates to the sky, whose
+    longwave is measured, does not depend on the thermometer.
     """
-    return Terms(heat=change * loss_base)
+    return Terms(heat=change * air_base)
 
 
-def air_shelter(poa_global, *, change):
+def air_shelter(poa_global, air_base, *, change):
     r"""
     Air temperature that is measured too warm in sun, more than before.
 
     .. math::
 
-        \mathrm{offset} = -\mathrm{change} \cdot \mathrm{poa\_global} / 1000
+        \mathrm{heat} = -\mathrm{change} \cdot \mathrm{poa\_global} / 1000
+        \cdot \mathrm{air\_base}
 
     ``change`` is the error at 1000 W/m²: a shield that is lost or soiled, a fan that
-    stands still.
+    stands still. ``air_base`` as of an offset of the thermometer.
     """
-    return Terms(offset=-change * poa_global / 1000.0)
+    return Terms(heat=-change * poa_global / 1000.0 * air_base)
 
 
 def module_offset(temp_air, *, change):

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import MODELLED, is_modelled
+from pvlib_fem.drivers import is_modelled
 from pvlib_fem.fitting.pasts import MEANS, Held, with_a_past
 from pvlib_fem.fitting.rows import Asked, Part, Source, temperature_of
 from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
@@ -187,10 +187,8 @@ class Bases:
         if self.model is None:
             return inputs
         base = self.model.completed(self.model.base)
-        law, own = self.model.steady_model, self.model.own(base)
-        loss = 1.0 / law.resistance(inputs["wind_speed"], **own)
         found = self.plain.answer(inputs, base, self.past, wanted=False)[0]
-        return inputs.having(dict(zip(MODELLED, (found, loss))))
+        return self.model.based(inputs, found)
 
 
 def screened_for(source, target, limits=None, check_units=True):

@@ -94,18 +94,22 @@ class Design:
         def means(column):
             return np.add.reduceat(np.nan_to_num(column), first) / rows
 
+        channels = {effect.channel: column for effect, column in found.changing}
         residual, own, taken = found.residual, {}, set()
         for effect, coefficients in lifted:
             keys = [key for key in effect.rows() if key in found.columns]
-            for name in keys:
+            columns = {name: found.columns[name] for name in keys}
+            if effect.channel in channels:
+                (name,), weights = effect.rows(), weights_of(effect, found.dates)
+                columns = {name: weights * found.columns[channels[effect.channel]]}
+            for name, column in columns.items():
                 size = coefficients[name] - effect.start.get(name, 0.0)
-                residual = residual + size * np.nan_to_num(found.columns[name])
+                residual = residual + size * np.nan_to_num(column)
             taken |= {*keys}
             if not effect.channel and keys:
                 own[effect.name] = tuple(keys)
         effects = {e.name: e for e, _ in lifted if e.name in own} | found.effects
         own |= found.own
-        channels = {effect.channel: column for effect, column in found.changing}
         wanted = dict.fromkeys(n for n in found.base if n not in taken)
         base = (*wanted, *found.misfits)
         wanted |= dict.fromkeys(found.misfits)
@@ -326,8 +330,12 @@ class Design:
                 values = self.freed(self.plain.values(column), self.noise)
                 self.freed_changes[column] = values
             return self.freed_changes[column]
+        return self.cells[:, column.place] * self.weight(column)
+
+    def weight(self, change):
+        """Weight of each cell of a change."""
         lengths = np.diff(self.first, append=len(self.days))
-        return self.cells[:, column.place] * np.repeat(self.weights(column), lengths)
+        return np.repeat(self.weights(change), lengths)
 
     @cached_property
     def freed_changes(self):

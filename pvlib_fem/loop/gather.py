@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 
 from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.effects.effect import Effect, Terms, tabled
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import COLUMNS
@@ -114,15 +115,22 @@ def gather(
     least : float
         Gain from which an obstacle before the sun is worth its edges. [K]
     """
-    model = replace(model, base=model.base or coefficients)
+    # of effects that it has, what they are now
+    model = replace(model, base={**coefficients, **(model.base or {})})
     inputs = model.with_base(model.with_drivers(record.inputs))
+    inputs = model.based(inputs, inputs["temp_base"])
     inputs, tried, failed = ready(model, inputs, seen, candidates)
     temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
-    at = Tangents.of(model, inputs, coefficients, rows)
+    # of what changes at a date no tangent but its own knows: two that know it in
+    # part would have it between them
+    changes = [effect for effect in model.effects if effect.channel]
+    lasting = replace(model, effects=tuple(e for e in model.effects if not e.channel))
+    at = Tangents.of(lasting, inputs, coefficients, rows)
     own = at.slopes()
-    base = [n for n in model.free if n not in fixed and own[n].any()]
-    wrong = misfits(temperature - coefficients["bias"], record, rows)
+    base = [n for n in lasting.free if n not in fixed and own[n].any()]
+    before = lasting.temperature(inputs, coefficients) if changes else temperature
+    wrong = misfits(before - coefficients["bias"], record, rows)
     found = Evidence(
         {name: own[name] for name in base} | wrong,
         (record["temp_module"] - temperature)[rows],
@@ -152,7 +160,29 @@ def gather(
         there = replace(model, effects=(effect,)).with_drivers(inputs)
         for _, own in tangents([Tried(effect)], failed, there, at):
             found = found.with_effect(effect, own, known)
+    secants = {}
+    for effect in changes:
+        column = next((c for e, c in changing if e.channel == effect.channel), None)
+        if column is not None and coefficients[next(iter(effect.rows()))]:
+            given = effect, coefficients, record.dates[rows], before
+            does, known = secant(lasting, inputs, *given)[rows], found.columns[column]
+            secants[column] = np.where(np.isnan(known), np.nan, does)
+    found = replace(found, columns=found.columns | secants)
     return replace(found, changing=tuple(changing), failed=failed)
+
+
+def secant(model, inputs, effect, coefficients, dates, before):
+    """
+    What a change of the model does for each unit of its size. [K]
+
+    A loss that falls by a third warms more than its tangent says.
+    """
+    channel, (size,) = effect.terms.channel, effect.rows()
+    weights = weights_of(effect, dates)
+    there = coefficients[size] * float(np.mean(weights[weights > 0.0]))
+    (row,) = channel.rows()
+    with_it = replace(model, effects=(*model.effects, channel))
+    return (with_it.temperature(inputs, {**coefficients, row: there}) - before) / there
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,6 +339,7 @@ def misfits(temperature, record, rows):
     Functions of the usual inputs alone, which every cause without a driver of
     its own shares: curvature in the over-temperature, its fall with air
     temperature, a slower mass, a record that is late, and a sky that follows the air.
+    The temperature is that without changes of instruments.
     """
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air

@@ -94,7 +94,7 @@ def shares(design, one, given):
     """Share of its size that is left under other conditions, with its error."""
     own = [c for c in one.columns if c not in given]
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
-    others = [within(design, [*given, *own], t) for t in tables(design, one.effect)]
+    others = [within(design, given, own, t) for t in tables(design, one.effect)]
     if one.effect.channel in OF_NO_COEFFICIENT:
         # what the instrument has had all the time is no change
         (change,) = one.columns
@@ -155,10 +155,23 @@ def density(distance, width):
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
 
 
-def within(design, columns, groups):
-    """Products by the week of columns less their means in groups of cells."""
-    values = np.column_stack([design.cells[:, 0], *map(design.values, columns)])
+def within(design, given, own, groups):
+    """
+    Products by the week of columns less their means in groups of cells.
+
+    Of a change that is what differs with time within a group: its column with the
+    weight less its mean there. How the column itself varies there is no change.
+    """
     count = np.bincount(groups, design.rows)
+    columns = [design.cells[:, 0], *map(design.values, given)]
+    for column in own:
+        values = design.values(column)
+        if not isinstance(column, int):
+            weights = design.weight(column)
+            means = np.bincount(groups, weights * design.rows) / count
+            values = values - means[groups] * design.cells[:, column.place]
+        columns.append(values)
+    values = np.column_stack(columns)
     for i in range(values.shape[1]):
         means = np.bincount(groups, values[:, i] * design.rows) / count
         values[:, i] -= means[groups]

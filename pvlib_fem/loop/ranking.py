@@ -153,11 +153,10 @@ def ties(selection, one, others, given, score):
     for other in others:
         if other.name == one.name:
             continue
-        part = selection.in_sample(other, given)
-        if part < TIED * own:
+        if selection.in_sample(other, given) < TIED * own:
             continue
-        both = selection.together(one, other, given)
-        if part + own - both >= TIED * own and selection.score(other, given).possible:
+        shared = selection.alike(one, other, given)
+        if shared >= TIED and selection.score(other, given).possible:
             found.append(other.name)
     return tuple(found)
 

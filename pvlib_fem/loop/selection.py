@@ -9,7 +9,7 @@ from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.dictionary import DATED, Candidate, dated, first_days, undated
 from pvlib_fem.loop.noise import random_effects
-from pvlib_fem.statistics.weekly import LeastSquares, fall, held_out, steady
+from pvlib_fem.statistics.weekly import LeastSquares, alike, fall, held_out, steady
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
@@ -229,11 +229,11 @@ class Selection:
                 falls[i] = self.in_sample(one, given)
         return falls
 
-    def together(self, one, other, given):
-        """Fall of the mean square by two candidates, on the weeks that are fitted."""
-        own = [c for c in (*one.columns, *other.columns) if c not in given]
-        whole = self.design.whole([*given, *own])
-        return fall(whole, len(own)) / self.design.count
+    def alike(self, one, other, given):
+        """Share of what a candidate explains that another would explain as well."""
+        own, rival = ([c for c in x.columns if c not in given] for x in (one, other))
+        whole = self.design.whole([*given, *own, *rival])
+        return float(alike(whole, len(own), len(rival)))
 
     def score(self, one, given):
         """What a candidate explains given some columns."""
@@ -283,12 +283,9 @@ class Selection:
         for one in self.candidates(given, taken):
             if one.name == top.name:
                 continue
-            score_fall = self.in_sample(one, given)
-            if score_fall < OVERLAP * choice.fall:
+            if self.in_sample(one, given) < OVERLAP * choice.fall:
                 continue
-            own = self.in_sample(top, given)
-            shared = score_fall + own - self.together(top, one, given)
-            if min(score_fall, shared) < OVERLAP * own:
+            if self.alike(top, one, given) < OVERLAP:
                 continue
             score = self.score(one, given)
             if score.possible and score.probability >= DOUBT:
@@ -313,32 +310,29 @@ class Selection:
         weeks = len(design.clusters)
         draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
         draws = np.vstack([np.ones(weeks), draws]).astype(float)
-        parts = {n: self.drawn(one.columns, given, draws) for n, one in members.items()}
-        overlaps = []
-        for name, one in members.items():
-            if name == top.name:
-                overlaps.append(parts[name])
-                continue
-            columns = [*top.columns, *one.columns]
-            together = self.drawn(columns, given, draws)
-            shared = parts[name] + parts[top.name] - together
-            overlaps.append(np.minimum(parts[name], shared))
-        table = np.maximum(np.array(overlaps), 0.0)
-        most = np.maximum(table.max(axis=0), 1e-12)
+        parts = [self.drawn(one.columns, given, draws) for one in members.values()]
+        parts = np.maximum(np.array(parts), 0.0)
+        most = np.maximum(parts[[*members].index(top.name)], 1e-12)
+        shared = np.minimum(parts, most)
+        mine = [c for c in top.columns if c not in given]
+        for i, one in enumerate(members.values()):
+            own = [c for c in one.columns if c not in given]
+            wholes = drawn(design.by_week([*given, *mine, *own]), draws)
+            shared[i] = np.minimum(shared[i], alike(wholes, len(mine), len(own)) * most)
         shapes = any(one.effect.confounder for one in members.values())
         law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
         # time profiles of one law differ by no error of that law
-        groups, logs = {}, np.empty_like(table)
+        groups, logs = {}, np.empty_like(parts)
         for i, one in enumerate(members.values()):
             groups.setdefault(one.effect.channel or one.name, []).append(i)
         for own in groups.values():
-            best = table[own].max(axis=0)
-            within = 0.5 * sure**2 * (table[own] - best) / most
+            within = 0.5 * sure**2 * parts[own] / most
             within -= np.array(
                 [[dates_cost([*members.values()][i], sure)] for i in own]
             )
             within -= within.max(axis=0)
             within -= np.log(np.exp(within).sum(axis=0))
+            best = shared[own].max(axis=0)
             logs[own] = within - 0.5 * (most - best) / (law * most)
         logs += np.array([[one.log_prior] for one in members.values()])
         shares = np.exp(logs - logs.max(axis=0))
@@ -350,14 +344,18 @@ class Selection:
         design = self.design
         own = [c for c in columns if c not in given]
         weekly = design.by_week([*given, *own])
-        wholes = np.einsum("dw,wij->dij", draws, weekly)
         found = LeastSquares(weekly, len(own))
         # Takeuchi: what as many columns take of noise that is alike within weeks
         beside = weekly.sum(axis=0)[1:, 1:]
         inverse = np.linalg.inv(beside + 1e-9 * np.diag(np.diag(beside)))
         own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
         noise = np.trace(own_part @ found.covariance)
-        return (fall(wholes, len(own)) - noise) / design.count
+        return (fall(drawn(weekly, draws), len(own)) - noise) / design.count
+
+
+def drawn(weekly, draws):
+    """Sums of products over each draw of weeks."""
+    return np.einsum("dw,wij->dij", draws, weekly)
 
 
 def dates_cost(one, sure):

@@ -204,8 +204,10 @@ class Fits:
 
 def with_drivers(record, model, effect):
     """A record with the drivers of an effect of a model."""
-    alone = replace(model, effects=(effect,))
-    return replace(record, inputs=alone.with_drivers(record.inputs))
+    inputs, alone = record.inputs, replace(model, effects=(effect,))
+    if is_modelled(effect.drivers):
+        inputs = model.with_base(inputs)
+    return replace(record, inputs=alone.with_drivers(inputs))
 
 
 def without_base(record):

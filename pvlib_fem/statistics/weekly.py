@@ -104,6 +104,30 @@ def left(whole):
     return whole[..., 0, 0] - np.einsum("...i,...i->...", found, whole[..., 1:, 0])
 
 
+def alike(whole, size, rival):
+    """
+    Share of what some columns explain that the last ones would explain as well.
+
+    Parameters
+    ----------
+    whole : array
+        Sums of products of the residual, columns that are given, ``size`` columns, and
+        the ``rival`` last ones.
+    """
+    own = whole.shape[-1] - 1 - size - rival
+    squares = steady(whole[..., 1:, 1:])
+    cross = squares[..., :own, own:]
+    beside = np.linalg.solve(squares[..., :own, :own], cross)
+    beyond = squares[..., own:, own:] - np.swapaxes(cross, -1, -2) @ beside
+    scores = whole[..., 1 + own :, 0]
+    scores = scores - np.einsum("...gi,...g->...i", beside, whole[..., 1 : 1 + own, 0])
+    mine, theirs = beyond[..., :size, :size], beyond[..., size:, size:]
+    found = np.linalg.solve(mine, scores[..., :size, None])
+    seen = beyond[..., size:, :size] @ found
+    explained = (seen * np.linalg.solve(theirs, seen)).sum(axis=(-2, -1))
+    return explained / np.maximum((found * (mine @ found)).sum(axis=(-2, -1)), 1e-300)
+
+
 def held_out(weekly, folds):
     """Sum of squares on groups of weeks that are left out in turn."""
     parts = np.einsum("fw,wij->fij", folds, weekly)

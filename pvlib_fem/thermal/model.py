@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pvlib_fem.drivers import MODELLED, behind, completed, needed_for
+from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembered
 from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
 from pvlib_fem.quality.limits import possible
 from pvlib_fem.quality.outliers import out_of_range
@@ -102,7 +102,7 @@ class ThermalModel:
 
     def with_base(self, inputs, needed=MODELLED):
         """
-        The inputs with the module's temperature and loss by the base, once.
+        The inputs with what the base says of the module, once.
 
         Effects that grow with the module's own temperature take that without
         effects, at fixed coefficients: so they stay linear in their parameters.
@@ -116,15 +116,46 @@ class ThermalModel:
                 "base="
             )
         plain = ThermalModel(self.steady_model, self.dynamics)
+        return self.based(inputs, plain.temperature(inputs, self.completed(self.base)))
+
+    def based(self, inputs, temperature):
+        """The inputs with a temperature of the module by the base, and its losses."""
         base = self.completed(self.base)
         wind, own = inputs["wind_speed"], self.own(base)
         loss = 1.0 / self.steady_model.resistance(wind, **own)
-        found = dict(zip(MODELLED, (plain.temperature(inputs, base), loss)))
-        return inputs.having(found)
+        inputs = inputs.having({"temp_base": temperature, "loss_base": loss})
+        return inputs.having({"air_base": self.air_base(inputs, base)})
+
+    def air_base(self, inputs, base):
+        """
+        Heat that each K of warmer air brings, all else as it is. [W/(m² K)]
+
+        That is the loss, less what effects of the base take back: the deficit of a
+        sky grows with the air.
+        """
+        air, over = inputs["temp_air"], inputs["temp_base"] - inputs["temp_air"]
+        others = [name for name in inputs.columns if "temp_air" not in behind([name])]
+        warmer = inputs.only(others).having({"temp_air": air + 1.0})
+        loss, gained = inputs["loss_base"], 0.0
+        for effect in self.effects:
+            # an offset of the air is none of what it was hours ago
+            past = behind(remembered(effect.drivers))
+            if effect.channel or "temp_air" in past or not {*effect.rows()} <= {*base}:
+                continue
+            if "temp_air" not in behind(effect.drivers):
+                continue
+            before, after = (
+                effect.at(completed(these, effect.drivers).columns, base)
+                for these in (inputs, warmer)
+            )
+            gained = gained + after.heat - before.heat
+            gained = gained - (after.loss - before.loss) * over
+            loss = loss + after.loss
+        return loss + gained
 
     def rebased(self, coefficients):
         """
-        The same with a base of its own coefficients, where a share of that is fitted.
+        The same with a base of its own coefficients, where a change is a share of that.
 
         The fit without effects has a part of a change in it, so that a share of its
         loss is told too small. Physics needs no more than the module's temperature,
@@ -132,7 +163,9 @@ class ThermalModel:
         """
         if not any(is_share(effect) for effect in self.effects):
             return self
-        return replace(self, base={name: coefficients[name] for name in self.base})
+        rows = [row for e in self.effects if not e.channel for row in e.rows()]
+        names = dict.fromkeys([*self.base, *rows])
+        return replace(self, base={name: coefficients[name] for name in names})
 
     def completed(self, coefficients):
         """Coefficients with those that have a default."""
@@ -381,7 +414,8 @@ def as_read(answer, slope, gain, over):
 
 def is_share(effect):
     """Whether an effect is a share of the loss that the model has without it."""
-    return bool(effect.channel and "loss_base" in behind(effect.drivers))
+    shares = {"loss_base", "air_base"}
+    return bool(effect.channel and shares & {*behind(effect.drivers)})
 
 
 def as_in_a_fit(inputs):
