@@ -19,7 +19,7 @@ from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
 from pvlib_fem.quality.noon import solar_noon_shift
-from pvlib_fem.quality.stuck import stuck
+from pvlib_fem.quality.screening import stuck
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE, Site
 

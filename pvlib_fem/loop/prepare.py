@@ -15,8 +15,8 @@ from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
 from pvlib_fem.quality.plane import plane_of
 from pvlib_fem.quality.screen import Faults, alone
+from pvlib_fem.quality.screening import stuck
 from pvlib_fem.quality.stray import refuse_stray
-from pvlib_fem.quality.stuck import stuck
 from pvlib_fem.quality.twin import twin_clock
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because

@@ -12,8 +12,9 @@ import numpy as np
 from pvlib_fem.quality.clock import Clock, clock_shift
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.noon import SolarNoon, solar_noon_shift
+from pvlib_fem.quality.screening import stuck
 from pvlib_fem.quality.stray import refuse_stray
-from pvlib_fem.quality.stuck import refuse_frozen, stuck, stuck_line
+from pvlib_fem.quality.stuck import refuse_frozen, stuck_line
 from pvlib_fem.quality.units import doubtful, in_step, module_lag
 
 

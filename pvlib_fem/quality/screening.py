@@ -10,6 +10,7 @@ from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
 from pvlib_fem.quality.look import Look
 from pvlib_fem.quality.outliers import apart, at_end, is_light, range_ends, slots
 from pvlib_fem.quality.stuck import (
+    DRIVERS,
     becalmed,
     frozen,
     frozen_error,
@@ -19,7 +20,14 @@ from pvlib_fem.quality.stuck import (
 )
 from pvlib_fem.quality.units import doubtful
 from pvlib_fem.quality.values import never_moves
-from pvlib_fem.record.clean import CleanRecord, masked, size, spans, united
+from pvlib_fem.record.clean import (
+    CleanRecord,
+    FrameRecord,
+    masked,
+    size,
+    spans,
+    united,
+)
 from pvlib_fem.record.columns import GEOMETRY
 
 PARTS = 1000  # of a day, more than there are
@@ -298,3 +306,54 @@ class Screener:
             for kind in KINDS
             if kind in self.found
         }
+
+
+def stuck(record, limits=None) -> dict[str, np.ndarray]:
+    """
+    Rows in which a sensor stands still while what moves it moves.
+
+    A value repeats by nature as long as its column's resolution, averaging and own
+    changes make it: a column that keeps its value from row to row with a share of *p*
+    keeps it *n* times with a chance of *pⁿ*. Repetitions count that have a chance below
+    1e-9, away from where the sensor rests: in the dark, at the lowest reading of an
+    anemometer, of power and of rain, at the highest humidity. Of these
+
+    * ``temp_module`` is stuck where it has felt irradiance change by 100 W/m², or the
+      air by 1 K and more over 3 h; at 0 °C, where snow melts, only after a day;
+    * ``temp_air`` where the module has changed by 10 K over 3 h;
+    * ``poa_global`` where the module's over-temperature has changed by 10 K; in the
+      dark (20 W/m²) over more than a day, or more than two hours from either end,
+      above the air, and by the module's own warmth;
+    * ``wind_speed`` after 6 h, and at its lowest reading after three days;
+    * ``relative_humidity``, ``longwave_down``, ``p_dc`` and ``precipitation`` after a
+      day, ``wind_direction`` after three. Other columns may stay, as a timetable does.
+
+    After three days in which the others move, the first three are stuck whatever
+    they usually do.
+
+    Parameters
+    ----------
+    record : Record
+        With the four columns that every fit needs.
+    limits : Limits, optional
+        The thresholds; those above by default.
+
+    Returns
+    -------
+    dict
+        Column to an array of booleans.
+
+    Notes
+    -----
+    A missing value ends a repetition, but in a column that has one value only, and in
+    wind at rest: of a record by day alone that may be weeks. There the measured time
+    counts.
+    """
+    columns = record.inputs.columns
+    names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
+    clean = CleanRecord(FrameRecord(record.inputs), tuple(names))
+    found = Screener.of(clean, limits or Limits())
+    found.standing(refuse=False)
+    still = found.masks().get("stuck", {})
+    none = np.zeros(len(record.index), dtype=bool)
+    return {name: still.get(name, none) & np.isfinite(record[name]) for name in names}

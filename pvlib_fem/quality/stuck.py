@@ -6,15 +6,8 @@ import numpy as np
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.values import never_moves
-from pvlib_fem.record.checks import SECONDS, usual_step
 from pvlib_fem.record.clean import (
-    NONE,
-    CleanRecord,
-    FrameRecord,
     covered,
-    masked,
-    spans,
-    united,
 )
 from pvlib_fem.relaxation import relax
 
@@ -40,6 +33,7 @@ class Runs:
         return np.column_stack([self.first, self.last + 1])
 
 
+SOME = 1 << 17  # rows that tell where a sensor rests
 #: columns whose sensors rest at their lowest value, whatever number that is
 FLOWS = ("wind_speed", "precipitation", "p_dc")
 
@@ -131,6 +125,7 @@ def rest_of(name, values, limits):
     if name == "poa_global":
         return limits.light
     way = 1.0 if name in FLOWS else -1.0
+    values = values[:: max(1, len(values) // SOME)]
     seen = way * values[np.isfinite(values)]
     if name not in (*FLOWS, "relative_humidity") or not len(seen):
         return np.nan
@@ -153,72 +148,6 @@ def longest_run(rows):
 def at_rest(name, values, rest):
     """Whether values are where the column's sensor rests."""
     return values >= rest if name == "relative_humidity" else values <= rest
-
-
-def stuck(record, limits=None) -> dict[str, np.ndarray]:
-    """
-    Rows in which a sensor stands still while what moves it moves.
-
-    A value repeats by nature as long as its column's resolution, averaging and own
-    changes make it: a column that keeps its value from row to row with a share of *p*
-    keeps it *n* times with a chance of *pⁿ*. Repetitions count that have a chance below
-    1e-9, away from where the sensor rests: in the dark, at the lowest reading of an
-    anemometer, of power and of rain, at the highest humidity. Of these
-
-    * ``temp_module`` is stuck where it has felt irradiance change by 100 W/m², or the
-      air by 1 K and more over 3 h; at 0 °C, where snow melts, only after a day;
-    * ``temp_air`` where the module has changed by 10 K over 3 h;
-    * ``poa_global`` where the module's over-temperature has changed by 10 K; in the
-      dark (20 W/m²) over more than a day, or more than two hours from either end,
-      above the air, and by the module's own warmth;
-    * ``wind_speed`` after 6 h, and at its lowest reading after three days;
-    * ``relative_humidity``, ``longwave_down``, ``p_dc`` and ``precipitation`` after a
-      day, ``wind_direction`` after three. Other columns may stay, as a timetable does.
-
-    After three days in which the others move, the first three are stuck whatever
-    they usually do.
-
-    Parameters
-    ----------
-    record : Record
-        With the four columns that every fit needs.
-    limits : Limits, optional
-        The thresholds; those above by default.
-
-    Returns
-    -------
-    dict
-        Column to an array of booleans.
-
-    Notes
-    -----
-    A missing value ends a repetition, but in a column that has one value only, and in
-    wind at rest: of a record by day alone that may be weeks. There the measured time
-    counts.
-    """
-    limits, index = limits or Limits(), record.index
-    columns, frame = record.inputs.columns, FrameRecord(record.inputs)
-    names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
-    unit, standing = SECONDS[index.unit], {}
-    rests = {name: rest_of(name, columns[name], limits) for name in names}
-    for name in names:
-        values = columns[name]
-        if not never_moves(values):
-            found = Standing(name, limits, unit).add(values, 0, frame.counts)
-            standing[name] = found.runs(rests[name])
-        elif name in POSSIBLE:  # another may be a number that stands for all
-            value = values[np.isfinite(values)][0]
-            first, last = frame.counts[[0, -1]]
-            standing[name] = whole_run(value, len(values), first, last, unit)
-    clean = CleanRecord(frame, tuple(POSSIBLE))
-    found, calm = frozen(clean, standing, rests, limits), NONE
-    usual, rest = usual_step(index), rests["wind_speed"]
-    if may_rest(columns["wind_speed"], rest, usual, limits):
-        calm = spans(becalmed(clean, usual, rest, limits)[0])
-    if len(calm):
-        found["wind_speed"] = united(found.get("wind_speed", NONE), calm)
-    rows = {name: masked(found.get(name, NONE), len(index)) for name in names}
-    return {name: at & np.isfinite(record[name]) for name, at in rows.items()}
 
 
 def seen_by(name, columns):
