@@ -7,9 +7,9 @@ from scipy.signal import lfilter
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
+from pvlib_fem.budget.days import episodes
 from pvlib_fem.record.columns import DAYLIGHT
 from pvlib_fem.simulator import PHYSICS
-from pvlib_fem.statistics.episodes import episodes
 
 CHANCE = fem.Criteria().episode_chance
 DAYS = (60, 120, 365, 2900)

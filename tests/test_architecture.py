@@ -31,6 +31,7 @@ ORDER = (
     "modelchain",
     "plotting",
     "findings",
+    "budget",
     "report",
     "fitting",
     "loop",

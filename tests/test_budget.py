@@ -11,9 +11,9 @@ from scipy.signal import lfilter
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
+from pvlib_fem.budget.days import episodes
+from pvlib_fem.budget.scales import DAYS, HOURLY, SCALES, WEEKS, WHITE, by_scale
 from pvlib_fem.simulator import PHYSICS
-from pvlib_fem.statistics.episodes import episodes
-from pvlib_fem.statistics.scales import DAYS, HOURLY, SCALES, WEEKS, WHITE, by_scale
 
 #: quick to search, with a cause that no column follows
 WORLD = dict(effects=PHYSICS | {"sky_radiation": 1.0}, days=150, step=1800.0)

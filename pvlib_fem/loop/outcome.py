@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
+from pvlib_fem.budget.table import budget_of, episodes_of
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
-from pvlib_fem.loop.budget import budget_of, episodes_of
 from pvlib_fem.loop.case import BASES, FEWEST_FITTING_DAYS
 from pvlib_fem.loop.conclude import hints, in_the_model, not_seen, patterns
 from pvlib_fem.loop.ranking import ranked

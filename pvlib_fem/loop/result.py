@@ -9,16 +9,16 @@ import pandas as pd
 from pvlib.location import Location
 
 from pvlib_fem import plotting
-from pvlib_fem.drivers import geometry
-from pvlib_fem.effects import EffectLike
-from pvlib_fem.findings import Correction, Finding, Kind
-from pvlib_fem.fitting.result import FemFit
-from pvlib_fem.loop.budget import (
+from pvlib_fem.budget.table import (
     budget_from,
     budget_rows,
     episode_rows,
     episodes_from,
 )
+from pvlib_fem.drivers import geometry
+from pvlib_fem.effects import EffectLike
+from pvlib_fem.findings import Correction, Finding, Kind
+from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
 from pvlib_fem.modelchain import LOOP, DynamicCellTemperature, fit_in

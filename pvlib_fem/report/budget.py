@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from pvlib_fem.budget.days import FEWEST
 from pvlib_fem.report.document import number
-from pvlib_fem.statistics.episodes import FEWEST
 
 MOST = 3  # episodes that are told one by one
 SMALL = 0.005  # K or K²: nothing in two decimals

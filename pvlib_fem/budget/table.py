@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.budget.days import episodes
+from pvlib_fem.budget.scales import by_scale
 from pvlib_fem.findings import Kind
 from pvlib_fem.record.columns import DAYLIGHT
-from pvlib_fem.statistics.episodes import episodes
-from pvlib_fem.statistics.scales import by_scale
 
 ENDINGS = {"test": "rmse_test", "fitting": "rmse_train"}
 COLUMNS = ["kind", "mean_square", "error", "share", "weeks"]
