@@ -10,8 +10,8 @@ from hypothesis import given, settings, strategies as st
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.quality.limits import Limits, possible
-from pvlib_fem.quality.outliers import CODES
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.record.ranges import CODES, possible
 from pvlib_fem.simulator import ALBUQUERQUE, PHYSICS, RHINE
 
 

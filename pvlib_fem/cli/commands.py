@@ -33,7 +33,7 @@ from pvlib_fem.cli.running import (
     in_their_days,
     injected,
 )
-from pvlib_fem.cli.words import note, plainly, say
+from pvlib_fem.cli.words import Refused, note, plainly, say
 from pvlib_fem.cli.writing import as_csv, check_outputs, picture, write
 from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
@@ -106,7 +106,7 @@ def loop(files, report, title, out, **options):
         check_outputs(files, report=report, out=out)
         if is_data_set(files):
             options = prepared_files(files, options, sun=True)
-            data, otherwise = options.pop("record"), str
+            data, otherwise = options.pop("record"), Refused
         else:
             data, options, otherwise = prepared(files, options, drivers=True)
         options["effects"] = options["effects"] or None

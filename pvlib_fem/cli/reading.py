@@ -17,7 +17,7 @@ from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.columns import COLUMNS, of_several
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.footers import parquet_file
-from pvlib_fem.record.guess import guess
+from pvlib_fem.record.guess import Guess, guess
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.record.layout import PARQUET
 from pvlib_fem.record.names import unmapped
@@ -49,7 +49,8 @@ def read(files, options, drivers=False, needed=COLUMNS):
     Returns
     -------
     DataFrame, callable
-        The frame, and the command that may read the files otherwise.
+        The frame, and what makes of an error its refusal, with the command that may
+        read the files otherwise.
 
     Raises
     ------
@@ -70,11 +71,15 @@ def read(files, options, drivers=False, needed=COLUMNS):
         if stat.S_ISCHR(file.stat().st_mode):
             raise ValueError(f"{file} is a device and no file")
 
-    def otherwise():
-        return proposal(files, layouts, columns, how, place)
+    done = {}  # units that columns were converted from
+
+    def otherwise(error):
+        words = proposal(files, layouts, columns, how, place)
+        same = f"  {command(Guess(layouts, columns), [], how)}" in words.splitlines()
+        return Refused(after_conversion(error, done), "" if same else words)
 
     if asked:
-        words = otherwise()
+        words = proposal(files, layouts, columns, how, place)
         if not words:
             raise ValueError(f"{files[0].name} holds no table that could be guessed at")
         say(words)
@@ -84,7 +89,8 @@ def read(files, options, drivers=False, needed=COLUMNS):
         check_columns(data, needed)
         datetime_steps(data.index, "the time")
     except (ValueError, OSError) as error:
-        raise Refused(error, otherwise()) from error
+        raise otherwise(error) from error
+    done |= data.attrs.pop("converted")
     for line in data.attrs.pop("notes"):
         note(line)
     if drivers and (likely := unmapped(data)):
@@ -103,7 +109,19 @@ def or_propose(otherwise):
     try:
         yield
     except (ForeignUnit, Swapped) as error:
-        raise Refused(error, otherwise()) from error
+        raise otherwise(error) from error
+
+
+def after_conversion(error, units):
+    """An error that does not ask for a conversion that was made."""
+    told = getattr(error, "columns", ())
+    if not told or not {*told} <= {*units}:
+        return error
+    look = "looks" if len(told) == 1 else "look"
+    return (
+        f"{' and '.join(told)} still {look} to be in {error.unit} after the "
+        f"conversion: {error.why}; give --no-unit-check if that is right"
+    )
 
 
 def is_data_set(files):

@@ -1,48 +1,9 @@
-"""What columns can hold, and every threshold by which faults are found."""
+"""Every threshold by which faults are found."""
 
 from dataclasses import dataclass, fields
-from typing import NamedTuple
 
-import numpy as np
+from pvlib_fem.record.ranges import RANGES
 
-
-class Range(NamedTuple):
-    """What a column can hold; a fact of sensors and of weather, not a threshold."""
-
-    low: float  # that a sensor can have measured
-    high: float
-    unit: str
-    least: float = -np.inf  # of the quantity itself, where that tells of its unit
-    most: float = np.inf
-
-
-#: by column: what a sensor can read, with room for its errors, and what the quantity is
-RANGES = {
-    # a pyranometer radiates to the sky by night; 2000 W/m² is more than the edge of any
-    # cloud gives (Gueymard, 2017, doi:10.1016/j.solener.2017.05.004: 1900 in seconds)
-    **dict.fromkeys(
-        ("poa_global", "ghi", "dni", "dhi", "poa_direct", "poa_diffuse"),
-        Range(-30.0, 2000.0, "W/m²"),
-    ),
-    # in 1 % of the rows few places are above 50 °C: Kuwait's summer has 49 °C
-    "temp_air": Range(-60.0, 100.0, "°C", most=50.0),
-    "temp_module": Range(-60.0, 100.0, "°C"),
-    # the median of another temperature is above 150 in kelvin alone
-    "temp_": Range(-100.0, 200.0, "°C", most=150.0),
-    # near the ground few sites on land have a mean above 5.5 m/s
-    "wind_speed": Range(0.0, 60.0, "m/s", most=5.5),
-    "wind_direction": Range(-360.0, 720.0, "°", 0.0, 360.0),
-    # sensors in fog read above 100 %
-    "relative_humidity": Range(-5.0, 110.0, "%", 0.0, 110.0),
-    # σT⁴ of −100 and 60 °C; what skies send is that of −60 to 40 °C
-    "longwave_down": Range(50.0, 700.0, "W/m²", 100.0, 550.0),
-    # the most that fell in a minute is 38 mm (World Meteorological Organization)
-    "precipitation": Range(0.0, 2500.0, "mm/h", 0.0),
-    # the deepest that was measured is 11.8 m
-    "snow_depth": Range(-50.0, 1500.0, "cm", 0.0),
-    # by the area of the modules, in a bright second
-    "p_dc": Range(-50.0, 1000.0, "W/m²"),
-}
 #: share of irradiance that a module gives: at its best not below 0.5 %, and never 40 %;
 #: the best give a quarter, and sensors err
 EFFICIENCY = 0.005, 0.4
@@ -59,18 +20,6 @@ POSSIBLE = {
 }
 
 
-def range_of(name):
-    """What a column can hold, or None for one of which nothing is known."""
-    other = RANGES["temp_"] if name.startswith("temp_") else None
-    return RANGES.get(name, other)
-
-
-def possible(name):
-    """Least and most that a sensor can read, and the unit, or None for any other."""
-    found = range_of(name)
-    return found and found[:3]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Limits:
     """
@@ -78,7 +27,7 @@ class Limits:
 
     A change is made by ``Limits(still_wind=43200.0)`` and given as ``limits=``. What
     they find, and what they find wrongly, is in :doc:`/quality`; what a column can hold
-    at all is in ``RANGES``.
+    at all is in ``pvlib_fem.record.ranges``.
 
     Attributes
     ----------

@@ -5,13 +5,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pvlib_fem.quality.limits import FASTEST, POSSIBLE, Limits, possible
-from pvlib_fem.quality.outliers import NO_CODE, as_codes, few, jumps
+from pvlib_fem.quality.limits import FASTEST, POSSIBLE, Limits
+from pvlib_fem.quality.outliers import few, jumps
 from pvlib_fem.quality.stray import refuse_gap
 from pvlib_fem.quality.stuck import DRIVERS, STILL, Standing, whole_run
 from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.clean import NONE, covered
 from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.ranges import NO_CODE, as_codes, possible
 
 SOME = 1 << 20  # rows of which what is usual in a column is told
 

@@ -2,28 +2,9 @@
 
 import numpy as np
 
-from pvlib_fem.quality.limits import FASTEST, possible
+from pvlib_fem.quality.limits import FASTEST
 from pvlib_fem.record.checks import dates_of
-
-#: what loggers and files write for "no value", and the ends of whole numbers of 16 bits
-CODES = np.array(
-    [
-        *(sign * n for sign in (1, -1) for n in (999, 9999, 99999, 999999, 6999, 7999)),
-        *(sign * n for sign in (1, -1) for n in (999.9, 9999.9, 888, 8888)),
-        *(999.99, -999.99, -99, -99.9, -99.99, -9998, -888.8),
-        *(sign * 32767 * 10.0**-n for sign in (1, -1) for n in range(3)),
-        *(-32768 * 10.0**-n for n in range(3)),
-        *(65535 * 10.0**-n for n in range(3)),
-    ]
-)
-
-NO_CODE = -98.0, 327.0  # between which there is none
-
-
-def as_codes(values):
-    """Which of some values are a logger's codes, and those as it writes them."""
-    rounded = np.round(values, 2)
-    return np.isin(rounded, CODES) & (np.abs(values - rounded) < 1e-4), rounded
+from pvlib_fem.record.ranges import possible
 
 
 def apart(codes, rest, limits):

@@ -117,7 +117,7 @@ def by_columns(record, limits, check_units=True, names=None, late=False):
     found.fills()
     found.refuse_empty()
     if check_units:
-        refuse_units(found.sampled(), limits, late)
+        refuse_units(found.judged(), limits, late)
     clipped = found.rules()
     found.refuse_impossible()
     found.ends()
@@ -241,7 +241,7 @@ def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     record, labels = of_frame(data)
     found = screener(record, limits)
     found.fills()
-    odd = [*oddities(found.sampled(), limits)]
+    odd = [*oddities(found.judged(), limits)]
     clipped = found.rules()
     odd += [f"{name} {reason}" for name, reason in found.doubts.items()]
     found.ends()

@@ -6,9 +6,16 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.quality.limits import POSSIBLE, Limits, possible
+from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.look import Look
-from pvlib_fem.quality.outliers import apart, at_end, is_light, range_ends, slots
+from pvlib_fem.quality.outliers import (
+    apart,
+    at_end,
+    is_light,
+    outside,
+    range_ends,
+    slots,
+)
 from pvlib_fem.quality.stuck import (
     DRIVERS,
     becalmed,
@@ -29,6 +36,8 @@ from pvlib_fem.record.clean import (
     united,
 )
 from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.record.ranges import possible
+from pvlib_fem.record.units import of_any_unit
 
 PARTS = 1000  # of a day, more than there are
 
@@ -109,6 +118,17 @@ class Screener:
     def sampled(self):
         """Some rows of the record, as it is screened so far."""
         return self.look.sampled(self.clean)
+
+    def judged(self):
+        """Those rows less what no unit can make of a sensor: by them units are told."""
+        sample, lost = self.sampled(), {}
+        numbers = np.arange(len(sample.index)) * self.look.every
+        for name in POSSIBLE:
+            spikes = self.look.columns[name].of("spike")[0]
+            rows = outside(sample[name], *of_any_unit(name))
+            if (rows := rows | np.isin(numbers, spikes)).any():
+                lost[name] = rows
+        return sample.having(sample.columns.put(np.nan, lost)) if lost else sample
 
     def ruled(self):
         """Columns that the rules are asked of."""
@@ -199,8 +219,8 @@ class Screener:
             )
             self.look_again()
         rows = size(self.found.get("negative by day", {}).get("poa_global", spans([])))
-        outside = self.look.columns["poa_global"].of("out of range")[2]
-        return sum(below) - rows - int((outside < 0).sum())
+        beyond = self.look.columns["poa_global"].of("out of range")[2]
+        return sum(below) - rows - int((beyond < 0).sum())
 
     def light(self):
         """Parts of days that are light on the days around, as numbers."""

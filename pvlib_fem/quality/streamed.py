@@ -71,7 +71,7 @@ def screened_blocks(source, drivers=(), limits=None, check_units=True, needed=No
     found.fills()
     found.refuse_empty()
     if check_units:
-        refuse_units(found.sampled(), limits)
+        refuse_units(found.judged(), limits)
     clipped = found.rules()
     found.refuse_impossible()
     found.ends()

@@ -11,18 +11,18 @@ from pvlib_fem.quality.limits import (
     EFFICIENCY,
     GAIN,
     POSSIBLE,
-    RANGES,
     Limits,
-    range_of,
 )
 from pvlib_fem.quality.onset import HOUR
 from pvlib_fem.quality.values import FEW
-from pvlib_fem.record.units import ForeignUnit, Swapped
+from pvlib_fem.record.ranges import RANGES, range_of
+from pvlib_fem.record.units import UNITS, ForeignUnit, Swapped
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
 #: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
 #: even in °F, so that irradiance is at fault
 FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
+APART = 12.0  # K by night, more than any sky or sensor takes a module from the air
 CONVERT = "Convert it first"
 ENOUGH = 20_000  # rows that tell units
 DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
@@ -169,7 +169,9 @@ class Signs:
     slope: float  # of over-temperature by irradiance, in the sun
     sunny: float  # median over-temperature there
     night: float  # in the dark; NaN without nights
-    hot: float  # air temperature, 99 % of the rows are below
+    cold: float  # air temperature, 1 % of the rows are below
+    usual: float  # its median
+    hot: float  # 99 % of the rows are below
     strong: float  # wind, 95 % of the rows are below
     wind: float  # mean wind
     effect: float  # fall of the over-temperature for each unit of wind [-]
@@ -205,7 +207,7 @@ def signs_of(inputs):
         slope_of(over[sunny], poa[sunny]),
         float(np.median(over[sunny])),
         np.median(over[dark]) if dark.sum() >= 20 else np.nan,
-        np.nanpercentile(air, 99),
+        *np.nanpercentile(air, [1, 50, 99]),
         np.nanpercentile(wind, 95) if np.isfinite(wind).any() else 0.0,
         np.nanmean(wind) if np.isfinite(wind).any() else 0.0,
         -slope_of(np.log(ratio[windy]), wind[sunny][windy]),
@@ -339,13 +341,10 @@ def suspicion(inputs, found, limits):
             f"of them the module gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K",
             CONVERT,
         )
-    unit = "K" if abs(night) > 200.0 else "°F"
-    if night > 12.0:
-        return foreign(unit, f"at night it is {night:.0f} above air", "temp_module")
-    if night < -12.0:
-        return foreign(unit, f"at night it is {-night:.0f} above module", "temp_air")
+    if abs(night) > APART:
+        return of_difference(inputs, night)
     if hot > 57.0 or slope > FAHRENHEIT:
-        unit = "K" if hot > 200.0 else "°F"
+        unit = "K" if found.usual > 200.0 else "°F"
         why = (
             f"the air reaches {hot:.0f} and the module gains {1000 * slope:.0f} per "
             "1000 W/m²"
@@ -366,6 +365,86 @@ def suspicion(inputs, found, limits):
         )
         return foreign("km/h", why, "wind_speed")
     return None
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What would make two temperatures that do not go together ones that can be."""
+
+    name: str  # the column
+    unit: str
+    twice: bool  # whether it was converted from that unit twice, or is in it still
+
+    def of(self, values):
+        """The column as it would be in °C."""
+        factor, offset = UNITS["temperature"][self.unit]
+        return (values - offset) / factor if self.twice else factor * values + offset
+
+    def __str__(self):
+        if self.twice:
+            return f"{self.name} may have been converted from {self.unit} twice"
+        return f"{self.name} may be in {self.unit}"
+
+    @property
+    def undone(self):
+        """What to do if it is so."""
+        if self.twice:
+            return Spelled(*2 * [f"Undo one conversion of {self.name}"])
+        return Spelled(
+            f"Convert {self.name}", f"Give --unit {self.name}={self.unit} to convert it"
+        )
+
+
+#: every reading that there may be
+READINGS = [
+    Reading(name, unit, twice)
+    for twice in (False, True)
+    for name in ("temp_air", "temp_module")
+    for unit in ("°F", "K")
+]
+
+
+def believable(found):
+    """Whether the signs of a record are those of air and a module in °C."""
+    low, most = RANGES["temp_air"].low, RANGES["temp_air"].most
+    least, steepest = GAIN
+    return (
+        abs(found.night) <= APART
+        and least <= found.slope <= steepest
+        and low <= found.cold <= found.hot <= most
+    )
+
+
+def of_difference(inputs, night):
+    """
+    The suspicion of two temperatures that are too far apart by night.
+
+    The difference alone does not say which of them is wrong: all readings are tried
+    that would make a record of it that can be.
+    """
+    names = "temp_air", "temp_module"
+    found = [
+        one
+        for one in READINGS
+        if believable(signs_of(inputs.having({one.name: one.of(inputs[one.name])})))
+    ]
+    high, low = ("module", "air") if night > 0 else ("air", "module")
+    why = f"at night it is {abs(night):.0f} above {low}"
+    if [(one.name, one.twice) for one in found] == [(f"temp_{high}", False)]:
+        return foreign(found[0].unit, why, found[0].name)
+    ends = {name: np.nanpercentile(inputs[name], [1, 99]) for name in names}
+    seen = [f"{n} is {low:.0f} to {high:.0f}" for n, (low, high) in ends.items()]
+    may = " or ".join(map(str, found)) or "no unit of one of them explains that"
+    return Suspicion(
+        f"temp_air and temp_module do not go together: at night temp_{high} is "
+        f"{abs(night):.0f} above temp_{low}, and in 98 % of the rows "
+        f"{' and '.join(seen)}; {may}",
+        Spelled(
+            " or ".join(one.undone for one in found) or "Look at both columns",
+            " or ".join(one.undone.shell for one in found) or "Look at both columns",
+        ),
+        "both are",
+    )
 
 
 def oddities(inputs, limits=None):

@@ -65,7 +65,8 @@ def read_file(
     Returns
     -------
     DataFrame
-        What was done beside reading is in ``.attrs["notes"]``.
+        What was done beside reading is in ``.attrs["notes"]``, and by column the unit
+        that it was converted from in ``.attrs["converted"]``.
 
     Raises
     ------
@@ -118,7 +119,8 @@ def frame(
         if name in data:
             refuse_text(data[name], name)
     data, told = in_units(data, headers, convert, units or {}, check_units, module_area)
-    data.attrs["notes"] = notes + done + told
+    done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in told.items()]
+    data.attrs |= {"notes": notes + done, "converted": told}
     return data
 
 
@@ -271,14 +273,14 @@ def named(data, columns):
 
 
 def in_units(data, headers, convert, units, check_units, module_area):
-    """Columns in the package's units, as far as that is asked for."""
+    """Columns in the package's units where that is asked for, and what they were in."""
     told = {name: unit_of(name, unit) for name, unit in units.items()}
     if absent := [name for name in told if name not in data]:
         raise ValueError(
             f"there is no column {absent[0]} to convert; name it with --map "
             f"{absent[0]}=COLUMN"
         )
-    notes = []
+    done = {}
     for name, header in headers.items():
         if name not in QUANTITIES:
             continue
@@ -289,7 +291,7 @@ def in_units(data, headers, convert, units, check_units, module_area):
             hours = usual_step(data.index) / 3600.0
             column = converted(data[name], name, unit, hours, module_area)
             data = data.assign(**{name: column})
-            notes.append(f"{name} converted from {unit} to {own}")
+            done[name] = unit
         elif check_units:
             raise refusal(
                 f"the header {header!r} names {unit}, and {name} has to be in {own}; "
@@ -299,4 +301,4 @@ def in_units(data, headers, convert, units, check_units, module_area):
                 UNCHECKED,
                 " if it is in that unit already",
             )
-    return data, notes
+    return data, done

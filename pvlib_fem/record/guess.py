@@ -192,6 +192,7 @@ def texts_of_missing(raw, layout):
 def by_evidence(found, files, how, check):
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
+    headers = {name: found.columns.get(name, name) for name in QUANTITIES}
     for _ in COLUMNS:
         told = {**how.get("units", {}), **found.units}
         try:
@@ -200,7 +201,8 @@ def by_evidence(found, files, how, check):
         except Swapped as odd:
             exchange(found, odd.why)
         except ForeignUnit as odd:
-            if {*odd.columns} <= {*told}:
+            by_header = {n for n, h in headers.items() if named_unit(n, h) == odd.unit}
+            if {*odd.columns} <= {*told} | by_header:
                 return
             found.units |= dict.fromkeys(odd.columns, odd.unit)
             names = " and ".join(odd.columns)

@@ -2,8 +2,10 @@
 
 import re
 
+import numpy as np
 from scipy import constants
 
+from pvlib_fem.record.ranges import as_codes, possible
 from pvlib_fem.spelling import Spelled, refusal
 
 FAHRENHEIT = constants.degree_Fahrenheit  # K
@@ -108,6 +110,14 @@ class Swapped(ValueError):
         self.why = why
 
 
+def of_any_unit(name):
+    """Least and most that a column can read in any of its units."""
+    low, high, _ = possible(name)
+    ways = UNITS[QUANTITIES[name]].values()
+    ends = [[(end - offset) / factor for end in (low, high)] for factor, offset in ways]
+    return min(map(min, ends)), max(map(max, ends))
+
+
 def own_unit(name):
     """The unit in which the package has a column."""
     return next(iter(UNITS[QUANTITIES[name]]))
@@ -175,6 +185,7 @@ def converted(column, name, unit, hours=None, area=None):
     Returns
     -------
     Series
+        A code such as -9999 stays as it is, so that a screening knows it.
     """
     unit = unit_of(name, unit)
     factor, offset = UNITS[QUANTITIES[name]][unit]
@@ -188,4 +199,19 @@ def converted(column, name, unit, hours=None, area=None):
                 Spelled("module_area=120 (--module-area 120)", "--module-area 120"),
             )
         factor /= area
-    return column if (factor, offset) == (1.0, 0.0) else factor * column + offset
+    if (factor, offset) == (1.0, 0.0):
+        return column
+    new = factor * column + offset
+    return new.mask(stands_for_none(name, column) & impossible(name, new), column)
+
+
+def stands_for_none(name, column):
+    """Rows of a logger's codes, which have no unit and so stay as they are."""
+    values = column.to_numpy(float, na_value=np.nan)
+    return as_codes(values)[0] & impossible(name, column)
+
+
+def impossible(name, column):
+    """Rows of values that the column cannot hold."""
+    low, high, _ = possible(name)
+    return ((column < low) | (column > high)).to_numpy()

@@ -8,11 +8,11 @@ import numpy as np
 
 from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembered
 from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
-from pvlib_fem.quality.limits import possible
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time
 from pvlib_fem.record.columns import ALIASES, COLUMNS
 from pvlib_fem.record.inputs import read
+from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
 from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.dynamics import balanced, resistance, smoothed, steady
