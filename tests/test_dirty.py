@@ -4,6 +4,7 @@ import re
 import shlex
 
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 
@@ -114,3 +115,142 @@ def test_a_command_that_was_run_is_not_proposed_again(record, tmp_path):
     assert refused.exit_code == 1
     assert "still look to be in °F after the conversion" in refused.output
     assert "pvlib-fem fit" not in refused.output
+
+
+def keeping(index, zone):
+    """What a clock of a zone shows at instants in UTC."""
+    return index.tz_localize("UTC").tz_convert(zone).tz_localize(None)
+
+
+CLOCKS = {
+    # what the file keeps of a year by the hour, and how many rows have no sure time
+    "the zone's clock": (lambda d: d.set_axis(keeping(d.index, "America/New_York")), 0),
+    "each hour once": (
+        lambda d: (
+            d.set_axis(keeping(d.index, "America/New_York")).groupby(level=0).first()
+        ),
+        1,
+    ),
+    "standard time": (lambda d: d, 2),
+}
+
+
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_a_zone_with_summer_time_opens_files_of_hours(clock, tmp_path):
+    """Rows that have no time in the zone are counted, and all others kept."""
+    changed, lost = CLOCKS[clock]
+    whole = simulator.record(days=365, step=3600, start="2022-01-01", seed=4)
+    whole = whole.tz_localize(None)[list(COLUMNS)]
+    written = changed(whole)
+    path = tmp_path / "plant.csv"
+    written.to_csv(path, index_label="time")
+    result = call("fit", path, "--tz", "America/New_York")
+    assert result.exit_code == 0, result.output
+    assert f"\n{len(written) - lost:,} rows" in "\n" + result.output
+    counts = re.findall(r"left out: (\d+), the first is (\S+ \S+)", result.output)
+    assert sum(int(count) for count, _ in counts) == lost
+    data = fem.read_file(path, tz="America/New_York")
+    assert len(data) == len(written) - lost
+    assert data.index.tz_convert(None).is_monotonic_increasing
+    if clock == "standard time":
+        assert "keeps standard time (Etc/GMT+5)" in result.output
+        assert counts[0][1].startswith("2022-03-13 02:00:00")
+    else:  # the instants are those that were measured
+        then = whole["temp_module"][data.index.tz_convert(None)]
+        assert data["temp_module"].to_numpy() == pytest.approx(then.to_numpy())
+
+
+EMPTY = {
+    "nothing": ("", []),
+    "a word": ("n/a", []),
+    "the header again": ("time", list(COLUMNS)),
+}
+
+
+@pytest.mark.parametrize("cell", EMPTY)
+def test_rows_without_a_time_are_dropped_by_an_option(cell, record, tmp_path):
+    """The message names the option, and its command counts the rows."""
+    time, others = EMPTY[cell]
+    lines = record.to_csv(index_label="time").splitlines()
+    for row in (500, 501, 3000):
+        cells = lines[row + 1].split(",")
+        lines[row + 1] = ",".join([time, *(others or cells[1:])])
+    path = tmp_path / "plant.csv"
+    path.write_text("\n".join(lines) + "\n")
+    refused = call("fit", path)
+    assert refused.exit_code == 1
+    assert "'time' holds no time in row 500, and in 2 more rows" in refused.output
+    assert "give --drop-untimed" in refused.output
+    words = proposed(refused)
+    assert "--drop-untimed" in words and "--missing" not in words
+    result = call(*words)
+    told = "rows without a time, left out: 3, the first is row 500"
+    assert f"note: plant.csv: {told}" in result.output
+    kept = record.drop(record.index[[500, 501, 3000]])
+    expected = fem.fit_fem(*(kept[name] for name in COLUMNS))
+    assert tau_of(result) == pytest.approx(expected.coefficients["tau"], rel=1e-3)
+    assert f"{len(kept):,} rows" in result.output
+
+
+def test_times_of_parquet_may_lack_too(record, tmp_path):
+    path = tmp_path / "plant.parquet"
+    times = record.index.to_series().reset_index(drop=True)
+    times[[7, 900]] = pd.NaT
+    record.set_axis(pd.DatetimeIndex(times, name="time")).to_parquet(path)
+    refused = call("fit", path)
+    assert "holds no time in row 7, and in 1 more row:" in refused.output
+    result = call(*proposed(refused))
+    assert result.exit_code == 0 and f"{len(record) - 2:,} rows" in result.output
+
+
+def test_labels_of_several_levels_are_joined(plant, tmp_path):
+    names = {name: ("met", name) for name in plant} | {"temp_module": ("array", "Tmod")}
+    data = plant.set_axis(pd.MultiIndex.from_tuples(names[n] for n in plant), axis=1)
+    data.rename_axis("time").to_parquet(path := tmp_path / "plant.parquet")
+    refused = call("fit", path)
+    assert refused.exit_code == 1 and "array_Tmod" in refused.output
+    words = proposed(refused)
+    assert {"temp_module=array_Tmod", "poa_global=met_poa_global"} <= {*words}
+    assert "relative_humidity=met_relative_humidity" in words
+    assert call(*words).exit_code == 0
+
+
+WRITTEN = {
+    "%b %d, %Y %I:%M %p": lambda t: (
+        f"{t:%b} {t.day}, {t:%Y} {t.hour % 12 or 12}:{t:%M %p}"
+    ),
+    "%d %B %Y %H:%M": lambda t: f"{t:%d %B %Y %H:%M}",
+    "%d-%b-%y %H:%M:%S": lambda t: f"{t:%d-%b-%y %H:%M:%S}",
+    "%m/%d/%Y, %I:%M:%S %p": lambda t: f"{t:%m/%d/%Y, %I:%M:%S %p}",
+    "excel": lambda t: (t - pd.Timestamp("1899-12-30")) / pd.Timedelta(days=1),
+}
+
+
+@pytest.mark.parametrize("form", WRITTEN)
+def test_times_as_portals_and_spreadsheets_write_them_are_read(form, record, tmp_path):
+    path = tmp_path / "plant.csv"
+    data = record.set_axis([WRITTEN[form](t) for t in record.index])
+    data.to_csv(path, index_label="Time stamp")
+    refused = call("fit", path)
+    assert refused.exit_code == 1 and "--time-format" in refused.output
+    words = proposed(refused)
+    assert words[words.index("--time-format") + 1] == form
+    read = fem.read_file(path, time_format=form)
+    assert (read.index == record.index).all()
+    assert call(*words).exit_code == 0
+
+
+@pytest.mark.parametrize("first", ["%d/%m/%Y %H:%M", "%m/%d/%Y %H:%M"])
+def test_a_month_that_is_read_as_the_day_is_noticed(first, record, tmp_path):
+    """Twelve days may be one of each month: by the other format they follow."""
+    forms = "%d/%m/%Y %H:%M", "%m/%d/%Y %H:%M"
+    (other,) = {*forms} - {first}
+    days = record[record.index.day <= 12]["2023-06":]
+    path = tmp_path / "plant.csv"
+    days.set_axis(days.index.strftime(first)).to_csv(path, index_label="time")
+    for more in ([], ["--sort"]):
+        refused = call("fit", path, "--time-format", other, *more)
+        assert refused.exit_code == 1
+        assert f"give --time-format '{first}'" in refused.output
+        assert "none after the 12th of a month" in refused.output
+    assert (fem.read_file(path, time_format=first).index == days.index).all()

@@ -31,6 +31,9 @@ PER_FILE = {
     "sheet": 0,
 }
 
+#: fields of a layout that are the same for all files
+SAME = ("missing", "sort", "drop_doubled", "drop_untimed")
+
 
 def added(*options):
     """A decorator of a command with options, in this order."""
@@ -134,6 +137,11 @@ reading_options = added(
         "--drop-doubled",
         is_flag=True,
         help="Of rows with the same time keep the first.",
+    ),
+    click.option(
+        "--drop-untimed",
+        is_flag=True,
+        help="Leave out rows that hold no time, such as a header within the file.",
     ),
     click.option(
         "--convert",
@@ -409,7 +417,10 @@ def layouts_of(options, files):
     values["sep"] = ["\t" if sep == r"\t" else sep for sep in values["sep"]]
     if wrong := [text for text in values["decimal"] if len(text) != 1]:
         raise bad(wrong[0], "--decimal", "is not one sign")
-    same = {name: options[name] for name in ("missing", "sort", "drop_doubled")}
+    same = {
+        name: options[name]
+        for name in ("missing", "sort", "drop_doubled", "drop_untimed")
+    }
     return [
         Layout(**{name: values[name][i] for name in values}, **same)
         for i in range(len(files))

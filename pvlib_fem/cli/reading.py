@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import click
 from click.core import ParameterSource
 
-from pvlib_fem.cli.options import PER_FILE, columns_of, layouts_of, units_of
+from pvlib_fem.cli.options import PER_FILE, SAME, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import datetime_steps
@@ -28,8 +28,7 @@ from pvlib_fem.spelling import refusal
 COMMANDLINE = ParameterSource.COMMANDLINE
 LOOK = "this command may read it; look at it before you run it:"
 #: options that a proposal says anew
-ANEW = (*PER_FILE, "renames", "convert", "units", "guess", "missing")
-ANEW = (*ANEW, "sort", "drop_doubled")
+ANEW = (*PER_FILE, *SAME, "renames", "convert", "units", "guess")
 
 
 def read(files, options, drivers=False, needed=COLUMNS):
@@ -218,6 +217,7 @@ def command(found, lacking, how):
         words += ["--missing", text]
     words += ["--sort"] * any(one.sort for one in found.layouts)
     words += ["--drop-doubled"] * any(one.drop_doubled for one in found.layouts)
+    words += ["--drop-untimed"] * any(one.drop_untimed for one in found.layouts)
     for name, column in found.columns.items():
         words += ["--map", f"{name}={column}"]
     for name in lacking:

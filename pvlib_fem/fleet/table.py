@@ -221,7 +221,7 @@ def laid(name, value):
     """A field of the layout, of its cell."""
     if name in ("time", "missing"):
         return tuple(parts(value))
-    if name in ("sort", "drop_doubled"):
+    if name in ("sort", "drop_doubled", "drop_untimed"):
         return truth(value, name)
     if name == "skip_rows" and isinstance(value, str) and "," in value:
         return tuple(int(number(n, name, 0)) for n in value.strip(", ").split(","))

@@ -60,7 +60,8 @@ def read_file(
         out, from 0; ``skip_end``: how many stand after the last row, such as totals.
         ``sheet`` of a workbook. ``missing``: texts that stand for a missing value.
         ``sort``: put the rows in the order of their times. ``drop_doubled``: of rows
-        with the same time keep the first.
+        with the same time keep the first. ``drop_untimed``: leave out rows that hold no
+        time, such as a header in the middle of a file.
 
     Returns
     -------
@@ -100,7 +101,11 @@ def frame(
     tables, names, notes = [], [], []
     for file, layout in zip(files, layouts):
         pieces = file if isinstance(file, list) else [file]
-        read = [timed(table(one, layout), layout, one.name) for one in pieces]
+        read = []
+        for one in pieces:
+            data, lost = timed(table(one, layout), layout, one.name)
+            read.append(data)
+            notes += [f"{one.name}: {note}" for note in lost]
         data, name = stacked(read, [one.name for one in pieces], layout.sort)
         data, done = in_order(data, layout.sort, layout.drop_doubled)
         tables.append(data)
@@ -131,7 +136,7 @@ def table(file, layout):
         refuse_swelling(file)
     if suffix in PARQUET:
         try:
-            return pd.read_parquet(file)
+            return flat(pd.read_parquet(file))
         except ImportError as error:
             raise ValueError(
                 "reading Parquet needs pyarrow: pip install 'pvlib_fem[parquet]'"
@@ -151,6 +156,14 @@ def table(file, layout):
     marked = [name for name in texts(data) if name not in times]
     signs = layout.thousands, layout.decimal
     return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
+
+
+def flat(data):
+    """The table with labels of several levels joined to one text."""
+    if data.columns.nlevels == 1:
+        return data
+    labels = [[str(part).strip() for part in label] for label in data.columns]
+    return data.set_axis(["_".join(filter(None, label)) for label in labels], axis=1)
 
 
 def refuse_swelling(file):

@@ -4,11 +4,20 @@ import re
 from dataclasses import replace
 from itertools import product
 
-import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import instants
-from pvlib_fem.record.times import AFTER, ISO, UNIX, as_text, joined, timed
+from pvlib_fem.record.times import (
+    AFTER,
+    ISO,
+    SERIAL,
+    UNIX,
+    as_text,
+    joined,
+    of_numbers,
+    timed,
+    unevenness,
+    untimed,
+)
 
 TIMES = re.compile(
     r"time|date|datum|zeit|uhr|fecha|hora|heure|hour|hhmm|stamp|^ts$|^utc|epoch|unix",
@@ -23,9 +32,14 @@ DATES: tuple[str, ...] = (
     "%Y/%m/%d",
 )
 DATES += ("%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%Y%m%d", "%m-%d-%Y", "%Y.%m.%d")
+#: the same with the month's name, in English
+DATES += ("%b %d, %Y", "%d %b %Y", "%d-%b-%Y", "%d-%b-%y", "%d/%b/%Y", "%b %d %Y")
+DATES += ("%B %d, %Y", "%d %B %Y")
 HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M", "%H%M")
+HOURS += ("%I:%M%p", "%I:%M:%S%p")
 COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their digits
 SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
+SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
 TWICE = 0.05  # share of rows with the same time up to which they are left out
 LOOKED_AT = 2_000  # rows whose times tell the format
 
@@ -59,19 +73,24 @@ def with_times(raw, layout, doubts, file):
 
 def formats(columns):
     """Formats in which all times can be read and tell the hour, the best first."""
-    some = columns.dropna()
+    without = untimed(columns)
+    if without.mean() > 0.5:
+        return []
+    some = of_numbers(columns[~without])
     if len(some) > 10 * AFTER:  # what stands after the rows has no say
         some = some.iloc[:-AFTER].infer_objects()
     some = some.iloc[:: max(1, len(some) // LOOKED_AT)]
     if some.empty:
         return []
     column = joined(some)
-    choices = [ISO, *(f"{d} {h}" for d, h in product(DATES, HOURS))]
+    choices = [ISO, *(f"{d}{s}{h}" for d, s, h in product(DATES, (" ", ", "), HOURS))]
     if pd.api.types.is_datetime64_any_dtype(column):
         choices = [ISO]
     elif pd.api.types.is_numeric_dtype(column):
         if column.between(*SINCE_1970).all():
             return [UNIX]
+        if column.between(*SINCE_1900).all() and (column % 1.0 != 0.0).any():
+            return [SERIAL]
         column = column.map(as_text)
         digits = column.str.len().unique()
         choices = [COMPACT[n] for n in digits if n in COMPACT and len(digits) == 1]
@@ -87,8 +106,7 @@ def formats(columns):
             continue
         if len(read) > 1 and (read.dt.normalize() == read).all():
             continue  # a date only
-        steps = np.diff(instants(pd.DatetimeIndex(read))) / np.timedelta64(1, "s")
-        ways[form] = (int((steps <= 0).sum()), float(np.abs(steps).sum()))
+        ways[form] = unevenness(read)
         if form == ISO:
             break
     if not ways:
@@ -110,10 +128,23 @@ def lines_after(raw, layout):
     return 0
 
 
+def with_times_only(raw, layout, doubts, file):
+    """The layout that leaves out rows without a time, and the others."""
+    if isinstance(raw.index, pd.DatetimeIndex) and not layout.time:
+        without = raw.index.isna()
+    else:
+        without = untimed(raw[time_columns(raw, layout)])
+    if not without.any():
+        return layout, raw
+    rows = "a row holds" if without.sum() == 1 else f"{without.sum():,} rows hold"
+    doubts.append(f"{rows} no time in {file}, left out by --drop-untimed")
+    return replace(layout, drop_untimed=True), of_numbers(raw[~without])
+
+
 def in_order(raw, layout, name):
     """The layout that puts rows in order, where they are not."""
     try:
-        index = timed(raw, layout, name).index
+        index = timed(raw, layout, name)[0].index
     except ValueError:
         return layout
     rises = index.is_monotonic_increasing
@@ -127,7 +158,7 @@ def index_of(raw, layout):
         index = raw.index
     else:
         try:
-            index = timed(raw, replace(layout, tz=None), "").index
+            index = timed(raw, replace(layout, tz=None), "")[0].index
         except ValueError:
             return None
     return index

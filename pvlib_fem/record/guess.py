@@ -13,6 +13,7 @@ from pvlib_fem.record.formats import (
     lines_after,
     time_columns,
     with_times,
+    with_times_only,
     written,
 )
 from pvlib_fem.record.layout import found_layout
@@ -77,15 +78,18 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     data, units = {}, {}
     for file, layout in zip(files, layouts):
         layout, below = found_layout(file, layout)
-        layout, raw = with_cells(file, layout, found.doubts)
+        raw = table(file, layout)
         layout = with_times(raw, layout, found.doubts, file.name)
         if layout.skip_end == 0 and (end := lines_after(raw, layout)):
             layout = replace(layout, skip_end=end)
-            layout, raw = with_cells(file, layout, found.doubts)
             last = f"each of the last {end} lines" if end > 1 else "the last line"
             found.doubts.append(
                 f"{last} holds no time in {file.name} and is left out by --skip-end"
             )
+        layout, _ = with_times_only(
+            table(file, layout), layout, found.doubts, file.name
+        )
+        layout, raw = with_cells(file, layout, found.doubts)
         index = index_of(raw, layout)
         left = raw.drop(columns=time_columns(raw, layout))
         if layout.tz is None and index is not None:
@@ -111,18 +115,24 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
 
 def with_cells(file, layout, doubts):
     """The layout with what stands in cells beside numbers, and the table."""
-    raw = table(file, layout)
+    raw = rows_of(file, layout)
     columns = [raw[name] for name in texts(raw)]
     sign = "" if layout.thousands else thousands_of(columns, layout.decimal)
     if sign:
         layout = replace(layout, thousands=sign)
         doubts.append(f"{sign!r} is taken for the sign between thousands")
-        raw = table(file, layout)
+        raw = rows_of(file, layout)
     missing = texts_of_missing(raw, layout)
     if set(missing) - set(layout.missing):
         layout = replace(layout, missing=(*layout.missing, *missing))
-        raw = table(file, layout)
+        raw = rows_of(file, layout)
     return layout, raw
+
+
+def rows_of(file, layout):
+    """The table without the rows that the layout leaves out for their times."""
+    raw = table(file, layout)
+    return with_times_only(raw, layout, [], "")[1] if layout.drop_untimed else raw
 
 
 def by_the_sun(data, found):

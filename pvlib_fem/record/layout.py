@@ -41,6 +41,7 @@ class Layout:
     missing: tuple[str, ...] = ()
     sort: bool = False
     drop_doubled: bool = False
+    drop_untimed: bool = False
 
 
 def found_layout(file, layout=None):

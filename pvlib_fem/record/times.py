@@ -2,21 +2,41 @@
 
 import datetime
 import numbers
+import re
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.record.checks import instants
+from pvlib_fem.record.zones import standard
+
 ISO = "ISO8601"
 UNIX = "unix"  # seconds since 1970 in UTC
+SERIAL = "excel"  # days since the end of 1899, as spreadsheets count them
+ORIGIN = "1899-12-30"  # of those, since they have a 29 February in 1900
 AFTER = 3  # lines that a table may have after its last row, such as totals
+DIGIT = re.compile(r"\d")
 
 
 def timed(data, layout, name):
-    """The table on its times."""
-    time = list(layout.time)
-    if isinstance(data.index, pd.DatetimeIndex) and time in ([], [data.index.name]):
-        data = data.rename_axis("time")
+    """
+    The table on its times, and what was dropped for that, a sentence each.
+
+    Parameters
+    ----------
+    data : DataFrame
+    layout : Layout
+    name : str
+        Of the file.
+
+    Returns
+    -------
+    DataFrame, list of str
+    """
+    time, notes, name_of = list(layout.time), [], data.index.name
+    if isinstance(data.index, pd.DatetimeIndex) and time in ([], [name_of]):
+        columns = data.index.to_frame(index=False, name=name_of or "time")
     else:
         time = time or [data.columns[0]]
         if absent := [column for column in time if column not in data]:
@@ -24,11 +44,42 @@ def timed(data, layout, name):
                 f"{name} has no column {', '.join(absent)} for the times; it has "
                 f"{', '.join(map(str, data.columns))}"
             )
-        index = times(data[time], layout.time_format)
-        data = data.drop(columns=time).set_index(index)
+        columns, data = data[time], data.drop(columns=time)
+    if layout.drop_untimed and (without := untimed(columns)).any():
+        notes.append(
+            f"rows without a time, left out: {without.sum():,}, the first is row "
+            f"{int(np.argmax(without))}"
+        )
+        data, columns = of_numbers(data[~without]), of_numbers(columns[~without])
+    data = data.set_axis(times(columns, layout.time_format))
     if layout.tz is not None:
-        data.index = zoned(data.index, layout.tz)
-    return data
+        index, kept, lost = in_zone(data.index, layout.tz)
+        data = (data if kept.all() else data[kept]).set_axis(index)
+        notes += lost
+    return data, notes
+
+
+def untimed(columns):
+    """Rows that hold no time in any form: nothing, or a text without a digit."""
+    without = np.array(columns.isna().any(axis=1))
+    for _, column in columns.items():
+        kinds = pd.api.types
+        if kinds.is_object_dtype(column) or kinds.is_string_dtype(column):
+            text = column.astype(str)
+            without |= ~text.str.contains(DIGIT).fillna(False).to_numpy(bool)
+    return without
+
+
+def of_numbers(data):
+    """The table with columns as numbers where all of their cells are."""
+    found = {}
+    for name, column in data.items():
+        if pd.api.types.is_object_dtype(column) or pd.api.types.is_string_dtype(column):
+            try:
+                found[name] = pd.to_numeric(column)
+            except (TypeError, ValueError):
+                continue
+    return data.assign(**found) if found else data
 
 
 def times(columns, time_format=ISO):
@@ -47,18 +98,70 @@ def times(columns, time_format=ISO):
     """
     name = " and ".join(f"{name!r}" for name in columns)
     column = joined(columns)
-    if pd.api.types.is_numeric_dtype(column):
-        if time_format == UNIX:
-            return pd.DatetimeIndex(
-                pd.to_datetime(column, unit="s", utc=True), name="time"
-            )
-        if time_format == ISO:
-            raise ValueError(
-                f"column {name} should hold the times and holds numbers; name the "
-                "right one with --time COLUMN, or give --time-format unix for seconds "
-                "since 1970 in UTC, %Y%m%d%H%M for such as 202406012130"
-            )
-        column = column.map(as_text)
+    if pd.api.types.is_datetime64_any_dtype(column):
+        parsed = column
+    elif time_format in COUNTED and pd.api.types.is_numeric_dtype(column):
+        parsed = COUNTED[time_format](column)
+    else:
+        if pd.api.types.is_numeric_dtype(column):
+            refuse_numbers(time_format, name)
+            column = column.map(as_text)
+        parsed = parsed_times(column, time_format)
+        refuse_turned(column, time_format, parsed, name)
+    if parsed.isna().any():
+        raise no_time(columns, column, parsed.isna().to_numpy(), time_format)
+    return pd.DatetimeIndex(parsed, name="time")
+
+
+#: times that are counted, not written
+COUNTED = {
+    UNIX: lambda column: pd.to_datetime(column, unit="s", utc=True),
+    SERIAL: lambda column: (
+        pd.Timestamp(ORIGIN) + pd.to_timedelta(column, unit="D").dt.round("ms")
+    ),
+}
+
+
+def refuse_numbers(time_format, name):
+    """Refuse numbers where no option says what they count."""
+    if time_format == ISO:
+        raise ValueError(
+            f"column {name} should hold the times and holds numbers; name the right "
+            "one with --time COLUMN, or give --time-format unix for seconds since "
+            "1970 in UTC, excel for days since 1900, %Y%m%d%H%M for such as "
+            "202406012130"
+        )
+
+
+def no_time(columns, column, lacking, time_format):
+    """The error of rows that hold no time, or one of another format."""
+    name = " and ".join(f"{name!r}" for name in columns)
+    several = " (joined by a space)" if columns.shape[1] > 1 else ""
+    row = int(lacking.argmax())
+    after = len(lacking) - row
+    what = f"column {name}{several} holds no time"
+    held = f"{column.iloc[row]!r}"
+    if row and after <= AFTER and lacking[row:].all():
+        last = f"the last {after} rows are" if after > 1 else "the last row is"
+        return ValueError(
+            f"{what} in row {row}: {held}; give --skip-end {after} if {last} no "
+            "measurement, such as a total"
+        )
+    if (without := untimed(columns))[row] and not without.all():
+        more = int(without.sum()) - 1
+        several = f", and in {more:,} more row{'s' * (more > 1)}" if more else ""
+        return ValueError(
+            f"{what} in row {row}{several}: {held}; give --drop-untimed to leave such "
+            "rows out, or name the column of times with --time COLUMN"
+        )
+    return ValueError(
+        f"{what} of the format {time_format} in row {row}: {held}; give --time-format, "
+        "such as '%d/%m/%Y %H:%M', or name the column of times with --time COLUMN"
+    )
+
+
+def parsed_times(column, time_format):
+    """Texts as times, NaT where they are none."""
     how = {"format": time_format, "errors": "coerce"}
     try:
         parsed = pd.to_datetime(column, **how)
@@ -67,23 +170,30 @@ def times(columns, time_format=ISO):
         mixed = True
     if mixed:  # offsets that change, as with daylight saving time
         parsed = pd.to_datetime(column, utc=True, **how)
-    if parsed.isna().any():
-        row = int(parsed.isna().to_numpy().argmax())
-        several = " (joined by a space)" if columns.shape[1] > 1 else ""
-        after = len(parsed) - row
-        if row and after <= AFTER and parsed[row:].isna().all():
-            last = f"the last {after} rows are" if after > 1 else "the last row is"
-            raise ValueError(
-                f"column {name}{several} holds no time in row {row}: "
-                f"{column.iloc[row]!r}; give --skip-end {after} if {last} no "
-                "measurement, such as a total"
-            )
-        raise ValueError(
-            f"column {name}{several} holds no time of the format {time_format} in row "
-            f"{row}: {column.iloc[row]!r}; give --time-format, such as "
-            "'%d/%m/%Y %H:%M', or name the column of times with --time COLUMN"
-        )
-    return pd.DatetimeIndex(parsed, name="time")
+    return parsed
+
+
+def refuse_turned(column, time_format, parsed, name):
+    """Refuse a month that is read as the day, where the days tell."""
+    both = {"%d", "%m"} <= {*re.findall("%.", time_format)}
+    if not both or parsed.isna().any() or parsed.dt.day.max() > 12:
+        return
+    turned = time_format.replace("%d", "%0").replace("%m", "%d").replace("%0", "%m")
+    other = parsed_times(column, turned)
+    if other.isna().any() or unevenness(other) >= unevenness(parsed):
+        return
+    days = [f"{len(one.dt.normalize().unique()):,} days" for one in (parsed, other)]
+    raise ValueError(
+        f"column {name} read as {time_format} has {days[0]}, none after the 12th of a "
+        f"month, and read as {turned} {days[1]} that follow each other; give "
+        f"--time-format '{turned}', or write the times in ISO 8601 if they are right"
+    )
+
+
+def unevenness(column):
+    """How far times are from following each other: steps back, and all steps. [s]"""
+    steps = np.diff(instants(pd.DatetimeIndex(column))) / np.timedelta64(1, "s")
+    return int((steps <= 0).sum()), float(np.abs(steps).sum())
 
 
 def joined(columns):
@@ -106,7 +216,32 @@ def as_text(value):
 
 
 def zoned(index, tz):
-    """Times in a zone: naive ones are taken as local in it."""
+    """Times in a zone: naive ones are taken as local in it, and have to be there."""
+    index, kept, lost = in_zone(index, tz)
+    if not kept.all():
+        raise ValueError(
+            f"--tz {tz}: {lost[0]}; loggers mostly keep standard time, for example "
+            "--tz Etc/GMT-1 for one hour east of Greenwich"
+        )
+    return index
+
+
+def in_zone(index, tz):
+    """
+    Times in a zone, where naive ones are local.
+
+    Of an hour that autumn has twice the order of the rows tells which is which.
+
+    Parameters
+    ----------
+    index : DatetimeIndex
+    tz : str
+
+    Returns
+    -------
+    DatetimeIndex, array of bool, list of str
+        Times, the rows that have one in that zone, and what is said of others.
+    """
     try:
         ZoneInfo(tz)
     except (ZoneInfoNotFoundError, ValueError, OSError) as error:
@@ -115,28 +250,41 @@ def zoned(index, tz):
             "Europe/Brussels, or Etc/GMT-1 for one hour east of Greenwich"
         ) from error
     if index.tz is not None:
-        return index.tz_convert(tz)
+        return index.tz_convert(tz), np.ones(len(index), dtype=bool), []
+    first = ~index.duplicated()
+    local = index.tz_localize(tz, ambiguous=first, nonexistent="NaT")
+    there = np.asarray(local.notna())
+    lost = skipped(index, tz, there)
     try:
-        # the hour that an autumn has twice is told by the order of its rows
-        return index.tz_localize(tz, ambiguous="infer")
-    except Exception as error:  # of pandas' own, or of the zones' library
-        at = in_no_zone(index, tz)
-        skipped = (
-            f"{at} does not exist there, since the clock skips that hour in spring"
-            if at is not None
-            else "the hour that comes twice in autumn is in the file once only"
+        return (
+            index[there].tz_localize(tz, ambiguous="infer"),
+            there,
+            skipped(index, tz, there),
         )
-        raise ValueError(
-            f"--tz {tz}: {skipped}; loggers mostly keep standard time, for example "
-            "--tz Etc/GMT-1 for one hour east of Greenwich"
-        ) from error
+    except Exception:  # of pandas' own, or of the zones' library: an hour is there once
+        twice = index.tz_localize(tz, ambiguous="NaT", nonexistent="shift_forward")
+        once = np.asarray(twice.isna()) & ~index.duplicated(keep=False)
+    lost = skipped(index, tz, there)
+    if once.any():
+        lost.append(
+            f"rows in the hour that the clock of {tz} shows twice and the file has "
+            f"once, left out: {once.sum():,}, the first is {index[once][0]}"
+        )
+    kept = there & ~once
+    return local[kept], kept, lost
 
 
-def in_no_zone(index, tz):
-    """The first time that a clock in a zone never shows, if there is one."""
-    first = np.ones(len(index), dtype=bool)
-    there = index.tz_localize(tz, ambiguous=first, nonexistent="NaT")
-    return index[there.isna()][0] if there.hasnans else None
+def skipped(index, tz, there):
+    """What is said of rows at times that a clock never shows."""
+    if there.all():
+        return []
+    hours = standard(tz)
+    fixed = f" (Etc/GMT{-hours:+.0f})" if hours == round(hours) else ""
+    return [
+        f"rows at times that the clock of {tz} skips, left out: {(~there).sum():,}, "
+        f"the first is {index[~there][0]}; a logger that writes such times keeps "
+        f"standard time{fixed}"
+    ]
 
 
 def in_order(data, sort=False, drop_doubled=False):
