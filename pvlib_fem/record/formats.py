@@ -6,9 +6,9 @@ from itertools import product
 
 import pandas as pd
 
+from pvlib_fem.record.layout import ISO
 from pvlib_fem.record.times import (
     AFTER,
-    ISO,
     SERIAL,
     UNIX,
     as_text,

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import pandas as pd
 
 from pvlib_fem.record.numbers import NUMBERS
-from pvlib_fem.record.times import ISO
 
+ISO = "ISO8601"  # the form of times, unless another is told
 EXCEL = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods")
 PARQUET = (".parquet", ".pq")
 SOME = 200_000  # characters that are looked at

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants
+from pvlib_fem.record.layout import ISO
 from pvlib_fem.record.zones import standard
 
-ISO = "ISO8601"
 UNIX = "unix"  # seconds since 1970 in UTC
 SERIAL = "excel"  # days since the end of 1899, as spreadsheets count them
 ORIGIN = "1899-12-30"  # of those, since they have a 29 February in 1900
