@@ -254,3 +254,113 @@ def test_a_month_that_is_read_as_the_day_is_noticed(first, record, tmp_path):
         assert f"give --time-format '{first}'" in refused.output
         assert "none after the 12th of a month" in refused.output
     assert (fem.read_file(path, time_format=first).index == days.index).all()
+
+
+@pytest.fixture
+def portal(plant):
+    """What a portal exports: prefixes, a fraction, a plant's power, and the rest."""
+    power = plant["poa_global"] * 0.04 * (1 - 0.004 * (plant["temp_module"] - 25))
+    return pd.DataFrame(
+        {
+            "met_POA": plant["poa_global"],
+            "met_Tamb": plant["temp_air"],
+            "met_WS": plant["wind_speed"],
+            "array_Tmod": plant["temp_module"],
+            "met_RH": plant["relative_humidity"] / 100.0,
+            "System Power (kW)": power.round(3),
+            "inverter_2_power": power.round(2),
+            "Battery V": 12.5,
+            "comment": "ok",
+            "spare": np.nan,
+            "POA_std": power.round(1) % 7,
+            "fan": power.round(1) % 11,
+        },
+        plant.index,
+    )
+
+
+def test_a_guess_lists_every_column_that_it_does_not_use(portal, tmp_path):
+    path = tmp_path / "plant.csv"
+    portal.to_csv(path, index_label="time")
+    guessed = call("loop", path, "--guess")
+    assert guessed.exit_code == 0
+    words = proposed(guessed)
+    mapped = {
+        "poa_global": "met_POA",
+        "temp_air": "met_Tamb",
+        "wind_speed": "met_WS",
+        "temp_module": "array_Tmod",
+        "relative_humidity": "met_RH",
+        "power_ac": "System Power (kW)",
+    }
+    assert {f"{name}={column}" for name, column in mapped.items()} <= {*words}
+    assert words[words.index("--unit") + 1] == "relative_humidity=fraction"
+    left = {
+        "constant: 'Battery V'",
+        "not numeric: 'comment'",
+        "no value: 'spare'",
+        "another quantity, by 'std' in the name: 'POA_std'",
+        "power_ac has a column already: 'inverter_2_power'",
+        "no known name: 'fan'",
+    }
+    found = re.findall(r"^- not mapped, (.*)$", guessed.output, re.MULTILINE)
+    assert {*found} == left
+    named = [*mapped.values(), *re.findall(r"'([^']+)'$", "\n".join(found), re.M)]
+    assert {*portal} == {*named}
+
+
+def test_a_fraction_reaches_the_loop_as_percent(portal, plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    portal.to_csv(path, index_label="time")
+    words = proposed(call("loop", path, "--guess"))
+    files = [word for word in words if word.startswith("relative_humidity=")]
+    assert files == ["relative_humidity=met_RH", "relative_humidity=fraction"]
+    data = fem.read_file(
+        path, {"relative_humidity": "met_RH"}, {"relative_humidity": "fraction"}
+    )
+    humid = plant["relative_humidity"].to_numpy()
+    assert data["relative_humidity"].to_numpy() == pytest.approx(humid)
+
+
+OWN = {
+    "met_RH": ("relative_humidity", lambda d: d["relative_humidity"] / 100.0),
+    "wind dir": ("wind_direction", lambda d: np.radians(d["wind_direction"])),
+    "rain_in": ("precipitation", lambda d: d["precipitation"] / 25.4),
+    "System Power (kW)": ("power_ac", lambda d: d["poa_global"] * 0.04),
+}
+
+
+@pytest.mark.parametrize("column", OWN)
+def test_no_driver_of_an_effect_is_a_cause_of_its_own_without_a_word(column, plant):
+    """Under another name, in another unit: the loop says what it may be."""
+    name, values = OWN[column]
+    noise = np.random.default_rng(1).normal(0.0, 0.01, len(plant))
+    data = plant[list(COLUMNS)].assign(**{column: values(plant) + noise, "fan": noise})
+    notes = fem.close_loop(data, effects=[]).notes
+    told = [note for note in notes if note.startswith(f"{column} looks like {name}:")]
+    assert len(told) == 1 and f"--map {name}={column}" in told[0]
+    assert not any(note.startswith("fan looks") for note in notes)
+
+
+def test_a_driver_in_another_unit_is_told_the_option_that_converts_it(plant):
+    turned = plant.assign(
+        relative_humidity=plant["relative_humidity"] / 100.0,
+        wind_direction=np.radians(plant["wind_direction"]),
+    )
+    notes = " ".join(fem.close_loop(turned, effects=[]).notes)
+    assert "--unit relative_humidity=fraction" in notes
+    assert "--unit wind_direction=rad" in notes
+
+
+def test_the_loop_counts_what_a_screening_counts(plant):
+    """Test weeks are in the counts, though no rule has seen their temperature."""
+    data = plant.copy()
+    rng = np.random.default_rng(3)
+    codes = {"temp_module": -9999.0, "temp_air": -99.0, "relative_humidity": -999.0}
+    for name, code in codes.items():
+        rows = rng.choice(len(data), 150, replace=False)
+        data.iloc[rows, data.columns.get_loc(name)] = code
+    whole = [note for note in fem.screen(data).notes if "fill value" in note]
+    assert [re.search(r"in (\d+) rows", note)[1] for note in whole] == 3 * ["150"]
+    loop = fem.close_loop(data, effects=[])
+    assert [note for note in loop.notes if "fill value" in note] == whole

@@ -13,8 +13,9 @@ from click.core import ParameterSource
 from pvlib_fem.cli.options import PER_FILE, SAME, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.quality.screen import screened
+from pvlib_fem.quality.units import unit_of_driver
 from pvlib_fem.record.checks import datetime_steps
-from pvlib_fem.record.columns import COLUMNS, of_several
+from pvlib_fem.record.columns import COLUMNS, numeric, of_several
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.footers import parquet_file
 from pvlib_fem.record.guess import Guess, guess
@@ -22,7 +23,7 @@ from pvlib_fem.record.inputs import as_record
 from pvlib_fem.record.layout import PARQUET
 from pvlib_fem.record.names import unmapped
 from pvlib_fem.record.parquet import open_parquet
-from pvlib_fem.record.units import ForeignUnit, Swapped
+from pvlib_fem.record.units import QUANTITIES, ForeignUnit, Swapped, named_unit
 from pvlib_fem.spelling import refusal
 
 COMMANDLINE = ParameterSource.COMMANDLINE
@@ -92,7 +93,9 @@ def read(files, options, drivers=False, needed=COLUMNS):
     done |= data.attrs.pop("converted")
     for line in data.attrs.pop("notes"):
         note(line)
-    if drivers and (likely := unmapped(data)):
+    looks = unmapped(numeric(data)) if drivers else {}
+    likely = {n: c for c, n in [*looks.items()][::-1] if n not in data}
+    if likely:
         maps = [w for n, c in likely.items() for w in ("--map", f"{n}={c}")]
         what = ", ".join(f"{c!r} looks like {n}" for n, c in likely.items())
         note(
@@ -168,6 +171,10 @@ def check_columns(data, needed=COLUMNS):
 def check_record(data):
     """Refuse what a fit would, such as a unit that only the numbers show."""
     screened(as_record(*(data[name] for name in COLUMNS)))
+    for name in QUANTITIES:
+        if name in data and (unit := unit_of_driver(name, data[name])):
+            most = f"it is {data[name].max():.2g} at most"
+            raise ForeignUnit(f"{name} is in {unit}", (name,), unit, most)
 
 
 def proposal(files, layouts, columns, how, place):
@@ -185,6 +192,19 @@ def proposal(files, layouts, columns, how, place):
         return ""
     lines = [LOOK, "", f"  {command(found, lacking, how)}", ""]
     lines += [f"- {doubt}" for doubt in found.doubts]
+    if power := found.columns.get("power_ac"):
+        unit = "--convert" if named_unit("p_dc", power) else "--unit p_dc=W"
+        lines.append(
+            f"- {power!r} as power_ac only vouches for instruments; with the area of "
+            f"the modules {quoted(['--map', f'p_dc={power}'])} {unit} --module-area "
+            "AREA lets loop try electrical_output"
+        )
+    lines += [
+        f"- not mapped, {reason}: {', '.join(map(repr, columns))}"
+        for reason, columns in found.unused.items()
+    ]
+    if found.unused and click.get_current_context().info_name != "fit":
+        lines.append("- of those the numeric ones that vary are tried as causes, too")
     if lacking:
         lines.append(
             f"- which column is {', '.join(lacking)}? There are {', '.join(found.free)}"

@@ -17,6 +17,7 @@ from pvlib_fem.quality.plane import plane_of
 from pvlib_fem.quality.screen import Faults, alone
 from pvlib_fem.quality.screening import stuck
 from pvlib_fem.quality.stray import refuse_stray
+from pvlib_fem.quality.stuck import stuck_line
 from pvlib_fem.quality.twin import twin_clock
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because
@@ -31,6 +32,7 @@ from pvlib_fem.record.columns import (
     with_aliases,
 )
 from pvlib_fem.record.inputs import Record, as_record, with_columns
+from pvlib_fem.record.names import unmapped
 
 UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
@@ -156,7 +158,9 @@ def looked(data, holdout, site, criteria, check_units):
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
-    whole, still = with_answer(hidden, faults, usual, test, limits)
+    whole, still, faults, health = with_answer(
+        hidden, faults, health, usual, test, limits
+    )
     odd = tuple(oddities(in_time(hidden, health.clock).inputs, limits))
     told = (drivers, witnesses, refused, faults, odd, health, still)
     return Look(whole, what, *told, kept=np.ones(len(what), dtype=bool))
@@ -213,6 +217,11 @@ def notes_of(look, corrections, wanted, site, criteria):
         minutes = health.clock.limit / 60.0
         yield str(because(Reason.COARSE_CLOCK, minutes=minutes))
     yield from (f"{reason}: not used" for reason in look.refused.values())
+    for column, name in unmapped(look.drivers).items():
+        yield (
+            f"{column} looks like {name}: under a name of its own it may be taken for "
+            f"a cause that it is not; if it is that, rename it (--map {name}={column})"
+        )
     if look.witnesses:
         yield (
             f"{', '.join(look.witnesses)} vouch{'es' * (len(look.witnesses) == 1)} for "
@@ -232,12 +241,12 @@ def twins(look, limits):
                 yield f"the clock of {name} {line}"
 
 
-def with_answer(hidden, faults, usual, test, limits):
+def with_answer(hidden, faults, health, usual, test, limits):
     """
     The record with the answer of the test rows, and which of them stand still.
 
     Of that answer nothing is known to any rule; what it shows of a sensor is of the
-    test rows alone.
+    test rows alone. What is told of the record counts both.
     """
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})
@@ -246,8 +255,15 @@ def with_answer(hidden, faults, usual, test, limits):
     # as it came it needs no room of its own
     found = came if np.array_equal(found, came, equal_nan=True) else found
     whole = hidden.having({name: found})
-    whole = replace(whole, impossible=faults.and_in(test, answer).impossible)
-    return whole, test & np.any(list(stuck(own, limits).values()), axis=0)
+    came = faults.record.having({name: came})
+    faults = replace(faults.and_in(test, answer), record=came)
+    still = {n: test & rows for n, rows in stuck(own, limits).items()}
+    both = {n: rows | still.get(n, False) for n, rows in health.frozen.items()}
+    if any(rows.any() for rows in both.values()):
+        told = {"stuck": stuck_line(whole, both)}
+        health = replace(health, faults=told | health.faults | told)
+    whole = replace(whole, impossible=faults.impossible)
+    return whole, np.any(list(still.values()), axis=0), faults, health
 
 
 def gaps(record, drivers, wanted):

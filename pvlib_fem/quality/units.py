@@ -47,7 +47,8 @@ def doubtful(columns, limits=None) -> dict[str, str]:
 
     Examples
     --------
-    >>> doubtful({"relative_humidity": [0.4, 0.9]})["relative_humidity"]
+    >>> found = doubtful({"relative_humidity": [0.4, 0.9]})
+    >>> found["relative_humidity"].partition(" (")[0]
     'is 0.9 at most, a fraction; multiply it by 100 for %'
     """
     limits = limits or Limits()
@@ -82,9 +83,26 @@ def often(odd, limits):
     return np.mean(odd) > limits.few_share
 
 
+def unit_of_driver(name, values, limits=None):
+    """The unit in which a driver looks to be, by its values; "" if in its own."""
+    limits, values = limits or Limits(), np.asarray(values, float)
+    seen, known = values[np.isfinite(values)], range_of(name)
+    if not len(seen):
+        return ""
+    if name == "relative_humidity" and 100.0 * seen.max() <= known.most:
+        return "fraction"
+    circle = round(np.degrees(seen.max())) <= known.most  # 2π may be rounded to 6.3
+    if name == "wind_direction" and circle and len(seen) >= limits.few_values:
+        return "rad"
+    return ""
+
+
 def humidity_doubt(seen, known, limits):
-    if 100.0 * seen.max() <= known.most:
-        return f"is {seen.max():.2g} at most, a fraction; multiply it by 100 for %"
+    if unit := unit_of_driver("relative_humidity", seen, limits):
+        return (
+            f"is {seen.max():.2g} at most, a fraction; multiply it by 100 for % "
+            f"(--unit relative_humidity={unit})"
+        )
     if often((seen < known.least) | (seen > known.most), limits):
         return f"goes from {seen.min():.3g} to {seen.max():.3g}; it should be in %"
     return ""
@@ -103,9 +121,11 @@ def longwave_doubt(seen, known, limits):
 
 
 def direction_doubt(seen, known, limits):
-    circle = round(np.degrees(seen.max())) <= known.most  # 2π may be rounded to 6.3
-    if circle and len(seen) >= limits.few_values:
-        return f"is {seen.max():.2g} at most, radians; multiply it by 57.3 for °"
+    if unit := unit_of_driver("wind_direction", seen, limits):
+        return (
+            f"is {seen.max():.2g} at most, radians; multiply it by 57.3 for ° "
+            f"(--unit wind_direction={unit})"
+        )
     if often((seen < known.least) | (seen > known.most), limits):
         return f"goes from {seen.min():.0f} to {seen.max():.0f}°; use it modulo 360"
     return ""

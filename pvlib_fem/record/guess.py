@@ -17,7 +17,7 @@ from pvlib_fem.record.formats import (
     written,
 )
 from pvlib_fem.record.layout import found_layout
-from pvlib_fem.record.names import NAMES, NOT, mapped, spelled, without_unit
+from pvlib_fem.record.names import NAMES, NOT, mapped, spelled, unused, without_unit
 from pvlib_fem.record.numbers import thousands_of
 from pvlib_fem.record.units import (
     QUANTITIES,
@@ -45,6 +45,7 @@ class Guess:
     area: bool = False  # whether power has to be divided by one
     doubts: list = field(default_factory=list)
     free: list = field(default_factory=list)  # columns that have no meaning yet
+    unused: dict = field(default_factory=dict)  # reason to columns that are not used
 
     @property
     def there(self):
@@ -102,10 +103,12 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
         for column in left:
             name = f"{column} ({file.name})" if column in data else column
             data[name], units[name] = left[column], below.get(column, "")
-    found.columns = mapped(data, found.columns, tuple(QUANTITIES), found.doubts)
+    found.columns = mapped(data, found.columns, tuple(NAMES), found.doubts)
     by_the_sun(data, found)
     taken = found.columns.values()
     found.free = [str(column) for column in data if column not in taken]
+    left = {column: data[column] for column in data if column not in taken}
+    found.unused = unused(left, found.there)
     in_units(found, data, units)
     if check is not None:
         by_evidence(found, files, how or {}, check)
@@ -159,7 +162,7 @@ def by_the_sun(data, found):
 def in_units(found, data, below):
     """What headers say of units, or a line below them."""
     for name, column in found.columns.items():
-        if column not in data:
+        if column not in data or name not in QUANTITIES:
             continue
         unit = named_unit(name, str(column))
         if unit is None and below.get(column):
@@ -203,7 +206,7 @@ def by_evidence(found, files, how, check):
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
     headers = {name: found.columns.get(name, name) for name in QUANTITIES}
-    for _ in COLUMNS:
+    for _ in QUANTITIES:
         told = {**how.get("units", {}), **found.units}
         try:
             check(frame(files, found.layouts, found.columns, **how | {"units": told}))

@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from pvlib_fem.record.columns import ALIASES
+from pvlib_fem.record.columns import ALIASES, COLUMNS, GEOMETRY, vouches
 from pvlib_fem.record.units import QUANTITIES
 
 #: column: names that loggers have for it, the surest first
@@ -29,12 +29,22 @@ NAMES = {
         r"vel\w*[\s_.-]*(w|vi?ento)",
         r"^wind|anemom|vi?ento|^v$",
     ),
-    "relative_humidity": (r"^rh(\b|_|\d)|rel\w*[\s_.-]*hum|humid|feucht|^hr$|^rf$",),
+    "relative_humidity": (
+        r"(^|[\W_])rh(\b|_|\d)|rel\w*[\s_.-]*hum|humid|feucht|^hr$|^rf$",
+    ),
     "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
     "precipitation": (r"rain|precip|regen|niederschl|^rr$",),
     "p_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
     "snow_depth": (r"snow|schnee",),
+    "power_ac": (
+        r"^p[\s_.-]?ac(\b|_|\d)|ac[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*ac",
+        r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set)).*(power|leistung)",
+    ),
 }
+#: effects' drivers, and what vouches for an instrument: columns beside the usual four
+DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
+#: words before a name that say where its sensor is
+PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
 NOT = re.compile(
     r"std|stdev|(\b|_)(min|max|sd|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
     r"diffus|direct|beam|clear|status|flag|albedo",
@@ -78,14 +88,66 @@ def told(name, matching, sure, doubts):
 def spelled(column):
     """A column's name without its unit, in small letters, words apart."""
     bare = re.sub(r"([a-z])([A-Z])", r"\1_\2", without_unit(column))
-    return bare.strip().lower()
+    return PLACE.sub("", bare.strip().lower())
 
 
 def without_unit(column):
     return re.sub(r"[\[({].*?[\])}]", "", str(column))
 
 
-def unmapped(data, columns=(), names=tuple(QUANTITIES)):
-    """Columns that look like a usual driver and are not mapped to it."""
-    found = mapped({name: data[name] for name in data}, {}, names, [])
-    return {name: column for name, column in found.items() if name not in columns}
+def usual_name(column):
+    """The package's name that a column's name looks like, or None."""
+    if NOT.search(without_unit(column)):
+        return None
+    for name, patterns in NAMES.items():
+        if any(re.search(pattern, spelled(column)) for pattern in patterns):
+            return name
+    return None
+
+
+def is_own(column):
+    """Whether a column has a name that the package knows."""
+    return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or vouches(column)
+
+
+def unmapped(columns):
+    """Columns that look like the driver of an effect, or like power, and what like."""
+    found = {c: usual_name(c) for c in columns if not is_own(c)}
+    return {column: name for column, name in found.items() if name in DRIVERS}
+
+
+def unused(columns, taken):
+    """
+    Why columns are not used, by reason.
+
+    Parameters
+    ----------
+    columns : dict of Series
+        Those that are not mapped.
+    taken : collection of str
+        The package's names that have a column.
+
+    Returns
+    -------
+    dict of list
+    """
+    found = {}
+    for column, values in columns.items():
+        if not is_own(column):
+            found.setdefault(why_unused(column, values, taken), []).append(str(column))
+    return found
+
+
+def why_unused(column, values, taken):
+    """Why a column is not used, in words."""
+    if values.isna().all():
+        return "no value"
+    if not pd.api.types.is_numeric_dtype(values):
+        return "not numeric"
+    if values.min() == values.max():
+        return "constant"
+    if word := NOT.search(without_unit(column)):
+        return f"another quantity, by {word[0].strip('_')!r} in the name"
+    if (name := usual_name(column)) in taken:
+        return f"{name} has a column already"
+    return "no known name"
