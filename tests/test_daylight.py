@@ -222,6 +222,93 @@ def test_ten_days_by_another_clock_leave_all_other_changes_corrected():
     assert same_air(found, wall, data)
 
 
+@pytest.fixture(scope="module")
+def apart():
+    """Two years and two more in Denver's standard time, three years from each other."""
+    data = simulator.record(DENVER, {}, 7 * 365, 3600.0, 3, start="2015-01-01")
+    data = data.tz_localize(None)
+    return data[(data.index < "2016-09-10") | (data.index >= "2019-09-10")]
+
+
+def late_by(data, hours, first, last="2100"):
+    """The same with the clock of some days late."""
+    late = (data.index >= first) & (data.index < last)
+    moved = data.index + pd.to_timedelta(np.where(late, hours, 0), unit="h")
+    return once(data.set_axis(moved)).sort_index()
+
+
+def first_by_the_wall(data):
+    """Summer time until the gap, and standard time after it."""
+    first, second = data[:"2017"], data["2018":]
+    return pd.concat([by_the_wall(first, "America/Denver"), second])
+
+
+GAPS = {
+    # what is made of the file, the zone that is found and the other changes
+    "summer time": (lambda d: by_the_wall(d, "America/Denver"), True, []),
+    "and a clock that was wrong for weeks": (
+        lambda d: late_by(
+            by_the_wall(d, "America/Denver"), 3, "2016-05-10", "2016-06-20"
+        ),
+        True,
+        [("2016-05-10", 180), ("2016-06-20", -180)],
+    ),
+    "and another clock after the gap": (
+        lambda d: late_by(by_the_wall(d, "America/Denver"), 2, "2019-09-10"),
+        True,
+        [("2019-09-10", 120)],
+    ),
+    "standard time, another clock after the gap": (
+        lambda d: late_by(d, -1, "2019-09-10"),
+        False,
+        [("2019-09-10", -60)],
+    ),
+    "summer time before the gap alone": (
+        first_by_the_wall,
+        False,
+        [
+            *[("2015-03-08", 60), ("2015-11-01", -60)],
+            *[("2016-03-13", 60), ("2019-09-10", -60)],
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", GAPS)
+def test_changes_clock_errors_and_years_without_rows_are_told_apart(kind, apart):
+    """The sun says on either side of the years which clock the file has."""
+    change, kept, expected = GAPS[kind]
+    wall = once(change(apart))
+    found = judged(wall, "America/Denver")
+    assert found.zone == ("America/Denver" if kept else "")
+    assert found.explained and found.left == ()
+    moves = [(day, by / 60) for day, by in found.jumps]
+    assert len(moves) == len(expected)
+    for (day, by), (date, due) in zip(moves, expected):
+        assert abs(day - pd.Timestamp(date)) <= pd.Timedelta("2D")
+        assert by == pytest.approx(due, abs=20)  # rows are an hour apart
+    # a clock that is off as well shows the zone's changes at other hours
+    back = found.corrected(wall)["temp_air"]
+    assert np.mean(back == apart["temp_air"].reindex(back.index)) > 0.999
+    assert (~found.kept).mean() < 0.03
+
+
+@pytest.mark.parametrize("months", [4, 7, 18])
+@pytest.mark.parametrize("told", [True, False])
+def test_no_gap_is_a_jump_by_itself(months, told):
+    """Seasons on either side of it have one clock, planes to the east and west too."""
+    for latitude, azimuth in ((62.0, 180.0), (49.0, 90.0), (35.0, 270.0), (-34.0, 0.0)):
+        site = Site(latitude, 8.7, surface_azimuth=azimuth)
+        data = simulator.record(site, {}, 1000, 3600.0, 3, start="2021-01-15")
+        data = data.tz_localize(None)
+        end = data.index[0] + pd.DateOffset(months=7 + months)
+        data = data[(data.index < "2021-08-15") | (data.index > end)]
+        angles = (site.surface_tilt, site.surface_azimuth) if told else ()
+        location = Location(latitude, 8.7, tz="Etc/GMT-1")
+        noon = solar_noon_shift(data["poa_global"], data.index, location, *angles)
+        assert noon.jumps == (), (latitude, azimuth)
+
+
 def test_a_file_of_days_alone_shows_its_jumps(years):
     wall = by_the_wall(years["Europe/Berlin"], "Europe/Berlin")
     wall.loc[wall["poa_global"] <= 0, "poa_global"] = np.nan

@@ -193,7 +193,7 @@ def against(due, zone, noon, limits):
     """What speaks against a zone whose clock moves on these dates; "" if nothing."""
     left, found = list(due), 0
     for (_, by), within in zip(noon.jumps, noon.within):
-        for transition in [t for t in left if same(t, by, *within)][:1]:
+        for transition in [t for t in left if same(t, by, *within, limits)][:1]:
             left.remove(transition)
             found += 1
     if found < 2:
@@ -236,12 +236,17 @@ def changes(due, most=4):
     return listed(due) if len(due) <= most else f"{len(due)} changes {span(due)}"
 
 
-def same(transition, by, earliest, latest):
-    """Whether a jump may be this transition: days begin up to half a day off."""
+def same(transition, by, earliest, latest, limits):
+    """
+    Whether a jump may be this transition.
+
+    Days begin up to half a day off, and the light of rows of hours tells an hour to
+    half of it.
+    """
     time, due = transition
     day = pd.Timedelta(days=1)
     first, last = plain(earliest) - day, plain(latest) + day
-    return due == by and first <= time.normalize() <= last
+    return abs(by - due) < limits.sun_slack and first <= time.normalize() <= last
 
 
 def visible(time, days, limits):

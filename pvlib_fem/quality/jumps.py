@@ -6,17 +6,19 @@ import pandas as pd
 from pvlib_fem.quality.onset import HOUR
 
 
-def jumps_of(day, middle, limits):
+def jumps_of(day, middle, limits, apart=False):
     """
     Days at which the middle of the light moves for good, or for some days.
 
     A list of dicts: ``day``, ``by`` [s] and ``within``, the days it may be on. Moves
-    near to whole hours are those; others need as long again on both sides.
+    near to whole hours are those; others need as long again on both sides. Where days
+    are ``apart``, by whole seasons, only whole hours are told, and only of a middle
+    that is beside the sun's: over shorter gaps neither a season nor shade moves it.
     """
     fewest = max(limits.noon_side // 2, 1)
     tried = np.arange(fewest, len(day) - fewest + 1)
     tried = tried[np.abs(moves(middle, limits.noon_side))[tried] >= limits.sun_slack]
-    found = filter(None, (jump_at(i, day, middle, limits) for i in tried))
+    found = filter(None, (jump_at(i, day, middle, limits, apart) for i in tried))
     # neighbours see the same jump; it is where both sides are the most even
     groups = []
     for jump in found:
@@ -27,7 +29,7 @@ def jumps_of(day, middle, limits):
     jumps = [evenest(group, limits) for group in groups]
     ends = [0, *(jump["at"] for jump in jumps), len(day)]
     sized = [
-        jump | {"by": size(middle, ends[i], jump["at"], ends[i + 2], limits)}
+        jump | {"by": size(day, middle, ends[i], jump["at"], ends[i + 2], limits)}
         for i, jump in enumerate(jumps)
     ]
     return [widened(jump, day, middle, limits) for jump in sized if jump["by"]]
@@ -44,16 +46,18 @@ def moves(middle, side):
 def together(one, other, limits):
     """Whether two days see one jump; there and back within days are two."""
     near = other["day"] - one["day"] <= limits.noon_side
+    near |= other["at"] - one["at"] == 1  # the days on either side of a gap
     return near and np.sign(one["by"]) == np.sign(other["by"])
 
 
-def jump_at(i, day, middle, limits):
+def jump_at(i, day, middle, limits, apart):
     """A jump before the i-th day, or None."""
     first, last = max(i - limits.noon_side, 0), i + limits.noon_side
     around = day[first:last]
-    if around[-1] - around[0] > 4 * limits.noon_side:
-        return None
     by, error, rough = change(middle[first:i], middle[i:last])
+    far = around[-1] - around[0] > 4 * limits.noon_side
+    if far and not (apart and whole_hours(by, limits)):
+        return None
     if abs(by) < limits.sun_slack or abs(by) < limits.sure * error:
         return None
     return dict(day=int(day[i]), before=int(day[i - 1]), at=i, by=by, rough=rough)
@@ -78,7 +82,7 @@ def evenest(group, limits):
     return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))
 
 
-def size(middle, first, at, end, limits):
+def size(day, middle, first, at, end, limits):
     """A jump's whole hours; else its minutes, if it holds for long; else 0. [s]"""
     side = limits.noon_side
     by, _, _ = change(
@@ -86,6 +90,8 @@ def size(middle, first, at, end, limits):
     )
     if hour := whole_hours(by, limits):
         return hour
+    if day[at] - day[at - 1] > 4 * side:
+        return 0.0
     sides = middle[max(first, at - 3 * side) : at], middle[at : min(end, at + 3 * side)]
     if min(map(len, sides)) < side:
         return 0.0

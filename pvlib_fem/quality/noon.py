@@ -87,7 +87,7 @@ def solar_noon_shift(
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
     if step <= limits.coarsest:
-        changes = jumps_of(day, middle, limits)
+        changes = jumps_of(day, middle, limits, apart=location is not None)
     else:
         why = (
             f"no jump of the whole file by an hour was looked for: rows are "
