@@ -7,9 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem import cli, simulator
+from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
 
 
@@ -364,3 +366,27 @@ def test_the_loop_counts_what_a_screening_counts(plant):
     assert [re.search(r"in (\d+) rows", note)[1] for note in whole] == 3 * ["150"]
     loop = fem.close_loop(data, effects=[])
     assert [note for note in loop.notes if "fill value" in note] == whole
+
+
+def test_times_that_stay_uncertain_hold_back_the_sun_alone():
+    """A clock that is set each week to anything within hours: the rest is answered."""
+    whole = {**simulator.PHYSICS, "sky_radiation": 1.0}
+    data = simulator.record(effects=whole, days=200, step=1800, seed=4)
+    data = data.tz_localize(None)
+    rng = np.random.default_rng(1)
+    weeks = np.cumsum(rng.integers(6, 12, 60))
+    week = np.searchsorted(weeks, (data.index - data.index[0]).days)
+    off = pd.to_timedelta(rng.integers(-4, 5, 60)[week] * 30, unit="min")
+    data = data.set_axis(data.index + off).sort_index()
+    data = data[~data.index.duplicated()]
+    site = simulator.RHINE
+    loop = fem.close_loop(
+        data,
+        location=Location(site.latitude, site.longitude, tz=site.tz),
+        surface_tilt=site.surface_tilt,
+        surface_azimuth=site.surface_azimuth,
+        effects=["sky_radiation", "shading"],
+    )
+    assert loop.untestable["shading"].reason is Reason.OFF_THE_SUN
+    assert "sky_radiation" in loop.effects
+    assert "are not sure" in str(loop)

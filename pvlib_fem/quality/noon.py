@@ -13,6 +13,9 @@ from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, HOUR, night
 from pvlib_fem.record.checks import instants, usual_step
 
+#: standard time lasts 18 weeks and more between two summers
+SHORTEST = pd.Timedelta(weeks=17)
+
 
 @dataclass(frozen=True, eq=False)
 class SolarNoon:
@@ -136,7 +139,8 @@ def noon_faults(late, jumps, step, limits):
     if not jumps:
         return faults
     moves = f"the day's light moves by {listed(jumps)}"
-    if sum(abs(by) == HOUR for _, by in jumps) > 1:
+    hours = [day for day, by in jumps if abs(by) == HOUR]
+    if len(hours) > 1 and hours[-1] - hours[0] > SHORTEST:
         faults["file_dst"] = (
             f"{moves}: the file keeps daylight-saving time; give its times that zone "
             "(tz_localize, or --tz), or keep standard time"
