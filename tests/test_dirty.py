@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -390,3 +391,81 @@ def test_times_that_stay_uncertain_hold_back_the_sun_alone():
     assert loop.untestable["shading"].reason is Reason.OFF_THE_SUN
     assert "sky_radiation" in loop.effects
     assert "are not sure" in str(loop)
+
+
+def of_the_day_before(index):
+    """Dates by which midnight is the end of a day."""
+    midnight = (index.hour == 0) & (index.minute == 0)
+    return index - pd.to_timedelta(np.where(midnight, 1, 0), unit="D"), midnight
+
+
+LOGGERS = {
+    "midnight is 24:00": lambda index: {
+        "Datum": of_the_day_before(index)[0].strftime("%d.%m.%Y"),
+        "Zeit": np.where(of_the_day_before(index)[1], "24:00", index.strftime("%H:%M")),
+    },
+    "parts": lambda index: {
+        "Year": index.year,
+        "Month": index.month,
+        "Day": index.day,
+        "Hour": index.hour,
+        "Minute": index.minute,
+    },
+    "day of the year, midnight is 2400": lambda index: {
+        "Year": of_the_day_before(index)[0].year,
+        "DOY": of_the_day_before(index)[0].day_of_year,
+        "HHMM": np.where(
+            of_the_day_before(index)[1], 2400, index.hour * 100 + index.minute
+        ),
+    },
+}
+
+
+@pytest.mark.parametrize("logger", LOGGERS)
+def test_dates_and_hours_as_loggers_write_them_are_proposed(logger, record, tmp_path):
+    path = tmp_path / "plant.csv"
+    columns = LOGGERS[logger](record.index)
+    data = pd.DataFrame(columns).join(record.reset_index(drop=True))
+    data.to_csv(path, index=False)
+    words = proposed(call("fit", path))
+    time = words[words.index("--time") + 1].split(",")
+    form = words[words.index("--time-format") + 1]
+    assert time == [*columns]
+    read = fem.read_file(path, time=time, time_format=form)
+    assert (read.index == record.index).all()
+    assert call(*words).exit_code == 0
+
+
+def test_a_campbell_table_needs_the_proposal_alone(plant, tmp_path):
+    """TOA5: four lines of header, a record number, "NAN", statistics beside means."""
+    names = {
+        "POA_Irrad_Avg": ("W/m^2", "poa_global"),
+        "AirTC_Avg": ("Deg C", "temp_air"),
+        "WS_ms_S_WVT": ("meters/second", "wind_speed"),
+        "WindDir_D1_WVT": ("Deg", "wind_direction"),
+        "WindDir_SD1_WVT": ("Deg", None),
+        "RH": ("%", "relative_humidity"),
+        "BOM_Temp_C_Avg(1)": ("Deg C", "temp_module"),
+    }
+    rng = np.random.default_rng(0)
+    columns = {
+        column: rng.normal(10.0, 3.0, len(plant)) if name is None else plant[name]
+        for column, (_, name) in names.items()
+    }
+    data = pd.DataFrame(columns, plant.index).round(3).astype(object)
+    data.iloc[rng.choice(len(data), 40, replace=False), 2] = "NAN"
+    data.insert(0, "RECORD", range(len(data)))
+    header = ["TIMESTAMP", *data]
+    units = ["TS", "RN", *(unit for unit, _ in names.values())]
+    kinds = ["", "", *["Avg"] * len(names)]
+    top = '"TOA5","Station","CR1000X","1","CR1000X.Std.05","CPU:pv.CR1X","9","Table"\n'
+    lines = [",".join(f'"{c}"' for c in row) for row in (header, units, kinds)]
+    path = tmp_path / "plant.dat"
+    path.write_text(top + "\n".join(lines) + "\n" + data.to_csv(header=False))
+    words = proposed(call("loop", path))
+    assert words[words.index("--skip-rows") + 1] == "0,2,3"
+    mapped = {f"{name}={column}" for column, (_, name) in names.items() if name}
+    maps = {word for flag, word in pairwise(words) if flag == "--map"}
+    assert maps == mapped
+    result = call("fit", *words[1:])
+    assert result.exit_code == 0 and "missing: wind_speed 40" in result.output

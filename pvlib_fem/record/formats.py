@@ -14,6 +14,7 @@ from pvlib_fem.record.times import (
     as_text,
     joined,
     of_numbers,
+    parsed_times,
     timed,
     unevenness,
     untimed,
@@ -37,11 +38,23 @@ DATES += ("%b %d, %Y", "%d %b %Y", "%d-%b-%Y", "%d-%b-%y", "%d/%b/%Y", "%b %d %Y
 DATES += ("%B %d, %Y", "%d %B %Y")
 HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M", "%H%M")
 HOURS += ("%I:%M%p", "%I:%M:%S%p")
+#: parts of a time that have columns of their own, by their names: of a year, of a day
+OF_YEAR = (
+    {"%Y": r"year|yr|yyyy", "%m": r"month|mon", "%d": r"day( of month)?|dd"},
+    {"%Y": r"year|yr|yyyy", "%j": r"doy|day[ _]?of[ _]?year|j(ulian)?[ _]?day"},
+)
+OF_DAY = (
+    {"%H%M": r"hhmm|hour[ _/]?min(ute)?|time"},
+    {"%H": r"hour|hr|hh", "%M": r"min(ute)?s?", "%S": r"sec(ond)?s?"},
+    {"%H": r"hour|hr|hh", "%M": r"min(ute)?s?"},
+    {"%H": r"hour|hr|hh"},
+)
 COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their digits
 SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
 SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
 TWICE = 0.05  # share of rows with the same time up to which they are left out
-LOOKED_AT = 2_000  # rows whose times tell the format
+LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
+FIRST = 5
 
 
 def with_times(raw, layout, doubts, file):
@@ -56,6 +69,8 @@ def with_times(raw, layout, doubts, file):
     choices = [layout.time] if layout.time else [(c,) for c in likely]
     if not layout.time:  # a date alone needs its hours
         choices = [*choices, *((a, b) for a, b in product(likely, likely) if a != b)]
+    if not layout.time and (found := in_parts(raw)):
+        return replace(layout, time=tuple(found), time_format=" ".join(found.values()))
     for choice in choices:
         forms = formats(raw[list(choice)])
         if forms:
@@ -69,6 +84,26 @@ def with_times(raw, layout, doubts, file):
             return replace(layout, time=tuple(time), time_format=forms[0])
     doubts.append(f"no column of {file} holds times of a usual format")
     return layout
+
+
+def in_parts(raw):
+    """Columns that hold the parts of the times by their names, and their formats."""
+    for first, second in product(OF_YEAR, OF_DAY):
+        found = {}
+        for form, pattern in (first | second).items():
+            name = next((c for c in raw if re.fullmatch(pattern, plain(c))), None)
+            found |= {} if name is None else {name: form}
+        if len(found) < len(first | second):
+            continue
+        read = parsed_times(joined(raw[list(found)]), " ".join(found.values()))
+        if read.notna().all() and unevenness(read)[0] == 0:
+            return found
+    return {}
+
+
+def plain(column):
+    """A column's name in small letters, without brackets."""
+    return re.sub(r"[\[({].*?[\])}]", "", str(column)).strip().lower()
 
 
 def formats(columns):
@@ -101,8 +136,12 @@ def formats(columns):
     ways = {}
     for form in choices:
         try:
-            read = pd.to_datetime(column, format=form, utc=True)
+            if parsed_times(column.iloc[:FIRST], form).isna().all():
+                continue
+            read = parsed_times(column, form)
         except (ValueError, TypeError):
+            continue
+        if read.isna().any():
             continue
         if len(read) > 1 and (read.dt.normalize() == read).all():
             continue  # a date only

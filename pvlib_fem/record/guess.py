@@ -83,14 +83,13 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
         layout = with_times(raw, layout, found.doubts, file.name)
         if layout.skip_end == 0 and (end := lines_after(raw, layout)):
             layout = replace(layout, skip_end=end)
+            raw = table(file, layout)
             last = f"each of the last {end} lines" if end > 1 else "the last line"
             found.doubts.append(
                 f"{last} holds no time in {file.name} and is left out by --skip-end"
             )
-        layout, _ = with_times_only(
-            table(file, layout), layout, found.doubts, file.name
-        )
-        layout, raw = with_cells(file, layout, found.doubts)
+        layout, raw = with_times_only(raw, layout, found.doubts, file.name)
+        layout, raw = with_cells(file, layout, raw, found.doubts)
         index = index_of(raw, layout)
         left = raw.drop(columns=time_columns(raw, layout))
         if layout.tz is None and index is not None:
@@ -116,9 +115,8 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     return found
 
 
-def with_cells(file, layout, doubts):
+def with_cells(file, layout, raw, doubts):
     """The layout with what stands in cells beside numbers, and the table."""
-    raw = rows_of(file, layout)
     columns = [raw[name] for name in texts(raw)]
     sign = "" if layout.thousands else thousands_of(columns, layout.decimal)
     if sign:

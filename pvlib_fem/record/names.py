@@ -18,7 +18,7 @@ NAMES = {
         r"t(emp\w*)?[\s_.-]*(mod|panel|back|bom|pv|cell|zell)",
     ),
     "temp_air": (
-        r"(amb(ient)?|air|outdoor|dry_?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
+        r"(amb(ient)?|air|outdoor|dry[\s_-]?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
         r"t(emp\w*)?[\s_.-]*(amb|air|out|dry|luft|außen|umg|2m)",
         r"^ta(\b|_)|^t_?a$",
         r"^t(emp[a-z]*)?[\s_.-]*\d*(\b|_)",
@@ -30,7 +30,7 @@ NAMES = {
         r"^wind|anemom|vi?ento|^v$",
     ),
     "relative_humidity": (
-        r"(^|[\W_])rh(\b|_|\d)|rel\w*[\s_.-]*hum|humid|feucht|^hr$|^rf$",
+        r"(^|[\W_])rh(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
     ),
     "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
     "precipitation": (r"rain|precip|regen|niederschl|^rr$",),
@@ -46,7 +46,7 @@ DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
 #: words before a name that say where its sensor is
 PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
 NOT = re.compile(
-    r"std|stdev|(\b|_)(min|max|sd|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
+    r"std|stdev|(\b|_)(min|max|sd\d*|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
     r"diffus|direct|beam|clear|status|flag|albedo",
     re.IGNORECASE,
 )

@@ -17,6 +17,8 @@ SERIAL = "excel"  # days since the end of 1899, as spreadsheets count them
 ORIGIN = "1899-12-30"  # of those, since they have a 29 February in 1900
 AFTER = 3  # lines that a table may have after its last row, such as totals
 DIGIT = re.compile(r"\d")
+#: the end of a day, as some write it; seconds are 00 already
+MIDNIGHT = re.compile(r"(?<!\d)24([:. ]?)00")
 
 
 def timed(data, layout, name):
@@ -89,7 +91,7 @@ def times(columns, time_format=ISO):
     Parameters
     ----------
     columns : DataFrame
-        One column, or two that make the time when a space joins them.
+        One column, or more that make the time when spaces join them.
     time_format : str
 
     Returns
@@ -170,6 +172,13 @@ def parsed_times(column, time_format):
         mixed = True
     if mixed:  # offsets that change, as with daylight saving time
         parsed = pd.to_datetime(column, utc=True, **how)
+    if (bad := parsed.isna()).any():
+        text = column[bad].astype(object).map(as_text)
+        begun = text.map(lambda cell: MIDNIGHT.sub(r"00\g<1>00", cell))
+        if (late := (begun != text).to_numpy()).any():
+            midnight = pd.to_datetime(begun[late], **how) + pd.Timedelta(days=1)
+            parsed = parsed.copy()
+            parsed.iloc[np.flatnonzero(bad)[late]] = midnight
     return parsed
 
 
@@ -197,11 +206,13 @@ def unevenness(column):
 
 
 def joined(columns):
-    """A column as it is, or the text of a date and a time of day."""
+    """A column as it is, or the text of a date and a time of day, or of more parts."""
     first, *others = (column for _, column in columns.items())
     if not others:
         return first
-    text = [column.map(as_text).str.zfill(4) for column in others]  # 930 is 09:30
+    text = [column.map(as_text) for column in others]
+    if len(text) == 1 or text[-1].str.len().max() > 2:
+        text[-1] = text[-1].str.zfill(4)  # 930 is 09:30
     return first.map(as_text).str.cat(text, sep=" ")
 
 
@@ -293,7 +304,8 @@ def in_order(data, sort=False, drop_doubled=False):
     if sort and not data.index.is_monotonic_increasing:
         moved = int((np.diff(data.index.asi8) < 0).sum())
         data = data.sort_index(kind="stable")
-        notes.append(f"rows sorted by time: it went back {moved:,} times")
+        times = "once" if moved == 1 else f"{moved:,} times"
+        notes.append(f"rows sorted by time, which went back {times}")
     if drop_doubled and data.index.has_duplicates:
         twice = data.index.duplicated()
         data = data[~twice]
