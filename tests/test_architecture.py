@@ -33,6 +33,7 @@ ORDER = (
     "findings",
     "budget",
     "report",
+    "thermal_parameters",
     "fitting",
     "loop",
     "paper",

@@ -13,6 +13,7 @@ from pvlib_fem import datasets, paper, plotting
 from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN
 from pvlib_fem.paper import comparators
 from pvlib_fem.paper.comparators import COMPARATORS, armstrong_hurley_tau, fitted
+from pvlib_fem.thermal_parameters import unit_mass
 
 SAPM = dict(a=-3.47, b=-0.0594)
 
@@ -34,7 +35,7 @@ def compared(fortnight):
 
 def test_prilliman_is_pvlibs_over_pieces_and_gaps(month, monkeypatch):
     """Row by row what pvlib gives a piece without gaps, however few fit in memory."""
-    monkeypatch.setattr(comparators, "CELLS", 20 * 100)
+    monkeypatch.setattr(unit_mass, "CELLS", 20 * 100)
     two = month.tz_localize(None).iloc[:2000]
     two = two.drop(two.index[900:905])
     sun, air, wind = (two[name] for name in DRIVERS)

@@ -224,6 +224,32 @@ def test_what_is_no_result_is_refused(tmp_path, text, message):
             read(tmp_path / "x.json")
 
 
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda c: c["u0"].update(u1=2.0), "correlation holds no correlations"),
+        (lambda c: c["u0"].update(u0=0.5), "correlation holds no correlations"),
+        (lambda c: c["u0"].pop("u1"), "correlation is of .*where a table of"),
+        (lambda c: c.update(x={}), "correlation is of .*, x, where a table of"),
+        (lambda c: c["u0"].update(u1="0"), 'correlation.u0.u1 is "0"'),
+    ],
+)
+def test_broken_correlations_are_refused(files, tmp_path, damage, message):
+    content = json.loads((files / "fit.json").read_text("utf-8"))
+    damage(content["correlation"])
+    (tmp_path / "x.json").write_text(json.dumps(content))
+    with pytest.raises(ValueError, match=message):
+        fem.FemFit.from_json(tmp_path / "x.json")
+
+
+def test_the_covariance_has_the_errors_of_the_fit(loop, files):
+    fit = fem.FemFit.from_json(files / "fit.json")
+    pd.testing.assert_frame_equal(fit.covariance, loop.fit.covariance)
+    error = pd.Series(np.sqrt(np.diag(fit.covariance)), fit.covariance.index)
+    assert error.to_dict() == pytest.approx({n: fit.stderr[n] for n in error.index})
+    assert np.linalg.eigvalsh(fit.correlation).min() > -1e-12
+
+
 def test_a_count_is_not_negative(files, tmp_path):
     content = json.loads((files / "fit.json").read_text("utf-8")) | {"train_days": -5}
     (tmp_path / "x.json").write_text(json.dumps(content))

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums
 from pvlib_fem.statistics.lasting import lasting
@@ -53,6 +54,34 @@ def errors(target, daily, at_bound, notes):
     error = np.sqrt(alone + lasts.variance)
     notes += lasting_notes(names, error / np.sqrt(alone), lasts)
     return {**stderr, **dict(zip(names, error.tolist()))}
+
+
+def correlation(daily, stderr):
+    """
+    Correlations of the fitted coefficients that have an error, by the day.
+
+    Parameters
+    ----------
+    daily : DailySums or None
+    stderr : dict
+        Standard errors, as :func:`errors` has them.
+
+    Returns
+    -------
+    DataFrame
+        By name of both; empty where no coefficient has an error.
+    """
+    names = daily.names if daily is not None else ()
+    known = [place for place, name in enumerate(names) if stderr.get(name, 0.0) > 0.0]
+    if not known:
+        return pd.DataFrame(dtype=float)
+    found = daily.sums.of(known).by_day()
+    size = np.sqrt(np.diag(found))
+    found = found / np.outer(size, size)
+    np.fill_diagonal(found, 1.0)
+    named = [names[place] for place in known]
+    # both halves to the same bits
+    return pd.DataFrame((found + found.T) / 2.0, named, named)
 
 
 def lasting_notes(names, times, lasts):

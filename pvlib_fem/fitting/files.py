@@ -9,13 +9,12 @@ import pandas as pd
 
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import Frame
+from pvlib_fem.fitting.holdout import NONE_OUT, days_out
 from pvlib_fem.fitting.passes import Files, first_pass, screened_for
 from pvlib_fem.fitting.pasts import means_note
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import as_searched, natural
 from pvlib_fem.fitting.stages import (
-    NONE_OUT,
-    days_out,
     flatness,
     minima,
     planned,

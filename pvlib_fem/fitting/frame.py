@@ -5,10 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
+from pvlib_fem.fitting.holdout import held_out
 from pvlib_fem.fitting.result import FemFit, of_rows
 from pvlib_fem.fitting.rows import Rows
 from pvlib_fem.fitting.search import natural, with_tables
-from pvlib_fem.fitting.stages import flatness, held_out, minima, minimise
+from pvlib_fem.fitting.stages import flatness, minima, minimise
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.record.columns import COLUMNS

@@ -12,7 +12,8 @@ from scipy.stats import t as student
 
 from pvlib_fem import plotting
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.fitting.daily import DailySums
+from pvlib_fem.fitting.daily import DailySums, correlation
+from pvlib_fem.fitting.holdout import held_out
 from pvlib_fem.fitting.through_time import through_time
 from pvlib_fem.modelchain import FIT, FITS, DynamicCellTemperature, fit_in
 from pvlib_fem.record.columns import COLUMNS, printable, with_aliases
@@ -24,6 +25,7 @@ from pvlib_fem.scores import GAMMA
 from pvlib_fem.stored import Stored, opened, saved, written
 from pvlib_fem.thermal.model import ThermalModel, thermal_model
 from pvlib_fem.thermal.stored import content_of, model_of
+from pvlib_fem.thermal_parameters.table import thermal_parameters
 from pvlib_fem.types import FilePath
 
 CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
@@ -111,6 +113,22 @@ class FemFit:
     def summary(self) -> Summary:
         """Size, times and gaps of the record."""
         return summary_of(self.record)
+
+    @cached_property
+    def correlation(self) -> pd.DataFrame:
+        """Correlations of the fitted coefficients that have errors, by the day."""
+        return correlation(self.daily, self.stderr)
+
+    @property
+    def covariance(self) -> pd.DataFrame:
+        """
+        Covariance of the fitted coefficients, by name of both.
+
+        Standard errors are those of ``stderr``; how coefficients err against each
+        other is from leaving out days in turn. Empty where there are no errors.
+        """
+        error = pd.Series(self.stderr)[self.correlation.index]
+        return self.correlation.mul(error, axis=0).mul(error, axis=1)
 
     @property
     def step(self) -> float:
@@ -254,6 +272,104 @@ class FemFit:
         """
         return through_time(self, freq, coefficients)
 
+    def thermal_parameters(
+        self,
+        data: pd.DataFrame | None = None,
+        *,
+        typical_year: pd.DataFrame | None = None,
+        wind_height: float | None = None,
+        exponent: float = 1 / 7,
+        surface_tilt: float | None = None,
+        module_efficiency: float = 0.2,
+        absorptance: float = 0.9,
+        deltaT: float | None = None,
+        with_bias: bool = True,
+    ) -> pd.DataFrame:
+        """
+        This fit in the conventions of pvlib, PVsyst, SAM and the IEC.
+
+        Parameters
+        ----------
+        data : DataFrame, optional
+            The record, with the columns of the fit. Rows ``nmot`` by IEC 61853-2,
+            ``prilliman``, ``held-out error`` and ``T98`` need it, and conventions are
+            made for its winds. By default the fit's own, which a fit that was read
+            from a file has not. [W/m²], [°C], [m/s]
+        typical_year : DataFrame, optional
+            Weather of a year for T98: ``poa_global`` [W/m²] in the plane of the
+            modules, ``temp_air`` [°C], ``wind_speed`` [m/s] at the height of the
+            record's, and what the effects need.
+        wind_height : float, optional
+            Of the anemometer, which conventions for wind at 10 m need. [m]
+        exponent : float, default 1/7
+            Of the power law that takes the wind to 10 m.
+        surface_tilt : float, optional
+            Of the module, for the conditions. [°]
+        module_efficiency : float, default 0.2
+            That goes with PVsyst's and SAM's parameters, a share.
+        absorptance : float, default 0.9
+            The same, PVsyst's ``alpha_absorption`` and SAM's
+            ``transmittance_absorptance``.
+        deltaT : float, optional
+            From the back of the module to its cells at 1000 W/m²; by default what
+            the file of the fit keeps, and else 0 with a note. [K]
+        with_bias : bool, default True
+            Whether the bias belongs to the module's temperature. No other tool has
+            a bias: it is taken into the over-temperature at 800 W/m². False leaves it
+            out, as an offset of the thermometer.
+
+        Returns
+        -------
+        DataFrame
+            A row for each ``convention`` and ``parameter``, which are its index:
+            ``value`` in ``unit``; its ``stderr``, by the delta method from the
+            covariance of the fit's coefficients unless the guide says otherwise;
+            ``low`` and ``high`` of the 95 % range; ``mismatch`` [K], the largest
+            difference of that convention's temperature from the fit's between 400 and
+            1000 W/m² at the winds of ``conditions``; ``of`` (``"module"`` or
+            ``"cell"``), ``conditions``, ``equation``, ``source``; and ``note``, which
+            says why a number lacks or what it leaves open. Parameters have the names
+            of pvlib's arguments, so that ``table.loc["faiman", "value"]`` unpacks into
+            :func:`pvlib.temperature.faiman`.
+
+        Raises
+        ------
+        ValueError
+            If an argument cannot be, or a column lacks.
+
+        Notes
+        -----
+        Effects have no place in other tools; parameters are those without them, and
+        ``conditions`` name them. No ``unit_mass`` of 20 kg/m² or more is given: there
+        Prilliman's rate is zero or negative in still air.
+
+        Examples
+        --------
+        >>> import pvlib
+        >>> import pvlib_fem as fem
+        >>> data = fem.datasets.synthetic(days=20, step=300, seed=1)
+        >>> fit = fem.fit_fem(data, model="faiman", dynamics="balance")
+        >>> table = fit.thermal_parameters()
+        >>> round(float(table.loc[("nmot", "of the fit"), "value"]), 1)
+        43.2
+        >>> faiman = table.loc["faiman", "value"]
+        >>> round(float(pvlib.temperature.faiman(800.0, 20.0, 1.0, **faiman)), 1)
+        43.2
+        """
+        return thermal_parameters(
+            self,
+            out_of,
+            data,
+            typical_year,
+            wind_height,
+            exponent,
+            surface_tilt,
+            module_efficiency,
+            absorptance,
+            deltaT,
+            with_bias,
+        )
+
     def temperature_model(
         self, weather: pd.DataFrame | None = None, **options: Any
     ) -> DynamicCellTemperature:
@@ -372,6 +488,7 @@ class FemFit:
             "cell": cell or self.cell,
             "method": self.method,
             "stderr": self.stderr,
+            "correlation": self.correlation.to_dict(orient="index"),
             "scores": self.scores.to_dict(orient="index"),
             "at_bound": self.at_bound,
             "converged": self.converged,
@@ -442,10 +559,39 @@ class FemFit:
         )
         # what else it would take from the rows
         vars(fit)["summary"] = summary_from(content.part("record"))
+        vars(fit)["correlation"] = correlation_of(content, fit.stderr)
         return fit
 
     def __str__(self):
         return printable("\n".join(report(self)), "\n")
+
+
+def correlation_of(content, stderr):
+    """The correlations of a part of a file, if they are such."""
+    rows = content.part("correlation")
+    found = {name: rows.numbers(name) for name in rows.content}
+    known = {name for name, error in stderr.items() if error > 0.0}
+    place = f"{content.file}: {content.place}correlation"
+    if {*found} - known or any({*row} != {*found} for row in found.values()):
+        raise ValueError(
+            f"{place} is of {', '.join(found)}, where a table of coefficients with an "
+            f"error belongs: {', '.join(sorted(known)) or 'there are none'}"
+        )
+    table = pd.DataFrame.from_dict(found, orient="index", dtype=float)[[*found]]
+    values = table.to_numpy()
+    ones = np.diag(values) == 1.0 if found else True
+    within = np.abs(values) <= 1.0 + 1e-9
+    if not (np.all(ones) and within.all() and (values == values.T).all()):
+        raise ValueError(
+            f"{place} holds no correlations: from -1 to 1, the same both ways, and 1 "
+            "of each with itself"
+        )
+    return table
+
+
+def out_of(record, counts):
+    """Rows that are held out by default."""
+    return held_out(record, counts, None, [])
 
 
 def of_rows(record, temperature, train, test, out):

@@ -1,38 +1,13 @@
-"""The steps of a fit, one after the other, and the days that it does not see."""
+"""The steps of a fit, one after the other."""
 
 from dataclasses import replace
 
-import numpy as np
-
 from pvlib_fem.fitting.rows import Asked
 from pvlib_fem.fitting.search import searching
-from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.leastsquares import FLAT, minima_of
 from pvlib_fem.thermal.model import INSTANT
 
-NONE_OUT = "no row that counts is held out: test scores are NaN"
 ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
-
-
-def held_out(record, filtered, holdout, notes):
-    """Boolean array of the rows that the fit does not see."""
-    if holdout is not None:
-        out = record.rows(holdout)
-    else:
-        dates, rows = record.rows_by_date(filtered)
-        out = record.of_dates(dates[days_out(dates, rows)])
-    if not (filtered & out).any():
-        notes.append(NONE_OUT)
-    return out
-
-
-def days_out(dates, rows):
-    """Which days are held out by default, of their dates and rows that count."""
-    weekend = (dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
-    weeks = calendar_weeks(dates)
-    two = len(np.unique(weeks[weekend & (rows > 0)])) >= 2
-    out = weekend if two else np.arange(len(dates)) % 2 == 1
-    return out if rows[~out].any() else np.zeros(len(dates), dtype=bool)
 
 
 def needed(step, rows, parameters):

@@ -6,25 +6,20 @@ as Prilliman's was made for. Equations are from their own sources where a note d
 not say otherwise; `COMPARATORS` has what :func:`pvlib_fem.compare` fits of each.
 """
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-import pvlib
 from scipy.optimize import least_squares
 
 from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects.effect import Parameter
-from pvlib_fem.record.checks import instants, usual_step
+from pvlib_fem.record.checks import usual_step
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.thermal.steady import STEADY_MODELS
+from pvlib_fem.thermal_parameters.unit_mass import smoothed
 
-WINDOW = 1200.0  # s, that Prilliman's mean looks back
-FEWEST = 3  # samples of which pvlib tells that their steps are even
-CELLS = 5_000_000  # of pvlib's matrices at once, 40 MB each
 GLASS_TEDLAR = 6032.0  # J/(m² K), Armstrong and Hurley's Table 1
 FREE = 2.5  # W/(m² K) for a face, between the 2.1 and 2.9 of their Table 3
 
@@ -44,7 +39,7 @@ def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
     a, b : float
         Of the Sandia model. [ln(K m²/W)], [s/m]
     unit_mass : float, default 11.1
-        Mass of the module over its area. [kg/m²]
+        Mass of the module over its area, below 20. [kg/m²]
     bias : float, default 0
         Added. [K]
 
@@ -61,41 +56,7 @@ def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
        :func:`pvlib.temperature.prilliman`.
     """
     steady = sapm(poa_global, temp_air, wind_speed, a, b)
-    answer = steady.copy()
-    # pvlib reads times in a way that newer pandas deprecates where they have a zone
-    utc = pd.DatetimeIndex(instants(steady.index))
-    wind = wind_speed.set_axis(utc)
-    steady = steady.set_axis(utc)
-    seconds = np.diff(utc) / np.timedelta64(1, "s")
-    step = usual_step(utc)
-    if not step < WINDOW:
-        return answer + bias
-    behind = int(WINDOW // step)
-    rows = max(CELLS // behind, behind)
-    for start, end in even_pieces(seconds, step):
-        for first in range(start, end, rows):
-            part = slice(max(first - behind, start), min(first + rows, end))
-            if part.stop - part.start < FEWEST:
-                continue
-            smooth = moving_mean(steady.iloc[part], wind.iloc[part], unit_mass)
-            answer.iloc[first : part.stop] = smooth[first - part.start :]
-    return answer + bias
-
-
-def moving_mean(steady, wind_speed, unit_mass):
-    # pvlib divides by nothing where a window is empty, and makes a call itself that
-    # newer pandas warns of
-    with warnings.catch_warnings(), np.errstate(invalid="ignore"):
-        warnings.filterwarnings("ignore", "A future version of pandas")
-        smooth = pvlib.temperature.prilliman(steady, wind_speed, unit_mass)
-    return smooth.to_numpy()
-
-
-def even_pieces(seconds, step):
-    """First row and end of each piece of a record without a gap or a jitter."""
-    breaks = np.flatnonzero(np.abs(seconds - step) > 1e-6 * step) + 1
-    edges = [0, *breaks.tolist(), len(seconds) + 1]
-    return pairwise(edges)
+    return smoothed(steady, wind_speed, unit_mass) + bias
 
 
 def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):

@@ -7,7 +7,8 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.fitting.frame import Frame
-from pvlib_fem.fitting.stages import held_out, stages_of
+from pvlib_fem.fitting.holdout import held_out
+from pvlib_fem.fitting.stages import stages_of
 from pvlib_fem.paper.comparators import COMPARATORS, fitted
 from pvlib_fem.paper.comparison import FITTED, STEPS, Comparison
 from pvlib_fem.paper.recipe import METHODS, MODELS, paper_stages

@@ -1,0 +1,28 @@
+"""The days that a fit does not see."""
+
+import numpy as np
+
+from pvlib_fem.statistics.clusters import calendar_weeks
+
+NONE_OUT = "no row that counts is held out: test scores are NaN"
+
+
+def held_out(record, filtered, holdout, notes):
+    """Boolean array of the rows that the fit does not see."""
+    if holdout is not None:
+        out = record.rows(holdout)
+    else:
+        dates, rows = record.rows_by_date(filtered)
+        out = record.of_dates(dates[days_out(dates, rows)])
+    if not (filtered & out).any():
+        notes.append(NONE_OUT)
+    return out
+
+
+def days_out(dates, rows):
+    """Which days are held out by default, of their dates and rows that count."""
+    weekend = (dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
+    weeks = calendar_weeks(dates)
+    two = len(np.unique(weeks[weekend & (rows > 0)])) >= 2
+    out = weekend if two else np.arange(len(dates)) % 2 == 1
+    return out if rows[~out].any() else np.zeros(len(dates), dtype=bool)

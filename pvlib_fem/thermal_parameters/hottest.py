@@ -1,0 +1,142 @@
+"""T98 of IEC TS 63126: the module temperature that 2 % of a year's hours exceed."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.columns import with_aliases
+from pvlib_fem.statistics.clusters import calendar_weeks
+from pvlib_fem.thermal_parameters.rows import Row
+
+SHARE = 0.98
+WEATHER = ("poa_global", "temp_air", "wind_speed")
+YEAR = 365.25  # days
+WHOLE = 0.9  # share of a year's time that has to be there
+FEWEST_YEARS = 3
+FEWEST_WEEKS = 8
+#: °C up to which a class of modules may be used
+LEVELS = {70.0: "no level needed", 80.0: "Level 1", 90.0: "Level 2"}
+SOURCE = "IEC TS 63126; levels as pvdeg.standards has them"
+EQUATION = "98th percentile of T over all hours of a year, nights included"
+NO_YEAR = (
+    f"needs a record of {FEWEST_YEARS} whole years, or typical_year= with the weather "
+    "in the plane of the modules"
+)
+
+
+def hottest_rows(measured, why, fit, typical_year, errors):
+    """
+    Rows of T98 of the record and of a typical year.
+
+    Parameters
+    ----------
+    measured : Measured or None
+    why : str
+        Why there is no record.
+    fit : FemFit
+    typical_year : DataFrame or None
+        Weather of a year, with ``poa_global``.
+    errors : callable
+        Of a function of coefficients, its errors by the delta method.
+
+    Yields
+    ------
+    Row
+    """
+    like = dict(of="module", equation=EQUATION, source=SOURCE)
+    found, years = dict(value=np.nan, note=why), []
+    if measured is not None:
+        found, years = of_record(measured)
+    yield Row("T98", "of the record", unit="°C", **found, **like)
+    if typical_year is not None:
+        found = of_weather(fit, typical_year, errors)
+    elif measured is not None and len(years) >= FEWEST_YEARS:
+        found = of_years(years)
+    else:
+        found = dict(value=np.nan, note=NO_YEAR)
+    yield Row("T98", "of a typical year", unit="°C", **found, **like)
+
+
+def of_record(measured):
+    """T98 of all rows with Woodruff's range by weeks, and that of each whole year."""
+    module = measured.series("temp_module").dropna()
+    dates = pd.Series(measured.dates, measured.record.index)[module.index].to_numpy()
+    value = float(module.quantile(SHARE))
+    days = np.ptp(dates) + 1
+    note, span, error = level(value), (np.nan, np.nan), np.nan
+    if days < WHOLE * YEAR:
+        note = f"of {days} days and not of a year; {note}"
+    at = share_error(module.to_numpy() > value, dates)
+    if np.isfinite(at):
+        ends = SHARE + np.array([-at, at]), SHARE + np.array([-1, 1]) * 1.96 * at
+        (low, high), span = (
+            module.quantile(np.clip(one, 0.0, 1.0)).to_numpy() for one in ends
+        )
+        error = (high - low) / 2.0
+    else:
+        note = f"no error: it needs {FEWEST_WEEKS} weeks; {note}"
+    found = dict(value=value, stderr=error, span=tuple(map(float, span)), note=note)
+    return found, whole_years(measured, module, dates)
+
+
+def share_error(above, dates):
+    """
+    Error of the share of rows above a temperature, by weeks within their months.
+
+    Weather of a week is one draw, and each month has its own share.
+    """
+    weeks = pd.Series(above).groupby(calendar_weeks(dates)).agg(["sum", "size"])
+    if len(weeks) < FEWEST_WEEKS:
+        return np.nan
+    month = np.floor((weeks.index * 7 % YEAR) / (YEAR / 12))
+    mean = weeks.groupby(month)["sum"].transform("sum")
+    mean = mean / weeks.groupby(month)["size"].transform("sum")
+    many = weeks.groupby(month)["size"].transform("count")
+    left = weeks["sum"] - mean * weeks["size"]
+    square = (left**2 * many / np.maximum(many - 1, 1)).sum()
+    return float(np.sqrt(square) / weeks["size"].sum())
+
+
+def whole_years(measured, module, dates):
+    """T98 of each year from the record's first day that is there."""
+    number = np.floor((dates - dates[0]) / YEAR).astype(int)
+    full = WHOLE * YEAR * 86400.0 / measured.step
+    years = module.groupby(number)
+    return [float(one.quantile(SHARE)) for _, one in years if len(one) >= full]
+
+
+def of_years(years):
+    """T98 of a year as the years of the record have it."""
+    many, spread = len(years), np.std(years, ddof=1)
+    return dict(
+        value=float(np.mean(years)),
+        stderr=float(spread / np.sqrt(many)),
+        freedom=many - 1.0,
+        note=f"mean of {many} years, whose own are {min(years):.1f} to "
+        f"{max(years):.1f} °C",
+    )
+
+
+def of_weather(fit, weather, errors):
+    """T98 of a year of weather by the fit."""
+    model = fit.thermal_model
+    there = with_aliases(weather, (*WEATHER, *model.drivers))
+
+    def hottest(coefficients):
+        columns = {name: there[name] for name in (*WEATHER, *model.drivers)}
+        found = model.predict(coefficients=coefficients, **columns)
+        return np.array([np.nanquantile(found, SHARE)])
+
+    (value,), (error,) = hottest(fit.coefficients), errors(hottest)
+    note = f"by the fit, of the weather that was given; {level(value)}"
+    days = len(weather) * np.median(np.diff(weather.index)) / np.timedelta64(1, "D")
+    if days < WHOLE * YEAR:
+        note = f"of {days:.0f} days and not of a year; {note}"
+    return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)
+
+
+def level(value):
+    """The class of modules that is needed."""
+    for most, words in LEVELS.items():
+        if value <= most:
+            return f"up to {most:g} °C: {words}"
+    return f"above {most:g} °C: beyond Level 2"

@@ -1,0 +1,101 @@
+"""The record that some rows need: the fit's own, or one that is given."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.screen import screened
+from pvlib_fem.record.columns import COLUMNS, with_aliases
+from pvlib_fem.record.filters import counted
+from pvlib_fem.record.inputs import Record, as_record
+from pvlib_fem.translation import QUANTILES, USUAL_WINDS
+
+NEEDED = "needs the record: thermal_parameters(data=...), or FILE on the command line"
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """
+    A checked record and its rows.
+
+    Attributes
+    ----------
+    fit : FemFit
+    record : Record
+    counts, out : array of bool
+        Rows that count in a fit, and those that are held out.
+    """
+
+    fit: object
+    record: Record
+    counts: np.ndarray
+    out: np.ndarray
+
+    @property
+    def step(self):
+        return self.record.inputs.step
+
+    @property
+    def dates(self):
+        return self.record.dates
+
+    def series(self, name):
+        return pd.Series(self.record[name], self.record.index, name=name)
+
+    @cached_property
+    def winds(self):
+        """
+        Winds that stand for those of the record, each for as much as another.
+
+        Quantiles of the rows that count, by the square of irradiance: as least squares
+        of the temperature weighs them. [m/s]
+        """
+        poa = self.record["poa_global"][self.counts]
+        wind = self.record["wind_speed"][self.counts]
+        order = np.argsort(wind)
+        weight = np.cumsum(poa[order] ** 2)
+        if not len(wind) or not weight[-1] > 0.0:
+            return USUAL_WINDS
+        return wind[order][np.searchsorted(weight, QUANTILES * weight[-1])]
+
+    @cached_property
+    def modelled(self):
+        """Temperature by the fit, and without its memory with that one's slopes."""
+        model = self.fit.thermal_model
+        inputs = model.with_drivers(self.record.inputs)
+        found = model.completed(self.fit.coefficients)
+        steady, slopes = replace(model, dynamics="steady").slopes(inputs, found)
+        own = [*model.steady_model.parameters, "bias"]
+        free = {name: slopes[name] for name in own if name not in model.held}
+        return model.temperature(inputs, found), steady, free
+
+
+def measured_of(fit, data, out_of):
+    """
+    The record of a fit, or one that is given; None where there is neither.
+
+    Parameters
+    ----------
+    fit : FemFit
+    data : DataFrame or None
+    out_of : callable
+        Of a record and the rows that count, those that are held out.
+    """
+    model = fit.thermal_model
+    if data is None:
+        if fit.record is None:
+            return None
+        record, out = fit.record, fit.holdout.to_numpy()
+    else:
+        columns = with_aliases(data, (*COLUMNS, *model.drivers))
+        usual = [columns[name] for name in COLUMNS]
+        drivers = {name: columns[name] for name in model.drivers}
+        record, _ = screened(as_record(*usual, **drivers))
+        out = None
+    counts = counted(record.inputs.columns, fit.night)
+    counts = counts & record.known(model.drivers)
+    if out is None:
+        out = out_of(record, counts)
+    return Measured(fit, record, counts, out)

@@ -1,0 +1,331 @@
+"""What follows from a fit's coefficients alone: other models' parameters."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pvlib_fem.thermal_parameters.rows import Row
+from pvlib_fem.translation import SHAPES, at_winds, reciprocal
+
+NOMINAL = 800.0  # W/m², of NOCT and NMOT; a bias is taken in here
+AIR = 20.0  # °C, of the same
+BREEZE = 1.0  # m/s, of the same
+HEIGHT = 10.0  # m, of the wind in weather files
+TAU_WINDS = (1.0, 3.0, 5.0)  # m/s
+SUNS = np.array([400.0, 1000.0])  # W/m², between which models are compared
+NUDGE = 1e-2  # of a standard error, by which slopes are told
+
+FAIMAN = "D. Faiman, Prog. Photovolt. 16, 307 (2008), doi:10.1002/pip.813; IEC 61853-2"
+KING = "D. L. King et al., SAND2004-3535 (2004), doi:10.2172/919131"
+ROSS = "R. G. Ross, 14th IEEE PVSC (1980), as pvlib.temperature.ross"
+SAM = "P. Gilman et al., NREL/TP-6A20-67399 (2018), as pvlib.temperature.noct_sam"
+PVSYST = "PVsyst help, Array thermal losses, as pvlib.temperature.pvsyst_cell"
+IEC = "IEC 61853-2:2016 and IEC 61215-2:2016, MQT 05"
+HERTELEER = "B. Herteleer et al. (2022), doi:10.22541/au.166922866.68736478"
+
+POSSIBLE = (
+    "wind warms the module, or its over-temperature is none with the bias taken in; "
+    "give with_bias=False"
+)
+NO_ERROR = "no error: the fit has none, see its notes"
+NO_DELTA = (
+    "no sensor on the back tells of the cells; give deltaT= (pvlib has 3 K for open "
+    "racks, 1 K close to a roof, 0 K on insulation)"
+)
+NO_HEIGHT = "needs the height of the anemometer, wind_height="
+GIVEN = "given or assumed, not measured"
+OF_SENSOR = "as warm as the sensor: deltaT is not given"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A resistance by the wind, of which a line is made as of a model's own."""
+
+    curve: Callable
+
+    def resistance(self, wind_speed, own=None):
+        return self.curve(np.asarray(wind_speed, float))
+
+    def seen_at(self, share):
+        """The same by a wind of which that share is at the anemometer."""
+        return Curve(lambda wind_speed: self.curve(wind_speed * share))
+
+    def plus(self, more):
+        """The same and a constant. [K m²/W]"""
+        return Curve(lambda wind_speed: self.curve(wind_speed) + more)
+
+
+@dataclass(frozen=True)
+class Convention:
+    """A model of others that the resistance is written as."""
+
+    name: str
+    shape: str
+    of: str
+    units: Mapping
+    equation: str
+    source: str
+    fixed: Mapping = field(default_factory=dict)
+    high: bool = False  # for wind at 10 m
+    calm: bool = False  # of one number: without wind
+
+
+def conventions(module_efficiency, absorptance):
+    """Those that the table has, in order."""
+    faiman = {"u0": "W/(m² K)", "u1": "W s/(m³ K)"}
+    sandia = {"a": "ln(K m²/W)", "b": "s/m"}
+    pvsyst = {"u_c": "W/(m² K)", "u_v": "W s/(m³ K)"}
+    absorbed = dict(module_efficiency=module_efficiency, alpha_absorption=absorptance)
+    seen = dict(
+        module_efficiency=module_efficiency, transmittance_absorptance=absorptance
+    )
+    ross, t_ross = {"k": "K m²/W"}, "T = T_air + k G"
+    t_faiman = "T = T_air + G / (u0 + u1 WS)"
+    t_sandia = "T = T_air + G exp(a + b WS); cell: + deltaT G / 1000"
+    t_pvsyst = "T = T_air + alpha_absorption (1 - module_efficiency) G / (u_c + u_v WS)"
+    t_sam = (
+        "T = T_air + G / 800 (noct - 20) "
+        "(1 - module_efficiency / transmittance_absorptance) 9.5 / (5.7 + 3.8·0.51 WS)"
+    )
+    ten, sam = dict(high=True), {"noct": "°C"}
+    return [
+        Convention("faiman", "faiman", "module", faiman, t_faiman, FAIMAN),
+        Convention("sapm", "sapm", "module", sandia, t_sandia, KING),
+        Convention("sapm, 10 m", "sapm", "module", sandia, t_sandia, KING, **ten),
+        Convention("ross", "ross", "module", ross, t_ross, ROSS, calm=True),
+        Convention("noct_sam", "noct_sam", "cell", sam, t_sam, SAM, seen),
+        Convention("noct_sam, 10 m", "noct_sam", "cell", sam, t_sam, SAM, seen, **ten),
+        Convention("pvsyst", "pvsyst", "cell", pvsyst, t_pvsyst, PVSYST, absorbed),
+        Convention(
+            "pvsyst, 10 m", "pvsyst", "cell", pvsyst, t_pvsyst, PVSYST, absorbed, **ten
+        ),
+        Convention(
+            "pvsyst, no wind",
+            "pvsyst",
+            "cell",
+            pvsyst,
+            t_pvsyst,
+            PVSYST,
+            absorbed,
+            calm=True,
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class Steady:
+    """
+    A fit as resistances of its module and its cells, and what is told beside.
+
+    Attributes
+    ----------
+    fit : FemFit
+    deltaT : float or None
+        From the back of the module to its cells at 1000 W/m². [K]
+    with_bias : bool
+        Whether the fit's bias belongs to the module's temperature.
+    share : float or None
+        Wind at the anemometer over wind at 10 m.
+    winds : array
+        At which models are made alike, each as much as another. [m/s]
+    """
+
+    fit: object
+    deltaT: float | None
+    with_bias: bool
+    share: float | None
+    winds: np.ndarray
+
+    def own(self, coefficients):
+        """The steady model by the wind, as it is."""
+        model = self.fit.thermal_model
+        law, own = model.steady_model, model.own(model.completed(coefficients))
+        return Curve(lambda wind_speed: law.resistance(wind_speed, **own))
+
+    def curve(self, coefficients, of):
+        """Over-temperature per irradiance at 800 W/m², bias and cell taken in."""
+        more = self.bias(coefficients) / NOMINAL
+        return self.own(coefficients).plus(more + self.cell(of) / 1000.0)
+
+    def bias(self, coefficients):
+        return coefficients["bias"] if self.with_bias else 0.0
+
+    def cell(self, of):
+        return self.deltaT or 0.0 if of == "cell" else 0.0
+
+    def seen(self, one, curve):
+        """A curve and the winds by the wind that a convention means."""
+        if one.high:
+            return curve.seen_at(self.share), self.winds / self.share
+        return curve, self.winds
+
+    def line(self, one, coefficients):
+        """The convention's line in wind, by least squares. None where it has none."""
+        curve, winds = self.seen(one, self.curve(coefficients, one.of))
+        goal = SHAPES[one.shape]
+        resistance = curve.resistance(winds)
+        if not (resistance > 0.0).all():
+            return None
+        if one.calm:
+            return goal.bend(resistance.mean()), 0.0
+        first, second = (float(v) for v in at_winds(curve, {}, goal, winds))
+        warms = second < 0.0 if goal.bend is reciprocal else second > 0.0
+        return None if warms else (first, second)
+
+    def parameters(self, one, coefficients):
+        """The convention's parameters by name, NaN where it has none."""
+        line = self.line(one, coefficients)
+        if line is None:
+            return dict.fromkeys(one.units, np.nan)
+        return SHAPES[one.shape].coefficients(*line, **one.fixed)
+
+    def mismatch(self, one, found):
+        """Largest difference from the fit, 400 to 1000 W/m², at all winds. [K]"""
+        coefficients = self.fit.coefficients
+        curve = self.own(coefficients).plus(self.cell(one.of) / 1000.0)
+        curve, winds = self.seen(one, curve)
+        own = SHAPES[one.shape].resistance(winds, {**found, **one.fixed})
+        over = np.outer(SUNS, curve.resistance(winds)) + self.bias(coefficients)
+        return float(np.abs(np.outer(SUNS, own) - over).max())
+
+    def error(self, function):
+        """Standard errors of some numbers by the delta method, as an array."""
+        covariance = self.fit.covariance
+        if covariance.empty:
+            return np.full(len(function(self.fit.coefficients)), np.nan)
+        slopes = []
+        for name in covariance:
+            step = NUDGE * np.sqrt(covariance.loc[name, name])
+            there = [
+                function(
+                    {**self.fit.coefficients, name: self.fit.coefficients[name] + s}
+                )
+                for s in (step, -step)
+            ]
+            slopes.append((there[0] - there[1]) / (2.0 * step))
+        slopes = np.array(slopes)
+        variance = np.einsum("ik,ij,jk->k", slopes, covariance.to_numpy(), slopes)
+        return np.sqrt(np.maximum(variance, 0.0))
+
+
+def steady_rows(steady, chosen):
+    """
+    Rows of other models' parameters.
+
+    Parameters
+    ----------
+    steady : Steady
+    chosen : sequence of Convention
+
+    Yields
+    ------
+    Row
+    """
+    for one in chosen:
+        there = steady.share is not None or not one.high
+        found = dict.fromkeys(one.units, np.nan)
+        errors, left, why = [np.nan] * len(found), np.nan, NO_HEIGHT
+        if there:
+            found, why = steady.parameters(one, steady.fit.coefficients), ""
+        if there and np.isfinite(list(found.values())).all():
+            errors = steady.error(
+                lambda c, one=one: np.array([*steady.parameters(one, c).values()])
+            )
+            left = steady.mismatch(one, found)
+            if one.of == "cell" and steady.deltaT is None:
+                why = OF_SENSOR
+        elif there:
+            why = POSSIBLE
+        like = dict(of=one.of, equation=one.equation, source=one.source)
+        for (name, value), error in zip(found.items(), errors):
+            yield row(
+                steady, one.name, name, value, one.units[name], error, left, why, like
+            )
+        for name, value in one.fixed.items():
+            yield Row(one.name, name, value, "-", note=GIVEN, **like)
+        if one.shape == "sapm":
+            yield of_cell(steady, one.name, like)
+
+
+def row(steady, convention, name, value, unit, error, left, why, like):
+    """A row of a number that has its error from the fit."""
+    freedom = steady.fit.train_days - 1.0
+    if np.isfinite(value) and not np.isfinite(error):
+        why = "; ".join(filter(None, [why, NO_ERROR]))
+    return Row(
+        convention,
+        name,
+        float(value),
+        unit,
+        float(error),
+        freedom,
+        mismatch=left,
+        note=why,
+        **like,
+    )
+
+
+def of_cell(steady, convention, like):
+    """The row of what cells are warmer than the back."""
+    value = np.nan if steady.deltaT is None else steady.deltaT
+    note = NO_DELTA if steady.deltaT is None else GIVEN
+    return Row(convention, "deltaT", value, "K", note=note, **{**like, "of": "cell"})
+
+
+def nmot_row(steady):
+    """The temperature that the fit gives at 800 W/m², 20 °C of air and 1 m/s."""
+
+    def nmot(coefficients):
+        curve = steady.curve(coefficients, "module")
+        return AIR + NOMINAL * curve.resistance([BREEZE])
+
+    (value,), (error,) = nmot(steady.fit.coefficients), steady.error(nmot)
+    like = dict(
+        of="module",
+        equation="NMOT = 20 °C + 800 W/m² r_eq(1 m/s) + bias",
+        source=IEC,
+    )
+    return row(steady, "nmot", "of the fit", value, "°C", error, np.nan, "", like)
+
+
+def memory_rows(steady):
+    """Time constants by the wind, for samples at the end of steps and for means."""
+    fit, why = steady.fit, ""
+    if fit.dynamics == "steady":
+        why = "dynamics='steady' has no memory; fit with 'balance' or 'ewm'"
+    if fit.dynamics == "ewm":
+        why = "one tau at all winds; with dynamics='balance' it follows the wind"
+
+    def taus(coefficients):
+        if fit.dynamics == "ewm":
+            return np.full(len(TAU_WINDS), coefficients["tau"])
+        if fit.dynamics == "steady":
+            return np.full(len(TAU_WINDS), np.nan)
+        return coefficients["capacity"] * steady.own(coefficients).resistance(TAU_WINDS)
+
+    def of_means(coefficients):
+        if fit.dynamics == "steady":
+            return taus(coefficients)
+        # means answer to means by their age, which is told at the usual wind
+        usual = taus(coefficients)[0]
+        if fit.dynamics == "balance":
+            wind = steady.own(coefficients).resistance(steady.winds.mean())
+            usual = coefficients["capacity"] * wind
+        return taus(coefficients) * (step / np.expm1(step / usual) / usual)
+
+    step, tau = fit.summary.step, "tau = capacity r_eq(WS)"
+    for convention, function, equation, source in (
+        ("time constant", taus, tau, f"{HERTELEER}, Eq. 10"),
+        (
+            f"time constant, means over {step:g} s",
+            of_means,
+            f"{tau}, capacity by step / (exp(step / tau) - 1) at the mean wind",
+            "this package's guide, Dynamics",
+        ),
+    ):
+        values, errors = function(fit.coefficients), steady.error(function)
+        like = dict(of="module", equation=equation, source=source)
+        for wind, value, error in zip(TAU_WINDS, values, errors):
+            at = f"at {wind:g} m/s"
+            yield row(steady, convention, at, value, "s", error, np.nan, why, like)

@@ -1,0 +1,316 @@
+"""
+The unit mass of Prilliman's model, as pvlib has it and PVsyst takes it from the module.
+
+The rate of the model, a0 + a1 WS + a2 m + a3 WS m, falls with the mass m. At 20 kg/m²
+it is zero in still air: the mean of the last 20 min, whatever the module. Beyond, older
+temperatures weigh more than newer ones. So no such mass is ever used or given here.
+"""
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pvlib
+from scipy.optimize import minimize_scalar
+from scipy.stats import t as student
+
+from pvlib_fem.record.checks import instants, usual_step
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
+from pvlib_fem.thermal_parameters.measured import Measured
+from pvlib_fem.thermal_parameters.rows import LEVEL, Row
+
+HEAVIEST = 20.0  # kg/m², at which the rate is zero in still air
+WINDOW = 1200.0  # s, that Prilliman's mean looks back
+FEWEST = 3  # samples of which pvlib tells that their steps are even
+CELLS = 5_000_000  # of pvlib's matrices at once, 40 MB each
+FINEST = 60.0  # s; of finer steps a single answer takes pvlib 10 s for each day
+EDGE = 0.02  # kg/m² from an end of the range, which counts as there
+
+RATE = (
+    "T = mean of T_steady over the last 20 min, weights exp(-P age), P = 0.0046 + "
+    "0.00046 WS - (0.00023 + 0.000016 WS) unit_mass [1/s]"
+)
+SOURCE = (
+    "M. Prilliman et al. (2020), doi:10.1109/JPHOTOV.2020.2992351, Eqs. 7 and 9, as "
+    "pvlib.temperature.prilliman; PVsyst 8.1 help, Transient thermal model"
+)
+MODELS = {
+    "prilliman": "RMSE of the steady model under Prilliman's mean, both fitted",
+    "this fit": "RMSE of the fit",
+    "without memory": "RMSE of the fit's steady temperature",
+}
+TOO_SLOW = (
+    "the record asks for 20 kg/m² or more, where Prilliman's rate is zero or negative "
+    "in still air: this module is slower than the model can be. PVsyst takes its "
+    "default there"
+)
+TOO_QUICK = (
+    "the record asks for no mass at all: this module, or its sensor, is quicker than "
+    "the model can be"
+)
+NO_TEST = "no days are held out"
+
+
+def smoothed(steady, wind_speed, unit_mass):
+    """
+    A steady temperature under Prilliman's moving mean, piece by piece of even steps.
+
+    pvlib's function [1]_ refuses gaps, and holds one row for each second of the
+    window and sample of the record.
+
+    Parameters
+    ----------
+    steady, wind_speed : Series
+        [°C], [m/s]
+    unit_mass : float
+        Mass of the module over its area, 0 to below 20. [kg/m²]
+
+    Returns
+    -------
+    Series
+        The steady temperature itself where steps are 20 min and longer. [°C]
+
+    Raises
+    ------
+    ValueError
+        If the mass is none of which the model is one: from 20 kg/m² on its rate is
+        zero or negative in still air.
+
+    References
+    ----------
+    .. [1] M. Prilliman et al., "Transient Weighted Moving-Average Model of
+       Photovoltaic Module Back-Surface Temperature", IEEE J. Photovoltaics 10, 1053
+       (2020). :doi:`10.1109/JPHOTOV.2020.2992351`, as in
+       :func:`pvlib.temperature.prilliman`.
+    """
+    if not 0.0 <= unit_mass < HEAVIEST:
+        raise ValueError(
+            f"unit_mass = {unit_mass:g} kg/m² must be from 0 to below {HEAVIEST:g}: "
+            "from there on Prilliman's rate is zero or negative in still air, and old "
+            "temperatures weigh more than new ones"
+        )
+    answer = steady.copy()
+    # pvlib reads times in a way that newer pandas deprecates where they have a zone
+    utc = pd.DatetimeIndex(instants(steady.index))
+    wind = wind_speed.set_axis(utc)
+    steady = steady.set_axis(utc)
+    seconds = np.diff(utc) / np.timedelta64(1, "s")
+    step = usual_step(utc)
+    if not step < WINDOW:
+        return answer
+    behind = int(WINDOW // step)
+    rows = max(CELLS // behind, behind)
+    for start, end in even_pieces(seconds, step):
+        for first in range(start, end, rows):
+            part = slice(max(first - behind, start), min(first + rows, end))
+            if part.stop - part.start < FEWEST:
+                continue
+            smooth = moving_mean(steady.iloc[part], wind.iloc[part], unit_mass)
+            answer.iloc[first : part.stop] = smooth[first - part.start :]
+    return answer
+
+
+def moving_mean(steady, wind_speed, unit_mass):
+    # pvlib divides by nothing where a window is empty, and makes a call itself that
+    # newer pandas warns of
+    with warnings.catch_warnings(), np.errstate(invalid="ignore"):
+        warnings.filterwarnings("ignore", "A future version of pandas")
+        smooth = pvlib.temperature.prilliman(steady, wind_speed, unit_mass)
+    return smooth.to_numpy()
+
+
+def even_pieces(seconds, step):
+    """First row and end of each piece of a record without a gap or a jitter."""
+    breaks = np.flatnonzero(np.abs(seconds - step) > 1e-6 * step) + 1
+    edges = [0, *breaks.tolist(), len(seconds) + 1]
+    return pairwise(edges)
+
+
+def unit_mass_rows(measured, why):
+    """
+    The unit mass that fits best, and errors on held-out days beside the fit's own.
+
+    Parameters
+    ----------
+    measured : Measured or None
+    why : str
+        Why there is none.
+
+    Yields
+    ------
+    Row
+    """
+    found, scores, note = None, {}, why
+    if measured is not None:
+        given = Given(measured)
+        found, note = given.best()
+        scores = given.scores(found)
+    mass = found or Mass(np.nan, np.nan, np.inf)
+    reach = student.ppf(0.5 + LEVEL / 2, max(mass.days - 1.0, 1.0)) * mass.stderr
+    yield Row(
+        "prilliman",
+        "unit_mass",
+        mass.value,
+        "kg/m²",
+        mass.stderr,
+        of="module",
+        equation=RATE,
+        source=SOURCE,
+        note=note,
+        span=(max(mass.value - reach, 0.0), min(mass.value + reach, HEAVIEST)),
+    )
+    for name, words in MODELS.items():
+        score, spread, days = scores.get(name, (np.nan, np.nan, np.inf))
+        lacks = note or NO_TEST
+        if np.isfinite(score):
+            lacks = "" if np.isfinite(spread) else few(days)
+        yield Row(
+            "held-out error",
+            name,
+            score,
+            "K",
+            spread,
+            days - 1.0,
+            of="module",
+            equation=words,
+            source="this package",
+            note=lacks,
+        )
+
+
+def few(days):
+    return f"no error: {days} days, and it needs {FEWEST_DAYS}"
+
+
+@dataclass(frozen=True, eq=False)
+class Mass:
+    """A unit mass, its error, the days that tell it, and what the model gives."""
+
+    value: float
+    stderr: float
+    days: float
+    modelled: pd.Series | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A record as Prilliman's model is fitted to it."""
+
+    measured: Measured
+
+    @cached_property
+    def table(self):
+        """Columns by row, in means over a minute where steps are shorter."""
+        own, record = self.measured, self.measured.record
+        fit, steady, slopes = own.modelled
+        table = pd.DataFrame(
+            {
+                "fit": fit,
+                "steady": steady,
+                "wind_speed": record["wind_speed"],
+                "measured": record["temp_module"],
+                "train": own.counts & ~own.out,
+                "test": own.counts & own.out,
+                "date": own.dates,
+                **{(name,): slope for name, slope in slopes.items()},
+            },
+            record.index,
+        )
+        if not own.step < FINEST:
+            return table
+        table = table.astype(float).resample(pd.Timedelta(seconds=FINEST)).mean()
+        flags = {name: table[name] > 0.5 for name in ("train", "test")}
+        return table.assign(**flags, date=table["date"].ffill().round())
+
+    @cached_property
+    def slopes(self):
+        """Names of the columns that hold slopes of the steady temperature."""
+        return [name for name in self.table if isinstance(name, tuple)]
+
+    def smoothed(self, unit_mass):
+        """Steady temperature and its slopes under Prilliman's mean."""
+        wind = self.table["wind_speed"]
+        names = ["steady", *self.slopes]
+        return [smoothed(self.table[name], wind, unit_mass) for name in names]
+
+    def at(self, unit_mass):
+        """
+        The model of a mass: by what coefficients are moved, what it gives and leaves.
+
+        Coefficients of the steady temperature are fitted anew under each mass, by
+        their slopes: those of a heat balance are not quite those of this mean.
+        """
+        steady, *columns = self.smoothed(unit_mass)
+        left = (self.table["measured"] - steady)[self.fitted]
+        matrix = np.transpose([column[self.fitted] for column in columns])
+        kept = np.isfinite(matrix).all(axis=1) & left.notna().to_numpy()
+        moved, *_ = np.linalg.lstsq(matrix[kept], left[kept])
+        modelled = steady + sum(m * c for m, c in zip(moved, columns))
+        return moved, modelled, left[kept] - matrix[kept] @ moved, matrix[kept].T
+
+    def given(self, moved, unit_mass):
+        """What the model gives by a mass and coefficients that are moved. [°C]"""
+        steady, *columns = self.smoothed(unit_mass)
+        return steady + sum(m * c for m, c in zip(moved, columns))
+
+    @cached_property
+    def fitted(self):
+        """Rows of the days that the fit saw, with all that the model needs."""
+        return self.table["train"] & self.table.notna().all(axis=1)
+
+    def cost(self, unit_mass):
+        return float((self.at(unit_mass)[2] ** 2).mean())
+
+    def best(self):
+        """The mass with its error and the days that tell it, or why there is none."""
+        step = usual_step(self.table.index)
+        if not step < WINDOW:
+            return None, (
+                f"steps of {step:g} s: the model is of steps below {WINDOW:g} s; use a "
+                "finer record"
+            )
+        how = dict(bounds=(0.0, HEAVIEST), method="bounded", options={"xatol": 1e-3})
+        found = minimize_scalar(self.cost, **how).x
+        if found > HEAVIEST - EDGE:
+            return None, TOO_SLOW
+        if found < EDGE:
+            return None, TOO_QUICK
+        moved, modelled, residual, columns = self.at(found)
+        dates = self.table["date"][residual.index].to_numpy().astype(int)
+        days = len(np.unique(dates))
+        if days < FEWEST_DAYS:
+            return Mass(found, np.nan, days, modelled), few(days)
+        ends = [self.given(moved, found + step) for step in (-EDGE / 2, EDGE / 2)]
+        slope = ((ends[1] - ends[0]) / EDGE)[residual.index].to_numpy()
+        covariance = day_errors([slope, *columns], residual, dates)
+        return Mass(found, float(np.sqrt(covariance[0, 0])), days, modelled), ""
+
+    def scores(self, found):
+        """Root mean square errors on held-out days, with errors by the day. [K]"""
+        table = self.table
+        modelled = {"this fit": table["fit"], "without memory": table["steady"]}
+        if found is not None:
+            modelled["prilliman"] = found.modelled
+        return {
+            name: rms_of((table["measured"] - one)[table["test"]], table["date"])
+            for name, one in modelled.items()
+        }
+
+
+def rms_of(residual, dates):
+    """A root mean square, its error by leaving out each day in turn, and the days."""
+    squares = (residual**2).dropna()
+    if squares.empty:
+        return np.nan, np.nan, np.inf
+    by_day = squares.groupby(dates[squares.index].to_numpy()).agg(["sum", "size"])
+    total, days = by_day.sum(), len(by_day)
+    value = float(np.sqrt(total["sum"] / total["size"]))
+    if days < FEWEST_DAYS:
+        return value, np.nan, days
+    without = total - by_day
+    spread = np.sqrt(without["sum"] / without["size"])
+    square = (days - 1) / days * ((spread - spread.mean()) ** 2).sum()
+    return value, float(np.sqrt(square)), days
