@@ -157,7 +157,8 @@ def test_a_fit_from_a_file_says_what_it_lacks(fits, tmp_path):
     table = again.thermal_parameters(wind_height=2.0)
     lacking = table[table["value"].isna()]
     assert {*lacking.index.get_level_values(0)} == {
-        *("nmot", "prilliman", "held-out error", "T98")
+        *("ross", "pvsyst, no wind", "nmot", "prilliman", "held-out error", "T98"),
+        "time constant, means over 600 s",
     }
     needs = lacking["note"].str.contains("needs the record|needs a record")
     assert needs.all()
@@ -305,7 +306,7 @@ def filtered(change):
     data["wind_speed"] *= 0.4  # 2 m/s at noon
     change(data)
     fit = fem.fit_fem(steady_record(days=2, step=600.0), dynamics="steady")
-    measured = measured_of(fit, data, lambda record, counts: counts & False)
+    measured = measured_of(fit, data, lambda record, counts, holdout: counts & False)
     return readings(measured)[0]
 
 

@@ -11,6 +11,8 @@ COMMANDS = {
     "fleet": "Close the loop on each of the SYSTEMS of a table, or fit them.",
     "loop": "Find which physical effects the model lacks in FILE, or several.",
     "modules": "Compare the module sensors of FILE: what is common, what is one's own.",
+    "parameters": "Give the thermal parameters of FIT as pvlib, PVsyst and SAM take "
+    "them.",
     "recover": "Put effects into FILE, and find from what size the loop sees them.",
 }
 

@@ -7,13 +7,17 @@ import pandas as pd
 
 from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem.cli.options import (
+    PARAMETERS,
     WRITTEN,
     days_of,
+    files_argument,
     fit_options,
     fleet_options,
     held,
+    layout_options,
     model_option,
     out_option,
+    parameter_options,
     plot_option,
     reading_options,
     recovery_options,
@@ -36,11 +40,14 @@ from pvlib_fem.cli.running import (
 from pvlib_fem.cli.words import Refused, note, plainly, say
 from pvlib_fem.cli.writing import as_csv, check_outputs, picture, write
 from pvlib_fem.drivers.place import site_of
+from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.files import read_file
 from pvlib_fem.sensors.compare import compare_modules
 from pvlib_fem.stored import saved
+from pvlib_fem.thermal_parameters.page import as_text, page
 
 FEW = 5  # failures that are told
 
@@ -160,6 +167,49 @@ def modules(files, common, model, **options):
         found = compare_modules(data, model=model)
         say(found)
         write(common, lambda path: saved(as_csv(found.common), path))
+
+
+@click.command()
+@click.argument(
+    "source",
+    metavar="FIT",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+)
+@files_argument(required=False)
+@layout_options
+@click.option(
+    "--holdout",
+    multiple=True,
+    metavar="DAY | DAY..DAY",
+    help="Days of FILE that the fit did not see, if they were given to it.",
+)
+@parameter_options
+@report_option
+@title_option
+def parameters(source, files, holdout, report, csv, title, typical_year, **options):
+    """Give the thermal parameters of FIT as pvlib, PVsyst and SAM take them.
+
+    FIT is what fit or loop wrote with --out. FILE is the record, which NMOT by IEC
+    61853-2, the unit mass of Prilliman's model and T98 need; without it the others are
+    for usual winds. Each has its error, its range, what it holds for and its source.
+    """
+    with plainly():
+        check_outputs([source, *files], report=report, csv=csv)
+        result = FemFit.from_json(source)
+        own, otherwise = {name: options.pop(name) for name in PARAMETERS}, str
+        if files:
+            told = options["tz"]
+            data, otherwise = read(files, options)
+            data = in_their_days(data, None, told)
+            own |= {"data": data, "holdout": days_of(holdout, data.index)}
+        if typical_year is not None:
+            own["typical_year"] = read_file(typical_year)
+        with or_propose(otherwise):
+            table = result.thermal_parameters(**own)
+        say(as_text(table))
+        write(csv, lambda path: saved(as_csv(table), path))
+        title = title or source.name
+        write(report, lambda path: saved(page(table, title), path))
 
 
 @click.command()

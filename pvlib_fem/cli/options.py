@@ -16,6 +16,16 @@ from pvlib_fem.thermal.model import MEMORY
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
 WRITTEN = click.Path(dir_okay=False, path_type=Path)
+#: options that fit.thermal_parameters() has as arguments
+PARAMETERS = (
+    "wind_height",
+    "exponent",
+    "surface_tilt",
+    "module_efficiency",
+    "absorptance",
+    "deltaT",
+    "with_bias",
+)
 EACH = "Once for all files, or once for each."
 #: fields of a layout that are given once for all files or once for each
 PER_FILE = {
@@ -55,14 +65,17 @@ class Readable(click.Path):
         return super().convert(value, param, ctx)
 
 
-reading_options = added(
-    click.argument(
+def files_argument(required=True):
+    return click.argument(
         "files",
-        metavar="FILE...",
+        metavar="FILE..." if required else "[FILE...]",
         nargs=-1,
-        required=True,
+        required=required,
         type=Readable(exists=True, path_type=Path),
-    ),
+    )
+
+
+layout_options = added(
     click.option(
         "--guess",
         is_flag=True,
@@ -167,6 +180,7 @@ reading_options = added(
         help="Accept columns that look to be in another unit.",
     ),
 )
+reading_options = added(files_argument(), layout_options)
 site_options = added(
     click.option("--lat", type=click.FloatRange(-90, 90), help="North positive [°]."),
     click.option("--lon", type=click.FloatRange(-180, 180), help="East positive [°]."),
@@ -222,6 +236,60 @@ recovery_options = added(
     ),
 )
 out_option = click.option("--out", type=WRITTEN, help="Write the result as JSON.")
+parameter_options = added(
+    click.option(
+        "--wind-height",
+        type=click.FloatRange(0, 200, min_open=True),
+        help="Of the anemometer, for parameters by the wind at 10 m [m].",
+    ),
+    click.option(
+        "--exponent",
+        type=click.FloatRange(0, 1),
+        default=1 / 7,
+        show_default="1/7",
+        help="Of the power law that takes the wind to 10 m.",
+    ),
+    click.option(
+        "--tilt",
+        "surface_tilt",
+        type=click.FloatRange(0, 180),
+        help="Of the module, for the conditions [°].",
+    ),
+    click.option(
+        "--efficiency",
+        "module_efficiency",
+        type=click.FloatRange(0, 1),
+        default=0.2,
+        show_default=True,
+        help="Of the module, which goes with parameters of PVsyst and SAM.",
+    ),
+    click.option(
+        "--absorptance",
+        type=click.FloatRange(0, 1, min_open=True),
+        default=0.9,
+        show_default=True,
+        help="The same, alpha of PVsyst and tau-alpha of SAM.",
+    ),
+    click.option(
+        "--deltaT",
+        "deltaT",
+        type=click.FloatRange(-5, 20),
+        help="From the back of the module to its cells at 1000 W/m², by default as the "
+        "fit keeps it [K].",
+    ),
+    click.option(
+        "--with-bias/--without-bias",
+        default=True,
+        show_default=True,
+        help="Take the bias of the fit for the module's own, or for the thermometer's.",
+    ),
+    click.option(
+        "--typical-year",
+        type=click.Path(exists=True, dir_okay=False, path_type=Path),
+        help="File with poa_global, temp_air and wind_speed of a year, for T98.",
+    ),
+    click.option("--csv", type=WRITTEN, help="Write the table as CSV."),
+)
 report_option = click.option(
     "--report",
     type=WRITTEN,

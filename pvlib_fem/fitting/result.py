@@ -276,6 +276,7 @@ class FemFit:
         self,
         data: pd.DataFrame | None = None,
         *,
+        holdout: pd.Series | None = None,
         typical_year: pd.DataFrame | None = None,
         wind_height: float | None = None,
         exponent: float = 1 / 7,
@@ -292,9 +293,13 @@ class FemFit:
         ----------
         data : DataFrame, optional
             The record, with the columns of the fit. Rows ``nmot`` by IEC 61853-2,
-            ``prilliman``, ``held-out error`` and ``T98`` need it, and conventions are
-            made for its winds. By default the fit's own, which a fit that was read
-            from a file has not. [W/m²], [°C], [m/s]
+            ``prilliman``, ``held-out error`` and ``T98`` need it, and those without
+            wind, ``ross`` and ``pvsyst, no wind``; others are made for its winds. By
+            default the fit's own, which a fit that was read from a file has not.
+            [W/m²], [°C], [m/s]
+        holdout : Series of bool, optional
+            Rows of ``data`` that the fit did not see; by default those of
+            :func:`fit_fem`. The unit mass is fitted to the others.
         typical_year : DataFrame, optional
             Weather of a year for T98: ``poa_global`` [W/m²] in the plane of the
             modules, ``temp_air`` [°C], ``wind_speed`` [m/s] at the height of the
@@ -360,6 +365,7 @@ class FemFit:
             self,
             out_of,
             data,
+            holdout,
             typical_year,
             wind_height,
             exponent,
@@ -589,9 +595,9 @@ def correlation_of(content, stderr):
     return table
 
 
-def out_of(record, counts):
-    """Rows that are held out by default."""
-    return held_out(record, counts, None, [])
+def out_of(record, counts, holdout):
+    """Rows that are held out, as they are given or by default."""
+    return held_out(record, counts, holdout, [])
 
 
 def of_rows(record, temperature, train, test, out):

@@ -18,7 +18,7 @@ LEVELS = {70.0: "no level needed", 80.0: "Level 1", 90.0: "Level 2"}
 SOURCE = "IEC TS 63126; levels as pvdeg.standards has them"
 EQUATION = "98th percentile of T over all hours of a year, nights included"
 NO_YEAR = (
-    f"needs a record of {FEWEST_YEARS} whole years, or typical_year= with the weather "
+    f"needs a record of {FEWEST_YEARS} whole years, or typical_year with the weather "
     "in the plane of the modules"
 )
 

@@ -12,7 +12,7 @@ from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record, as_record
 from pvlib_fem.translation import QUANTILES, USUAL_WINDS
 
-NEEDED = "needs the record: thermal_parameters(data=...), or FILE on the command line"
+NEEDED = "needs the record: give data beside the fit"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,10 @@ class Measured:
     @property
     def dates(self):
         return self.record.dates
+
+    @property
+    def wind(self):
+        return float(np.nanmean(self.record["wind_speed"]))
 
     def series(self, name):
         return pd.Series(self.record[name], self.record.index, name=name)
@@ -72,7 +76,7 @@ class Measured:
         return model.temperature(inputs, found), steady, free
 
 
-def measured_of(fit, data, out_of):
+def measured_of(fit, data, out_of, holdout=None):
     """
     The record of a fit, or one that is given; None where there is neither.
 
@@ -81,10 +85,22 @@ def measured_of(fit, data, out_of):
     fit : FemFit
     data : DataFrame or None
     out_of : callable
-        Of a record and the rows that count, those that are held out.
+        Of a record, the rows that count and a choice of the user's or None, those
+        that are held out.
+    holdout : Series of bool or None
+        That choice.
+
+    Raises
+    ------
+    ValueError
+        If a column lacks, or days are chosen of a record that is not given.
     """
     model = fit.thermal_model
     if data is None:
+        if holdout is not None:
+            raise ValueError(
+                "holdout is of data; a fit's own record has the days of the fit"
+            )
         if fit.record is None:
             return None
         record, out = fit.record, fit.holdout.to_numpy()
@@ -97,5 +113,5 @@ def measured_of(fit, data, out_of):
     counts = counted(record.inputs.columns, fit.night)
     counts = counts & record.known(model.drivers)
     if out is None:
-        out = out_of(record, counts)
+        out = out_of(record, counts, holdout)
     return Measured(fit, record, counts, out)

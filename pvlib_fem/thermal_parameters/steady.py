@@ -26,14 +26,19 @@ HERTELEER = "B. Herteleer et al. (2022), doi:10.22541/au.166922866.68736478"
 
 POSSIBLE = (
     "wind warms the module, or its over-temperature is none with the bias taken in; "
-    "give with_bias=False"
+    "leave it out (with_bias)"
 )
+ROUGH = "shorter than a step: only rough; use a finer record"
 NO_ERROR = "no error: the fit has none, see its notes"
 NO_DELTA = (
-    "no sensor on the back tells of the cells; give deltaT= (pvlib has 3 K for open "
+    "no sensor on the back tells of the cells; give deltaT (pvlib has 3 K for open "
     "racks, 1 K close to a roof, 0 K on insulation)"
 )
-NO_HEIGHT = "needs the height of the anemometer, wind_height="
+NO_WINDS = (
+    "needs the record: a model without wind is for the winds of a place; give data "
+    "beside the fit"
+)
+NO_HEIGHT = "needs the height of the anemometer, wind_height"
 GIVEN = "given or assumed, not measured"
 OF_SENSOR = "as warm as the sensor: deltaT is not given"
 
@@ -129,6 +134,8 @@ class Steady:
         Wind at the anemometer over wind at 10 m.
     winds : array
         At which models are made alike, each as much as another. [m/s]
+    wind : float or None
+        Mean of the record, where there is one. [m/s]
     """
 
     fit: object
@@ -136,6 +143,7 @@ class Steady:
     with_bias: bool
     share: float | None
     winds: np.ndarray
+    wind: float | None = None
 
     def own(self, coefficients):
         """The steady model by the wind, as it is."""
@@ -223,11 +231,12 @@ def steady_rows(steady, chosen):
     Row
     """
     for one in chosen:
-        there = steady.share is not None or not one.high
-        found = dict.fromkeys(one.units, np.nan)
-        errors, left, why = [np.nan] * len(found), np.nan, NO_HEIGHT
+        why = NO_HEIGHT if one.high and steady.share is None else ""
+        why = NO_WINDS if one.calm and steady.wind is None else why
+        there, found = not why, dict.fromkeys(one.units, np.nan)
+        errors, left = [np.nan] * len(found), np.nan
         if there:
-            found, why = steady.parameters(one, steady.fit.coefficients), ""
+            found = steady.parameters(one, steady.fit.coefficients)
         if there and np.isfinite(list(found.values())).all():
             errors = steady.error(
                 lambda c, one=one: np.array([*steady.parameters(one, c).values()])
@@ -305,13 +314,11 @@ def memory_rows(steady):
         return coefficients["capacity"] * steady.own(coefficients).resistance(TAU_WINDS)
 
     def of_means(coefficients):
-        if fit.dynamics == "steady":
-            return taus(coefficients)
-        # means answer to means by their age, which is told at the usual wind
+        # means answer to means by their age, which is told at the mean wind
         usual = taus(coefficients)[0]
         if fit.dynamics == "balance":
-            wind = steady.own(coefficients).resistance(steady.winds.mean())
-            usual = coefficients["capacity"] * wind
+            at = np.nan if steady.wind is None else steady.wind
+            usual = coefficients["capacity"] * steady.own(coefficients).resistance(at)
         return taus(coefficients) * (step / np.expm1(step / usual) / usual)
 
     step, tau = fit.summary.step, "tau = capacity r_eq(WS)"
@@ -327,5 +334,9 @@ def memory_rows(steady):
         values, errors = function(fit.coefficients), steady.error(function)
         like = dict(of="module", equation=equation, source=source)
         for wind, value, error in zip(TAU_WINDS, values, errors):
-            at = f"at {wind:g} m/s"
-            yield row(steady, convention, at, value, "s", error, np.nan, why, like)
+            at, said = f"at {wind:g} m/s", why
+            if not said and np.isnan(value):
+                said = "needs the record, whose mean wind it is told at; give data"
+            elif value < step:
+                said = "; ".join(filter(None, [why, ROUGH]))
+            yield row(steady, convention, at, value, "s", error, np.nan, said, like)

@@ -24,6 +24,7 @@ def thermal_parameters(
     fit,
     out_of,
     data=None,
+    holdout=None,
     typical_year=None,
     wind_height=None,
     exponent=1 / 7,
@@ -37,13 +38,14 @@ def thermal_parameters(
     check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, deltaT)
     if deltaT is None:
         deltaT = cell_of(fit)
-    measured = measured_of(fit, data, out_of)
+    measured = measured_of(fit, data, out_of, holdout)
     steady = Steady(
         fit,
         deltaT,
         with_bias,
         None if wind_height is None else (wind_height / HEIGHT) ** exponent,
         USUAL_WINDS if measured is None else measured.winds,
+        None if measured is None else measured.wind,
     )
     why = "" if measured is not None else NEEDED
     rows = [
