@@ -5,7 +5,7 @@ ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet gate oracle sweep coverage periods episodes clean
+.PHONY: fleet gate oracle sweep coverage parameters periods episodes clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -92,6 +92,10 @@ sweep: $(VENV)/.installed
 # how often the intervals of a fit hold the truth
 coverage: $(VENV)/.installed
 	$(BIN)/python tests/study_coverage.py --records 300 --out docs/coverage.md
+
+# how often the ranges of thermal parameters hold the truth of simulated worlds
+parameters: $(VENV)/.installed
+	$(BIN)/python tests/study_parameters.py --worlds 100 --out docs/study_parameters.md
 
 # the same by the month, where a coefficient changes, for docs/guide/fitting.md
 periods: $(VENV)/.installed

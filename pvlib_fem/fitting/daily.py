@@ -58,7 +58,7 @@ def errors(target, daily, at_bound, notes):
 
 def correlation(daily, stderr):
     """
-    Correlations of the fitted coefficients that have an error, by the day.
+    Correlations of the fitted coefficients, from leaving out each day in turn.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def correlation(daily, stderr):
     Returns
     -------
     DataFrame
-        By name of both; empty where no coefficient has an error.
+        Rows and columns are the coefficients that have an error; may be empty.
     """
     names = daily.names if daily is not None else ()
     known = [place for place, name in enumerate(names) if stderr.get(name, 0.0) > 0.0]

@@ -116,16 +116,16 @@ class FemFit:
 
     @cached_property
     def correlation(self) -> pd.DataFrame:
-        """Correlations of the fitted coefficients that have errors, by the day."""
+        """Correlations of fitted coefficients, from leaving out each day in turn."""
         return correlation(self.daily, self.stderr)
 
     @property
     def covariance(self) -> pd.DataFrame:
         """
-        Covariance of the fitted coefficients, by name of both.
+        Covariance of the fitted coefficients.
 
-        Standard errors are those of ``stderr``; how coefficients err against each
-        other is from leaving out days in turn. Empty where there are no errors.
+        Its diagonal holds the squares of ``stderr``, its correlations are from leaving
+        out each day in turn. Empty where the fit has no errors.
         """
         error = pd.Series(self.stderr)[self.correlation.index]
         return self.correlation.mul(error, axis=0).mul(error, axis=1)
@@ -292,36 +292,36 @@ class FemFit:
         Parameters
         ----------
         data : DataFrame, optional
-            The record, with the columns of the fit. Rows ``nmot`` by IEC 61853-2,
-            ``prilliman``, ``held-out error`` and ``T98`` need it, and those without
-            wind, ``ross`` and ``pvsyst, no wind``; others are made for its winds. By
-            default the fit's own, which a fit that was read from a file has not.
-            [W/m²], [°C], [m/s]
+            The record, with the columns of the fit; by default the fit's own. A fit
+            that was read from a file holds no record. Without one these rows have no
+            value: ``nmot`` by IEC 61853-2, ``prilliman``, ``held-out error``, ``T98``,
+            time constants of means, and models without wind (``ross``, ``pvsyst, no
+            wind``). [W/m²], [°C], [m/s]
         holdout : Series of bool, optional
             Rows of ``data`` that the fit did not see; by default those of
             :func:`fit_fem`. The unit mass is fitted to the others.
         typical_year : DataFrame, optional
             Weather of a year for T98: ``poa_global`` [W/m²] in the plane of the
             modules, ``temp_air`` [°C], ``wind_speed`` [m/s] at the height of the
-            record's, and what the effects need.
+            anemometer, and the drivers of the fit's effects.
         wind_height : float, optional
-            Of the anemometer, which conventions for wind at 10 m need. [m]
+            Of the anemometer above ground; rows for wind at 10 m need it. [m]
         exponent : float, default 1/7
-            Of the power law that takes the wind to 10 m.
+            Of the power law ``WS(10 m) = WS (10 m / wind_height)**exponent``.
         surface_tilt : float, optional
             Of the module, for the conditions. [°]
         module_efficiency : float, default 0.2
-            That goes with PVsyst's and SAM's parameters, a share.
+            Of the module, a fraction, for the parameters of PVsyst and SAM.
         absorptance : float, default 0.9
-            The same, PVsyst's ``alpha_absorption`` and SAM's
+            Of the module, a fraction: PVsyst's ``alpha_absorption`` and SAM's
             ``transmittance_absorptance``.
         deltaT : float, optional
-            From the back of the module to its cells at 1000 W/m²; by default what
-            the file of the fit keeps, and else 0 with a note. [K]
+            Cell minus back temperature at 1000 W/m². By default the value in the
+            fit's file, or 0 with a note. [K]
         with_bias : bool, default True
-            Whether the bias belongs to the module's temperature. No other tool has
-            a bias: it is taken into the over-temperature at 800 W/m². False leaves it
-            out, as an offset of the thermometer.
+            Whether the fit's bias is part of the module's temperature. Other tools
+            have no bias, so it is added to the over-temperature at 800 W/m². False
+            ignores it, as an offset of the thermometer.
 
         Returns
         -------
@@ -330,23 +330,23 @@ class FemFit:
             ``value`` in ``unit``; its ``stderr``, by the delta method from the
             covariance of the fit's coefficients unless the guide says otherwise;
             ``low`` and ``high`` of the 95 % range; ``mismatch`` [K], the largest
-            difference of that convention's temperature from the fit's between 400 and
-            1000 W/m² at the winds of ``conditions``; ``of`` (``"module"`` or
-            ``"cell"``), ``conditions``, ``equation``, ``source``; and ``note``, which
-            says why a number lacks or what it leaves open. Parameters have the names
+            difference between that model's temperature and the fit's from 400 to 1000
+            W/m² at the winds in ``conditions``; ``of`` (``"module"`` or ``"cell"``),
+            ``conditions``, ``equation``, ``source``; and ``note``, which says why a
+            number is NaN and what else limits it. Parameters have the names
             of pvlib's arguments, so that ``table.loc["faiman", "value"]`` unpacks into
             :func:`pvlib.temperature.faiman`.
 
         Raises
         ------
         ValueError
-            If an argument cannot be, or a column lacks.
+            If an argument is out of range, or a column is missing.
 
         Notes
         -----
-        Effects have no place in other tools; parameters are those without them, and
-        ``conditions`` name them. No ``unit_mass`` of 20 kg/m² or more is given: there
-        Prilliman's rate is zero or negative in still air.
+        Other tools have no effects. The parameters are those of the model without
+        them, and ``conditions`` name them. No ``unit_mass`` of 20 kg/m² or more is
+        given: there Prilliman's rate is zero or negative in still air.
 
         Examples
         --------

@@ -1,11 +1,12 @@
-"""T98 of IEC TS 63126: the module temperature that 2 % of a year's hours exceed."""
+"""T98 of IEC TS 63126: the temperature that a module exceeds in 2 % of a year."""
 
 import numpy as np
 import pandas as pd
+from scipy.stats import t as student
 
 from pvlib_fem.record.columns import with_aliases
 from pvlib_fem.statistics.clusters import calendar_weeks
-from pvlib_fem.thermal_parameters.rows import Row
+from pvlib_fem.thermal_parameters.rows import LEVEL, Row
 
 SHARE = 0.98
 WEATHER = ("poa_global", "temp_air", "wind_speed")
@@ -65,9 +66,10 @@ def of_record(measured):
     note, span, error = level(value), (np.nan, np.nan), np.nan
     if days < WHOLE * YEAR:
         note = f"of {days} days and not of a year; {note}"
-    at = share_error(module.to_numpy() > value, dates)
+    at, draws = share_error(module.to_numpy() > value, dates)
     if np.isfinite(at):
-        ends = SHARE + np.array([-at, at]), SHARE + np.array([-1, 1]) * 1.96 * at
+        reach = student.ppf(0.5 + LEVEL / 2, max(draws - 1.0, 1.0)) * at
+        ends = SHARE + np.array([-at, at]), SHARE + np.array([-reach, reach])
         (low, high), span = (
             module.quantile(np.clip(one, 0.0, 1.0)).to_numpy() for one in ends
         )
@@ -80,20 +82,24 @@ def of_record(measured):
 
 def share_error(above, dates):
     """
-    Error of the share of rows above a temperature, by weeks within their months.
+    Standard error of the share of rows above a temperature, and effective weeks.
 
-    Weather of a week is one draw, and each month has its own share.
+    Weather of a week is one draw about a season of two harmonics of the year.
     """
     weeks = pd.Series(above).groupby(calendar_weeks(dates)).agg(["sum", "size"])
     if len(weeks) < FEWEST_WEEKS:
-        return np.nan
-    month = np.floor((weeks.index * 7 % YEAR) / (YEAR / 12))
-    mean = weeks.groupby(month)["sum"].transform("sum")
-    mean = mean / weeks.groupby(month)["size"].transform("sum")
-    many = weeks.groupby(month)["size"].transform("count")
-    left = weeks["sum"] - mean * weeks["size"]
-    square = (left**2 * many / np.maximum(many - 1, 1)).sum()
-    return float(np.sqrt(square) / weeks["size"].sum())
+        return np.nan, np.nan
+    rows, phase = weeks["size"].to_numpy(), 2.0 * np.pi * 7.0 * weeks.index / YEAR
+    waves = [f(n * phase) for n in (1, 2) for f in (np.cos, np.sin)]
+    season = np.transpose([np.ones(len(weeks)), *waves]) * rows[:, None]
+    found, _, rank, _ = np.linalg.lstsq(season, weeks["sum"])
+    squares = (weeks["sum"].to_numpy() - season @ found) ** 2
+    squares *= len(weeks) / max(len(weeks) - rank, 1)
+    if not squares.sum() > 0.0:
+        return np.nan, np.nan
+    # the hot hours are in few weeks, which are the effective number of draws
+    draws = squares.sum() ** 2 / (squares**2).sum()
+    return float(np.sqrt(squares.sum()) / rows.sum()), float(draws)
 
 
 def whole_years(measured, module, dates):

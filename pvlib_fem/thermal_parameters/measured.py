@@ -12,7 +12,7 @@ from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record, as_record
 from pvlib_fem.translation import QUANTILES, USUAL_WINDS
 
-NEEDED = "needs the record: give data beside the fit"
+NEEDED = "needs the record; give data"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class Measured:
 
     @cached_property
     def modelled(self):
-        """Temperature by the fit, and without its memory with that one's slopes."""
+        """Temperature of the fit; steady temperature and its slopes."""
         model = self.fit.thermal_model
         inputs = model.with_drivers(self.record.inputs)
         found = model.completed(self.fit.coefficients)
@@ -78,28 +78,26 @@ class Measured:
 
 def measured_of(fit, data, out_of, holdout=None):
     """
-    The record of a fit, or one that is given; None where there is neither.
+    Check the record of a fit or the one that is given; None without both.
 
     Parameters
     ----------
     fit : FemFit
     data : DataFrame or None
     out_of : callable
-        Of a record, the rows that count and a choice of the user's or None, those
-        that are held out.
+        From a record, its fitted rows and ``holdout`` to the rows held out.
     holdout : Series of bool or None
-        That choice.
 
     Raises
     ------
     ValueError
-        If a column lacks, or days are chosen of a record that is not given.
+        If a column is missing, or ``holdout`` is given without a record.
     """
     model = fit.thermal_model
     if data is None:
         if holdout is not None:
             raise ValueError(
-                "holdout is of data; a fit's own record has the days of the fit"
+                "holdout is for data; the fit's own record keeps its held-out days"
             )
         if fit.record is None:
             return None

@@ -1,8 +1,9 @@
 """
-NMOT by the procedure of IEC 61853-2, or what of that a record does not meet.
+NMOT by the procedure of IEC 61853-2, and the requirements a record fails.
 
-The standard is not public. What stands here is the procedure as the package knows it:
-filters, the regression of G / (T - T_air) by wind, and the days that it asks for.
+The standard is not public, and this file was not compared with its text. It implements
+the procedure as the literature describes it: filters, the regression of G / (T - T_air)
+on wind speed, and the minimum number of days.
 """
 
 from dataclasses import dataclass
@@ -25,11 +26,11 @@ BETWEEN = (1.0, 8.0)  # m/s of the mean wind
 SPREAD = 4.0  # m/s that the mean winds have to cover
 POINTS = 10  # before noon and after it, of a day that counts
 DAYS = 10
-TILT = (37.5, 2.5)  # °, and how much it may be off
+TILT = (37.5, 2.5)  # °, and its tolerance
 STEP = 300.0  # s, above which no filter can be formed
 NOT_SEEN = (
-    "not to be told from a record: open rack, load at maximum power, modules around, "
-    "place of the anemometer"
+    "not checked, since no record shows it: open rack, load at maximum power, "
+    "surrounding modules, place of the anemometer"
 )
 EQUATION = "G / (T - T_air) = u0 + u1 WS; NMOT = 20 °C + 800 W/m² / (u0 + u1 1 m/s)"
 
@@ -52,7 +53,7 @@ def nmot_rows(measured, why, surface_tilt=None):
     ----------
     measured : Measured or None
     why : str
-        Why there is none.
+        Why there is no record.
     surface_tilt : float or None
         [°]
 
@@ -91,7 +92,7 @@ def procedure(measured, surface_tilt=None):
     if step > READING:
         unmet.append(f"readings every {READING:g} s or less (here {step:g} s)")
     if surface_tilt is None:
-        unmet.append(f"tilt {TILT[0]:g} ± {TILT[1]:g}° (here not told)")
+        unmet.append(f"tilt {TILT[0]:g} ± {TILT[1]:g}° (here unknown)")
     elif abs(surface_tilt - TILT[0]) > TILT[1]:
         unmet.append(f"tilt {TILT[0]:g} ± {TILT[1]:g}° (here {surface_tilt:g}°)")
     if step > STEP:
@@ -140,7 +141,7 @@ def readings(measured):
 
 
 def regression(table, days):
-    """u0, u1 and NMOT by least squares, with errors by the day."""
+    """u0, u1 and NMOT by least squares, with errors clustered by day."""
     if not days or np.ptp(table["wind"]) == 0.0:
         return {}, {}
     wind, loss = table["wind"].to_numpy(), table["loss"].to_numpy()

@@ -128,7 +128,7 @@ def left(row):
 
 
 def conditions(table):
-    """Those of the first row that is compared with the fit, which are most of all."""
+    """Conditions of the first row that has a mismatch, else of the first row."""
     compared = table[table["mismatch"].notna()]
     return (compared if len(compared) else table)["conditions"].iloc[0]
 
@@ -142,7 +142,7 @@ def notes(table):
 
 def page(table, title=""):
     """
-    The table as one HTML file that needs nothing beside it.
+    The table as one self-contained HTML file.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ BREEZE = 1.0  # m/s, of the same
 HEIGHT = 10.0  # m, of the wind in weather files
 TAU_WINDS = (1.0, 3.0, 5.0)  # m/s
 SUNS = np.array([400.0, 1000.0])  # W/m², between which models are compared
-NUDGE = 1e-2  # of a standard error, by which slopes are told
+NUDGE = 1e-2  # of a standard error, for slopes by differences
 
 FAIMAN = "D. Faiman, Prog. Photovolt. 16, 307 (2008), doi:10.1002/pip.813; IEC 61853-2"
 KING = "D. L. King et al., SAND2004-3535 (2004), doi:10.2172/919131"
@@ -25,22 +25,21 @@ IEC = "IEC 61853-2:2016 and IEC 61215-2:2016, MQT 05"
 HERTELEER = "B. Herteleer et al. (2022), doi:10.22541/au.166922866.68736478"
 
 POSSIBLE = (
-    "wind warms the module, or its over-temperature is none with the bias taken in; "
-    "leave it out (with_bias)"
+    "no such model: the over-temperature grows with wind, or is negative with the "
+    "bias; try with_bias=False"
 )
-ROUGH = "shorter than a step: only rough; use a finer record"
+ROUGH = "shorter than the record's step, so only rough; use a finer record"
 NO_ERROR = "no error: the fit has none, see its notes"
 NO_DELTA = (
-    "no sensor on the back tells of the cells; give deltaT (pvlib has 3 K for open "
-    "racks, 1 K close to a roof, 0 K on insulation)"
+    "a sensor on the back does not measure the cells; give deltaT (pvlib has 3 K for "
+    "open racks, 1 K close to a roof, 0 K on insulation)"
 )
 NO_WINDS = (
-    "needs the record: a model without wind is for the winds of a place; give data "
-    "beside the fit"
+    "needs the record: a model without wind depends on the winds of the site; give data"
 )
 NO_HEIGHT = "needs the height of the anemometer, wind_height"
 GIVEN = "given or assumed, not measured"
-OF_SENSOR = "as warm as the sensor: deltaT is not given"
+OF_SENSOR = "cells taken as warm as the sensor, since deltaT is unknown"
 
 
 @dataclass(frozen=True)
@@ -53,11 +52,11 @@ class Curve:
         return self.curve(np.asarray(wind_speed, float))
 
     def seen_at(self, share):
-        """The same by a wind of which that share is at the anemometer."""
+        """The curve by another wind, of which the anemometer measures a share."""
         return Curve(lambda wind_speed: self.curve(wind_speed * share))
 
     def plus(self, more):
-        """The same and a constant. [K m²/W]"""
+        """The curve plus a constant. [K m²/W]"""
         return Curve(lambda wind_speed: self.curve(wind_speed) + more)
 
 
@@ -77,7 +76,7 @@ class Convention:
 
 
 def conventions(module_efficiency, absorptance):
-    """Those that the table has, in order."""
+    """All conventions of the table, in order."""
     faiman = {"u0": "W/(m² K)", "u1": "W s/(m³ K)"}
     sandia = {"a": "ln(K m²/W)", "b": "s/m"}
     pvsyst = {"u_c": "W/(m² K)", "u_v": "W s/(m³ K)"}
@@ -121,7 +120,7 @@ def conventions(module_efficiency, absorptance):
 @dataclass(frozen=True)
 class Steady:
     """
-    A fit as resistances of its module and its cells, and what is told beside.
+    A fit as over-temperature per irradiance of module and cells.
 
     Attributes
     ----------
@@ -314,7 +313,7 @@ def memory_rows(steady):
         return coefficients["capacity"] * steady.own(coefficients).resistance(TAU_WINDS)
 
     def of_means(coefficients):
-        # means answer to means by their age, which is told at the mean wind
+        # means follow means with the mean age of the memory, found at the mean wind
         usual = taus(coefficients)[0]
         if fit.dynamics == "balance":
             at = np.nan if steady.wind is None else steady.wind
@@ -336,7 +335,7 @@ def memory_rows(steady):
         for wind, value, error in zip(TAU_WINDS, values, errors):
             at, said = f"at {wind:g} m/s", why
             if not said and np.isnan(value):
-                said = "needs the record, whose mean wind it is told at; give data"
+                said = "needs the record for its mean wind; give data"
             elif value < step:
                 said = "; ".join(filter(None, [why, ROUGH]))
             yield row(steady, convention, at, value, "s", error, np.nan, said, like)

@@ -61,7 +61,7 @@ def thermal_parameters(
 
 
 def cell_of(fit):
-    """From the back to the cells at 1000 W/m², as a fit knows it, or None. [K]"""
+    """Cell minus back temperature at 1000 W/m² in the fit's file, or None. [K]"""
     if "deltaT" in fit.cell:
         return fit.cell["deltaT"]
     return 1000.0 * fit.cell["k_bs_c"] if "k_bs_c" in fit.cell else None
@@ -89,7 +89,7 @@ def check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, d
 
 
 def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
-    """What each row holds for, as a function of the row."""
+    """A function that gives the conditions of a row."""
     told = fit.summary
     start, end, sun = told.start, told.end, "more than 20 W/m² by day"
     if measured is not None:
@@ -98,13 +98,13 @@ def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
         if len(poa):
             sun = f"{poa.min():.0f} to {poa.max():.0f} W/m²"
     period = f"{start:%Y-%m-%d} to {end:%Y-%m-%d}"
-    tilt = "tilt not told" if surface_tilt is None else f"tilt {surface_tilt:g}°"
-    at = "a height not told" if wind_height is None else f"{wind_height:g} m"
+    tilt = "tilt unknown" if surface_tilt is None else f"tilt {surface_tilt:g}°"
+    at = "unknown height" if wind_height is None else f"{wind_height:g} m"
     winds = f"{steady.winds[0]:.1f} to {steady.winds[-1]:.1f} m/s"
     bias, names = fit.coefficients["bias"], [effect.name for effect in fit.effects]
-    taken = f"bias {bias:+.2f} K taken in at 800 W/m²"
+    taken = f"bias {bias:+.2f} K added at 800 W/m²"
     if not steady.with_bias:
-        taken = f"bias {bias:+.2f} K left out"
+        taken = f"bias {bias:+.2f} K ignored"
     without = f"; without {', '.join(names)}" if names else ""
 
     def words(row):

@@ -9,7 +9,6 @@ temperatures weigh more than newer ones. So no such mass is ever used or given h
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -27,6 +26,7 @@ WINDOW = 1200.0  # s, that Prilliman's mean looks back
 FEWEST = 3  # samples of which pvlib tells that their steps are even
 CELLS = 5_000_000  # of pvlib's matrices at once, 40 MB each
 FINEST = 60.0  # s; of finer steps a single answer takes pvlib 10 s for each day
+FINE = 5e-3  # kg/m², to which the mass is searched
 EDGE = 0.02  # kg/m² from an end of the range, which counts as there
 
 RATE = (
@@ -43,41 +43,44 @@ MODELS = {
     "without memory": "RMSE of the fit's steady temperature",
 }
 TOO_SLOW = (
-    "the record asks for 20 kg/m² or more, where Prilliman's rate is zero or negative "
-    "in still air: this module is slower than the model can be. PVsyst takes its "
-    "default there"
+    "the best mass would be 20 kg/m² or more, where Prilliman's rate is zero or "
+    "negative in still air: this module is slower than the model can describe. PVsyst "
+    "uses its default mass there"
 )
 TOO_QUICK = (
-    "the record asks for no mass at all: this module, or its sensor, is quicker than "
-    "the model can be"
+    "the best mass would be zero or less: this module, or its sensor, is faster than "
+    "the model can describe"
 )
 NO_TEST = "no days are held out"
 
 
 def smoothed(steady, wind_speed, unit_mass):
     """
-    A steady temperature under Prilliman's moving mean, piece by piece of even steps.
+    Steady temperature under Prilliman's moving mean, each even piece on its own.
 
     pvlib's function [1]_ refuses gaps, and holds one row for each second of the
-    window and sample of the record.
+    window and sample of the record. Here pieces are separated by a window of NaN,
+    which it leaves out of every mean, and smoothed a part at a time.
 
     Parameters
     ----------
-    steady, wind_speed : Series
-        [°C], [m/s]
+    steady : Series or DataFrame
+        Several columns are smoothed with the same weights. [°C]
+    wind_speed : Series
+        [m/s]
     unit_mass : float
-        Mass of the module over its area, 0 to below 20. [kg/m²]
+        Mass of the module divided by its area, 0 to below 20. [kg/m²]
 
     Returns
     -------
-    Series
-        The steady temperature itself where steps are 20 min and longer. [°C]
+    Series or DataFrame
+        The input itself where steps are 20 min or longer. [°C]
 
     Raises
     ------
     ValueError
-        If the mass is none of which the model is one: from 20 kg/m² on its rate is
-        zero or negative in still air.
+        If the mass is 20 kg/m² or more, where the rate is zero or negative in still
+        air, or negative.
 
     References
     ----------
@@ -92,52 +95,60 @@ def smoothed(steady, wind_speed, unit_mass):
             "from there on Prilliman's rate is zero or negative in still air, and old "
             "temperatures weigh more than new ones"
         )
-    answer = steady.copy()
-    # pvlib reads times in a way that newer pandas deprecates where they have a zone
-    utc = pd.DatetimeIndex(instants(steady.index))
-    wind = wind_speed.set_axis(utc)
-    steady = steady.set_axis(utc)
-    seconds = np.diff(utc) / np.timedelta64(1, "s")
-    step = usual_step(utc)
+    step = usual_step(steady.index)
     if not step < WINDOW:
-        return answer
+        return steady.copy()
     behind = int(WINDOW // step)
-    rows = max(CELLS // behind, behind)
-    for start, end in even_pieces(seconds, step):
-        for first in range(start, end, rows):
-            part = slice(max(first - behind, start), min(first + rows, end))
-            if part.stop - part.start < FEWEST:
-                continue
-            smooth = moving_mean(steady.iloc[part], wind.iloc[part], unit_mass)
-            answer.iloc[first : part.stop] = smooth[first - part.start :]
+    seconds = np.diff(instants(steady.index)) / np.timedelta64(1, "s")
+    begins = np.append(True, np.abs(seconds - step) > 1e-6 * step)
+    place = np.arange(len(begins)) + behind * np.cumsum(begins)
+    values = steady.to_numpy().reshape(len(begins), -1).T
+    # columns one after the other, each with its windows of NaN before the pieces
+    apart = np.full((len(values), place[-1] + 1), np.nan)
+    apart[:, place] = values
+    wind = np.zeros(place[-1] + 1)
+    wind[place] = wind_speed
+    answer = moving_mean(
+        apart.ravel(), np.tile(wind, len(values)), step, behind, unit_mass
+    )
+    answer = answer.reshape(apart.shape)[:, place]
+    answer[:, begins] = values[:, begins]  # nothing is before them
+    if isinstance(steady, pd.Series):
+        return pd.Series(answer[0], steady.index, name=steady.name)
+    return pd.DataFrame(answer.T, steady.index, steady.columns)
+
+
+def moving_mean(steady, wind, step, behind, unit_mass):
+    """pvlib's function on even steps, a part of the rows at a time."""
+    answer, rows = np.empty(len(steady)), max(CELLS // behind, behind, FEWEST)
+    for first in range(0, len(steady), rows):
+        part = slice(max(first - behind, 0), first + rows)
+        few = max(FEWEST - len(steady[part]), 0)  # pvlib infers steps from three
+        given = np.pad(steady[part], (0, few), constant_values=np.nan)
+        times = pd.date_range(
+            "2000-01-01", periods=len(given), freq=pd.Timedelta(seconds=step)
+        )
+        winds = pd.Series(np.pad(wind[part], (0, few)), times)
+        # pvlib divides by nothing where a window is empty, and makes a call itself
+        # that newer pandas warns of
+        with warnings.catch_warnings(), np.errstate(invalid="ignore"):
+            warnings.filterwarnings("ignore", "A future version of pandas")
+            smooth = pvlib.temperature.prilliman(
+                pd.Series(given, times), winds, unit_mass
+            ).to_numpy()
+        answer[first : first + rows] = smooth[: len(smooth) - few][first - part.start :]
     return answer
-
-
-def moving_mean(steady, wind_speed, unit_mass):
-    # pvlib divides by nothing where a window is empty, and makes a call itself that
-    # newer pandas warns of
-    with warnings.catch_warnings(), np.errstate(invalid="ignore"):
-        warnings.filterwarnings("ignore", "A future version of pandas")
-        smooth = pvlib.temperature.prilliman(steady, wind_speed, unit_mass)
-    return smooth.to_numpy()
-
-
-def even_pieces(seconds, step):
-    """First row and end of each piece of a record without a gap or a jitter."""
-    breaks = np.flatnonzero(np.abs(seconds - step) > 1e-6 * step) + 1
-    edges = [0, *breaks.tolist(), len(seconds) + 1]
-    return pairwise(edges)
 
 
 def unit_mass_rows(measured, why):
     """
-    The unit mass that fits best, and errors on held-out days beside the fit's own.
+    Rows of the unit mass, and of the errors on held-out days.
 
     Parameters
     ----------
     measured : Measured or None
     why : str
-        Why there is none.
+        Why there is no record.
 
     Yields
     ------
@@ -187,7 +198,7 @@ def few(days):
 
 @dataclass(frozen=True, eq=False)
 class Mass:
-    """A unit mass, its error, the days that tell it, and what the model gives."""
+    """A unit mass, its standard error, the fitted days, and the temperature."""
 
     value: float
     stderr: float
@@ -197,7 +208,7 @@ class Mass:
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """A record as Prilliman's model is fitted to it."""
+    """Prilliman's model on a record."""
 
     measured: Measured
 
@@ -219,11 +230,11 @@ class Given:
             },
             record.index,
         )
-        if not own.step < FINEST:
-            return table
-        table = table.astype(float).resample(pd.Timedelta(seconds=FINEST)).mean()
-        flags = {name: table[name] > 0.5 for name in ("train", "test")}
-        return table.assign(**flags, date=table["date"].ffill().round())
+        if own.step < FINEST:
+            table = table.astype(float).resample(pd.Timedelta(seconds=FINEST)).mean()
+            flags = {name: table[name] > 0.5 for name in ("train", "test")}
+            table = table.assign(**flags, date=table["date"].ffill().round())
+        return table[looked_at(table["train"] | table["test"])]
 
     @cached_property
     def slopes(self):
@@ -232,16 +243,17 @@ class Given:
 
     def smoothed(self, unit_mass):
         """Steady temperature and its slopes under Prilliman's mean."""
-        wind = self.table["wind_speed"]
-        names = ["steady", *self.slopes]
-        return [smoothed(self.table[name], wind, unit_mass) for name in names]
+        columns = self.table[["steady", *self.slopes]]
+        found = smoothed(columns, self.table["wind_speed"], unit_mass)
+        return [found[name] for name in columns]
 
     def at(self, unit_mass):
         """
-        The model of a mass: by what coefficients are moved, what it gives and leaves.
+        Fit the steady coefficients for a mass, linearised about those of the fit.
 
-        Coefficients of the steady temperature are fitted anew under each mass, by
-        their slopes: those of a heat balance are not quite those of this mean.
+        Those of the heat balance differ a little from those under this mean, and would
+        bias the mass. Returns the changes of the coefficients, the temperature, the
+        residual on the fitted rows, and the columns of the regression.
         """
         steady, *columns = self.smoothed(unit_mass)
         left = (self.table["measured"] - steady)[self.fitted]
@@ -252,27 +264,27 @@ class Given:
         return moved, modelled, left[kept] - matrix[kept] @ moved, matrix[kept].T
 
     def given(self, moved, unit_mass):
-        """What the model gives by a mass and coefficients that are moved. [°C]"""
+        """Temperature for a mass and changed coefficients. [°C]"""
         steady, *columns = self.smoothed(unit_mass)
         return steady + sum(m * c for m, c in zip(moved, columns))
 
     @cached_property
     def fitted(self):
-        """Rows of the days that the fit saw, with all that the model needs."""
+        """Complete rows of the days that were fitted."""
         return self.table["train"] & self.table.notna().all(axis=1)
 
     def cost(self, unit_mass):
         return float((self.at(unit_mass)[2] ** 2).mean())
 
     def best(self):
-        """The mass with its error and the days that tell it, or why there is none."""
+        """The best mass with its error, or the reason why there is none."""
         step = usual_step(self.table.index)
         if not step < WINDOW:
             return None, (
                 f"steps of {step:g} s: the model is of steps below {WINDOW:g} s; use a "
                 "finer record"
             )
-        how = dict(bounds=(0.0, HEAVIEST), method="bounded", options={"xatol": 1e-3})
+        how = dict(bounds=(0.0, HEAVIEST), method="bounded", options={"xatol": FINE})
         found = minimize_scalar(self.cost, **how).x
         if found > HEAVIEST - EDGE:
             return None, TOO_SLOW
@@ -289,7 +301,7 @@ class Given:
         return Mass(found, float(np.sqrt(covariance[0, 0])), days, modelled), ""
 
     def scores(self, found):
-        """Root mean square errors on held-out days, with errors by the day. [K]"""
+        """Root mean square errors on held-out days, with standard errors. [K]"""
         table = self.table
         modelled = {"this fit": table["fit"], "without memory": table["steady"]}
         if found is not None:
@@ -298,6 +310,14 @@ class Given:
             name: rms_of((table["measured"] - one)[table["test"]], table["date"])
             for name, one in modelled.items()
         }
+
+
+def looked_at(rows):
+    """The given rows, and those within the window before them."""
+    behind = int(WINDOW // usual_step(rows.index)) + 1
+    last = np.cumsum(rows.to_numpy())
+    ahead = np.minimum(np.arange(len(rows)) + behind, len(rows) - 1)
+    return rows.to_numpy() | (last[ahead] > last)
 
 
 def rms_of(residual, dates):
