@@ -142,8 +142,8 @@ Written by `tests/study_parameters.py --worlds {worlds}` on {day}, from seed {lo
 three modules. Their sensors have an error of {noise:g} K that stays for half an hour.
 
 * The first has one of seven steady models with `balance` or `ewm` and is measured for
-  {days} days at {step} s. The truth of a parameter follows from the true coefficients and its
-  definition.
+  {days} days at {step} s. The truth of a parameter follows from the true coefficients
+  and its definition.
 * The second is Faiman's model under pvlib's `prilliman`, with a unit mass of
   {light:g} to {heavy:g} kg/m², and is measured for {fine_days} days at {fine_step} s.
 * The third is measured hourly for a year. The true T98 of its record is that of {pool}

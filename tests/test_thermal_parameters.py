@@ -368,6 +368,41 @@ def test_levels_of_iec_ts_63126():
     assert "no level" in level(70.0) and "beyond" in level(95.0)
 
 
+def test_a_record_without_nights_has_no_t98():
+    """Of days alone 2 % of the rows are 1 % of the hours."""
+    year = datasets.synthetic(120, 1800, seed=5)
+    day = year[year["poa_global"] > 0.0]
+    table = fem.fit_fem(day, model="faiman", dynamics="steady").thermal_parameters()
+    row = table.loc[("T98", "of the record")]
+    assert np.isnan(row["value"]) and "nights included" in row["note"]
+
+
+def test_the_mean_of_effects_is_added_with_the_record(plant, tmp_path):
+    """A sky that cools: the parameters follow the temperatures of a plain fit."""
+    names = [*DRIVERS, "temp_module", "longwave_down"]
+    fit = fem.fit_fem(plant[names], model="faiman", effects="sky_radiation")
+    fit.to_json(tmp_path / "fit.json")
+    alone = fem.FemFit.from_json(tmp_path / "fit.json").thermal_parameters(
+        with_bias=False
+    )
+    assert "; without sky_radiation" in alone["conditions"].iloc[0]
+    assert alone.loc[("faiman", "u0"), "value"] == pytest.approx(fit.coefficients["u0"])
+    assert "give data to add their mean" in alone.loc[("faiman", "u0"), "note"]
+    table = fit.thermal_parameters()
+    assert "; sky_radiation, in the mean " in table["conditions"].iloc[0]
+    plain = fem.fit_fem(plant[names], model="faiman").thermal_parameters()
+    nmot = table.loc[("nmot", "of the fit")]
+    assert nmot["value"] == pytest.approx(plain.loc[nmot.name, "value"], abs=0.3)
+    assert nmot["stderr"] > 0.0
+    assert table.loc[("held-out error", "this fit"), "value"] < 0.5
+    again = fit.thermal_parameters(plant[names])
+    assert again.loc[("held-out error", "this fit"), "value"] == pytest.approx(
+        table.loc[("held-out error", "this fit"), "value"]
+    )
+    with pytest.raises(ValueError, match="lack longwave_down"):
+        fit.thermal_parameters(plant[names[:4]])
+
+
 def test_a_short_record_says_that_its_t98_is_of_no_year(fits):
     table = fits["faiman"].thermal_parameters()
     assert "of 12 days and not of a year" in table.loc[("T98", "of the record"), "note"]
@@ -478,6 +513,14 @@ def test_the_command_gives_the_table_of_a_file(fits, on_disk):
     assert "<title>fit.json · Thermal parameters</title>" in html.read_text("utf-8")
 
 
+def test_the_command_takes_the_weather_of_a_year(on_disk):
+    year = datasets.synthetic(365, 3600, seed=8)[[*DRIVERS]].tz_localize(None)
+    year.to_csv(on_disk / "year.csv")
+    result = call(on_disk / "fit.json", "--typical-year", on_disk / "year.csv")
+    assert result.exit_code == 0, result.output
+    assert "by the fit, of the weather that was given" in result.output
+
+
 def test_the_command_says_what_it_lacks_without_the_record(on_disk):
     result = call(on_disk / "fit.json")
     assert result.exit_code == 0, result.output
@@ -492,6 +535,7 @@ def test_the_command_says_what_it_lacks_without_the_record(on_disk):
         (("fit.json", "--report", "page.txt"), "has to end with .html"),
         (("fit.json", "--csv", "fit.json"), "would overwrite a file"),
         (("fit.json", "--efficiency", "0.95"), "below the absorptance"),
+        (("fit.json", "--holdout", "2023-06-01"), "--holdout is of FILE"),
         (("fit.json", "--typical-year", "fit.json"), "fit.json"),
     ],
 )

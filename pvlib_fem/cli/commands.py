@@ -184,7 +184,7 @@ def modules(files, common, model, **options):
     help="Days of FILE that the fit did not see, if they were given to it.",
 )
 @parameter_options
-@report_option
+@click.option("--report", type=WRITTEN, help="Write the table as one HTML file.")
 @title_option
 def parameters(source, files, holdout, report, csv, title, typical_year, **options):
     """Give the thermal parameters of FIT as pvlib, PVsyst and SAM take them.
@@ -194,7 +194,9 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
     for usual winds. Each has its error, its range, what it holds for and its source.
     """
     with plainly():
-        check_outputs([source, *files], report=report, csv=csv)
+        check_outputs([source, *files], pictures=False, report=report, csv=csv)
+        if holdout and not files:
+            raise ValueError("--holdout is of FILE, the record, which is not given")
         result = FemFit.from_json(source)
         own, otherwise = {name: options.pop(name) for name in PARAMETERS}, str
         if files:

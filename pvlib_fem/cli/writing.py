@@ -17,7 +17,7 @@ ENDINGS = {
 FORMULA = ("=", "+", "-", "@")  # with which a formula begins
 
 
-def check_outputs(read=(), made=(), **written):
+def check_outputs(read=(), made=(), pictures=True, **written):
     """
     Refuse before the work what cannot be written after it, or would destroy a file.
 
@@ -27,10 +27,12 @@ def check_outputs(read=(), made=(), **written):
         Files that are read.
     made : sequence of Path
         Folders that the work makes.
+    pictures : bool, default True
+        Whether a report has pictures.
     **written : Path or None
         By the name of the option.
     """
-    drawn = written.get("plot") or written.get("report")
+    drawn = written.get("plot") or (pictures and written.get("report"))
     if drawn and find_spec("matplotlib") is None:
         raise ValueError(
             "a picture or a report needs matplotlib: pip install 'pvlib_fem[plot]'"

@@ -344,9 +344,10 @@ class FemFit:
 
         Notes
         -----
-        Other tools have no effects. The parameters are those of the model without
-        them, and ``conditions`` name them. No ``unit_mass`` of 20 kg/m² or more is
-        given: there Prilliman's rate is zero or negative in still air.
+        Other tools have no effects. With a record, their mean over its fitted rows,
+        weighted with the square of irradiance, is added as the bias is; without one
+        they are left out. ``conditions`` name them. No ``unit_mass`` of 20 kg/m² or
+        more is given: there Prilliman's rate is zero or negative in still air.
 
         Examples
         --------

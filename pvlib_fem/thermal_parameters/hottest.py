@@ -18,6 +18,10 @@ FEWEST_WEEKS = 8
 LEVELS = {70.0: "no level needed", 80.0: "Level 1", 90.0: "Level 2"}
 SOURCE = "IEC TS 63126; levels as pvdeg.standards has them"
 EQUATION = "98th percentile of T over all hours of a year, nights included"
+GAPS = (
+    "the record has module temperatures for {:.0f} % of its time, and T98 is of all "
+    "hours, nights included"
+)
 NO_YEAR = (
     f"needs a record of {FEWEST_YEARS} whole years, or typical_year with the weather "
     "in the plane of the modules"
@@ -63,6 +67,9 @@ def of_record(measured):
     dates = pd.Series(measured.dates, measured.record.index)[module.index].to_numpy()
     value = float(module.quantile(SHARE))
     days = np.ptp(dates) + 1
+    share = len(module) * measured.step / (days * 86400.0)
+    if share < WHOLE:
+        return dict(value=np.nan, note=GAPS.format(100 * share)), []
     note, span, error = level(value), (np.nan, np.nan), np.nan
     if days < WHOLE * YEAR:
         note = f"of {days} days and not of a year; {note}"

@@ -65,15 +65,46 @@ class Measured:
         return wind[order][np.searchsorted(weight, QUANTILES * weight[-1])]
 
     @cached_property
+    def inputs(self):
+        """The record with the drivers of the fit's effects."""
+        return self.fit.thermal_model.with_drivers(self.record.inputs)
+
+    @cached_property
     def modelled(self):
         """Temperature of the fit; steady temperature and its slopes."""
         model = self.fit.thermal_model
-        inputs = model.with_drivers(self.record.inputs)
         found = model.completed(self.fit.coefficients)
-        steady, slopes = replace(model, dynamics="steady").slopes(inputs, found)
+        steady, slopes = replace(model, dynamics="steady").slopes(self.inputs, found)
         own = [*model.steady_model.parameters, "bias"]
         free = {name: slopes[name] for name in own if name not in model.held}
-        return model.temperature(inputs, found), steady, free
+        return model.temperature(self.inputs, found), steady, free
+
+    @cached_property
+    def known_effects(self):
+        """Means of the effects by the coefficients, so that each is found once."""
+        return {}
+
+    def effects(self, coefficients):
+        """
+        Mean steady temperature that the effects add on fitted rows. [K]
+
+        It is weighted with the square of irradiance, as least squares of the
+        over-temperature weights it.
+        """
+        model, key = self.fit.thermal_model, tuple(coefficients.values())
+        if not model.effects:
+            return 0.0
+        if key not in self.known_effects:
+            found = model.completed(coefficients)
+            steady = replace(model, dynamics="steady")
+            plain = replace(steady, effects=())
+            added, without = (
+                m.temperature(self.inputs, found) for m in (steady, plain)
+            )
+            weight = self.record["poa_global"][self.counts] ** 2
+            change = (added - without)[self.counts]
+            self.known_effects[key] = float(np.average(change, weights=weight))
+        return self.known_effects[key]
 
 
 def measured_of(fit, data, out_of, holdout=None):

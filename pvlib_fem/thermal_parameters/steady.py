@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pvlib_fem.thermal_parameters.measured import Measured
 from pvlib_fem.thermal_parameters.rows import Row
 from pvlib_fem.translation import SHAPES, at_winds, reciprocal
 
@@ -29,6 +30,8 @@ POSSIBLE = (
     "bias; try with_bias=False"
 )
 ROUGH = "shorter than the record's step, so only rough; use a finer record"
+NO_EFFECTS = "without {}; give data to add their mean on the record"
+NO_LOSS = "without the losses of effects"
 NO_ERROR = "no error: the fit has none, see its notes"
 NO_DELTA = (
     "a sensor on the back does not measure the cells; give deltaT (pvlib has 3 K for "
@@ -133,8 +136,7 @@ class Steady:
         Wind at the anemometer over wind at 10 m.
     winds : array
         At which models are made alike, each as much as another. [m/s]
-    wind : float or None
-        Mean of the record, where there is one. [m/s]
+    measured : Measured or None
     """
 
     fit: object
@@ -142,7 +144,7 @@ class Steady:
     with_bias: bool
     share: float | None
     winds: np.ndarray
-    wind: float | None = None
+    measured: Measured | None = None
 
     def own(self, coefficients):
         """The steady model by the wind, as it is."""
@@ -156,7 +158,18 @@ class Steady:
         return self.own(coefficients).plus(more + self.cell(of) / 1000.0)
 
     def bias(self, coefficients):
-        return coefficients["bias"] if self.with_bias else 0.0
+        """What is added to the over-temperature at 800 W/m²: bias and effects. [K]"""
+        added = coefficients["bias"] if self.with_bias else 0.0
+        return added + self.effects(coefficients)
+
+    def effects(self, coefficients):
+        return 0.0 if self.measured is None else self.measured.effects(coefficients)
+
+    @property
+    def left_out(self):
+        """A note on effects that are left out, without the record."""
+        names = ", ".join(effect.name for effect in self.fit.effects)
+        return NO_EFFECTS.format(names) if names and self.measured is None else ""
 
     def cell(self, of):
         return self.deltaT or 0.0 if of == "cell" else 0.0
@@ -231,7 +244,7 @@ def steady_rows(steady, chosen):
     """
     for one in chosen:
         why = NO_HEIGHT if one.high and steady.share is None else ""
-        why = NO_WINDS if one.calm and steady.wind is None else why
+        why = NO_WINDS if one.calm and steady.measured is None else why
         there, found = not why, dict.fromkeys(one.units, np.nan)
         errors, left = [np.nan] * len(found), np.nan
         if there:
@@ -241,8 +254,8 @@ def steady_rows(steady, chosen):
                 lambda c, one=one: np.array([*steady.parameters(one, c).values()])
             )
             left = steady.mismatch(one, found)
-            if one.of == "cell" and steady.deltaT is None:
-                why = OF_SENSOR
+            warm = OF_SENSOR if one.of == "cell" and steady.deltaT is None else ""
+            why = joined(warm, steady.left_out)
         elif there:
             why = POSSIBLE
         like = dict(of=one.of, equation=one.equation, source=one.source)
@@ -256,11 +269,15 @@ def steady_rows(steady, chosen):
             yield of_cell(steady, one.name, like)
 
 
+def joined(*notes):
+    return "; ".join(filter(None, notes))
+
+
 def row(steady, convention, name, value, unit, error, left, why, like):
     """A row of a number that has its error from the fit."""
     freedom = steady.fit.train_days - 1.0
     if np.isfinite(value) and not np.isfinite(error):
-        why = "; ".join(filter(None, [why, NO_ERROR]))
+        why = joined(why, NO_ERROR)
     return Row(
         convention,
         name,
@@ -294,7 +311,8 @@ def nmot_row(steady):
         equation="NMOT = 20 °C + 800 W/m² r_eq(1 m/s) + bias",
         source=IEC,
     )
-    return row(steady, "nmot", "of the fit", value, "°C", error, np.nan, "", like)
+    why = steady.left_out
+    return row(steady, "nmot", "of the fit", value, "°C", error, np.nan, why, like)
 
 
 def memory_rows(steady):
@@ -304,6 +322,8 @@ def memory_rows(steady):
         why = "dynamics='steady' has no memory; fit with 'balance' or 'ewm'"
     if fit.dynamics == "ewm":
         why = "one tau at all winds; with dynamics='balance' it follows the wind"
+    elif fit.effects:
+        why = NO_LOSS
 
     def taus(coefficients):
         if fit.dynamics == "ewm":
@@ -316,7 +336,7 @@ def memory_rows(steady):
         # means follow means with the mean age of the memory, found at the mean wind
         usual = taus(coefficients)[0]
         if fit.dynamics == "balance":
-            at = np.nan if steady.wind is None else steady.wind
+            at = np.nan if steady.measured is None else steady.measured.wind
             usual = coefficients["capacity"] * steady.own(coefficients).resistance(at)
         return taus(coefficients) * (step / np.expm1(step / usual) / usual)
 
@@ -334,8 +354,8 @@ def memory_rows(steady):
         like = dict(of="module", equation=equation, source=source)
         for wind, value, error in zip(TAU_WINDS, values, errors):
             at, said = f"at {wind:g} m/s", why
-            if not said and np.isnan(value):
+            if np.isnan(value) and fit.dynamics != "steady":
                 said = "needs the record for its mean wind; give data"
             elif value < step:
-                said = "; ".join(filter(None, [why, ROUGH]))
+                said = joined(why, ROUGH)
             yield row(steady, convention, at, value, "s", error, np.nan, said, like)

@@ -45,7 +45,7 @@ def thermal_parameters(
         with_bias,
         None if wind_height is None else (wind_height / HEIGHT) ** exponent,
         USUAL_WINDS if measured is None else measured.winds,
-        None if measured is None else measured.wind,
+        measured,
     )
     why = "" if measured is not None else NEEDED
     rows = [
@@ -102,16 +102,20 @@ def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
     at = "unknown height" if wind_height is None else f"{wind_height:g} m"
     winds = f"{steady.winds[0]:.1f} to {steady.winds[-1]:.1f} m/s"
     bias, names = fit.coefficients["bias"], [effect.name for effect in fit.effects]
-    taken = f"bias {bias:+.2f} K added at 800 W/m²"
-    if not steady.with_bias:
-        taken = f"bias {bias:+.2f} K ignored"
-    without = f"; without {', '.join(names)}" if names else ""
+    taken = (
+        f"bias {bias:+.2f} K {'added at 800 W/m²' if steady.with_bias else 'ignored'}"
+    )
+    if names and measured is None:
+        taken += f"; without {', '.join(names)}"
+    elif names:
+        mean = steady.effects(fit.coefficients)
+        taken += f"; {', '.join(names)}, in the mean {mean:+.2f} K, added at 800 W/m²"
 
     def words(row):
         wind = f"wind {winds} at {at}"
         if row.convention.endswith("10 m"):
             wind += f", taken to 10 m by (10 m / {at})^{exponent:.3g}"
-        kind = f"; {taken}{without}" if np.isfinite(row.mismatch) else ""
+        kind = f"; {taken}" if np.isfinite(row.mismatch) else ""
         return f"{period}; {sun}; {wind}; {tilt}{kind}"
 
     return words

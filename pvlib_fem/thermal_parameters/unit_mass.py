@@ -51,6 +51,10 @@ TOO_QUICK = (
     "the best mass would be zero or less: this module, or its sensor, is faster than "
     "the model can describe"
 )
+WORSE = (
+    "on held-out days worse than no memory: the model takes no part of the step "
+    "itself; use a finer record"
+)
 NO_TEST = "no days are held out"
 
 
@@ -159,6 +163,8 @@ def unit_mass_rows(measured, why):
         given = Given(measured)
         found, note = given.best()
         scores = given.scores(found)
+        worst = scores.get("prilliman", (0.0,))[0] > scores["without memory"][0]
+        note = "; ".join(filter(None, [note, WORSE * worst]))
     mass = found or Mass(np.nan, np.nan, np.inf)
     reach = student.ppf(0.5 + LEVEL / 2, max(mass.days - 1.0, 1.0)) * mass.stderr
     yield Row(
