@@ -78,8 +78,8 @@ def test_pvlibs_functions_give_the_fits_temperatures(fits, model, with_bias):
         assert np.abs(left).max() <= rows["mismatch"].iloc[0] * 1.0001 + 1e-6, (
             convention
         )
-    k = table.loc["ross", "value"]
-    left = pvlib.temperature.ross(poa, 20.0, **k) - (steady + bias)
+    noct = 20.0 + 800.0 * table.loc[("ross", "k"), "value"]  # all pvlibs take that
+    left = pvlib.temperature.ross(poa, 20.0, noct) - (steady + bias)
     assert np.abs(left).max() <= table.loc[("ross", "k"), "mismatch"] + 1e-9
 
 
@@ -151,6 +151,34 @@ def test_the_delta_method_is_the_scatter_of_draws(fits):
     row = table["stderr"]
     assert row["nmot", "of the fit"] == pytest.approx(nmot, rel=0.15)
     assert row["time constant", "at 3 m/s"] == pytest.approx(tau, rel=0.15)
+
+
+def test_time_constants_are_those_of_the_dynamics(fits):
+    """capacity · r_eq for a balance, one tau for ewm, none for a steady fit."""
+    fit = fits["faiman"]
+    u0, u1, capacity = (fit.coefficients[n] for n in ("u0", "u1", "capacity"))
+    row = fit.thermal_parameters().loc["time constant", "value"]
+    assert row["at 3 m/s"] == pytest.approx(capacity / (u0 + 3.0 * u1))
+    data = fit_data(fit)
+    ewm = fem.fit_fem(data, model="faiman", dynamics="ewm")
+    row = ewm.thermal_parameters().loc["time constant"]
+    assert row["value"].to_list() == pytest.approx([ewm.coefficients["tau"]] * 3)
+    assert row["stderr"].to_list() == pytest.approx([ewm.stderr["tau"]] * 3)
+    rest = fem.fit_fem(data, model="faiman", dynamics="steady")
+    row = rest.thermal_parameters().loc["time constant"]
+    assert row["value"].isna().all() and row["note"].str.contains("no memory").all()
+
+
+def test_time_constants_of_means_follow_means():
+    """Means of a fine record give the module's own, where samples' would be longer."""
+    own = dict(u0=25.0, u1=6.84, capacity=14e3, bias=0.0)
+    fine = datasets.synthetic(30, 60, seed=4, noise=0.05, **own)
+    means = fine.resample("15min").mean()
+    table = fem.fit_fem(means, model="faiman", dynamics="balance").thermal_parameters()
+    true = own["capacity"] / (own["u0"] + 3.0 * own["u1"])
+    found = table.loc[("time constant, means over 900 s", "at 3 m/s"), "value"]
+    assert found == pytest.approx(true, rel=0.15)
+    assert table.loc[("time constant", "at 3 m/s"), "value"] > 1.5 * true
 
 
 def test_a_fit_from_a_file_says_what_it_lacks(fits, tmp_path):
