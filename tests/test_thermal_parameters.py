@@ -339,6 +339,20 @@ def test_nmot_by_the_procedure_recovers_a_module_at_rest():
     assert found.loc["of the fit", "value"] == pytest.approx(nmot["value"], abs=0.05)
 
 
+def test_nmot_by_the_procedure_has_a_range_that_holds_it(noise):
+    """Under noise that differs from day to day, and with its unmet steps named."""
+    data = steady_record(step=60.0, days=12)
+    daily = np.repeat(noise(12, 0.3, seed=2), 1440)
+    data["temp_module"] += daily + noise(len(data), 0.5, seed=3)
+    fit = fem.fit_fem(data, model="faiman", dynamics="steady")
+    row = fit.thermal_parameters(surface_tilt=30.0).loc[("nmot", "by IEC 61853-2")]
+    assert row["low"] <= 20.0 + 800.0 / 31.0 <= row["high"]
+    assert 0.02 < row["stderr"] < 0.3
+    assert "readings every 5 s or less (here 60 s)" in row["note"]
+    assert "tilt 37.5 ± 2.5° (here 30°)" in row["note"]
+    assert "10 days" not in row["note"]
+
+
 def filtered(change):
     """Readings of a record that pass the filters, after a change of it."""
     data = steady_record(days=1, step=60.0)
@@ -381,6 +395,10 @@ def test_t98_is_what_two_percent_of_the_hours_exceed():
     above = (year["temp_module"] > row["value"]).mean()
     assert above == pytest.approx(0.02, abs=0.001)
     assert row["low"] < row["value"] < row["high"] and row["stderr"] > 0.0
+    without = fit.thermal_parameters(typical_year=year, with_bias=False)
+    fall = table["value"] - without.loc["T98", "value"]
+    assert fall["of a typical year"] == pytest.approx(fit.coefficients["bias"])
+    assert fall["of the record"] == 0.0
     typical = table.loc["of a typical year"]
     assert typical["value"] == pytest.approx(row["value"], abs=0.5)
     assert 0.0 < typical["stderr"] < row["stderr"]

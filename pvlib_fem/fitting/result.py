@@ -321,7 +321,8 @@ class FemFit:
         with_bias : bool, default True
             Whether the fit's bias is part of the module's temperature. Other tools
             have no bias, so it is added to the over-temperature at 800 W/m². False
-            ignores it, as an offset of the thermometer.
+            ignores it, as an offset of the thermometer. What is measured, such as T98
+            of the record, includes it either way.
 
         Returns
         -------

@@ -7,6 +7,7 @@ from scipy.stats import t as student
 from pvlib_fem.record.columns import with_aliases
 from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.thermal_parameters.rows import LEVEL, Row
+from pvlib_fem.thermal_parameters.steady import NO_ERROR, joined
 
 SHARE = 0.98
 WEATHER = ("poa_global", "temp_air", "wind_speed")
@@ -28,7 +29,7 @@ NO_YEAR = (
 )
 
 
-def hottest_rows(measured, why, fit, typical_year, errors):
+def hottest_rows(measured, why, steady, typical_year):
     """
     Rows of T98 of the record and of a typical year.
 
@@ -37,11 +38,9 @@ def hottest_rows(measured, why, fit, typical_year, errors):
     measured : Measured or None
     why : str
         Why there is no record.
-    fit : FemFit
+    steady : Steady
     typical_year : DataFrame or None
         Weather of a year, with ``poa_global``.
-    errors : callable
-        Of a function of coefficients, its errors by the delta method.
 
     Yields
     ------
@@ -53,7 +52,7 @@ def hottest_rows(measured, why, fit, typical_year, errors):
         found, years = of_record(measured)
     yield Row("T98", "of the record", unit="°C", **found, **like)
     if typical_year is not None:
-        found = of_weather(fit, typical_year, errors)
+        found = of_weather(steady, typical_year)
     elif measured is not None and len(years) >= FEWEST_YEARS:
         found = of_years(years)
     else:
@@ -63,8 +62,9 @@ def hottest_rows(measured, why, fit, typical_year, errors):
 
 def of_record(measured):
     """T98 of all rows with Woodruff's range by weeks, and that of each whole year."""
-    module = measured.series("temp_module").dropna()
-    dates = pd.Series(measured.dates, measured.record.index)[module.index].to_numpy()
+    module = measured.series("temp_module")
+    kept = module.notna().to_numpy()
+    module, dates = module[kept], measured.dates[kept]
     value = float(module.quantile(SHARE))
     days = np.ptp(dates) + 1
     share = len(module) * measured.step / (days * 86400.0)
@@ -129,21 +129,25 @@ def of_years(years):
     )
 
 
-def of_weather(fit, weather, errors):
+def of_weather(steady, weather):
     """T98 of a year of weather by the fit."""
-    model = fit.thermal_model
+    fit, model = steady.fit, steady.fit.thermal_model
     there = with_aliases(weather, (*WEATHER, *model.drivers))
 
     def hottest(coefficients):
         columns = {name: there[name] for name in (*WEATHER, *model.drivers)}
+        if not steady.with_bias:
+            coefficients = coefficients | {"bias": 0.0}
         found = model.predict(coefficients=coefficients, **columns)
         return np.array([np.nanquantile(found, SHARE)])
 
-    (value,), (error,) = hottest(fit.coefficients), errors(hottest)
+    (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
     note = f"by the fit, of the weather that was given; {level(value)}"
     days = len(weather) * np.median(np.diff(weather.index)) / np.timedelta64(1, "D")
     if days < WHOLE * YEAR:
         note = f"of {days:.0f} days and not of a year; {note}"
+    if not np.isfinite(error):
+        note = joined(note, NO_ERROR)
     return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)
 
 

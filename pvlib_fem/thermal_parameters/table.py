@@ -54,7 +54,7 @@ def thermal_parameters(
         *nmot_rows(measured, why, surface_tilt),
         *unit_mass_rows(measured, why),
         *memory_rows(steady),
-        *hottest_rows(measured, why, fit, typical_year, steady.error),
+        *hottest_rows(measured, why, steady, typical_year),
     ]
     words = conditions(fit, measured, steady, wind_height, exponent, surface_tilt)
     return table_of(replace(one, conditions=words(one)) for one in rows)

@@ -160,7 +160,7 @@ def unit_mass_rows(measured, why):
     """
     found, scores, note = None, {}, why
     if measured is not None:
-        given = Given(measured)
+        given = PrillimanFit(measured)
         found, note = given.best()
         scores = given.scores(found)
         worst = scores.get("prilliman", (0.0,))[0] > scores["without memory"][0]
@@ -213,7 +213,7 @@ class Mass:
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class PrillimanFit:
     """Prilliman's model on a record."""
 
     measured: Measured
@@ -269,7 +269,7 @@ class Given:
         modelled = steady + sum(m * c for m, c in zip(moved, columns))
         return moved, modelled, left[kept] - matrix[kept] @ moved, matrix[kept].T
 
-    def given(self, moved, unit_mass):
+    def temperature(self, moved, unit_mass):
         """Temperature for a mass and changed coefficients. [°C]"""
         steady, *columns = self.smoothed(unit_mass)
         return steady + sum(m * c for m, c in zip(moved, columns))
@@ -301,7 +301,7 @@ class Given:
         days = len(np.unique(dates))
         if days < FEWEST_DAYS:
             return Mass(found, np.nan, days, modelled), few(days)
-        ends = [self.given(moved, found + step) for step in (-EDGE / 2, EDGE / 2)]
+        ends = [self.temperature(moved, found + step) for step in (-EDGE / 2, EDGE / 2)]
         slope = ((ends[1] - ends[0]) / EDGE)[residual.index].to_numpy()
         covariance = day_errors([slope, *columns], residual, dates)
         return Mass(found, float(np.sqrt(covariance[0, 0])), days, modelled), ""
