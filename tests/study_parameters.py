@@ -4,7 +4,7 @@ How often the range of a thermal parameter holds the truth, in simulated worlds.
 Run as ``python tests/study_parameters.py [--worlds 100] [--out
 docs/study_parameters.md]``. Each world has a weather of its own and three modules: one
 whose steady model, dynamics and coefficients are drawn, one under pvlib's
-``prilliman``, and one that is seen for a year by the hour. The truth of a parameter is
+``prilliman``, and one that is measured hourly for a year. The truth of a parameter is
 what its definition gives of the true coefficients.
 """
 
