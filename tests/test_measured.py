@@ -109,7 +109,7 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     assert f"the two part by {size} where it would need {needed}." in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
     assert step.verdict is Verdict.CLASS
-    assert kinds == {"contact", "mounting"}
+    assert kinds == {"contact", "mounting", "air_shelter"}
     place = at_bolzano.place
     angles = [f"{place[n]:.0f} ± 5°" for n in ("surface_tilt", "surface_azimuth")]
     assert f"clear days have them at {angles[0]} and {angles[1]}" in text
