@@ -27,6 +27,7 @@ from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.selection import Selection, selected
 from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
+from pvlib_fem.loop.times import Times
 from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
@@ -174,7 +175,9 @@ def searched(data, model, place, progress, **how):
         found = outcome(search, *ended)
         if own is not None:
             found = own.told(found)
-    return search, replace(found, given=given)
+    case = search.case
+    times = Times.of(data.index, case.kept, case.whole.index, search.clock)
+    return search, replace(found, given=given, times=times)
 
 
 @dataclass(frozen=True, eq=False)

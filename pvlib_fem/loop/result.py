@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any, Self
 
+import numpy as np
 import pandas as pd
 from pvlib.location import Location
 
@@ -21,6 +22,7 @@ from pvlib_fem.findings import Correction, Finding, Kind
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
+from pvlib_fem.loop.times import Times
 from pvlib_fem.modelchain import LOOP, DynamicCellTemperature, fit_in
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
@@ -97,6 +99,9 @@ class Loop:
         Of a loop of files, which is of means: its last model fitted to the record's own
         steps, with the weeks that are not fitted held out. None where it could not be,
         as the notes say, and in a loop that was read from a file.
+    times : Times or None
+        What was corrected of the record's clocks, as ``predict``, ``contributions`` and
+        ``residual`` do it again.
     """
 
     findings: tuple
@@ -118,6 +123,7 @@ class Loop:
     weighed: bool = True
     given: dict = field(repr=False, default_factory=dict)
     own_steps: FemFit | None = field(repr=False, default=None)
+    times: Times | None = field(repr=False, default=None)
 
     @cached_property
     def week_rows(self) -> dict:
@@ -155,8 +161,22 @@ class Loop:
         drivers = {name: columns[name] for name in wanted if name in columns}
         return [columns[name] for name in COLUMNS[:3]], drivers
 
+    def timed(
+        self, data: pd.DataFrame, correct_times: bool = True
+    ) -> tuple[pd.DataFrame, np.ndarray]:
+        """Rows of ``data`` whose times are known, by one clock, and which these are."""
+        known = np.ones(len(data), dtype=bool)
+        if self.times is None or not correct_times:
+            return data, known
+        index, known = self.times.corrected(data.index)
+        return data[known].set_axis(index[known]), known
+
     def predict(
-        self, data: pd.DataFrame, fallback: bool = False, **place: Any
+        self,
+        data: pd.DataFrame,
+        fallback: bool = False,
+        correct_times: bool = True,
+        **place: Any,
     ) -> pd.Series:
         """
         Module temperature of the last step.
@@ -169,6 +189,9 @@ class Loop:
         fallback : bool, default False
             Where the column of an effect lacks, take the model without any effect
             instead of NaN.
+        correct_times : bool, default True
+            Correct times within the period of this record as its own were; others stay
+            as they are. The result has the times of ``data``.
         **place
             ``location``, ``surface_tilt`` and ``surface_azimuth`` where they are
             others than those of this record.
@@ -176,13 +199,21 @@ class Loop:
         Returns
         -------
         Series
-            [°C]; NaN where one of those lacks.
+            [°C]; NaN where one of those lacks, or where a time is not known.
 
         Raises
         ------
         ValueError
             If a whole column lacks, and there is no fallback.
         """
+        timed, known = self.timed(data, correct_times)
+        found = self.by_one_clock(timed, fallback, place)
+        return untimed(found, data.index, known)
+
+    def by_one_clock(
+        self, data: pd.DataFrame, fallback: bool, place: dict[str, Any]
+    ) -> pd.Series:
+        """The temperature at times that are right."""
         usual, drivers = self.inputs(data, **place)
         model, coefficients = self.plain
         if not fallback:
@@ -192,7 +223,37 @@ class Loop:
             return plain
         return self.fit.predict(*usual, **drivers).fillna(plain)
 
-    def contributions(self, data: pd.DataFrame) -> pd.DataFrame:
+    def residual(
+        self, data: pd.DataFrame, correct_times: bool = True, **place: Any
+    ) -> pd.Series:
+        """
+        Measured minus modelled temperature, with the clocks of the record corrected.
+
+        Parameters
+        ----------
+        data : DataFrame
+            As in :meth:`predict`, and ``temp_module`` [°C].
+        correct_times, **place
+            As in :meth:`predict`; the module's clock is corrected in the same rows.
+
+        Returns
+        -------
+        Series
+            [K]
+        """
+        timed, known = self.timed(data, correct_times)
+        measured = with_aliases(timed, ["temp_module"])["temp_module"]
+        if self.times is not None and correct_times:
+            rows = self.times.inside(data.index)[known]
+            measured = measured.where(
+                ~rows, self.times.of_module(timed.index, measured)
+            )
+        found = measured - self.by_one_clock(timed, False, place)
+        return untimed(found, data.index, known)
+
+    def contributions(
+        self, data: pd.DataFrame, correct_times: bool = True
+    ) -> pd.DataFrame:
         """
         What each effect adds to the temperature, with all the others there.
 
@@ -200,13 +261,16 @@ class Loop:
         ----------
         data : DataFrame
             As in :meth:`predict`.
+        correct_times : bool, default True
+            As in :meth:`predict`.
 
         Returns
         -------
         DataFrame
             A column for each effect. [K]
         """
-        usual, drivers = self.inputs(data)
+        timed, known = self.timed(data, correct_times)
+        usual, drivers = self.inputs(timed)
         fit, model = self.fit, self.fit.thermal_model
         whole = model.predict(*usual, coefficients=fit.coefficients, **drivers)
         parts = {}
@@ -214,7 +278,7 @@ class Loop:
             without = {**fit.coefficients, **effect.start}
             part = model.predict(*usual, coefficients=without, **drivers)
             parts[effect.name] = whole - part
-        return pd.DataFrame(parts, index=data.index)
+        return untimed(pd.DataFrame(parts, index=timed.index), data.index, known)
 
     def temperature_model(
         self, weather: pd.DataFrame | None = None, **options: Any
@@ -330,6 +394,7 @@ class Loop:
             "criteria": asdict(self.criteria),
             "weighed": self.weighed,
             "given": self.given,
+            "times": None if self.times is None else self.times.content(),
             "fit": self.fit.content(**cell),
         }
 
@@ -390,6 +455,7 @@ class Loop:
             criteria=Criteria(**limits),
             weighed=content.flag("weighed"),
             given=content.part("given").content,
+            times=Times.stored(content.part("times")) if content["times"] else None,
         )
         # what else it would take from the rows
         counts = content.part("weeks")
@@ -398,6 +464,14 @@ class Loop:
 
     def __str__(self):
         return printable("\n".join(lines(self)), "\n")
+
+
+def untimed(found, index, known):
+    """The same at the times of a file, NaN where those are not known."""
+    if known.all():
+        return found.set_axis(index)
+    rows = np.where(known, np.cumsum(known) - 1, -1)
+    return found.reset_index(drop=True).reindex(rows).set_axis(index)
 
 
 def placed(place):

@@ -39,8 +39,11 @@ def model_of(stored, own=()):
     specs = stored.of("effects", list, "a list")
     effects = [effect_of(spec, own, stored) for spec in specs]
     names = stored.text("model"), stored.text("dynamics")
-    plain = thermal_model(*names)
-    base = None if stored["base"] is None else coefficients_of(stored, "base", plain)
+    base = None
+    if stored["base"] is not None:
+        given = {*stored.part("base").content}  # of effects that changes take back, too
+        those = [e for e in effects if not e.channel and {*e.rows()} & given]
+        base = coefficients_of(stored, "base", thermal_model(*names, those))
     fixed = stored.numbers("fixed")
     model = thermal_model(*names, effects, base, fixed)
     found = coefficients_of(stored, "coefficients", model)

@@ -1,0 +1,131 @@
+"""What was corrected of a record's times, as it can be done again to the record."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.clock import Clock
+from pvlib_fem.quality.zones import plain
+
+
+@dataclass(frozen=True)
+class Times:
+    """
+    The clocks of a record, and how they are set right.
+
+    Attributes
+    ----------
+    zone : str
+        Of the file's times; "" without one.
+    first, last : str
+        Times of the file, by its own clock.
+    offsets : tuple of (str, float)
+        From which time of the file on how many seconds are added.
+    lost : tuple of (str, str)
+        First and last time of rows of the file whose time is not known.
+    origin : str
+        First time by one clock.
+    module : Clock
+        That of the module's logger beside the others, where it was corrected.
+    """
+
+    zone: str
+    first: str
+    last: str
+    offsets: tuple = ()
+    lost: tuple = ()
+    origin: str = ""
+    module: Clock = field(default_factory=Clock)
+
+    @classmethod
+    def of(cls, index, kept, corrected, clock):
+        """
+        Those of a file.
+
+        Parameters
+        ----------
+        index : DatetimeIndex
+            Of the file.
+        kept : array of bool
+            Rows of the file whose time is known.
+        corrected : DatetimeIndex
+            Of those rows, by one clock.
+        clock : Clock
+            Of the module, as it was corrected.
+        """
+        own, offsets = plain(index), ()
+        added = np.asarray((plain(corrected) - own[kept]).total_seconds())
+        if added.any():
+            begins = np.flatnonzero(np.diff(added, prepend=np.nan) != 0.0)
+            times = own[kept][begins]
+            offsets = tuple(zip(map(str, times), map(float, added[begins])))
+        edges = np.flatnonzero(np.diff(~kept, prepend=False, append=False))
+        lost = [(str(own[a]), str(own[b - 1])) for a, b in zip(edges[::2], edges[1::2])]
+        ends = str(own.min()), str(own.max())
+        zone = str(index.tz) if index.tz is not None else ""
+        return cls(zone, *ends, offsets, tuple(lost), str(plain(corrected[0])), clock)
+
+    def inside(self, index):
+        """Rows of other data whose times are those of the record."""
+        zone = str(index.tz) if index.tz is not None else ""
+        own = plain(index)
+        within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
+        return np.asarray(within) & (zone == self.zone)
+
+    def corrected(self, index):
+        """Times of the record by one clock, others as they are, and which are known."""
+        known = np.ones(len(index), dtype=bool)
+        if not self.offsets:
+            return index, known
+        own, rows = plain(index), self.inside(index)
+        begins = pd.DatetimeIndex([time for time, _ in self.offsets])
+        place = np.maximum(begins.searchsorted(own, side="right") - 1, 0)
+        added = np.where(rows, np.array([by for _, by in self.offsets])[place], 0.0)
+        for first, last in self.lost:
+            out = (own >= pd.Timestamp(first)) & (own <= pd.Timestamp(last))
+            known &= ~(np.asarray(out) & rows)
+        return index + pd.to_timedelta(added, unit="s"), known
+
+    def of_module(self, index, values):
+        """Readings of the module by the clock of the irradiance."""
+        times = plain(index) - pd.Timestamp(self.origin)
+        return self.module.corrected(times.total_seconds().to_numpy(), values)
+
+    def content(self):
+        """The same for a file."""
+        clock = self.module
+        return {
+            "zone": self.zone,
+            "first": self.first,
+            "last": self.last,
+            "offsets": self.offsets,
+            "lost": self.lost,
+            "origin": self.origin,
+            "module": {
+                "late": clock.late,
+                "drift": clock.drift,
+                "middle": clock.middle,
+                "hours": clock.hours,
+                "faults": clock.faults,
+            },
+        }
+
+    @classmethod
+    def stored(cls, part):
+        """Those of a part of a file."""
+        module = part.part("module")
+        clock = Clock(
+            late=module.number("late", unknown=True),
+            drift=module.number("drift", unknown=True),
+            middle=module.number("middle"),
+            hours=tuple((float(at), float(by)) for at, by in module["hours"]),
+            faults={**module.part("faults").content},
+        )
+        return cls(
+            *(part.text(name) for name in ("zone", "first", "last")),
+            tuple((str(time), float(by)) for time, by in part["offsets"]),
+            tuple((str(first), str(last)) for first, last in part["lost"]),
+            part.text("origin"),
+            clock,
+        )
