@@ -469,3 +469,56 @@ def test_a_campbell_table_needs_the_proposal_alone(plant, tmp_path):
     assert maps == mapped
     result = call("fit", *words[1:])
     assert result.exit_code == 0 and "missing: wind_speed 40" in result.output
+
+
+def in_milliseconds(record, path):
+    since = (record.index - pd.Timestamp("1970")) // pd.Timedelta("1ms")
+    record.assign(epoch=since).to_csv(path, index=False)
+    return ["--time-format", "unix-ms"]
+
+
+def with_a_zone(record, path):
+    data = record.set_axis(record.index.strftime("%Y-%m-%d %H:%M:%S EST"))
+    data.to_csv(path, index_label="time")
+    return ["--time-format", "%Y-%m-%d %H:%M:%S %Z"]
+
+
+def with_totals_of_days(record, path):
+    lines = record.to_csv(index_label="time").splitlines()
+    mean = "\nDaily mean,200,15,3,20"
+    path.write_text("\n".join(line + mean * (" 23:50" in line) for line in lines))
+    return ["--drop-untimed"]
+
+
+def as_amounts(record, path):
+    record.assign(poa_global=record.poa_global / 6).to_csv(path, index_label="time")
+    return ["--unit", "poa_global=Wh/m²"]
+
+
+ODD = (in_milliseconds, with_a_zone, with_totals_of_days, as_amounts)
+
+
+@pytest.mark.parametrize("kind", ODD, ids=lambda kind: kind.__name__)
+def test_an_odd_file_opens_with_what_the_message_proposes(kind, record, tmp_path):
+    path = tmp_path / "plant.csv"
+    option, *value = kind(record, path)
+    words = proposed(call("fit", path))
+    assert words[words.index(option) + 1 :][: len(value)] == value
+    expected = fem.fit_fem(*(record[name] for name in COLUMNS))
+    result = call(*words)
+    assert tau_of(result) == pytest.approx(expected.coefficients["tau"], rel=0.02)
+
+
+def test_a_file_without_a_header_is_told_to_have_none(record, tmp_path):
+    record.to_csv(path := tmp_path / "plant.csv", header=False)
+    result = call("fit", path)
+    assert result.exit_code == 1 and "plant.csv has no header" in result.output
+    assert "write a line of names above it" in result.output
+
+
+def test_a_unit_in_the_cells_is_no_missing_value(record, tmp_path):
+    data = record.assign(temp_air=record["temp_air"].astype(str) + " °C")
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    result = call("fit", path)
+    assert result.exit_code == 1 and "--missing" not in result.output
+    assert "take the unit '°C' out of the cells" in result.output

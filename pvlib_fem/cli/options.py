@@ -93,13 +93,14 @@ layout_options = added(
         "--time",
         multiple=True,
         metavar="COLUMN",
-        help="Column of the times, or two of a date and a time of day, Date,Time; by "
-        f"default the first. {EACH}",
+        help="Column of the times, or those of their parts, as Date,Time or Year,Month,"
+        f"Day,Hour,Minute; by default the first. {EACH}",
     ),
     click.option(
         "--time-format",
         multiple=True,
-        help="Format of the times, such as '%d/%m/%Y %H:%M'; by default ISO 8601. "
+        help="Format of the times, such as '%d/%m/%Y %H:%M', or unix, unix-ms or "
+        "excel for times that are counted; by default ISO 8601. "
         f"{EACH}",
     ),
     click.option(

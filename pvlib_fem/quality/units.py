@@ -16,7 +16,7 @@ from pvlib_fem.quality.limits import (
 from pvlib_fem.quality.onset import HOUR
 from pvlib_fem.quality.values import FEW
 from pvlib_fem.record.ranges import RANGES, range_of
-from pvlib_fem.record.units import UNITS, ForeignUnit, Swapped
+from pvlib_fem.record.units import AMOUNTS, UNITS, ForeignUnit, Swapped
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
 #: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
@@ -25,7 +25,8 @@ FAHRENHEIT, NO_MOUNTING = 0.075, 0.12
 APART = 12.0  # K by night, more than any sky or sensor takes a module from the air
 CONVERT = "Convert it first"
 ENOUGH = 20_000  # rows that tell units
-DIM = 500.0  # W/m² that a record of days reaches, where its unit is right
+#: W/m² that a record of days reaches where its unit is right, and that few rows pass
+DIM, BRIGHT = 500.0, 1500.0
 
 
 def doubtful(columns, limits=None) -> dict[str, str]:
@@ -355,12 +356,7 @@ def suspicion(inputs, found, limits):
         why = f"its largest values are {bright:.2f}"
         return foreign("kW/m²", why, "poa_global")
     if slope > NO_MOUNTING and bright < DIM:
-        return Suspicion(
-            "poa_global looks to be in another unit than W/m² (mW/cm², or J/cm² or "
-            f"Wh/m² of each step): its largest values are {bright:.0f}, and for each "
-            f"of them the module gains {slope:.2f} K, where W/m² gain 0.01 to 0.06 K",
-            CONVERT,
-        )
+        return of_light(inputs, bright, slope)
     if abs(night) > APART:
         return of_difference(inputs, night)
     if hot > 57.0 or slope > FAHRENHEIT:
@@ -385,6 +381,30 @@ def suspicion(inputs, found, limits):
         )
         return foreign("km/h", why, "wind_speed")
     return None
+
+
+def of_light(inputs, bright, slope):
+    """The suspicion that irradiance is in another unit, or an amount of each step."""
+    why = (
+        f"its largest values are {bright:.0f}, and for each of them the module gains "
+        f"{slope:.2f} K, where W/m² gain 0.01 to 0.06 K"
+    )
+    least, most = GAIN
+    fits = []
+    for unit, (factor, _) in UNITS["irradiance"].items():
+        factor /= inputs.step / HOUR if unit in AMOUNTS["irradiance"] else 1.0
+        if DIM <= factor * bright <= BRIGHT and least <= slope / factor <= most:
+            fits.append(unit)
+    unit = fits[0] if len(fits) == 1 else ""
+    options = " or ".join(f"--unit poa_global={u}" for u in fits or ("UNIT",))
+    return Suspicion(
+        "poa_global looks to be in another unit than W/m² (mW/cm², or J/cm² or Wh/m² "
+        f"of each step): {why}",
+        Spelled(CONVERT, f"Give {options} to convert it"),
+        columns=("poa_global",) if unit else (),
+        unit=unit,
+        why=why,
+    )
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """A logger's file, or several, as a frame in the package's names."""
 
 import io
+import re
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -10,7 +11,7 @@ import pandas as pd
 
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.joining import joined, stacked
-from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
+from pvlib_fem.record.layout import EXCEL, PARQUET, TIME, Layout
 from pvlib_fem.record.numbers import refuse_text, ungrouped
 from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
@@ -52,12 +53,14 @@ def read_file(
     module_area : float, optional
         Area of the modules whose power is in W or kW. [m²]
     **layout
-        ``time``: column of the times, or two of a date and a time of day; by default
-        the first. ``time_format``, default ISO 8601. ``tz``: the zone of naive times,
-        or that into which others are brought. ``sep``, ``decimal``, ``encoding`` of
-        CSV. ``thousands``: what stands between the thousands of numbers. ``skip_rows``:
-        how many lines stand before the header, or the numbers of the lines to leave
-        out, from 0; ``skip_end``: how many stand after the last row, such as totals.
+        ``time``: column of the times, or those of their parts, such as a date and a
+        time of day; by default the first. ``time_format``, default ISO 8601; ``unix``,
+        ``unix-ms`` and ``excel`` are counts. ``tz``: the zone of naive times, in which
+        those that its clock skips are left out, or that into which others are brought.
+        ``sep``, ``decimal``, ``encoding`` of CSV. ``thousands``: what stands between
+        the thousands of numbers. ``skip_rows``: how many lines stand before the header,
+        or the numbers of the lines to leave out, from 0; ``skip_end``: how many stand
+        after the last row, such as totals.
         ``sheet`` of a workbook. ``missing``: texts that stand for a missing value.
         ``sort``: put the rows in the order of their times. ``drop_doubled``: of rows
         with the same time keep the first. ``drop_untimed``: leave out rows that hold no
@@ -268,7 +271,20 @@ def text(file, layout, **how):
         )
     if len(data) == 0:
         raise ValueError(f"{file.name} has a header and no row")
+    refuse_row(data, file)
     return data
+
+
+def refuse_row(data, file):
+    """Refuse a file that begins with a row where names should be."""
+    first, *others = data.columns
+    numbers = [pd.to_numeric(re.sub(r"\.\d+$", "", c), errors="coerce") for c in others]
+    if TIME.fullmatch(first) and pd.notna(numbers).mean() > 0.5:
+        raise ValueError(
+            f"{file.name} has no header: it begins with {first!r}, {others[0]!r}; "
+            "write a line of names above it, such as time,poa_global,temp_air,"
+            "wind_speed,temp_module"
+        )
 
 
 def without_end(file, layout):

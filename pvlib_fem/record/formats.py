@@ -9,6 +9,7 @@ import pandas as pd
 from pvlib_fem.record.layout import ISO
 from pvlib_fem.record.times import (
     AFTER,
+    MILLI,
     SERIAL,
     UNIX,
     as_text,
@@ -55,6 +56,7 @@ SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
 TWICE = 0.05  # share of rows with the same time up to which they are left out
 LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
 FIRST = 5
+ZONE = re.compile(r"\d\s+(?!AM$|PM$)[A-Z]{3,5}$")
 
 
 def with_times(raw, layout, doubts, file):
@@ -118,12 +120,16 @@ def formats(columns):
     if some.empty:
         return []
     column = joined(some)
-    choices = [ISO, *(f"{d}{s}{h}" for d, s, h in product(DATES, (" ", ", "), HOURS))]
+    ways = product(DATES, (" ", ", "), HOURS)
+    zone = " %Z" if column.iloc[:FIRST].astype(str).str.contains(ZONE).all() else ""
+    choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
     if pd.api.types.is_datetime64_any_dtype(column):
         choices = [ISO]
     elif pd.api.types.is_numeric_dtype(column):
         if column.between(*SINCE_1970).all():
             return [UNIX]
+        if (column / 1000.0).between(*SINCE_1970).all():
+            return [MILLI]
         if column.between(*SINCE_1900).all() and (column % 1.0 != 0.0).any():
             return [SERIAL]
         column = column.map(as_text)
@@ -133,7 +139,7 @@ def formats(columns):
         pd.api.types.is_numeric_dtype(some.iloc[:, -1]) and some.iloc[:, -1].max() < 60
     ):
         return []  # an hour alone would be read as minutes
-    ways = {}
+    found = {}
     for form in choices:
         try:
             if parsed_times(column.iloc[:FIRST], form).isna().all():
@@ -145,13 +151,13 @@ def formats(columns):
             continue
         if len(read) > 1 and (read.dt.normalize() == read).all():
             continue  # a date only
-        ways[form] = unevenness(read)
+        found[form] = unevenness(read)
         if form == ISO:
             break
-    if not ways:
+    if not found:
         return []
-    best = min(ways.values())
-    return [form for form, way in ways.items() if way == best]
+    best = min(found.values())
+    return [form for form, way in found.items() if way == best]
 
 
 def lines_after(raw, layout):
@@ -208,8 +214,8 @@ def written(raw, layout):
     if isinstance(raw.index, pd.DatetimeIndex):
         return raw.index.tz_localize(None)
     text = joined(raw[time_columns(raw, layout)]).astype(str)
-    text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z|UTC)$", "", regex=True)
-    form = layout.time_format.removesuffix("%z").strip()
+    text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z|[A-Z]{3,5})$", "", regex=True)
+    form = layout.time_format.removesuffix("%z").removesuffix("%Z").strip()
     return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
 
 

@@ -30,7 +30,7 @@ NAMES = {
         r"^wind|anemom|vi?ento|^v$",
     ),
     "relative_humidity": (
-        r"(^|[\W_])rh(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
+        r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
     ),
     "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
     "precipitation": (r"rain|precip|regen|niederschl|^rr$",),

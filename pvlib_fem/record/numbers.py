@@ -11,6 +11,7 @@ NUMBERS = {
     ",": re.compile(r"[+-]?(\d+,?\d*|,\d+)([eE][+-]?\d+)?"),
 }
 SIGNS = {".": (",", " ", "'"), ",": (".", " ", "'")}
+WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?(\s*[^\d\s.,:/-][^\d]{0,8}\d?)")
 SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
 
 
@@ -87,5 +88,7 @@ def remedy_for(word):
             option += " --decimal ," if decimal == "," else ""
             remedies.insert(0, f"{option} if that stands between thousands")
             break
+    if found := WITH_UNIT.fullmatch(word):
+        return f"take the unit {found[1].strip()!r} out of the cells"
     missing = f"--missing '{word}' if it stands for a missing value"
     return f"give {' or '.join(remedies or [missing])}"

@@ -13,6 +13,7 @@ from pvlib_fem.record.layout import ISO
 from pvlib_fem.record.zones import standard
 
 UNIX = "unix"  # seconds since 1970 in UTC
+MILLI = "unix-ms"  # milliseconds
 SERIAL = "excel"  # days since the end of 1899, as spreadsheets count them
 ORIGIN = "1899-12-30"  # of those, since they have a 29 February in 1900
 AFTER = 3  # lines that a table may have after its last row, such as totals
@@ -118,9 +119,10 @@ def times(columns, time_format=ISO):
 #: times that are counted, not written
 COUNTED = {
     UNIX: lambda column: pd.to_datetime(column, unit="s", utc=True),
-    SERIAL: lambda column: (
-        pd.Timestamp(ORIGIN) + pd.to_timedelta(column, unit="D").dt.round("ms")
-    ),
+    MILLI: lambda column: pd.to_datetime(column, unit="ms", utc=True),
+    SERIAL: lambda column: pd.Series(
+        pd.to_datetime(column, unit="D", origin=ORIGIN), column.index
+    ).dt.round("ms"),
 }
 
 
@@ -130,8 +132,8 @@ def refuse_numbers(time_format, name):
         raise ValueError(
             f"column {name} should hold the times and holds numbers; name the right "
             "one with --time COLUMN, or give --time-format unix for seconds since "
-            "1970 in UTC, excel for days since 1900, %Y%m%d%H%M for such as "
-            "202406012130"
+            "1970 in UTC, unix-ms for thousandths of them, excel for days since 1900, "
+            "%Y%m%d%H%M for such as 202406012130"
         )
 
 

@@ -29,6 +29,9 @@ UNITS = {
         "W/m²": (1.0, 0.0),
         "kW/m²": (1000.0, 0.0),
         "mW/cm²": (10.0, 0.0),
+        "Wh/m²": (1.0, 0.0),
+        "kWh/m²": (1000.0, 0.0),
+        "J/cm²": (1e4 / constants.hour, 0.0),
     },
     "temperature": {
         "°C": (1.0, 0.0),
@@ -63,13 +66,17 @@ UNITS = {
         "in": (INCH / 10.0, 0.0),
     },
 }
-AMOUNTS = ("mm", "in")  # rain of one step, of which its length makes a rate
+#: what falls in one step, of which its length makes a rate
+AMOUNTS = {"rain": ("mm", "in"), "irradiance": ("Wh/m²", "kWh/m²", "J/cm²")}
 WHOLE = ("W", "kW")  # power of all modules, of which their area makes a density
 #: other spellings, as :func:`plain` leaves them
 SPELLINGS = {
     "W/m²": ("w/m2", "wm2", "wm-2", "w/sqm", "watt/m2", "watts/m2"),
     "kW/m²": ("kw/m2", "kwm2", "kwm-2", "kw/sqm"),
     "mW/cm²": ("mw/cm2", "mwcm2"),
+    "Wh/m²": ("wh/m2", "whm2", "wh/sqm"),
+    "kWh/m²": ("kwh/m2", "kwhm2", "kwh/sqm"),
+    "J/cm²": ("j/cm2", "jcm2"),
     "°C": ("°c", "c", "degc", "celsius", "degreesc", "deg.c"),
     "°F": ("°f", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
     "K": ("k", "kelvin", "degk"),
@@ -178,7 +185,7 @@ def converted(column, name, unit, hours=None, area=None):
     unit : str
         In which it is, as ``"mph"``.
     hours : float, optional
-        Length of a step, for rain as an amount. [h]
+        Length of a step, for rain or light as an amount. [h]
     area : float, optional
         Of the modules, for power that is not per area. [m²]
 
@@ -189,7 +196,7 @@ def converted(column, name, unit, hours=None, area=None):
     """
     unit = unit_of(name, unit)
     factor, offset = UNITS[QUANTITIES[name]][unit]
-    if name == "precipitation" and unit in AMOUNTS:
+    if unit in AMOUNTS.get(QUANTITIES[name], ()):
         factor /= hours
     if name == "p_dc" and unit in WHOLE:
         if area is None:
