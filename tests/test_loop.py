@@ -412,7 +412,10 @@ def test_no_decision_sees_the_test_weeks(step):
     other = fem.close_loop(spoilt, **PLACE)
     assert told(loop) == told(other)
     pd.testing.assert_frame_equal(loop.ranking, other.ranking)
-    assert loop.untestable == other.untestable and loop.notes == other.notes
+    assert loop.untestable == other.untestable
+    # of values that are not used all are counted, those of the test weeks, too
+    notes = [[n for n in one.notes if "not used" not in n] for one in (loop, other)]
+    assert notes[0] == notes[1]
     assert other.table["rmse_test"].min() > 5 * loop.table["rmse_test"].max()
 
 
