@@ -161,12 +161,13 @@ def power_doubt(power, poa, limits):
     if 0.0 < best < least:
         return (
             f"is {best:.2g} of poa_global at its best, kW; multiply it by 1000, and "
-            "divide it by the area of the modules for W/m²"
+            "divide it by the area of the modules for W/m² (--unit p_dc=kW "
+            "--module-area AREA)"
         )
     if ratio > most:
         return (
             f"is {ratio:.2g} of poa_global, and no module gives {most:g}; divide W by "
-            "the area of the modules for W/m²"
+            "the area of the modules for W/m² (--unit p_dc=W --module-area AREA)"
         )
     return ""
 
