@@ -128,6 +128,10 @@ def keeping(index, zone):
 CLOCKS = {
     # what the file keeps of a year by the hour, and how many rows have no sure time
     "the zone's clock": (lambda d: d.set_axis(keeping(d.index, "America/New_York")), 0),
+    "the same with its newest row first": (
+        lambda d: d.set_axis(keeping(d.index, "America/New_York"))[::-1],
+        0,
+    ),
     "each hour once": (
         lambda d: (
             d.set_axis(keeping(d.index, "America/New_York")).groupby(level=0).first()
@@ -147,12 +151,12 @@ def test_a_zone_with_summer_time_opens_files_of_hours(clock, tmp_path):
     written = changed(whole)
     path = tmp_path / "plant.csv"
     written.to_csv(path, index_label="time")
-    result = call("fit", path, "--tz", "America/New_York")
+    result = call("fit", path, "--tz", "America/New_York", "--sort")
     assert result.exit_code == 0, result.output
     assert f"\n{len(written) - lost:,} rows" in "\n" + result.output
     counts = re.findall(r"left out: (\d+), the first is (\S+ \S+)", result.output)
     assert sum(int(count) for count, _ in counts) == lost
-    data = fem.read_file(path, tz="America/New_York")
+    data = fem.read_file(path, tz="America/New_York", sort=True)
     assert len(data) == len(written) - lost
     assert data.index.tz_convert(None).is_monotonic_increasing
     if clock == "standard time":

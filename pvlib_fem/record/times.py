@@ -264,6 +264,9 @@ def in_zone(index, tz):
         ) from error
     if index.tz is not None:
         return index.tz_convert(tz), np.ones(len(index), dtype=bool), []
+    if len(index) and index[0] > index[-1]:  # the newest row is the first
+        times, kept, lost = in_zone(index[::-1], tz)
+        return times[::-1], kept[::-1], lost
     first = ~index.duplicated()
     local = index.tz_localize(tz, ambiguous=first, nonexistent="NaT")
     there = np.asarray(local.notna())
