@@ -281,6 +281,7 @@ def portal(plant):
             "spare": np.nan,
             "POA_std": power.round(1) % 7,
             "fan": power.round(1) % 11,
+            "RECORD": range(len(plant)),
         },
         plant.index,
     )
@@ -309,6 +310,7 @@ def test_a_guess_lists_every_column_that_it_does_not_use(portal, tmp_path):
         "another quantity, by 'std' in the name: 'POA_std'",
         "power_ac has a column already: 'inverter_2_power'",
         "no known name: 'fan'",
+        "a count of the rows: 'RECORD'",
     }
     found = re.findall(r"^- not mapped, (.*)$", guessed.output, re.MULTILINE)
     assert {*found} == left
@@ -526,3 +528,16 @@ def test_a_unit_in_the_cells_is_no_missing_value(record, tmp_path):
     result = call("fit", path)
     assert result.exit_code == 1 and "--missing" not in result.output
     assert "take the unit '°C' out of the cells" in result.output
+
+
+def test_a_record_number_is_no_cause(plant):
+    """It would be named for whatever drifts, gaps or not."""
+    number = np.arange(len(plant))
+    since = (plant.index - plant.index[0]) / pd.Timedelta("1s")
+    data = plant[list(COLUMNS)].assign(since=since, fan=number % 7)
+    data = data.drop(data.index[1000:1500])
+    data["again"] = np.arange(len(data))
+    notes = " ".join(fem.close_loop(data, effects=[]).notes)
+    assert "since is a copy of the time: not used" in notes
+    assert "again is a copy of a count: not used" in notes
+    assert "fan is" not in notes

@@ -146,6 +146,8 @@ def why_unused(column, values, taken):
         return "not numeric"
     if values.min() == values.max():
         return "constant"
+    if (step := values.diff().dropna()).min() == step.max() != 0:
+        return "a count of the rows"
     if word := NOT.search(without_unit(column)):
         return f"another quantity, by {word[0].strip('_')!r} in the name"
     if (name := usual_name(column)) in taken:
