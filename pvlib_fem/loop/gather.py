@@ -117,7 +117,7 @@ def gather(
     """
     # of effects that it has, what they are now
     model = replace(model, base={**coefficients, **(model.base or {})})
-    inputs = model.with_base(model.with_drivers(record.inputs))
+    inputs = model.with_base(model.with_drivers(record.inputs), ["temp_base"])
     inputs = model.based(inputs, inputs["temp_base"])
     inputs, tried, failed = ready(model, inputs, seen, candidates)
     temperature = model.temperature(inputs, coefficients)

@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from pvlib_fem import scores
-from pvlib_fem.drivers import MODELLED, completed, is_modelled
+from pvlib_fem.drivers import MODELLED, behind, completed, is_modelled
 from pvlib_fem.fitting.daily import DailySums, errors
 from pvlib_fem.fitting.rows import Rows, daily_sums
 from pvlib_fem.fitting.search import natural, possible, tables
@@ -205,8 +205,8 @@ class Fits:
 def with_drivers(record, model, effect):
     """A record with the drivers of an effect of a model."""
     inputs, alone = record.inputs, replace(model, effects=(effect,))
-    if is_modelled(effect.drivers):
-        inputs = model.with_base(inputs)
+    if needed := {*MODELLED} & {*behind(effect.drivers)}:
+        inputs = model.with_base(inputs, needed)  # by all effects that the model has
     return replace(record, inputs=alone.with_drivers(inputs))
 
 

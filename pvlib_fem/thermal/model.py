@@ -116,14 +116,17 @@ class ThermalModel:
                 "base="
             )
         plain = ThermalModel(self.steady_model, self.dynamics)
-        return self.based(inputs, plain.temperature(inputs, self.completed(self.base)))
+        temperature = plain.temperature(inputs, self.completed(self.base))
+        return self.based(inputs, temperature, needed)
 
-    def based(self, inputs, temperature):
+    def based(self, inputs, temperature, needed=MODELLED):
         """The inputs with a temperature of the module by the base, and its losses."""
         base = self.completed(self.base)
         wind, own = inputs["wind_speed"], self.own(base)
         loss = 1.0 / self.steady_model.resistance(wind, **own)
         inputs = inputs.having({"temp_base": temperature, "loss_base": loss})
+        if "air_base" not in needed:
+            return inputs
         return inputs.having({"air_base": self.air_base(inputs, base)})
 
     def air_base(self, inputs, base):
