@@ -198,7 +198,7 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
         if holdout and not files:
             raise ValueError("--holdout is of FILE, the record, which is not given")
         result = FemFit.from_json(source)
-        own, otherwise = {name: options.pop(name) for name in PARAMETERS}, str
+        own, otherwise = {name: options.pop(name) for name in PARAMETERS}, Refused
         if files:
             told = options["tz"]
             data, otherwise = read(files, options)

@@ -486,10 +486,7 @@ def layouts_of(options, files):
     values["sep"] = ["\t" if sep == r"\t" else sep for sep in values["sep"]]
     if wrong := [text for text in values["decimal"] if len(text) != 1]:
         raise bad(wrong[0], "--decimal", "is not one sign")
-    same = {
-        name: options[name]
-        for name in ("missing", "sort", "drop_doubled", "drop_untimed")
-    }
+    same = {name: options[name] for name in SAME}
     return [
         Layout(**{name: values[name][i] for name in values}, **same)
         for i in range(len(files))
