@@ -305,3 +305,21 @@ def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
     found = changed.predict(light, air + by, wind, values | {key: 1.0}, **drivers)
     left, before = ((one - expected).abs().max() for one in (found, wrong))
     assert left < 0.05 * before
+
+
+def test_a_fit_of_a_change_beside_a_sky_is_the_same_from_its_file(tmp_path):
+    """Its base has the sky, of which an offset of the air takes a part back."""
+    data = simulator.record(effects=simulator.PHYSICS, days=60, step=1800)
+    change = dated("air_offset_step", at=f"{data.index[len(data) // 2]:%Y-%m-%d}")
+    data.loc[data.index[len(data) // 2] :, "temp_air"] -= 1.0
+    columns = [data[name] for name in COLUMNS]
+    how = dict(model="faiman", dynamics="balance", night=True)
+    sky = {"longwave_down": data["longwave_down"]}
+    fit = fem.fit_fem(*columns, **how, effects=["sky_radiation", change], **sky)
+    assert "sky_radiation.share" in fit.base
+    fit.to_json(tmp_path / "fit.json")
+    again = fem.FemFit.from_json(tmp_path / "fit.json")
+    usual = columns[:3]
+    assert again.predict(*usual, **sky).equals(fit.predict(*usual, **sky))
+    (key,) = change.rows()
+    assert fit.coefficients[key] == pytest.approx(1.0, abs=4 * fit.stderr[key])
