@@ -10,7 +10,7 @@ from pvlib_fem import Criteria, close_loop, simulator
 from pvlib_fem.effects import CHANGES, EFFECTS
 from pvlib_fem.effects.courses import number, weights_of
 from pvlib_fem.findings import OUTSIDE
-from pvlib_fem.loop.design import Design
+from pvlib_fem.loop.design import Design, independent
 from pvlib_fem.loop.dictionary import Candidate, Changed, Scan, dated, first_days
 from pvlib_fem.loop.noise import (
     random_effects,
@@ -388,3 +388,16 @@ def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
     one = Candidate(drift, (Changed.of(len(made.names) - 1, drift),), 0.0)
     months, *_ = shares(made, one, [*made.base])
     assert months[0] == pytest.approx(1.0, abs=max(0.2, 2.0 * months[1]))
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-2.0, 2.0).filter(lambda x: abs(x) > 1e-3))
+def test_columns_that_are_sums_of_others_are_no_columns_of_an_effect(seed, times):
+    """Of an hour of snow its cover and what stays of it are one."""
+    random = np.random.default_rng(seed)
+    cells = random.normal(size=(50, 4))
+    cells[:, 2] = times * cells[:, 1]
+    rows = random.integers(1, 12, 50).astype(float)
+    assert independent(cells, rows, [1, 2, 3]) == (1, 3)
+    assert independent(cells, rows, [0, 1, 3]) == (0, 1, 3)
+    cells[1:, 1:] = 0.0
+    assert independent(cells, rows, [1, 2, 3]) == (1,)

@@ -20,6 +20,7 @@ from pvlib_fem.statistics.weekly import products, solve, steady
 HOUR = 3600.0  # s, over which rows share a cell
 FOLDS = 5  # groups of weeks that are left out in turn
 FEWEST_WEEKS = 8  # below which errors come from the spread between days
+ALIKE = 1e-6  # of a column's square: what is left of one that is a sum of others
 APART = 7  # days by which an effect is shifted at least to see what chance does
 
 
@@ -135,7 +136,10 @@ class Design:
             rows=rows,
             days=found.dates[first],
             base=tuple(order[name] for name in base),
-            own={n: tuple(order[c] for c in columns) for n, columns in own.items()},
+            own={
+                n: independent(cells, rows, [order[c] for c in columns])
+                for n, columns in own.items()
+            },
             effects=effects,
             channels={n: order[c] for n, c in channels.items()},
             changing=tuple(effect for effect, _ in found.changing),
@@ -389,6 +393,20 @@ class Design:
         return np.array(
             [self.scale[c if isinstance(c, int) else c.place] for c in columns]
         )
+
+
+def independent(cells, rows, places):
+    """Columns of an effect that are no sum of others of it, as of one hour of snow."""
+    kept, root = [], np.sqrt(rows)
+    for place in places:
+        column = cells[:, place] * root
+        if kept:
+            table = cells[:, kept] * root[:, None]
+            rest = column - table @ np.linalg.lstsq(table, column, rcond=None)[0]
+            if rest @ rest <= ALIKE * (column @ column):
+                continue
+        kept.append(place)
+    return tuple(kept)
 
 
 def drivers_of(record, rows, drivers):

@@ -58,8 +58,8 @@ class LeastSquares:
     def covariance(self):
         """Of the estimate, by the jackknife over weeks and their memory."""
         shifts, weeks = self.shifts - self.shifts.mean(axis=0), len(self.weekly)
-        plain = (weeks - 1) / weeks * shifts.T @ shifts
-        plain += np.eye(self.size) * 1e-18
+        # columns that are not told apart move together
+        plain = steady((weeks - 1) / weeks * shifts.T @ shifts)
         along = shifts @ np.linalg.solve(plain, self.estimate)
         memory = 0.0
         if weeks > 3 and along @ along > 0:
