@@ -74,15 +74,15 @@ def read(files, options, drivers=False, needed=COLUMNS):
     done = {}  # units that columns were converted from
 
     def otherwise(error):
-        words = proposal(files, layouts, columns, how, place)
-        same = f"  {command(Guess(layouts, columns), [], how)}" in words.splitlines()
-        return Refused(after_conversion(error, done), "" if same else words)
+        proposed, line = proposal(files, layouts, columns, how, place)
+        same = line == command(Guess(layouts, columns), [], how)
+        return Refused(after_conversion(error, done), "" if same else proposed)
 
     if asked:
-        words = proposal(files, layouts, columns, how, place)
-        if not words:
+        proposed, _ = proposal(files, layouts, columns, how, place)
+        if not proposed:
             raise ValueError(f"{files[0].name} holds no table that could be guessed at")
-        say(words)
+        say(proposed)
         raise click.exceptions.Exit(0)
     try:
         data = frame(files, layouts, columns, **how)
@@ -178,7 +178,7 @@ def check_record(data):
 
 
 def proposal(files, layouts, columns, how, place):
-    """The command that may read files, with what to look at; empty without any."""
+    """What to look at, and the command that may read files; both empty without any."""
     try:
         found = guess(files, layouts, columns, how, place, check_record)
         lacking = [name for name in COLUMNS if name not in found.there]
@@ -189,8 +189,9 @@ def proposal(files, layouts, columns, how, place):
                 check["module_area"] = 1.0
             check_columns(frame(files, found.layouts, found.columns, **check))
     except Exception:  # a proposal is an extra; the error itself is told anyway
-        return ""
-    lines = [LOOK, "", f"  {command(found, lacking, how)}", ""]
+        return "", ""
+    line = command(found, lacking, how)
+    lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in found.doubts]
     if power := found.columns.get("power_ac"):
         unit = "--convert" if named_unit("p_dc", power) else "--unit p_dc=W"
@@ -211,7 +212,7 @@ def proposal(files, layouts, columns, how, place):
         )
     if found.area and not how["module_area"]:
         lines.append("- the area of the modules is not in the file: put it for AREA")
-    return "\n".join(lines).rstrip()
+    return "\n".join(lines).rstrip(), line
 
 
 def command(found, lacking, how):
