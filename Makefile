@@ -5,7 +5,7 @@ ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet gate oracle sweep coverage parameters periods episodes clean
+.PHONY: fleet gate oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -28,7 +28,7 @@ lint: $(VENV)/.installed
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# wheel and sdist, tried in an empty environment
+# wheel and sdist, tried in empty environments: newest and oldest dependencies, no git
 dist: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet build twine
 	$(BIN)/python tests/dist.py
@@ -105,5 +105,9 @@ periods: $(VENV)/.installed
 episodes: $(VENV)/.installed
 	$(BIN)/python tests/study_episodes.py
 
+# paper.png, which paper.md shows
+figure: $(VENV)/.installed
+	$(BIN)/python docs/paper_figure.py paper.png
+
 clean:
-	rm -rf $(VENV) $(VENV)-quality dist .pytest_cache .ruff_cache .mypy_cache .hypothesis docs/_build docs/gallery docs/generated
+	rm -rf $(VENV) $(VENV)-quality dist paper.png .pytest_cache .ruff_cache .mypy_cache .hypothesis docs/_build docs/gallery docs/generated
