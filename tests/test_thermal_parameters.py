@@ -315,7 +315,7 @@ def test_long_steps_have_no_unit_mass(fits):
 def steady_record(days=12, step=5.0, wind=3.0):
     """Clear days of a module at rest, in gusts that no filter minds."""
     times = pd.date_range(
-        "2024-06-01", periods=int(days * 86400 / step), freq=f"{step}s"
+        "2024-06-01", periods=int(days * 86400 / step), freq=pd.Timedelta(seconds=step)
     )
     hour = (times.hour + times.minute / 60 + times.second / 3600).to_numpy()
     poa = np.clip(1000.0 * np.sin((hour - 6.0) / 12.0 * np.pi), 0.0, None)

@@ -99,7 +99,7 @@ def share_error(above, dates):
     rows, phase = weeks["size"].to_numpy(), 2.0 * np.pi * 7.0 * weeks.index / YEAR
     waves = [f(n * phase) for n in (1, 2) for f in (np.cos, np.sin)]
     season = np.transpose([np.ones(len(weeks)), *waves]) * rows[:, None]
-    found, _, rank, _ = np.linalg.lstsq(season, weeks["sum"])
+    found, _, rank, _ = np.linalg.lstsq(season, weeks["sum"], rcond=None)
     squares = (weeks["sum"].to_numpy() - season @ found) ** 2
     squares *= len(weeks) / max(len(weeks) - rank, 1)
     if not squares.sum() > 0.0:

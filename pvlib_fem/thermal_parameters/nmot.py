@@ -146,7 +146,7 @@ def regression(table, days):
         return {}, {}
     wind, loss = table["wind"].to_numpy(), table["loss"].to_numpy()
     columns = [np.ones(len(wind)), wind]
-    (u0, u1), *_ = np.linalg.lstsq(np.transpose(columns), loss)
+    (u0, u1), *_ = np.linalg.lstsq(np.transpose(columns), loss, rcond=None)
     at = u0 + u1 * BREEZE
     values = {"u0": u0, "u1": u1, "NMOT": AIR + NOMINAL / at}
     if days < FEWEST_DAYS:

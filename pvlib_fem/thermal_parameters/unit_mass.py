@@ -265,7 +265,7 @@ class PrillimanFit:
         left = (self.table["measured"] - steady)[self.fitted]
         matrix = np.transpose([column[self.fitted] for column in columns])
         kept = np.isfinite(matrix).all(axis=1) & left.notna().to_numpy()
-        moved, *_ = np.linalg.lstsq(matrix[kept], left[kept])
+        moved, *_ = np.linalg.lstsq(matrix[kept], left[kept], rcond=None)
         modelled = steady + sum(m * c for m, c in zip(moved, columns))
         return moved, modelled, left[kept] - matrix[kept] @ moved, matrix[kept].T
 
