@@ -1,5 +1,5 @@
 """
-The figure of paper.md: what is left of a year, before and after the loop (make figure).
+The figure of paper.md: the mean residual of a year, before and after the loop.
 
 ``python docs/paper_figure.py [paper.png]``
 """
@@ -19,7 +19,7 @@ SITE = Location(49.4, 8.7, tz="Etc/GMT-1")
 
 
 def closed(**record):
-    """The loop on the simulated year of README.md, of which it is told no cause."""
+    """The loop on the simulated year of README.md, whose causes it does not know."""
     simulator = fem.simulator
     data = simulator.record(effects=simulator.PHYSICS | HIDDEN, step=300, **record)
     data = data.drop(columns=["longwave_down", "p_dc"])
