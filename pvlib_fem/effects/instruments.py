@@ -108,9 +108,9 @@ def air_offset(air_base, *, change):
 
         \mathrm{heat} = \mathrm{change} \cdot \mathrm{air\_base}
 
-    ``air_base`` is the heat that each K of air brings by the fitted model. With a sky
-    in it that is less than the loss: what the module radiates to the sky, whose
-    longwave is measured, does not depend on the thermometer.
+    ``air_base`` is the heat per K of air by the fitted model. With a sky in the model
+    it is less than the loss: radiation to the sky, whose longwave is measured, does
+    not depend on the air's thermometer.
     """
     return Terms(heat=change * air_base)
 

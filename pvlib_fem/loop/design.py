@@ -20,7 +20,7 @@ from pvlib_fem.statistics.weekly import products, solve, steady
 HOUR = 3600.0  # s, over which rows share a cell
 FOLDS = 5  # groups of weeks that are left out in turn
 FEWEST_WEEKS = 8  # below which errors come from the spread between days
-ALIKE = 1e-6  # of a column's square: what is left of one that is a sum of others
+ALIKE = 1e-6  # share of a column's square below which it is a sum of others
 APART = 7  # days by which an effect is shifted at least to see what chance does
 
 
@@ -396,7 +396,7 @@ class Design:
 
 
 def independent(cells, rows, places):
-    """Columns of an effect that are no sum of others of it, as of one hour of snow."""
+    """Drop columns of an effect that are sums of its others, as in one hour of snow."""
     kept, root = [], np.sqrt(rows)
     for place in places:
         column = cells[:, place] * root

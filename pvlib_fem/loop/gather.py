@@ -115,15 +115,14 @@ def gather(
     least : float
         Gain from which an obstacle before the sun is worth its edges. [K]
     """
-    # of effects that it has, what they are now
+    # coefficients of its effects as they are fitted now
     model = replace(model, base={**coefficients, **(model.base or {})})
     inputs = model.with_base(model.with_drivers(record.inputs), ["temp_base"])
     inputs = model.based(inputs, inputs["temp_base"])
     inputs, tried, failed = ready(model, inputs, seen, candidates)
     temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
-    # of what changes at a date no tangent but its own knows: two that know it in
-    # part would have it between them
+    # two tangents that contain a change in part would explain it between them
     changes = [effect for effect in model.effects if effect.channel]
     lasting = replace(model, effects=tuple(e for e in model.effects if not e.channel))
     at = Tangents.of(lasting, inputs, coefficients, rows)
@@ -173,9 +172,9 @@ def gather(
 
 def secant(model, inputs, effect, coefficients, dates, before):
     """
-    What a change of the model does for each unit of its size. [K]
+    Effect of a change in the model on the temperature, per unit of its size. [K]
 
-    A loss that falls by a third warms more than its tangent says.
+    The tangent is too small for a large change: a third less loss warms by a half.
     """
     channel, (size,) = effect.terms.channel, effect.rows()
     weights = weights_of(effect, dates)

@@ -157,10 +157,10 @@ def density(distance, width):
 
 def within(design, given, own, groups):
     """
-    Products by the week of columns less their means in groups of cells.
+    Weekly products of columns less their means in groups of cells.
 
-    Of a change that is what differs with time within a group: its column with the
-    weight less its mean there. How the column itself varies there is no change.
+    A change counts as far as its weight differs within a group. Variation of the
+    sensor's column within a group is no evidence of a change.
     """
     count = np.bincount(groups, design.rows)
     columns = [design.cells[:, 0], *map(design.values, given)]

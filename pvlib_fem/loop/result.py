@@ -100,8 +100,8 @@ class Loop:
         steps, with the weeks that are not fitted held out. None where it could not be,
         as the notes say, and in a loop that was read from a file.
     times : Times or None
-        What was corrected of the record's clocks, as ``predict``, ``contributions`` and
-        ``residual`` do it again.
+        Corrections of the record's clocks, which ``predict``, ``contributions`` and
+        ``residual`` apply.
     """
 
     findings: tuple
@@ -164,7 +164,7 @@ class Loop:
     def timed(
         self, data: pd.DataFrame, correct_times: bool = True
     ) -> tuple[pd.DataFrame, np.ndarray]:
-        """Rows of ``data`` whose times are known, by one clock, and which these are."""
+        """Correct the times of ``data``; return rows with a time, and their mask."""
         known = np.ones(len(data), dtype=bool)
         if self.times is None or not correct_times:
             return data, known
@@ -190,8 +190,8 @@ class Loop:
             Where the column of an effect lacks, take the model without any effect
             instead of NaN.
         correct_times : bool, default True
-            Correct times within the period of this record as its own were; others stay
-            as they are. The result has the times of ``data``.
+            Apply the clock corrections of this record to times within its period. The
+            result has the times of ``data``.
         **place
             ``location``, ``surface_tilt`` and ``surface_azimuth`` where they are
             others than those of this record.
@@ -199,7 +199,7 @@ class Loop:
         Returns
         -------
         Series
-            [°C]; NaN where one of those lacks, or where a time is not known.
+            [°C]; NaN where a value is missing or a time is unknown.
 
         Raises
         ------
@@ -213,7 +213,7 @@ class Loop:
     def by_one_clock(
         self, data: pd.DataFrame, fallback: bool, place: dict[str, Any]
     ) -> pd.Series:
-        """The temperature at times that are right."""
+        """Predict at correct times."""
         usual, drivers = self.inputs(data, **place)
         model, coefficients = self.plain
         if not fallback:
@@ -467,7 +467,7 @@ class Loop:
 
 
 def untimed(found, index, known):
-    """The same at the times of a file, NaN where those are not known."""
+    """Put a result back on the times of the data; NaN where a time is unknown."""
     if known.all():
         return found.set_axis(index)
     rows = np.where(known, np.cumsum(known) - 1, -1)

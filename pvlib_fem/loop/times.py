@@ -1,4 +1,4 @@
-"""What was corrected of a record's times, as it can be done again to the record."""
+"""The corrections of a record's clocks, to be applied to the record again."""
 
 from dataclasses import dataclass, field
 
@@ -12,22 +12,22 @@ from pvlib_fem.quality.zones import plain
 @dataclass(frozen=True)
 class Times:
     """
-    The clocks of a record, and how they are set right.
+    Clocks of a record and their corrections.
 
     Attributes
     ----------
     zone : str
-        Of the file's times; "" without one.
+        Time zone of the file; "" without one.
     first, last : str
-        Times of the file, by its own clock.
+        First and last time of the file, by its own clock.
     offsets : tuple of (str, float)
-        From which time of the file on how many seconds are added.
+        Seconds to add, each from a time of the file on.
     lost : tuple of (str, str)
-        First and last time of rows of the file whose time is not known.
+        First and last time of each run of rows whose time is unknown.
     origin : str
-        First time by one clock.
+        First corrected time.
     module : Clock
-        That of the module's logger beside the others, where it was corrected.
+        Clock of the module's logger, where it was corrected.
     """
 
     zone: str
@@ -41,18 +41,18 @@ class Times:
     @classmethod
     def of(cls, index, kept, corrected, clock):
         """
-        Those of a file.
+        Compare the times of a file with the corrected ones.
 
         Parameters
         ----------
         index : DatetimeIndex
-            Of the file.
+            Times of the file.
         kept : array of bool
             Rows of the file whose time is known.
         corrected : DatetimeIndex
-            Of those rows, by one clock.
+            Corrected times of these rows.
         clock : Clock
-            Of the module, as it was corrected.
+            Clock of the module's logger, as it was corrected.
         """
         own, offsets = plain(index), ()
         added = np.asarray((plain(corrected) - own[kept]).total_seconds())
@@ -67,14 +67,14 @@ class Times:
         return cls(zone, *ends, offsets, tuple(lost), str(plain(corrected[0])), clock)
 
     def inside(self, index):
-        """Rows of other data whose times are those of the record."""
+        """Find the times that lie within the record, in its zone."""
         zone = str(index.tz) if index.tz is not None else ""
         own = plain(index)
         within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
         return np.asarray(within) & (zone == self.zone)
 
     def corrected(self, index):
-        """Times of the record by one clock, others as they are, and which are known."""
+        """Correct the times of the record, and say which times are known."""
         known = np.ones(len(index), dtype=bool)
         if not self.offsets:
             return index, known
@@ -88,12 +88,12 @@ class Times:
         return index + pd.to_timedelta(added, unit="s"), known
 
     def of_module(self, index, values):
-        """Readings of the module by the clock of the irradiance."""
+        """Interpolate the module's readings to the clock of the irradiance."""
         times = plain(index) - pd.Timestamp(self.origin)
         return self.module.corrected(times.total_seconds().to_numpy(), values)
 
     def content(self):
-        """The same for a file."""
+        """Return what a file needs."""
         clock = self.module
         return {
             "zone": self.zone,
@@ -113,7 +113,7 @@ class Times:
 
     @classmethod
     def stored(cls, part):
-        """Those of a part of a file."""
+        """Read the corrections of a file."""
         module = part.part("module")
         clock = Clock(
             late=module.number("late", unknown=True),

@@ -58,7 +58,7 @@ class LeastSquares:
     def covariance(self):
         """Of the estimate, by the jackknife over weeks and their memory."""
         shifts, weeks = self.shifts - self.shifts.mean(axis=0), len(self.weekly)
-        # columns that are not told apart move together
+        # collinear columns shift together
         plain = steady((weeks - 1) / weeks * shifts.T @ shifts)
         along = shifts @ np.linalg.solve(plain, self.estimate)
         memory = 0.0
@@ -106,7 +106,7 @@ def left(whole):
 
 def alike(whole, size, rival):
     """
-    Share of what some columns explain that the last ones would explain as well.
+    Share of the part that some columns explain which the last ones would explain.
 
     Parameters
     ----------

@@ -131,17 +131,17 @@ class ThermalModel:
 
     def air_base(self, inputs, base):
         """
-        Heat that each K of warmer air brings, all else as it is. [W/(m² K)]
+        Heat per K of warmer air, all else equal. [W/(m² K)]
 
-        That is the loss, less what effects of the base take back: the deficit of a
-        sky grows with the air.
+        This is the loss, less the part that effects of the base take back: the
+        longwave deficit of the sky grows with the air temperature.
         """
         air, over = inputs["temp_air"], inputs["temp_base"] - inputs["temp_air"]
         others = [name for name in inputs.columns if "temp_air" not in behind([name])]
         warmer = inputs.only(others).having({"temp_air": air + 1.0})
         loss, gained = inputs["loss_base"], 0.0
         for effect in self.effects:
-            # an offset of the air is none of what it was hours ago
+            # a constant offset cancels in effects of past minus present air
             past = behind(remembered(effect.drivers))
             if effect.channel or "temp_air" in past or not {*effect.rows()} <= {*base}:
                 continue
