@@ -1,11 +1,14 @@
 import os
+import re
+import shlex
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import settings
 from pvlib.location import Location
 
-from pvlib_fem import datasets, ewm
+from pvlib_fem import cli, datasets, ewm
 from pvlib_fem.datasets.files import FOLDER
 from pvlib_fem.drivers import sun
 from pvlib_fem.quality.limits import Limits
@@ -24,6 +27,17 @@ COLUMNS = (*DRIVERS, "temp_module")
 def measured(*columns, **drivers):
     """A record as it is before sensors that stand still are looked for."""
     return alone(as_record(*columns, **drivers), Limits())[0]
+
+
+def call(*arguments):
+    return CliRunner().invoke(cli.main, [str(a) for a in arguments])
+
+
+def proposed(result):
+    """The command in a message, as a shell would take it."""
+    line = re.search(r"^  pvlib-fem (.*)$", result.output, re.MULTILINE)
+    assert line, result.output
+    return shlex.split(line[1])
 
 
 @pytest.fixture(scope="session")

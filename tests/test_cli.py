@@ -13,7 +13,7 @@ import click
 import numpy as np
 import pandas as pd
 import pytest
-from click.testing import CliRunner
+from conftest import call
 from pvlib.location import Location
 
 from pvlib_fem import (
@@ -34,10 +34,6 @@ from pvlib_fem.datasets.files import fetch
 from pvlib_fem.drivers.place import location
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.record.columns import COLUMNS
-
-
-def call(*arguments):
-    return CliRunner().invoke(cli.main, [str(a) for a in arguments])
 
 
 @pytest.fixture(scope="module")

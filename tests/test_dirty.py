@@ -1,30 +1,18 @@
 """Dirty files of plants: each ends in an answer, or in the option that gives one."""
 
 import re
-import shlex
 from itertools import pairwise
 
 import numpy as np
 import pandas as pd
 import pytest
-from click.testing import CliRunner
+from conftest import call, proposed
 from pvlib.location import Location
 
 import pvlib_fem as fem
-from pvlib_fem import cli, simulator
+from pvlib_fem import simulator
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
-
-
-def call(*arguments):
-    return CliRunner().invoke(cli.main, [str(a) for a in arguments])
-
-
-def proposed(result):
-    """The command in a message, as a shell would take it."""
-    line = re.search(r"^  pvlib-fem (.*)$", result.output, re.MULTILINE)
-    assert line, result.output
-    return shlex.split(line[1])
 
 
 def tau_of(result):

@@ -3,19 +3,18 @@
 import gzip
 import os
 import re
-import shlex
 import sys
 
 import numpy as np
 import openpyxl
 import pandas as pd
 import pytest
-from click.testing import CliRunner
+from conftest import call, proposed
 from hypothesis import given, settings, strategies as st
 from scipy.constants import convert_temperature
 
 import pvlib_fem as fem
-from pvlib_fem import cli, datasets
+from pvlib_fem import datasets
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.guess import guess
 from pvlib_fem.record.layout import Layout, found_layout
@@ -36,17 +35,6 @@ NAMES = {
     "wind_speed": "Wind (mph)",
     "temp_module": "Tmod [°C]",
 }
-
-
-def call(*arguments):
-    return CliRunner().invoke(cli.main, [str(a) for a in arguments])
-
-
-def proposed(result):
-    """The command in a message, as a shell would take it."""
-    line = re.search(r"^  pvlib-fem (.*)$", result.output, re.MULTILINE)
-    assert line, result.output
-    return shlex.split(line[1])
 
 
 @pytest.fixture(scope="module")

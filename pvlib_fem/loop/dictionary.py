@@ -44,6 +44,10 @@ class Candidate:
     def name(self):
         return self.effect.name
 
+    def beyond(self, given):
+        """Columns that are not given already."""
+        return [column for column in self.columns if column not in given]
+
 
 def undated(design, prior):
     """Candidates that have no date."""

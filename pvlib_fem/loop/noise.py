@@ -92,7 +92,7 @@ def with_outside(design, choice, given, criteria, logs=None):
 
 def shares(design, one, given):
     """Share of its size that is left under other conditions, with its error."""
-    own = [c for c in one.columns if c not in given]
+    own = one.beyond(given)
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
     others = [within(design, given, own, t) for t in tables(design, one.effect)]
     if one.effect.channel in OF_NO_COEFFICIENT:
@@ -116,7 +116,7 @@ def misfits(design, one, given, fall):
         return []
     axes = [axis for axis in design.axes if axis.column in mine]
     axes += [sorted_by("", design.cells[:, place]) for place in one.columns]
-    rest = design.left_by([*given, *(c for c in one.columns if c not in given)])
+    rest = design.left_by([*given, *one.beyond(given)])
     weeks = design.rows, design.weeks
     made = [Table.of((axis,), rest, *weeks) for axis in axes if axis is not None]
     # by a standard error less: no more than is sure

@@ -231,14 +231,13 @@ class Selection:
 
     def alike(self, one, other, given):
         """Share of what a candidate explains that another would explain as well."""
-        own, rival = ([c for c in x.columns if c not in given] for x in (one, other))
+        own, rival = one.beyond(given), other.beyond(given)
         whole = self.design.whole([*given, *own, *rival])
         return float(alike(whole, len(own), len(rival)))
 
     def score(self, one, given):
         """What a candidate explains given some columns."""
-        design = self.design
-        own = [c for c in one.columns if c not in given]
+        design, own = self.design, one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)
         inner = weekly[:, :-size, :-size]
@@ -310,13 +309,13 @@ class Selection:
         weeks = len(design.clusters)
         draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
         draws = np.vstack([np.ones(weeks), draws]).astype(float)
-        parts = [self.drawn(one.columns, given, draws) for one in members.values()]
+        parts = [self.drawn(one, given, draws) for one in members.values()]
         parts = np.maximum(np.array(parts), 0.0)
         most = np.maximum(parts[[*members].index(top.name)], 1e-12)
         shared = np.minimum(parts, most)
-        mine = [c for c in top.columns if c not in given]
+        mine = top.beyond(given)
         for i, one in enumerate(members.values()):
-            own = [c for c in one.columns if c not in given]
+            own = one.beyond(given)
             wholes = drawn(design.by_week([*given, *mine, *own]), draws)
             shared[i] = np.minimum(shared[i], alike(wholes, len(mine), len(own)) * most)
         shapes = any(one.effect.confounder for one in members.values())
@@ -339,10 +338,9 @@ class Selection:
         shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
         return dict(zip(members, shares.tolist()))
 
-    def drawn(self, columns, given, draws):
-        """Fall of the mean square by columns in draws of weeks, less that of noise."""
-        design = self.design
-        own = [c for c in columns if c not in given]
+    def drawn(self, one, given, draws):
+        """Fall of the mean square by a candidate in draws of weeks, less noise."""
+        design, own = self.design, one.beyond(given)
         weekly = design.by_week([*given, *own])
         found = LeastSquares(weekly, len(own))
         # Takeuchi: what as many columns take of noise that is alike within weeks

@@ -63,15 +63,14 @@ class Times:
         edges = np.flatnonzero(np.diff(~kept, prepend=False, append=False))
         lost = [(str(own[a]), str(own[b - 1])) for a, b in zip(edges[::2], edges[1::2])]
         ends = str(own.min()), str(own.max())
-        zone = str(index.tz) if index.tz is not None else ""
-        return cls(zone, *ends, offsets, tuple(lost), str(plain(corrected[0])), clock)
+        origin = str(plain(corrected[0]))
+        return cls(zone_name(index), *ends, offsets, tuple(lost), origin, clock)
 
     def inside(self, index):
         """Find the times that lie within the record, in its zone."""
-        zone = str(index.tz) if index.tz is not None else ""
         own = plain(index)
         within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
-        return np.asarray(within) & (zone == self.zone)
+        return np.asarray(within) & (zone_name(index) == self.zone)
 
     def corrected(self, index):
         """Correct the times of the record, and say which times are known."""
@@ -129,3 +128,8 @@ class Times:
             part.text("origin"),
             clock,
         )
+
+
+def zone_name(index):
+    """Name of the zone of some times; "" without one."""
+    return "" if index.tz is None else str(index.tz)
