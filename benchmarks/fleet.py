@@ -65,7 +65,7 @@ def made(folder, count, days, step):
                     late = np.arange(len(one)) >= share * len(one)
                     one = changed(one, *what[:2], late.astype(float))
             one.attrs = {}
-            one.drop(columns="p_dc").to_parquet(folder / f"{name}.parquet")
+            one.drop(columns="p_dc_per_area").to_parquet(folder / f"{name}.parquet")
             place = {key: getattr(site, key) for key in PLACE}
             row = {
                 "id": name,

@@ -22,7 +22,7 @@ def closed(**record):
     """The loop on the simulated year of README.md, whose causes it does not know."""
     simulator = fem.simulator
     data = simulator.record(effects=simulator.PHYSICS | HIDDEN, step=300, **record)
-    data = data.drop(columns=["longwave_down", "p_dc"])
+    data = data.drop(columns=["longwave_down", "p_dc_per_area"])
     return fem.close_loop(data, location=SITE, surface_tilt=35, surface_azimuth=180)
 
 

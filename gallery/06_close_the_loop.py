@@ -24,7 +24,9 @@ import pvlib_fem as fem
 simulator = fem.simulator
 hidden = {"sky_radiation": 1.0, "wind_direction": 1.0, "weekend_exhaust": 0.5}
 data = simulator.record(effects=simulator.PHYSICS | hidden, step=300)
-data = data.drop(columns=["longwave_down", "p_dc"])  # what a plain station has not
+data = data.drop(
+    columns=["longwave_down", "p_dc_per_area"]
+)  # what a plain station has not
 
 site = Location(49.4, 8.7, tz="Etc/GMT-1")
 place = dict(location=site, surface_tilt=35, surface_azimuth=180)

@@ -74,7 +74,7 @@ for planted in (120.0, 60.0, 0.0):
 simulator = fem.simulator
 world = simulator.PHYSICS | {"sky_radiation": 1.0, "chiller": 1.0}
 data = simulator.record(effects=world, days=153, step=300, start="2023-05-01")
-data = data.drop(columns=["p_dc", "snow_depth"])
+data = data.drop(columns=["p_dc_per_area", "snow_depth"])
 hour, month = data.index.hour, data.index.month
 on = (hour >= 13) & (hour < 19) & (month >= 6) & (month <= 8)
 data["chiller"] = on.astype(float)

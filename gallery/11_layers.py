@@ -97,7 +97,7 @@ for name, (site, effects, column) in cases.items():
     usual = (data[c] for c in ("poa_global", "temp_air", "wind_speed", column))
     fit = fits[name] = fem.fit_fem(*usual, model="faiman", dynamics="balance")
     u0, u1, capacity = (fit.coefficients[c] for c in ("u0", "u1", "capacity"))
-    share = 0.9 - data["p_dc"].sum() / data["poa_global"].clip(lower=0).sum()
+    share = 0.9 - data["p_dc_per_area"].sum() / data["poa_global"].clip(lower=0).sum()
     rows[name] = {
         "capacity [J/(m² K)]": capacity,
         "± error": fit.stderr["capacity"],

@@ -31,10 +31,10 @@ RATED = 3000.0  # W, only a scale here: the string's own is not stated
 # the steady one.
 
 if os.environ.get("PVLIB_FEM_DATA"):
-    day = fem.datasets.load("sandia_day").rename(columns={"power_string": "p_dc"})
+    day = fem.datasets.load("sandia_day").rename(columns={"power_string": "power_dc"})
 else:
     day = fem.simulator.record(days=1, start="2023-06-01")
-    day["p_dc"] = pvwatts_dc(day["poa_global"], day["temp_module"], RATED, GAMMA)
+    day["power_dc"] = pvwatts_dc(day["poa_global"], day["temp_module"], RATED, GAMMA)
 fit = fem.fit_fem(
     *(day[n] for n in ("poa_global", "temp_air", "wind_speed", "temp_module")),
     model="faiman",
@@ -58,7 +58,7 @@ temperatures = {
 def normalized(step, temperature):
     """Energy over that expected, where there is sun."""
     ends = dict(label="right", closed="right")
-    energy = day["p_dc"].resample(step, **ends).mean()
+    energy = day["power_dc"].resample(step, **ends).mean()
     energy *= pd.Timedelta(step) / pd.Timedelta("1h")
     plant = dict(poa_global=day["poa_global"], power_dc_rated=RATED, gamma_pdc=GAMMA)
     if temperature is not None:

@@ -64,10 +64,10 @@ if data is not None:
 # *Measured over-temperature in sun over that of pvlib's default coefficients, by the
 # month.* It rises from 1.1 to 1.2. From 14 April to 20 May 2013 the plant fed next to
 # nothing: what is not taken off as power heats the modules, by about a sixth. The loop
-# does not try that here, since the area of the plant is not stated (``p_dc`` is power
-# per area). When other weeks are left out it may find those days, to the day, and then
-# has them as an episode of one of several causes, power not taken off among them, and
-# says that the plant fed 95 % less than usual (:doc:`/study_measured`).
+# does not try that here, since the area of the plant is not stated (``p_dc_per_area``
+# is power by area). When other weeks are left out it may find those days, to the day,
+# and then has them as an episode of one of several causes, power not taken off among
+# them, and says that the plant fed 95 % less than usual (:doc:`/study_measured`).
 #
 # In May 2017 the anemometer says 0.0 m/s for three weeks. An hour without wind is
 # possible, three weeks are not: the loop says so, and leaves those rows out.

@@ -15,7 +15,7 @@ from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import holding
 from pvlib_fem.paper.recipe import METHODS, fit_paper, refuse_paper
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.record.columns import ALIASES, COLUMNS, with_aliases
+from pvlib_fem.record.columns import COLUMNS, by_own_names, with_aliases
 from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
 from pvlib_fem.thermal.model import thermal_model
@@ -104,7 +104,7 @@ def fit_fem(
         Thresholds of the screening other than the usual.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
-        from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
+        from north], ``p_dc_per_area`` [W per m² of module], ``longwave_down`` [W/m²],
         ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm], and
         ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
         [°], of which ``pvlib_fem.drivers.sun`` gives the first two.
@@ -147,7 +147,7 @@ def fit_fem(
     target = holding(
         thermal_model(model, dynamics, map(find, several(effects))), fixed or {}
     )
-    drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+    drivers = by_own_names(drivers)
     refuse_coefficients(target, drivers)
     if not (is_data_set(poa_global) or isinstance(poa_global, pd.DataFrame)):
         target.check_drivers(drivers)

@@ -65,7 +65,7 @@ def plant():
     data["wind_direction"] = (220 + 90 * wandering(200)) % 360
     data["longwave_down"] = np.clip(330 + 30 * wandering(150), 100, 550)
     curtailed = np.repeat(random.uniform(size=rows // 12) < 0.2, 12)
-    data["p_dc"] = 0.18 * data["poa_global"] * np.where(curtailed, 0.2, 1.0)
+    data["p_dc_per_area"] = 0.18 * data["poa_global"] * np.where(curtailed, 0.2, 1.0)
     data["precipitation"] = np.where(wandering(20) > 2.1, 3.0, 0.0)
     data["relative_humidity"] = np.clip(55 + 20 * wandering(80), 5, 100)
     falls = np.where(random.uniform(size=rows) < 0.005, 5.0, 0.0)

@@ -95,7 +95,7 @@ def made(seed):
         "episode": (day >= at[0]) & (day < at[1]),
     }[course]
     if not power:
-        data = data.drop(columns="p_dc")
+        data = data.drop(columns="p_dc_per_area")
     after = changed(data, channel, size, np.asarray(weight, dtype=float))
     return data, after, (world, channel, course, size, at, power)
 

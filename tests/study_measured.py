@@ -28,7 +28,8 @@ KNOWN = {
     "nrel_stf": """\
 From 14 April to 20 May 2013 the plant fed next to no power (`power_ac`), which heats
 modules. An episode of those days is right about the dates, and its class holds the
-cause: what electrical power takes off is not fitted without `p_dc`, which is by area.
+cause: what electrical power takes off is not fitted without `p_dc_per_area`, which is
+by area.
 """
 }
 SURE = 1.96  # standard errors: of a coefficient's own interval of 95 %

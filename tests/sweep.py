@@ -260,7 +260,7 @@ def foreign(data, random):
         relative_humidity=data["relative_humidity"] / 100.0,
         wind_direction=np.radians(data["wind_direction"]),
         longwave_down=data["longwave_down"] - 300.0,
-        p_dc=3.0 * data["p_dc"],
+        p_dc_per_area=3.0 * data["p_dc_per_area"],
         temp_sky=data["temp_air"] + 263.15,
     )
 

@@ -46,7 +46,7 @@ def report(tmp_path_factory):
     """The page of a loop that finds effects and leaves something open."""
     effects = simulator.PHYSICS | {"wind_direction": 1.0, "weekend_exhaust": 1.0}
     data = simulator.record(effects=effects, days=100, step=300, start="2023-04-01")
-    data = data.drop(columns=["longwave_down", "p_dc"])
+    data = data.drop(columns=["longwave_down", "p_dc_per_area"])
     site = simulator.RHINE
     place = {
         "location": Location(site.latitude, site.longitude, tz=site.tz),

@@ -795,13 +795,13 @@ def test_whether_an_effect_is_linear_is_tried(form):
 def test_curtailed_power_is_what_lacks_of_the_usual(plant):
     """Of a record in which a fifth of the hours gives a fifth of the power."""
     rows = np.ones(len(plant), dtype=bool)
-    columns = {n: plant[n].to_numpy() for n in ("poa_global", "p_dc")}
+    columns = {n: plant[n].to_numpy() for n in ("poa_global", "p_dc_per_area")}
     columns["temp_base"] = plant["temp_air"].to_numpy() + 0.03 * columns["poa_global"]
     effect = EFFECTS["electrical_output"].prepare(columns, rows)
     # the fixture's modules lose nothing to warmth
     assert effect.settings["efficiency"] == pytest.approx(0.18, rel=0.15)
     heat = effect.at(columns, {"electrical_output.share": 1.0}).heat
-    ratio = columns["p_dc"] / np.maximum(columns["poa_global"], 1.0)
+    ratio = columns["p_dc_per_area"] / np.maximum(columns["poa_global"], 1.0)
     bright = columns["poa_global"] > 300
     held = ratio < 0.1
     assert (heat[bright & ~held] == 0).all()
@@ -813,7 +813,7 @@ def test_curtailed_power_is_what_lacks_of_the_usual(plant):
 
 def test_power_that_snow_takes_is_not_curtailed(plant):
     """Else its heat would be missed where there is no light to make it."""
-    columns = {n: plant[n].to_numpy() for n in ("poa_global", "p_dc")}
+    columns = {n: plant[n].to_numpy() for n in ("poa_global", "p_dc_per_area")}
     columns["temp_base"] = plant["temp_air"].to_numpy() + 0.03 * columns["poa_global"]
     columns["snow_depth"] = np.full(len(plant), 5.0)
     effect = EFFECTS["electrical_output"].prepare(

@@ -262,7 +262,7 @@ def test_a_header_that_names_a_unit_is_believed_by_choice_only(raw, tmp_path):
         ("poa_global", "Global_Wm2_Avg", "W/m²"),
         ("precipitation", "Rain_in_gauge", None),
         ("precipitation", "Rain [in]", "in"),
-        ("p_dc", "Power (kW)", "kW"),
+        ("p_dc_per_area", "Power (kW)", "kW"),
         ("relative_humidity", "RH_pct_Avg", "%"),
     ],
 )
@@ -281,10 +281,10 @@ def test_every_unit_has_a_spelling_and_its_own_is_left_as_it_is():
 def test_amounts_of_rain_and_power_of_a_plant_need_what_they_are_of():
     rain = converted(pd.Series([0.2]), "precipitation", "mm", hours=1 / 6)
     assert rain[0] == pytest.approx(1.2)  # mm/h: 0.2 mm in ten minutes
-    power = converted(pd.Series([24.0]), "p_dc", "kW", area=120.0)
+    power = converted(pd.Series([24.0]), "p_dc_per_area", "kW", area=120.0)
     assert power[0] == pytest.approx(200.0)
     with pytest.raises(ValueError, match="area of the modules"):
-        converted(pd.Series([24.0]), "p_dc", "kW")
+        converted(pd.Series([24.0]), "p_dc_per_area", "kW")
     with pytest.raises(ValueError, match=r"cannot be in 'furlong'; it may be in m/s"):
         unit_of("wind_speed", "furlong")
 

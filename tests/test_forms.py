@@ -364,7 +364,7 @@ def test_each_rival_makes_a_record_of_its_own(name):
         record(cold, on, 60, 600.0, 1, forms=Forms(**{name: rival}), noise=0)
         for rival in RIVALS[name]
     ]
-    columns = made[0].columns.drop(["p_dc", "snow_depth"])
+    columns = made[0].columns.drop(["p_dc_per_area", "snow_depth"])
     for i, one in enumerate(made):
         assert one.notna().all(axis=None)
         for other in made[:i]:
@@ -414,7 +414,10 @@ def test_what_is_not_taken_as_power_is_heat(days):
         fuentes(sky, ALBUQUERQUE, PHYSICS | {"conversion": 0.0, "electrical_output": x})
         for x in (0.0, 1.0)
     )
-    taken, gained = off["p_dc"] - on["p_dc"], on["poa_global"] - off["poa_global"]
+    taken, gained = (
+        off["p_dc_per_area"] - on["p_dc_per_area"],
+        on["poa_global"] - off["poa_global"],
+    )
     assert taken.max() > 100
     assert 0.83 * gained.to_numpy() == pytest.approx(taken.to_numpy(), abs=1e-9)
 

@@ -27,7 +27,7 @@ DRIVERS = (
     "precipitation",
     "longwave_down",
     "snow_depth",
-    "p_dc",
+    "p_dc_per_area",
 )
 
 
@@ -427,7 +427,11 @@ def test_a_plane_to_the_east_or_west_has_its_own_noon(azimuth):
         ("wind_direction", np.radians, "radians; multiply it by 57.3 for °"),
         ("wind_direction", lambda x: x - 180, "use it modulo 360"),
         ("precipitation", lambda x: x - 0.1, "a counter needs its resets taken out"),
-        ("p_dc", lambda x: 1.6 * 20 * x, "and no module gives 0.4; divide W by"),
+        (
+            "p_dc_per_area",
+            lambda x: 1.6 * 20 * x,
+            "and no module gives 0.4; divide W by",
+        ),
     ],
 )
 def test_a_driver_in_another_unit_is_doubted(column, change, reason):

@@ -206,7 +206,7 @@ def of_a_world(seed, *change):
     """The loop of a record with full physics, one of whose instruments changes."""
     _, data, (world, *drawn) = study_instruments.made(seed)
     assert drawn[:2] == [*change]
-    data = data.drop(columns="p_dc", errors="ignore")
+    data = data.drop(columns="p_dc_per_area", errors="ignore")
     return fem.close_loop(data, check_units=False, **world.place)
 
 

@@ -75,7 +75,7 @@ def causes(data, random):
     other_wind = wind * np.exp(0.4 * gust)
     by_wind = 0.025 * poa * (1.0 / (1.0 + 0.3 * other_wind) - 1.0 / (1.0 + 0.3 * wind))
     curtailed = 0.2 * poa * on
-    power = data["p_dc"] * (1.0 - on) * random.normal(1.0, 0.01, rows)
+    power = data["p_dc_per_area"] * (1.0 - on) * random.normal(1.0, 0.01, rows)
     cloud = 0.06 * poa * wander(random, rows, 0.5)
     ground = smooth(data["temp_air"] + 0.02 * poa, 3)
     cabinet = wander(random, rows, 5)
@@ -101,7 +101,7 @@ def bystanders(data, random):
         "ghi": poa * (1.0 + 0.05 * wander(random, rows, 3)),
         "shielded_badly": air + 1.5e-3 * poa / (1.0 + data["wind_speed"]),
         "inverter_temperature": air + cooled + 0.5 * wander(random, rows, 3),
-        "inverter_power": 0.96 * data["p_dc"] * random.normal(1.0, 0.01, rows),
+        "inverter_power": 0.96 * data["p_dc_per_area"] * random.normal(1.0, 0.01, rows),
         "longwave": data["longwave_down"],
         "pressure": 1013.0 + 8.0 * wander(random, rows, 48),
         "noise": random.normal(size=rows),

@@ -273,11 +273,11 @@ def test_an_effect_that_raises_does_not_stop_the_others():
 
 def test_what_lacks_its_driver_is_not_testable():
     data = hidden("rain", days=90).drop(
-        columns=["precipitation", "p_dc", "longwave_down", "relative_humidity"]
+        columns=["precipitation", "p_dc_per_area", "longwave_down", "relative_humidity"]
     )
     loop = fem.close_loop(data)
     assert str(loop.untestable["rain"]) == "no precipitation"
-    assert str(loop.untestable["electrical_output"]) == "no p_dc"
+    assert str(loop.untestable["electrical_output"]) == "no p_dc_per_area"
     need = "no location, surface_azimuth, surface_tilt"
     assert str(loop.untestable["rear_irradiance"]) == need
     sky = loop.untestable["sky_radiation"]

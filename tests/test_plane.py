@@ -63,7 +63,7 @@ def test_of_a_short_or_a_grey_record_nothing_is_known():
 def test_the_loop_says_that_its_plane_is_estimated_and_names_no_obstacle():
     data = fem.simulator.record(
         SITE, effects=fem.simulator.PHYSICS, days=200, step=1800, start="2023-03-01"
-    ).drop(columns="p_dc")
+    ).drop(columns="p_dc_per_area")
     place = Location(SITE.latitude, SITE.longitude, tz=SITE.tz)
     loop = fem.close_loop(data, location=place)
     assert any("plane is estimated: tilt" in note for note in loop.notes)

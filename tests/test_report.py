@@ -72,7 +72,7 @@ def record():
     """A site with a colder sky, weekends of its own and a column of a bad name."""
     effects = simulator.PHYSICS | {"sky_radiation": 1.0, "weekend_exhaust": 1.0}
     data = simulator.record(effects=effects, days=150, step=900)
-    data = data.drop(columns=["longwave_down", "snow_depth", "p_dc"])
+    data = data.drop(columns=["longwave_down", "snow_depth", "p_dc_per_area"])
     hours = np.random.default_rng(0).uniform(size=len(data) // 8) > 0.7
     data[SCRIPT] = np.repeat(hours, 8).astype(float)
     data["temp_module"] += 3.0 * data[SCRIPT]
@@ -267,7 +267,7 @@ def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     hours = "a column that tells what happens between 9 and 16 h at weekends"
     assert hours in [what for what, _ in items]
     # the columns that were taken away, each with what it is for
-    assert ("p_dc", "would test electrical_output") in items[len(sizes) :]
+    assert ("p_dc_per_area", "would test electrical_output") in items[len(sizes) :]
     assert ("snow_depth", "would test snow") in items[len(sizes) :]
 
 
@@ -281,9 +281,12 @@ def test_columns_that_test_most_come_first(record, place):
     assert told["relative_humidity"].startswith("would test air_elsewhere")
     given = next(what for what in told if what.startswith("location"))
     assert "incidence_angle" in told[given]
-    useless = record[list(COLUMNS)].assign(p_dc=100.0)
+    useless = record[list(COLUMNS)].assign(p_dc_per_area=100.0)
     told = dict(advice.to_measure(close_loop(useless, **place)))
-    assert told["p_dc"] == "would test electrical_output; here p_dc is constant"
+    assert (
+        told["p_dc_per_area"]
+        == "would test electrical_output; here p_dc_per_area is constant"
+    )
     assert not any(what.startswith("location") for what in told)
 
 

@@ -183,7 +183,7 @@ def test_the_loop_and_the_ranking_screen_their_drivers():
 
 
 @pytest.mark.parametrize(
-    "column", [*COLUMNS, "relative_humidity", "p_dc", "snow_depth"]
+    "column", [*COLUMNS, "relative_humidity", "p_dc_per_area", "snow_depth"]
 )
 def test_what_no_sensor_can_measure_is_out_of_range(record, column):
     low, high, _ = possible(column)
@@ -290,7 +290,7 @@ def test_a_fit_leaves_out_sensors_that_stand_still():
         ("relative_humidity", 43.0, 2),
         ("longwave_down", 333.0, 2),
         ("wind_direction", 222.0, 4),
-        ("p_dc", 12.0, 2),
+        ("p_dc_per_area", 12.0, 2),
     ],
 )
 def test_a_driver_can_stand_still_too(record, column, value, days):
@@ -350,7 +350,11 @@ def test_wind_in_miles_an_hour_gets_a_word(record):
             lambda x: 1.6 * x,
             r"is outside the 100 to 550 W/m² .* in \d",
         ),
-        ("p_dc", lambda x: x / 1000, ".* at its best, kW; multiply it by 1000"),
+        (
+            "p_dc_per_area",
+            lambda x: x / 1000,
+            ".* at its best, kW; multiply it by 1000",
+        ),
         ("relative_humidity", lambda x: x / 100, ".* a fraction; multiply it by 100"),
     ],
 )

@@ -161,7 +161,7 @@ def test_every_node_closes_its_energy_balance(site, wet_week):
         )
         - stored(back, 4900),
         "cell": truth["heat_cell"]
-        - truth["p_dc"]
+        - truth["p_dc_per_area"]
         + from_glass
         + from_back
         - stored(cell, 1400),
@@ -406,7 +406,9 @@ def test_an_outage_warms_by_what_was_extracted():
         for sky in [weather(ALBUQUERQUE, days=60, start="2023-04-01", seed=4)]
         for x in (0, 1)
     )
-    out = (on["p_dc"].rolling(30).max() < 1e-9) & (off["p_dc"].rolling(30).min() > 100)
+    out = (on["p_dc_per_area"].rolling(30).max() < 1e-9) & (
+        off["p_dc_per_area"].rolling(30).min() > 100
+    )
     rise = (on["temp_back"] - off["temp_back"])[out]
     assert 2.5 < rise.median() < 8
 

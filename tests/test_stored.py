@@ -37,7 +37,7 @@ def record():
     data = simulator.record(effects=effects, days=120, step=900, start="2023-04-01")
     hours = (data.index.hour >= 9) & (data.index.hour < 16)
     data["fan"] = 1.0 * ((data.index.day_of_week >= 5) & hours)
-    return data.drop(columns=["longwave_down", "p_dc", "snow_depth"])
+    return data.drop(columns=["longwave_down", "p_dc_per_area", "snow_depth"])
 
 
 @pytest.fixture(scope="module")

@@ -185,5 +185,5 @@ def test_a_year_of_it_is_of_a_size_that_matters(name, generator):
     less = (half - off)["temp_module"]
     slope = (less @ change) / (change @ change)
     assert slope == pytest.approx(0.5, abs=0.1)
-    drivers = off.columns.drop(["temp_module", "p_dc"])
+    drivers = off.columns.drop(["temp_module", "p_dc_per_area"])
     assert on[drivers].equals(off[drivers])

@@ -118,7 +118,7 @@ def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
         ("temp_module_16", "temp_module", False),
         ("poa_global", None, False),
         ("power_ac", None, True),
-        ("p_dc", None, True),
+        ("p_dc_per_area", None, True),
         ("power", None, True),
         ("precipitation", None, False),
         ("pressure", None, False),
@@ -126,7 +126,7 @@ def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
 )
 def test_a_name_says_what_a_column_vouches_for(name, usual, power):
     assert twin_of(name) == usual and is_power(name) == power
-    assert vouches(name) == (usual is not None or (power and name != "p_dc"))
+    assert vouches(name) == (usual is not None or (power and name != "p_dc_per_area"))
 
 
 PLACE = Location(40.0, -105.0, "Etc/GMT+7", 1700.0)

@@ -9,7 +9,7 @@ import pandas as pd
 
 from pvlib_fem.fit import METHODS
 from pvlib_fem.fleet.tasks import TASKS
-from pvlib_fem.record.columns import COLUMNS, vouches
+from pvlib_fem.record.columns import COLUMNS, in_new_names, vouches
 from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.units import QUANTITIES, unit_of
 from pvlib_fem.thermal.model import MEMORY
@@ -173,7 +173,7 @@ layout_options = added(
     click.option(
         "--module-area",
         type=click.FloatRange(min=0, min_open=True),
-        help="Area of the modules whose power p_dc is in W or kW [m²].",
+        help="Area of the modules whose power p_dc_per_area is in W or kW [m²].",
     ),
     click.option(
         "--no-unit-check",
@@ -412,7 +412,7 @@ def pairs(texts, option, form):
 
 def columns_of(renames):
     """The map of --map, from the package's names to those of the file."""
-    mapped = pairs(renames, "--map", "NAME=COLUMN")
+    mapped = in_new_names(pairs(renames, "--map", "NAME=COLUMN"))
     for name, column in mapped.items():
         if column == "COLUMN":
             why = "stands for the name of a column of the file: put that"
@@ -434,7 +434,7 @@ def columns_of(renames):
 
 def units_of(texts):
     """The units of --unit by the package's names."""
-    found = pairs(texts, "--unit", "NAME=UNIT")
+    found = in_new_names(pairs(texts, "--unit", "NAME=UNIT"))
     try:
         return {name: unit_of(name, unit) for name, unit in found.items()}
     except ValueError as error:

@@ -194,11 +194,15 @@ def proposal(files, layouts, columns, how, place):
     lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in found.doubts]
     if power := found.columns.get("power_ac"):
-        unit = "--convert" if named_unit("p_dc", power) else "--unit p_dc=W"
+        unit = (
+            "--convert"
+            if named_unit("p_dc_per_area", power)
+            else "--unit p_dc_per_area=W"
+        )
         lines.append(
             f"- {power!r} as power_ac only vouches for instruments; with the area of "
-            f"the modules {quoted(['--map', f'p_dc={power}'])} {unit} --module-area "
-            "AREA lets loop try electrical_output"
+            f"the modules {quoted(['--map', f'p_dc_per_area={power}'])} {unit} "
+            "--module-area AREA lets loop try electrical_output"
         )
     lines += [
         f"- not mapped, {reason}: {', '.join(map(repr, columns))}"

@@ -65,7 +65,7 @@ def load(name: str) -> pd.DataFrame:
         where a value lacks; zone-naive times as the file has them. They are
         local standard time but for Bolzano, where they keep summer time.
         ``power_dc`` and ``power_ac`` are W of the whole plant, of which the
-        area is not stated, so that they are not ``p_dc``. Site, source,
+        area is not stated, so that they are not ``p_dc_per_area``. Site, source,
         citation, licence and what else is to be known of the columns is in
         ``.attrs``.
 

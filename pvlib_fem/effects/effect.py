@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem.drivers import constants, own_constants, with_constants
+from pvlib_fem.record.columns import in_new_names
 
 SOME = 5000  # rows of a record that tell whether an effect is linear
 
@@ -255,10 +256,11 @@ class Effect:
     @cached_property
     def drivers(self) -> tuple[str, ...]:
         """Names of the columns that it needs."""
-        if self.columns is not None:
-            return self.columns
-        signature = inspect.signature(self.terms).parameters.values()
-        return tuple(p.name for p in signature if p.kind is not p.KEYWORD_ONLY)
+        names = self.columns
+        if names is None:
+            signature = inspect.signature(self.terms).parameters.values()
+            names = tuple(p.name for p in signature if p.kind is not p.KEYWORD_ONLY)
+        return tuple(in_new_names(dict.fromkeys(names)))
 
     def rows(self) -> dict[str, Parameter]:
         """Parameter rows by the name that they have in a model."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.record.columns import renamed
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, unit_of
@@ -104,6 +105,8 @@ def opened(systems: Any) -> pd.DataFrame:
                 f"the table of systems has no column {name!r}; it has "
                 f"{', '.join(table.columns)}"
             )
+    for new, old in renamed(table.columns).items():
+        table = table.rename(columns={old: new, f"{old}_unit": f"{new}_unit"})
     for name in table.columns:
         alike = difflib.get_close_matches(name.lower(), KNOWN, 1, 0.85)
         if name not in KNOWN and alike and alike[0] not in table:

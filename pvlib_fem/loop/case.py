@@ -112,9 +112,11 @@ class Case:
         """The case with the module's record re-timed."""
         whole, seconds = self.whole, self.whole.inputs.seconds
         moved = {"temp_module": self.clock.corrected(seconds, whole["temp_module"])}
-        if "p_dc" in whole.inputs.columns:
-            later = self.clock.corrected(seconds, whole["p_dc"])
-            moved["p_dc"] = follows(whole["poa_global"], whole["p_dc"], later)
+        if "p_dc_per_area" in whole.inputs.columns:
+            later = self.clock.corrected(seconds, whole["p_dc_per_area"])
+            moved["p_dc_per_area"] = follows(
+                whole["poa_global"], whole["p_dc_per_area"], later
+            )
         return divided(whole.having(moved), replace(self, clock=Clock()))
 
 

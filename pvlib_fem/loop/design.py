@@ -412,6 +412,8 @@ def independent(cells, rows, places):
 def drivers_of(record, rows, drivers):
     """Inputs, geometry and measured drivers of a record at some rows."""
     # power follows the light itself, and would sort by what it should tell
-    names = {*COLUMNS[:3], *GEOMETRY, *drivers} & {*record.inputs.columns} - {"p_dc"}
+    names = {*COLUMNS[:3], *GEOMETRY, *drivers} & {*record.inputs.columns} - {
+        "p_dc_per_area"
+    }
     columns = {name: record[name][rows] for name in sorted(names)}
     return {name: np.nan_to_num(column) for name, column in columns.items()}

@@ -167,7 +167,7 @@ def hindrance(effect, score, found, days, least):
         there = {key.split(".")[0] for key in found.base}
         if effect.confounder or there & {*effect.confused_with}:
             return because(Reason.ANOTHER_CONFOUNDER)
-        if "p_dc" in effect.drivers:  # power measures irradiance, too
+        if "p_dc_per_area" in effect.drivers:  # power measures irradiance, too
             return because(Reason.SUSPECT_IRRADIANCE)
         return because(Reason.SUSPECT_SENSOR)
     if days < least:
@@ -220,9 +220,9 @@ def rank_effects(
     data : DataFrame
         The record in pvlib's names (``poa_global``, ``temp_air``, ``wind_speed``,
         ``temp_module``) with what else was measured, such as ``wind_direction``
-        [° from north], ``p_dc`` [W per m² of module], ``longwave_down`` [W/m²],
-        ``precipitation`` [mm/h]. Every other numeric column that varies is a
-        candidate of its own, ``driver:<column>``.
+        [° from north], ``p_dc_per_area`` [W per m² of module],
+        ``longwave_down`` [W/m²], ``precipitation`` [mm/h]. Every other numeric column
+        that varies is a candidate of its own, ``driver:<column>``.
     effects : str, Effect, or sequence of these, optional
         Candidates; by default all, and those columns.
     criteria : Criteria, optional

@@ -14,7 +14,7 @@ from pvlib_fem.paper.comparison import FITTED, STEPS, Comparison
 from pvlib_fem.paper.recipe import METHODS, MODELS, paper_stages
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.checks import usual_step
-from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.record.columns import COLUMNS, by_own_names
 from pvlib_fem.record.filters import daytime, night
 from pvlib_fem.record.inputs import as_record
 from pvlib_fem.thermal.model import thermal_model
@@ -106,7 +106,7 @@ def compare(
     """
     chosen, others = names_of(models), names_of(comparators)
     check_names(chosen, others, method)
-    drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+    drivers = by_own_names(drivers)
     columns = dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
     finest = as_record(*columns.values(), **drivers)
     finest, faults = screened(finest, check_units=check_units)

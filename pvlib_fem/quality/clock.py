@@ -65,7 +65,7 @@ class Clock:
         seconds : array
             Times since the record's first row, as ``record.inputs.seconds``. [s]
         values : array
-            ``temp_module``, or ``p_dc`` where the same logger wrote it.
+            ``temp_module``, or ``p_dc_per_area`` where the same logger wrote it.
 
         Returns
         -------

@@ -10,7 +10,7 @@ from pvlib_fem.quality.screening import KINDS, Screener, sentence
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.units import oddities, refuse_doubtful, refuse_units
 from pvlib_fem.record.clean import CleanRecord, FrameRecord
-from pvlib_fem.record.columns import ALIASES, printable, with_aliases
+from pvlib_fem.record.columns import ALIASES, RENAMED, printable, with_aliases
 from pvlib_fem.record.inputs import Columns, Record, read
 
 
@@ -263,7 +263,8 @@ def of_frame(data):
     """The numeric columns of a frame as a record, and what the frame calls them."""
     columns = with_aliases(data, ())
     own = {printable(label): label for label in data}
-    own |= {ALIASES[name]: own[name] for name in ALIASES if name in own}
+    others = {**ALIASES, **RENAMED}
+    own = {new: own[old] for old, new in others.items() if old in own} | own
     numeric = {n: c for n, c in columns.items() if pd.api.types.is_numeric_dtype(c)}
     inputs = read(numeric, purpose="a screening")
     lacking = dict.fromkeys(POSSIBLE, np.full(len(data), np.nan))

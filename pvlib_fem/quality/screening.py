@@ -345,8 +345,9 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
       dark (20 W/m²) over more than a day, or more than two hours from either end,
       above the air, and by the module's own warmth;
     * ``wind_speed`` after 6 h, and at its lowest reading after three days;
-    * ``relative_humidity``, ``longwave_down``, ``p_dc`` and ``precipitation`` after a
-      day, ``wind_direction`` after three. Other columns may stay, as a timetable does.
+    * ``relative_humidity``, ``longwave_down``, ``p_dc_per_area`` and ``precipitation``
+      after a day, ``wind_direction`` after three. Other columns may stay, as a
+      timetable does.
 
     After three days in which the others move, the first three are stuck whatever
     they usually do.

@@ -35,7 +35,7 @@ class Runs:
 
 SOME = 1 << 17  # rows that tell where a sensor rests
 #: columns whose sensors rest at their lowest value, whatever number that is
-FLOWS = ("wind_speed", "precipitation", "p_dc")
+FLOWS = ("wind_speed", "precipitation", "p_dc_per_area")
 
 
 @dataclass(eq=False)
@@ -197,7 +197,7 @@ DRIVERS = {
     "wind_speed": "still_wind",
     "relative_humidity": "still_day",
     "longwave_down": "still_day",
-    "p_dc": "still_day",
+    "p_dc_per_area": "still_day",
     "precipitation": "still_day",
     "wind_direction": "calm",
 }

@@ -64,7 +64,7 @@ def doubtful(columns, limits=None) -> dict[str, str]:
         kind = "temp_" if name.startswith("temp_") else name
         known, doubt = range_of(name), DOUBTS.get(kind)
         reason = doubt(seen, known, limits) if doubt else ""
-        if name == "p_dc" and "poa_global" in columns:
+        if name == "p_dc_per_area" and "poa_global" in columns:
             reason = power_doubt(
                 values, np.asarray(columns["poa_global"], float), limits
             )
@@ -88,7 +88,7 @@ def unit_of_driver(name, values, limits=None):
     """The unit in which a driver looks to be, by its values; "" if in its own."""
     limits, values = limits or Limits(), np.asarray(values, float)
     seen, known = values[np.isfinite(values)], range_of(name)
-    if not len(seen):
+    if not len(seen) or known is None:
         return ""
     if name == "relative_humidity" and 100.0 * seen.max() <= known.most:
         return "fraction"
@@ -161,13 +161,14 @@ def power_doubt(power, poa, limits):
     if 0.0 < best < least:
         return (
             f"is {best:.2g} of poa_global at its best, kW; multiply it by 1000, and "
-            "divide it by the area of the modules for W/m² (--unit p_dc=kW "
-            "--module-area AREA)"
+            "divide it by the area of the modules for W/m² (--unit p_dc_per_area=kW "
+            "--module-area AREA), or name it power_dc"
         )
     if ratio > most:
         return (
             f"is {ratio:.2g} of poa_global, and no module gives {most:g}; divide W by "
-            "the area of the modules for W/m² (--unit p_dc=W --module-area AREA)"
+            "the area of the modules for W/m² (--unit p_dc_per_area=W --module-area "
+            "AREA), or name it power_dc"
         )
     return ""
 

@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+import warnings
 
 import numpy as np
 import pandas as pd
@@ -28,7 +29,9 @@ UNITS = {
     "ir_down": "W/m²",
     "precipitation": "mm/h",
     "snow_depth": "cm",
-    "p_dc": "W/m²",
+    "p_dc_per_area": "W/m²",
+    "power_dc": "W",
+    "power_ac": "W",
     "solar_zenith": "°",
     "solar_azimuth": "°",
     "residual": "K",
@@ -38,6 +41,8 @@ GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
 ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full circle
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}
+#: names of 0.1 before its release, which 0.2 will not know
+RENAMED = {"p_dc": "p_dc_per_area"}
 FEW = 4000  # rows that show that two are no copies
 COMPARED = Spelled(
     "compare_modules(data).common has what they have in common",
@@ -65,7 +70,7 @@ def is_power(name):
 
 def vouches(name):
     """Whether a column sees what an instrument should, and drives nothing itself."""
-    return twin_of(name) is not None or (is_power(name) and name != "p_dc")
+    return twin_of(name) is not None or (is_power(name) and name != "p_dc_per_area")
 
 
 def printable(text, kept=""):
@@ -89,6 +94,7 @@ def with_aliases(data, needed=COLUMNS):
     if twice := [name for i, name in enumerate(names) if name in names[:i]]:
         raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
     columns = {name: as_numbers(data[label]) for name, label in zip(names, data)}
+    columns = in_new_names(columns)
     for alias, name in ALIASES.items():
         if alias in columns:
             columns.setdefault(name, columns.pop(alias))
@@ -96,6 +102,37 @@ def with_aliases(data, needed=COLUMNS):
         words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
         raise refusal(words, *of_several(columns))
     return columns
+
+
+def renamed(names):
+    """
+    Names that some columns should have now, to those that they have, with a warning.
+
+    Where the new name is there, too, the old one is a column of the user's own.
+    """
+    found = {new: old for old, new in RENAMED.items() if old in names}
+    found = {new: old for new, old in found.items() if new not in names}
+    for new, old in found.items():
+        warnings.warn(
+            f"the column {old} is called {new} now, and 0.2 will not know the old "
+            f"name: write {new} for W per m² of module, and power_dc for W of a module "
+            "or a plant",
+            FutureWarning,
+            stacklevel=3,
+        )
+    return found
+
+
+def in_new_names(columns):
+    """Columns, or what else is known by column, with those by an old name renamed."""
+    new = {old: new for new, old in renamed(columns).items()}
+    return {new.get(name, name): value for name, value in columns.items()}
+
+
+def by_own_names(columns):
+    """Columns by the package's names, where they are given by another of pvlib's."""
+    renamed = in_new_names(columns)
+    return {ALIASES.get(name, name): column for name, column in renamed.items()}
 
 
 def as_numbers(column):

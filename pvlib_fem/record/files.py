@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem.record.checks import usual_step
+from pvlib_fem.record.columns import renamed
 from pvlib_fem.record.joining import joined, stacked
 from pvlib_fem.record.layout import EXCEL, PARQUET, TIME, Layout
 from pvlib_fem.record.numbers import refuse_text, ungrouped
@@ -121,6 +122,7 @@ def frame(
             f"{' and '.join(names)} has no column "
             f"{', '.join(absent)}; it has {', '.join(map(str, data.columns))}"
         )
+    columns = columns | renamed({*data, *columns} - {*columns.values()})
     headers = {name: name for name in data.columns} | columns
     data = named(data, columns)
     for name in QUANTITIES:

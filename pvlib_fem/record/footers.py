@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from pvlib_fem.record.checks import SECONDS
-from pvlib_fem.record.columns import ALIASES, printable
+from pvlib_fem.record.columns import by_own_names, printable
 from pvlib_fem.record.layout import PARQUET
 
 
@@ -142,10 +142,11 @@ def common_columns(footers, columns):
             )
     theirs = dict.fromkeys(name for one in footers for name in one.schema.names)
     names = {
-        ALIASES.get(name, printable(name)): name
+        printable(name): name
         for name in theirs
         if name != first.time and name not in columns.values()
     }
+    names = by_own_names(names)
     found, partial = {}, {}
     for name, column in (names | columns).items():
         odd = [one for one in footers if not is_number(one.kind(column))]

@@ -172,7 +172,7 @@ def in_units(found, data, below):
                 found.units[name] = unit
         elif unit not in (None, own_unit(name)):
             found.headers = True
-        found.area |= name == "p_dc" and unit in WHOLE
+        found.area |= name == "p_dc_per_area" and unit in WHOLE
     for name in COLUMNS:
         column = found.columns.get(name, name)
         if column in data and named_unit(name, str(column)) is None:

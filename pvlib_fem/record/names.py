@@ -34,8 +34,9 @@ NAMES = {
     ),
     "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
     "precipitation": (r"rain|precip|regen|niederschl|^rr$",),
-    "p_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
     "snow_depth": (r"snow|schnee",),
+    # power by area is never guessed: a plant's would be taken for it
+    "power_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
     "power_ac": (
         r"^p[\s_.-]?ac(\b|_|\d)|ac[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*ac",
         r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set)).*(power|leistung)",
@@ -56,7 +57,7 @@ def mapped(data, columns, names, doubts):
     """The map with the columns that look like a name that none has yet."""
     numeric = [c for c in data if pd.api.types.is_numeric_dtype(data[c])]
     there = {ALIASES.get(column, column) for column in data}
-    free = [c for c in numeric if c not in (*columns.values(), *names, *ALIASES)]
+    free = [c for c in numeric if c not in (*columns.values(), *QUANTITIES, *ALIASES)]
     free = [c for c in free if not NOT.search(without_unit(c))]
     columns = dict(columns)
     for name in NAMES:

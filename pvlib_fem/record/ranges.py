@@ -40,7 +40,7 @@ RANGES = {
     # the deepest that was measured is 11.8 m
     "snow_depth": Range(-50.0, 1500.0, "cm", 0.0),
     # by the area of the modules, in a bright second
-    "p_dc": Range(-50.0, 1000.0, "W/m²"),
+    "p_dc_per_area": Range(-50.0, 1000.0, "W/m²"),
 }
 
 #: what loggers and files write for "no value", and the ends of whole numbers of 16 bits

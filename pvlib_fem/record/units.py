@@ -20,7 +20,9 @@ QUANTITIES = {
     "relative_humidity": "share",
     "longwave_down": "irradiance",
     "precipitation": "rain",
-    "p_dc": "power",
+    "p_dc_per_area": "power per area",
+    "power_dc": "power",
+    "power_ac": "power",
     "snow_depth": "depth",
 }
 #: quantity: unit to the factor and the offset that make the first one of it
@@ -53,12 +55,13 @@ UNITS = {
         "mm": (1.0, 0.0),
         "in": (INCH, 0.0),
     },
-    "power": {
+    "power per area": {
         "W/m²": (1.0, 0.0),
         "kW/m²": (1000.0, 0.0),
         "W": (1.0, 0.0),
         "kW": (1000.0, 0.0),
     },
+    "power": {"W": (1.0, 0.0), "kW": (1000.0, 0.0), "MW": (1e6, 0.0)},
     "depth": {
         "cm": (1.0, 0.0),
         "mm": (0.1, 0.0),
@@ -94,7 +97,8 @@ SPELLINGS = {
     "mm": ("mm",),
     "in": ("in", "inch", "inches"),
     "W": ("w", "watt", "watts"),
-    "kW": ("kw", "kilowatt"),
+    "kW": ("kw", "kilowatt", "kilowatts"),
+    "MW": ("mw", "megawatt", "megawatts"),
     "cm": ("cm",),
     "m": ("m",),
 }
@@ -198,11 +202,11 @@ def converted(column, name, unit, hours=None, area=None):
     factor, offset = UNITS[QUANTITIES[name]][unit]
     if unit in AMOUNTS.get(QUANTITIES[name], ()):
         factor /= hours
-    if name == "p_dc" and unit in WHOLE:
+    if name == "p_dc_per_area" and unit in WHOLE:
         if area is None:
             raise refusal(
-                f"p_dc is in {unit}, and W per m² of module are needed; give the area "
-                "of the modules, ",
+                f"p_dc_per_area is in {unit}, and W per m² of module are needed; name "
+                "it power_dc, or give the area of the modules, ",
                 Spelled("module_area=120 (--module-area 120)", "--module-area 120"),
             )
         factor /= area
@@ -220,5 +224,8 @@ def stands_for_none(name, column):
 
 def impossible(name, column):
     """Rows of values that the column cannot hold."""
-    low, high, _ = possible(name)
+    bounds = possible(name)
+    if bounds is None:  # as of power, which an inverter draws little of by night
+        return (column < 0).to_numpy()
+    low, high, _ = bounds
     return ((column < low) | (column > high)).to_numpy()

@@ -50,7 +50,7 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFram
         (convection [W/(m²K)], at the temperatures before), ``latent`` and
         ``sensible`` (what film, rain and snow take [W/m²]), ``heat_glass``,
         ``heat_back``, ``heat_cell`` (what sun and others bring less what the sky
-        takes [W/m²]), ``p_dc`` [W/m²].
+        takes [W/m²]), ``p_dc_per_area`` [W/m²].
 
     Raises
     ------
@@ -66,7 +66,7 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFram
     truth["sensible"] = series["drain"] * truth["temp_glass"] - series["cooler"]
     truth["heat_glass"], truth["heat_back"] = series["heat"]
     truth["heat_cell"] = series["cell"]
-    truth["p_dc"] = series["output"] + series["slope"] * truth["temp_cell"]
+    truth["p_dc_per_area"] = series["output"] + series["slope"] * truth["temp_cell"]
     for name in names[:4]:
         truth[name] = truth[name] - ZERO
     return pd.DataFrame(truth, index=weather.index)

@@ -49,7 +49,7 @@ def fuentes(
     Returns
     -------
     DataFrame
-        ``temp_back`` and ``temp_cell``, which are the same [°C], ``p_dc``,
+        ``temp_back`` and ``temp_cell``, which are the same [°C], ``p_dc_per_area``,
         ``poa_global`` (what the model was given [W/m²]).
 
     Raises
@@ -83,5 +83,7 @@ def fuentes(
     )
     constant, slope = output(sun, idle, on)
     power = np.asarray(constant + slope * module)
-    columns = dict(temp_back=module, temp_cell=module, p_dc=power, poa_global=poa)
+    columns = dict(
+        temp_back=module, temp_cell=module, p_dc_per_area=power, poa_global=poa
+    )
     return pd.DataFrame(columns, index=weather.index)

@@ -32,7 +32,7 @@ SENSORS = {
     "precipitation": (0.0, 0.0, 1.0, 0.1, False),  # its tips are made before
     "longwave_down": (0.0, 3.0, 2.0, 0.1, False),
     "snow_depth": (0.0, 0.0, 1.0, 1.0, False),
-    "p_dc": (0.01, 0.0, 1.0, 0.01, True),
+    "p_dc_per_area": (0.01, 0.0, 1.0, 0.01, True),
 }
 
 
@@ -67,8 +67,8 @@ def measure(
         ``poa_global`` [W/m²], ``temp_air`` [°C], ``wind_speed`` [m/s],
         ``temp_module`` [°C], ``wind_direction`` [°], ``relative_humidity`` [%],
         ``precipitation`` [mm/h], ``longwave_down`` [W/m²], ``snow_depth`` [cm],
-        ``p_dc`` [W/m²]. The module's logger, with its own clock, holds
-        ``temp_module`` and ``p_dc``.
+        ``p_dc_per_area`` [W/m²]. The module's logger, with its own clock, holds
+        ``temp_module`` and ``p_dc_per_area``.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def measure(
         "temp_module": back,
         "precipitation": np.diff(tips, prepend=0.0) * 0.1 * 3600.0 / step,
         "snow_depth": snow_depth(weather),
-        "p_dc": power,
+        "p_dc_per_area": power,
     }
     data = {}
     for column, (white, slow, hours, resolution, relative) in SENSORS.items():
@@ -134,7 +134,7 @@ def module_logger(weather, truth, site, on, step):
     back = back - total(CONTACT, weather, site, on) * over
     back = back + total(READING, weather, site, on)
     back = (1 - 0.03 * on["temperature_gain"]) * np.interp(now - late, now, back)
-    power = np.interp(now - late, now, truth["p_dc"].to_numpy())
+    power = np.interp(now - late, now, truth["p_dc_per_area"].to_numpy())
     return back + on["temperature_drift"] * years(times), power
 
 

@@ -10,7 +10,7 @@ from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembere
 from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time
-from pvlib_fem.record.columns import ALIASES, COLUMNS
+from pvlib_fem.record.columns import COLUMNS, by_own_names
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
@@ -208,7 +208,7 @@ class ThermalModel:
         What no sensor can have measured is missing, and negative irradiance is none,
         as in a fit.
         """
-        drivers = {ALIASES.get(name, name): column for name, column in drivers.items()}
+        drivers = by_own_names(drivers)
         self.check_drivers(drivers)
         coefficients = self.checked(coefficients)
         columns = {

@@ -10,14 +10,14 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 GAMMA = -0.0035  # 1/K, of crystalline silicon's power
 MISSING = 0.15  # of the expected power, from which it is curtailed
 BRIGHT = 300.0  # W/m², where power tells of efficiency
-USED = ("poa_global", "temp_base", "p_dc")
+USED = ("poa_global", "temp_base", "p_dc_per_area")
 
 
-def terms(p_dc, *, share):
+def terms(p_dc_per_area, *, share):
     r"""
     Heat that leaves as electricity, and stays when it is curtailed [1]_.
 
-    .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{p\_dc}
+    .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{p\_dc\_per\_area}
 
     ``share`` is 1 over the absorbed share of irradiance, 1.2 to 1.5. The mean
     efficiency is in the coefficients of the steady model; what is seen is its
@@ -28,13 +28,13 @@ def terms(p_dc, *, share):
     .. [1] The balance of :func:`pvlib.temperature.pvsyst_cell`, where irradiance
        heats by absorption · (1 - efficiency).
     """
-    return Terms(heat=-share * p_dc)
+    return Terms(heat=-share * p_dc_per_area)
 
 
 def curtailed(
     poa_global,
     temp_base,
-    p_dc,
+    p_dc_per_area,
     snow_cover=0.0,
     *,
     share,
@@ -45,9 +45,10 @@ def curtailed(
     r"""
     The same of the power that is missing only.
 
-    .. math:: \mathrm{heat} = \mathrm{share} \cdot (\mathrm{expected} - \mathrm{p\_dc})
+    .. math:: \mathrm{heat} = \mathrm{share} \cdot
+       (\mathrm{expected} - \mathrm{p\_dc\_per\_area})
 
-    where ``p_dc`` is more than ``missing`` (15 %) below ``expected``, that of
+    where ``p_dc_per_area`` is more than ``missing`` (15 %) below ``expected``, that of
     ``efficiency`` at ``temp_base`` with ``gamma`` (-0.35 %/K), and no snow lies;
     elsewhere 0. Power is an irradiance sensor, too: what it knows of the other
     sensor's errors would be taken for heat. Under snow it is the light that is
@@ -55,7 +56,7 @@ def curtailed(
     know, ``share`` comes out low: by 10 to 20 % in simulated physics, most on roofs.
     """
     expected = efficiency * poa_global * (1.0 + gamma * (temp_base - 25.0))
-    lacks = np.where(snow_cover > 0.0, 0.0, expected - p_dc)
+    lacks = np.where(snow_cover > 0.0, 0.0, expected - p_dc_per_area)
     return Terms(heat=share * np.where(lacks > missing * expected, lacks, 0.0))
 
 
