@@ -11,6 +11,7 @@ from . import (
     scores as scores,
     simulator as simulator,
 )
+from .correction.result import CorrectedRecord as CorrectedRecord
 from .effects.effect import Effect as Effect, Parameter as Parameter, Terms as Terms
 from .findings import Check as Check, Correction as Correction, Finding as Finding
 from .fit import fit_fem as fit_fem

@@ -172,6 +172,36 @@ class Witness:
 
 
 @dataclass(frozen=True)
+class Member:
+    """
+    Another cause that an ambiguous finding may have, as the data have it.
+
+    Attributes
+    ----------
+    settings : dict
+        Those of its effect, such as its dates.
+    coefficients, stderr, ranges : dict
+        As of the finding, of the linearised model with it in the place of the most
+        probable one.
+    """
+
+    settings: dict
+    coefficients: dict
+    stderr: dict
+    ranges: dict
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The member of a part of a file."""
+        return cls(
+            settings=content.part("settings").content,
+            coefficients=content.numbers("coefficients", unknown=True),
+            stderr=content.numbers("stderr", unknown=True),
+            ranges=content.pairs("ranges"),
+        )
+
+
+@dataclass(frozen=True)
 class Finding:
     """
     One thing that the record shows; ``print(finding)`` has all checks.
@@ -208,6 +238,8 @@ class Finding:
     probabilities : dict
         Name to the probability that it is the cause; ``"outside"`` is a cause outside
         the catalogue that follows the same inputs.
+    members : dict of Member
+        Name to each other candidate of the catalogue.
     """
 
     effect: str
@@ -224,6 +256,7 @@ class Finding:
     witnesses: tuple = ()
     ranges: dict = field(default_factory=dict)
     probabilities: dict = field(default_factory=dict)
+    members: dict = field(default_factory=dict)
 
     @property
     def why(self) -> str:
@@ -274,7 +307,7 @@ class Finding:
     @classmethod
     def stored(cls, content: Stored) -> Self:
         """The finding of a part of a file."""
-        where = content.part("where").content
+        where, members = content.part("where").content, content.part("members")
         return cls(
             effect=content.text("effect"),
             candidates=content.texts("candidates"),
@@ -290,6 +323,7 @@ class Finding:
             witnesses=tuple(map(Witness.stored, content.parts("witnesses"))),
             ranges=content.pairs("ranges"),
             probabilities=content.numbers("probabilities"),
+            members={n: Member.stored(members.part(n)) for n in members.content},
         )
 
     def __str__(self):

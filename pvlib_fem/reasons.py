@@ -16,6 +16,7 @@ class Reason(Enum):
     CONSTANT = "{column} is constant"
     COPY = "{column} is a copy of {other}"
     DOUBTFUL = "{column} {doubt}"
+    ORIGINAL = "{column} is as it was measured, before a correction"
     TAKEN = (
         "{column} is the name of a driver that is computed here; rename the column to "
         "have it tried"

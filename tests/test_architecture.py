@@ -35,6 +35,7 @@ ORDER = (
     "report",
     "thermal_parameters",
     "fitting",
+    "correction",
     "loop",
     "paper",
     "fit",

@@ -78,3 +78,28 @@ def test_a_time_that_is_not_known_has_no_temperature(on_the_wall):
     data, loop = on_the_wall
     lost = ~loop.timed(data)[1]
     assert lost.any() and loop.predict(data)[lost].isna().all()
+
+
+def test_a_corrected_record_has_correct_times(on_the_wall):
+    """What is corrected by hand leaves the residual of the corrected record."""
+    data, loop = on_the_wall
+    corrected = loop.corrected(data)
+    known = loop.timed(data)[1]
+    assert len(corrected.data) == known.sum() < len(data)
+    assert corrected.data.index.equals(loop.timed(data)[0].index)
+    original = corrected.data["time_original"]
+    assert pd.DatetimeIndex(original).equals(data.index[known])
+    assert {*corrected.actions["column"]} == {"all", "temp_module"}
+    left = loop.residual(corrected.data, correct_times=False)
+    assert np.allclose(left, loop.residual(data)[known], equal_nan=True)
+    clocks = corrected.actions[corrected.actions["unit"] == "min"]
+    sizes = {name: [*part["size"]] for name, part in clocks.groupby("column")}
+    assert sizes["all"] == [-60.0]  # summer time, to standard time
+    assert sizes["temp_module"] == [pytest.approx(-120.0, abs=30.0)]
+
+
+def test_a_part_beside_a_change_has_no_time_to_correct(on_the_wall):
+    data, loop = on_the_wall
+    lost = data[~loop.timed(data)[1]]
+    with pytest.raises(ValueError, match=r"no row of data, .*, has a sure time"):
+        loop.corrected(lost.iloc[:1])

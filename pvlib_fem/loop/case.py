@@ -9,6 +9,7 @@ from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.quality.clock import Clock
+from pvlib_fem.quality.lag import follows
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record
@@ -143,15 +144,3 @@ def divided(whole, case):
     record = case.placed(short)
     whole = record if short is whole else whole
     return replace(case, whole=whole, record=record, seen=seen)
-
-
-def follows(poa_global, *columns):
-    """The column whose changes follow those of irradiance best."""
-    change = np.diff(poa_global)
-
-    def likeness(column):
-        other = np.diff(column)
-        both = np.isfinite(change) & np.isfinite(other)
-        return change[both] @ other[both] / np.sqrt(other[both] @ other[both] + 1e-12)
-
-    return max(columns, key=likeness)

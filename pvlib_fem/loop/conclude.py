@@ -8,7 +8,15 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects.courses import is_drift, told
 from pvlib_fem.effects.effect import deciding
-from pvlib_fem.findings import OUTSIDE, Check, Finding, Kind, Opinion, Verdict
+from pvlib_fem.findings import (
+    OUTSIDE,
+    Check,
+    Finding,
+    Kind,
+    Member,
+    Opinion,
+    Verdict,
+)
 from pvlib_fem.loop.noise import in_turn
 from pvlib_fem.loop.references import SLACK
 from pvlib_fem.reasons import Reason, because
@@ -92,7 +100,29 @@ def finding_of(choice, effect, case, floor, heard=()):
         place=told(effect.settings) if effect.channel else "",
         witnesses=heard,
         probabilities={name: float(value) for name, value in order},
+        members={
+            name: member_of(choice, name, limits)
+            for name in names[1:]
+            if name in EFFECTS
+        },
     )
+
+
+def member_of(choice, name, criteria):
+    """A candidate in the place of the most probable one, with its own dates."""
+    effect, score = choice.members[name].effect, choice.scores[name]
+    law, ranges = relative_error(effect, criteria), {}
+    values = {key: float(score.coefficients[key]) for key in effect.rows()}
+    for key, value in values.items():
+        ranges[key] = range_of(value, score.errors[key], law, effect.rows()[key])
+    errors = {key: float(score.errors[key]) for key in values}
+    return Member(dict(effect.settings), values, errors, ranges)
+
+
+def range_of(value, error, law, row):
+    """A range that holds 90 %, within the bounds of the coefficient."""
+    half = NINETY * float(np.hypot(error, law * value))
+    return max(value - half, row.lower), min(value + half, row.upper)
 
 
 def in_the_model(finding, choice, fit, stderr, criteria):
@@ -108,9 +138,7 @@ def in_the_model(finding, choice, fit, stderr, criteria):
     for key, value in values.items():
         if key in fit.at_bound or not errors[key] > 0:
             continue
-        row = fit.model.parameters[key]
-        half = NINETY * float(np.hypot(errors[key], law * value))
-        ranges[key] = max(value - half, row.lower), min(value + half, row.upper)
+        ranges[key] = range_of(value, errors[key], law, fit.model.parameters[key])
     return replace(finding, coefficients=values, stderr=errors, ranges=ranges)
 
 

@@ -16,6 +16,8 @@ from pvlib_fem.budget.table import (
     episode_rows,
     episodes_from,
 )
+from pvlib_fem.correction.correct import corrected_record
+from pvlib_fem.correction.result import CorrectedRecord
 from pvlib_fem.drivers import geometry
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Correction, Finding, Kind
@@ -279,6 +281,67 @@ class Loop:
             part = model.predict(*usual, coefficients=without, **drivers)
             parts[effect.name] = whole - part
         return untimed(pd.DataFrame(parts, index=timed.index), data.index, known)
+
+    def corrected(
+        self, data: pd.DataFrame, resolve: str | Iterable[str] = ()
+    ) -> CorrectedRecord:
+        r"""
+        Take the faults of instruments that the loop found out of a record.
+
+        Corrected are the clocks of the file and of the module's logger, the unit of
+        humidity and wind direction, and of the named findings those that are faults of
+        an instrument: the gain of the irradiance sensor (``sensitivity``, and
+        ``soiling`` where the sensor soils), the anemometer (``wind_gain``,
+        ``wind_stall``), the air's thermometer (``air_offset``, ``air_shelter``,
+        ``air_shield``) and the module's (``module_offset``, ``contact``). What happens
+        to the module itself, such as ``mounting``, changes no column.
+
+        Parameters
+        ----------
+        data : DataFrame
+            The record that the loop was closed on, or a part of it, with the names and
+            units that the loop took.
+        resolve : str or sequence of str, optional
+            For ambiguous findings the candidate that is the cause, such as
+            ``["sensitivity_step"]``. Without it they change no column.
+
+        Returns
+        -------
+        CorrectedRecord
+            ``data`` with each corrected column beside its original, and ``actions``.
+
+        Raises
+        ------
+        ValueError
+            If no row is within the period of the record, data are corrected already,
+            a time comes twice, or ``resolve`` has no candidate of a finding.
+
+        Notes
+        -----
+        The equation of the model, solved for the reading of a sound instrument: with
+        the terms ``heat``, ``loss``, ``offset`` and ``gain`` of the fault and the
+        ``bias`` of the fit,
+
+        .. math::
+
+            G &= \mathrm{poa\_global} + \mathrm{heat} \\
+            w &= \mathrm{wind\_speed} + \mathrm{loss} / u_1 \\
+            T_m &= T_a + \mathrm{bias} + (\mathrm{temp\_module}
+            - \mathrm{offset} - T_a - \mathrm{bias}) / (1 + \mathrm{gain})
+
+        The gain of the irradiance sensor is *effective*: it makes the irradiance that
+        the module's temperature shows, so that a module that itself absorbs more or
+        gives less power is in it. A step or an episode is relative to before, a trend
+        to its ``start`` in ``actions``, the first day of the record that could be
+        fitted. What an instrument had wrong from the first day on is in the
+        coefficients of the model, and in no correction.
+
+        Sizes are of the fitting weeks, and test weeks are corrected by the same. Rows
+        outside the record stay as they were and are flagged. A missing value stays
+        missing, and a row that lacks a column that its correction needs gets NaN.
+        Values that :func:`pvlib_fem.screen` finds stay as they are.
+        """
+        return corrected_record(self, data, resolve)
 
     def temperature_model(
         self, weather: pd.DataFrame | None = None, **options: Any

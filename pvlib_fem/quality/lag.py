@@ -78,6 +78,18 @@ def retimed(seconds, values, late):
     return np.interp(seconds + late, seconds, values, left=np.nan, right=np.nan)
 
 
+def follows(poa_global, *columns):
+    """The column whose changes follow those of irradiance best."""
+    change = np.diff(poa_global)
+
+    def likeness(column):
+        other = np.diff(column)
+        both = np.isfinite(change) & np.isfinite(other)
+        return change[both] @ other[both] / np.sqrt(other[both] @ other[both] + 1e-12)
+
+    return max(columns, key=likeness)
+
+
 def grid(seconds, columns, step, count):
     """Means of columns over even steps of whole days; days without rows lack."""
     row = np.round(seconds / step - 1e-6).astype(np.int64)

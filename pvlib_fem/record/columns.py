@@ -43,6 +43,7 @@ ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full cir
 ALIASES = {"ir_down": "longwave_down"}
 #: names of 0.1 before its release, which 0.2 will not know
 RENAMED = {"p_dc": "p_dc_per_area"}
+ORIGINAL = "_original"  # after the name of a column as it was before a correction
 FEW = 4000  # rows that show that two are no copies
 COMPARED = Spelled(
     "compare_modules(data).common has what they have in common",
@@ -58,14 +59,14 @@ TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 def twin_of(name):
     """The usual column of which one is a second sensor, by its name, or None."""
     found = TWIN.fullmatch(str(name))
-    if found is None or name in COLUMNS:
+    if found is None or name in COLUMNS or str(name).endswith(ORIGINAL):
         return None
     return "poa_global" if found[1] == "poa" else found[1]
 
 
 def is_power(name):
     """Whether a column is power, by its name."""
-    return POWER.fullmatch(str(name)) is not None
+    return POWER.fullmatch(str(name)) is not None and not str(name).endswith(ORIGINAL)
 
 
 def vouches(name):
@@ -186,12 +187,15 @@ def usable_drivers(columns, record, most_missing, taken=()):
     seen = {name: record[name] for name in COLUMNS}
     # a logger's record number would be a drift of whatever drifts
     seen |= {"the time": record.inputs.seconds, "a count": np.arange(len(record.index))}
+    there = {*columns, *COLUMNS}
     for name, column in columns.items():
         if name in record.inputs.columns:
             column = pd.Series(record[name], record.index)
         reason = unusable(name, column, seen, most_missing)
         if name in taken:
             reason = because(Reason.TAKEN, column=name)
+        if name.endswith(ORIGINAL) and name.removesuffix(ORIGINAL) in there:
+            reason = because(Reason.ORIGINAL, column=name)
         if reason is None:
             used[name] = column.astype(float)
             seen[name] = used[name].to_numpy()

@@ -1,0 +1,1 @@
+"""The record without the faults of its instruments that a loop found."""
