@@ -436,7 +436,7 @@ def test_fit_and_loop_take_the_same_options():
         for name in ("fit", "loop")
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
-    assert set(loop) - set(fit) == {"min_gain"}
+    assert set(loop) - set(fit) == {"min_gain", "corrected", "resolve"}
     for name in set(fit) & set(loop) - {"model"}:
         assert fit[name].default == loop[name].default
     said = {name: " ".join(call(name, "-h").output.split()) for name in ("fit", "loop")}
@@ -608,3 +608,58 @@ def test_the_loop_of_a_module_that_lies_flat_is_told_and_written(tmp_path):
     assert found.exit_code == 0, found.output
     assert "the loop on 120 days" in found.output
     assert Loop.from_json(out).place["surface_tilt"] == 0.0
+
+
+@pytest.fixture
+def fading(tmp_path):
+    """A logger's file whose sensor loses an eighth, and how it is read."""
+    data = datasets.synthetic(200, 1800, seed=3, noise=0).tz_localize(None)
+    noise = np.random.default_rng(1).normal(0.0, 0.4, len(data))
+    data["temp_module"] += pd.Series(noise, data.index).ewm(halflife=4).mean()
+    lit = data["poa_global"] * (1.0 - 0.004 * (data["temp_module"] - 25.0))
+    data["AC"] = 0.2 * lit + 3.0 * noise * (lit > 0.0)
+    data["poa_global"] /= np.where(data.index < "2023-09-15", 1.0, 1.12)
+    data["wind_speed"] *= 3.6
+    names = {"poa_global": "Irr (W/m2)", "temp_air": "T air", "wind_speed": "W (km/h)"}
+    data = data[[*COLUMNS, "AC"]].rename(columns=names)
+    data.round(3).to_csv(tmp_path / "plant.csv", index_label="Zeit", sep=";")
+    maps = [w for n, c in names.items() for w in ("--map", f"{n}={c}")]
+    return tmp_path / "plant.csv", [*maps, "--map", "power_ac=AC"]
+
+
+def test_a_corrected_file_has_the_names_of_its_own_and_is_read_again(fading, tmp_path):
+    path, maps = fading
+    out = tmp_path / "corrected.csv"
+    own = ("--sep", ";", "--convert", "--tz", "Etc/GMT-1")
+    found = call("loop", path, *maps, *own, "--corrected", out)
+    assert found.exit_code == 0, found.output
+    assert "poa_global: the irradiance sensor reads less from 2023-09-" in found.output
+    assert f"wrote {out}" in found.output
+    header = out.read_text().splitlines()[0]
+    # what was converted is no more in the unit that its header names
+    assert header == (
+        "time,temp_module,Irr (W/m2),poa_global_original,T air,wind_speed,AC,corrected"
+    )
+    same = [f"--map={word}" for word in maps[1::2] if "km/h" not in word]
+    again = call("loop", out, *same)
+    assert again.exit_code == 0, again.output
+    assert "sensitivity_step" not in again.output
+    whole = pd.read_csv(out, index_col=0, parse_dates=True)
+    given = pd.read_csv(path, index_col=0, sep=";", parse_dates=True)
+    assert np.allclose(whole["poa_global_original"], given["Irr (W/m2)"])
+    assert np.allclose(whole["wind_speed"] * 3.6, given["W (km/h)"])
+
+
+def test_a_correction_that_cannot_be_is_refused_before_the_work(fading, tmp_path):
+    path, maps = fading
+    for options, words in (
+        (("--resolve", "rain"), "--resolve is for --corrected, which is not given"),
+        (("--corrected", "a.json"), "writes a table, so a.json has to end with .csv"),
+        (("--corrected", path), "would overwrite a file: plant.csv is read"),
+    ):
+        refused = call("loop", path, *maps, *options)
+        assert refused.exit_code == 1 and words in refused.output
+    (tmp_path / "parts").mkdir()
+    parts = call("loop", tmp_path / "parts", "--corrected", tmp_path / "a.csv")
+    assert parts.exit_code == 1
+    assert "does not go with Parquet files that follow each other" in parts.output

@@ -239,7 +239,7 @@ def test_an_ambiguous_finding_changes_nothing_until_its_cause_is_given(ambiguous
     alone = loop.corrected(data)
     assert alone.data[list(COLUMNS)].equals(data)
     assert not alone.actions["applied"].any()
-    assert "name the cause in resolve" in str(alone)
+    assert "name the cause with resolve=" in str(alone)
     columns = {"sensitivity_step": "poa_global", "contact_step": "temp_module"}
     for cause, column in columns.items():
         resolved = loop.corrected(data, resolve=[cause])

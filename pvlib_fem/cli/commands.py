@@ -9,6 +9,7 @@ from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem.cli.options import (
     PARAMETERS,
     WRITTEN,
+    correction_options,
     days_of,
     files_argument,
     fit_options,
@@ -96,10 +97,11 @@ def fit(files, out, plot, report, title, **options):
     show_default=True,
     help="Gain below which no effect is added [K].",
 )
+@correction_options
 @report_option
 @title_option
 @out_option
-def loop(files, report, title, out, **options):
+def loop(files, report, title, out, corrected, resolve, **options):
     """Find which physical effects the model lacks in FILE, or several.
 
     Beside the columns of a fit it takes wind_direction [° from north],
@@ -110,7 +112,8 @@ def loop(files, report, title, out, **options):
     or a pattern of Parquet files it is of means over 5 min.
     """
     with plainly():
-        check_outputs(files, report=report, out=out)
+        check_outputs(files, report=report, out=out, corrected=corrected)
+        check_correction(files, corrected, resolve)
         if is_data_set(files):
             options = prepared_files(files, options, sun=True)
             data, otherwise = options.pop("record"), Refused
@@ -122,6 +125,11 @@ def loop(files, report, title, out, **options):
         say(found)
         write(out, found.to_json)
         write_report(report, found, title, files)
+        if corrected:
+            whole = found.corrected(data, resolve)
+            say(f"\n{whole}")
+            table = whole.data.rename(columns=data.attrs["headers"])
+            write(corrected, lambda path: saved(as_csv(table), path))
 
 
 @click.command()
@@ -280,6 +288,17 @@ def tell_failures(found):
         note(f"{len(failed) - FEW:,} more failed: see message in systems.parquet")
     if len(failed) == len(rows):
         raise ValueError("no system could be done; see the notes above")
+
+
+def check_correction(files, corrected, resolve):
+    """Refuse before the work a correction that cannot be written."""
+    if resolve and corrected is None:
+        raise ValueError("--resolve is for --corrected, which is not given")
+    if corrected and is_data_set(files):
+        raise ValueError(
+            "--corrected does not go with Parquet files that follow each other; in "
+            "Python loop.corrected(part) takes them part by part"
+        )
 
 
 def write_report(path, result, title, files):

@@ -299,6 +299,21 @@ report_option = click.option(
 title_option = click.option(
     "--title", help="Of the report; by default the name of the file."
 )
+correction_options = added(
+    click.option(
+        "--corrected",
+        type=WRITTEN,
+        help="Write FILE as CSV without the faults of instruments that are found, "
+        "under its own names; what was measured is NAME_original.",
+    ),
+    click.option(
+        "--resolve",
+        multiple=True,
+        metavar="NAME",
+        help="The cause of an ambiguous finding, such as sensitivity_step, for "
+        "--corrected; once for each.",
+    ),
+)
 plot_option = click.option(
     "--plot",
     type=WRITTEN,

@@ -91,6 +91,8 @@ def read(files, options, drivers=False, needed=COLUMNS):
     except (ValueError, OSError) as error:
         raise otherwise(error) from error
     done |= data.attrs.pop("converted")
+    # a header that names another unit is that of no converted column
+    data.attrs["headers"] = {n: c for n, c in columns.items() if n not in done}
     for line in data.attrs.pop("notes"):
         note(line)
     looks = unmapped(numeric(data)) if drivers else {}

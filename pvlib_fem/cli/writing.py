@@ -12,6 +12,7 @@ ENDINGS = {
     "report": ("a page", (".html", ".htm")),
     "out": ("JSON", (".json",)),
     "common": ("a table", (".csv",)),
+    "corrected": ("a table", (".csv",)),
     "csv": ("a table", (".csv",)),
 }
 FORMULA = ("=", "+", "-", "@")  # with which a formula begins

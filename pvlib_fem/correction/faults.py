@@ -49,7 +49,7 @@ def chosen(loop, resolve):
             )
         if len(finding.candidates) > 1 and not mine:
             words = " | ".join(finding.candidates)
-            why = f"it is ambiguous: {words}; name the cause in resolve"
+            why = f"it is ambiguous: {words}; name the cause with resolve= (--resolve)"
             faults.append(Fault(finding.effect, why=why))
         elif not mine or mine[0] == finding.effect:
             faults.append(Fault.of(effects[finding.effect], finding))
