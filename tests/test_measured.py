@@ -1,6 +1,8 @@
 """What the loop finds in two measured records of years, and the pages that tell it."""
 
 import re
+import runpy
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -166,3 +168,87 @@ def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
     assert fed["2013-04-14":"2013-05-20"].mean() < 0.02 < fed["2012"].mean()
     calm = golden.loc["2017-05-09":"2017-05-31", "wind_speed"]
     assert (calm.dropna() == 0.0).all() and calm.notna().sum() > 300
+
+
+def signed(number):
+    """A number as a page has it: +0.5, −0.4, and 0.0 without a sign."""
+    return "0.0" if abs(number) < 0.05 else f"{number:+.1f}".replace("-", "−")
+
+
+def around_zero(found, unit=" % a year"):
+    """A rate that may be a gain or a loss, and its interval."""
+    rate, low, high = map(signed, found)
+    return f"{rate}{unit} ({low} to {high})"
+
+
+def of_size(found, unit=" % a year"):
+    """A rate of known direction, and its interval, from small to large."""
+    rate, *ends = map(abs, found)
+    return f"{rate:.1f}{unit} ({min(ends):.1f} to {max(ends):.1f})"
+
+
+def test_the_page_of_a_loss_rate_has_the_numbers_that_it_makes(golden):
+    pytest.importorskip("rdtools")
+    name = "18_a_loss_rate_and_its_pyranometer"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # those of RdTools
+        made = runpy.run_path(str(ROOT / "gallery" / f"{name}.py"))
+    head = question(name)
+    text = " ".join(words(f"gallery/{name}.py").replace("# ", "").split())
+    rates = made["rates"]
+    raw, sound, sky, sky_sound = rates.values()
+    # what the two ways change the rate by agrees within the error
+    by_sensor, by_sky = raw[0] - sound[0], raw[0] - sky[0]
+    half = 0.5 * (sky[2] - sky[1])
+    assert abs(by_sensor - by_sky) < half
+    for one in (sky, sky_sound):
+        assert one[1] < sound[0] < one[2]
+    fading = made["fading"]
+    assert fading.column == "poa_global" and fading.applied
+    assert f"gains {raw[0]:.1f} % a year" in head
+    assert f"fades by {100 * fading.size:.1f} % a year" in head
+    assert f"loses {-sound[0]:.1f} % a year" in head
+    assert f"says {signed(sky[0])} ± {half:.1f} % a year" in head
+    assert f"gains {of_size(raw)}" in text
+    assert f"corrected sensor it loses {of_size(sound)}" in text
+    assert f"correction changes the rate by {by_sensor:.1f} % a year" in text
+    assert f"workflow gives {around_zero(sky)} with the sensor" in text
+    assert f"and {around_zero(sky_sound, '')} with the corrected one" in text
+    assert f"it changes the rate by {by_sky:.1f} % a year" in text
+    assert f"changes differ by {by_sensor - by_sky:.1f} % a year" in text
+    low, high = 100 * fading.low, 100 * fading.high
+    assert f"range of {low:.1f} to {high:.1f} % a year" in text
+    assert f"standard error of {100 * fading.stderr:.2f} % a year" in text
+    ends = made["ends"]
+    told = f"between {signed(ends['high'])} and {signed(ends['low'])} % a year"
+    assert told in text
+    by_end, by_begin = (
+        [made["others"][name, sensor] for sensor in ("as measured", "corrected")]
+        for name in ("end", "begin")
+    )
+    assert f"their end, the clear-sky workflow gives {around_zero(by_end[0])}" in text
+    assert f"and {around_zero(by_end[1], '')} with the corrected one" in text
+    begin = [around_zero(one, "") for one in by_begin]
+    assert f"named by their begin {' and '.join(begin)}" in text
+    assert f"worth up to {by_begin[0][0] - by_begin[1][0]:.1f} % a year" in text
+    for _, low, high in (by_end[1], by_begin[1]):
+        assert low < sound[0] < high
+    late = [of_size(one, "") for one in made["late_years"].values()]
+    first = of_size(made["late_years"]["sensor, as measured"])
+    assert f"shows a gain of {first}, the corrected one a loss of {late[1]}," in text
+    assert f"a loss of {late[2]} or, with the corrected sensor, of {late[3]}" in text
+    sweep = made["sweep"]
+    assert f"into a gain of {sweep['rate'][-0.8]:.1f}." in text
+    assert f"it is a gain of {sweep['rate'][-3.0]:.1f}, more" in text
+    wide = sweep["to"] - sweep["from"]
+    assert wide.max() < 1.2 * wide[0.0]
+    read = 1.0 - 0.03 * made["years"][-1]
+    assert read == pytest.approx(0.75, abs=0.02)
+
+
+def test_at_golden_the_correction_is_the_same_without_power(at_golden, golden):
+    """So that a loss rate of the plant does not rest on its own power."""
+    loop = closed(golden.drop(columns="power_ac"))
+    (one,) = (f for f in loop.findings if f.added)
+    assert one.effect == "sensitivity_drift" and one.verdict is Verdict.NAMED
+    assert one.coefficients == at_golden.findings[0].coefficients
