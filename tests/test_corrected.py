@@ -380,3 +380,33 @@ def test_names_of_the_users_frame_stay(named_one):
         "corrected",
     ]
     assert "corrected" not in data  # nothing changes its input
+
+
+@pytest.fixture(scope="module")
+def late():
+    """A year's half whose module is written two hours late, with its power or not."""
+    data = datasets.synthetic(120, 1800, seed=5, noise=0).tz_localize(None)
+    data = data[list(COLUMNS)]
+    data["p_dc_per_area"] = 0.18 * data["poa_global"]
+    return data.assign(temp_module=data["temp_module"].shift(4)), data
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_power_is_moved_where_the_same_logger_wrote_it(late, shared):
+    data, true = late
+    if shared:
+        data = data.assign(p_dc_per_area=data["p_dc_per_area"].shift(4))
+    loop = fem.close_loop(data, effects=[])
+    assert loop.times.module.fault
+    corrected = loop.corrected(data)
+    names = ["temp_module", "p_dc_per_area"] if shared else ["temp_module"]
+    assert list(corrected.actions["column"]) == names
+    assert [*corrected.actions["size"]] == pytest.approx([-120.0] * len(names))
+    for name in names:
+        both = corrected.data[name].notna() & data[name].notna()
+        assert np.allclose(corrected.data[name][both], true[name][both])
+    again = fem.close_loop(corrected.data, effects=[])
+    assert not again.times.module.fault
+    assert {f"{n}_original" for n in names} == {
+        n for n in corrected.data if n.endswith("_original")
+    }
