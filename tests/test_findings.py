@@ -5,12 +5,16 @@ import json
 import re
 from pathlib import Path
 from string import Formatter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import pvlib_fem
+from pvlib_fem import Criteria
+from pvlib_fem.effects import find
 from pvlib_fem.findings import Check, Correction, Finding, Verdict
+from pvlib_fem.loop.conclude import member_of
 from pvlib_fem.reasons import Reason, because, together
 
 PACKAGE = Path(pvlib_fem.__file__).parent
@@ -102,3 +106,18 @@ def test_no_code_takes_a_sentence_apart():
         for line in path.read_text(encoding="utf-8").splitlines():
             # the first line of a docstring is a heading, and no reason
             assert not parsing.search(line) or "words.strip()" in line, (path, line)
+
+
+def test_a_candidate_has_the_coefficients_that_the_record_determines():
+    """One hour of snow determines one of its effect's coefficients."""
+    effect = find("wind_direction")
+    key = "wind_direction.north"
+    score = SimpleNamespace(coefficients={key: -1.0}, errors={key: 0.1})
+    choice = SimpleNamespace(
+        members={effect.name: SimpleNamespace(effect=effect)},
+        scores={effect.name: score},
+    )
+    member = member_of(choice, effect.name, Criteria())
+    assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}
+    low, high = member.ranges[key]
+    assert low < -1.1 and high > -0.9

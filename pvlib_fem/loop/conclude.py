@@ -109,13 +109,15 @@ def finding_of(choice, effect, case, floor, heard=()):
 
 
 def member_of(choice, name, criteria):
-    """A candidate in the place of the most probable one, with its own dates."""
+    """Coefficients and dates of a candidate, instead of the most probable one."""
     effect, score = choice.members[name].effect, choice.scores[name]
-    law, ranges = relative_error(effect, criteria), {}
-    values = {key: float(score.coefficients[key]) for key in effect.rows()}
-    for key, value in values.items():
-        ranges[key] = range_of(value, score.errors[key], law, effect.rows()[key])
-    errors = {key: float(score.errors[key]) for key in values}
+    law, rows = relative_error(effect, criteria), effect.rows()
+    # a record may not determine all coefficients of an effect
+    values, errors = score.coefficients, score.errors
+    ranges = {
+        key: range_of(value, errors[key], law, rows[key])
+        for key, value in values.items()
+    }
     return Member(dict(effect.settings), values, errors, ranges)
 
 
