@@ -53,8 +53,8 @@ if data is not None:
 
 # %%
 # The clock of the file was set several times, and the irradiance sensor fades.
-# ``corrected.data`` has the corrected columns under their own names and what was
-# measured beside them; ``corrected.actions`` has the list as a table.
+# ``corrected.data`` has the corrected columns under their own names, and the measured
+# ones as ``<name>_original``; ``corrected.actions`` has the list as a table.
 
 if data is not None:
     columns = ["cause", "column", "start", "end", "size", "stderr", "low", "high"]
@@ -130,7 +130,7 @@ def clear_sky(index, plane, late=0):
 
 
 def by_clear_sky(irradiance, sky):
-    """The same by a clear sky, scaled to an irradiance as RdTools does it."""
+    """Daily normalized energies by a clear sky, scaled to an irradiance by RdTools."""
     chain, known = analysis(irradiance), irradiance.dropna().index
     scaled = rdtools.normalization.irradiance_rescale(
         irradiance[known], sky[known], method="iterative"
@@ -276,7 +276,7 @@ if data is not None:
 #
 # What this rests on
 # ------------------
-# * The gain that the loop finds is that of the sensor beside the module. A module that
+# * The gain that the loop finds is relative to the module. A module that
 #   gives less power gets warmer, so that a part of its own loss is taken for the
 #   sensor's: about a fifth, of an efficiency of 15 % and 90 % of the light absorbed.
 # * Clocks after June 2015 are not sure, as the loop says.

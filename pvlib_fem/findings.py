@@ -179,10 +179,10 @@ class Member:
     Attributes
     ----------
     settings : dict
-        Those of its effect, such as its dates.
+        Settings of its effect, such as its dates.
     coefficients, stderr, ranges : dict
-        As of the finding, of the linearised model with it in the place of the most
-        probable one.
+        Coefficients, standard errors and ranges of the linearised model that has it
+        instead of the most probable one.
     """
 
     settings: dict

@@ -186,7 +186,7 @@ def ambiguous(true):
 
 @pytest.fixture(scope="module")
 def named_one(true):
-    """The same with power, by which the loop names it."""
+    """A sensor that loses an eighth, of a record whose power shows it."""
     data = faulty(true, effect_of("sensitivity_step"), 0.12)[list(COLUMNS)]
     data["power_ac"] = power_of(true)
     return data, fem.close_loop(data)

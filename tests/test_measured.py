@@ -171,7 +171,7 @@ def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
 
 
 def signed(number):
-    """A number as a page has it: +0.5, −0.4, and 0.0 without a sign."""
+    """A number as a page has it: +0.5, −0.4, and plain 0.0."""
     return "0.0" if abs(number) < 0.05 else f"{number:+.1f}".replace("-", "−")
 
 

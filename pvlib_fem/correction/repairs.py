@@ -1,8 +1,8 @@
 """
 How the fault of an instrument is taken out of the column that it is in.
 
-The equation of the model has a fault as terms beside the reading. Solved for what a
-sound instrument would have read, it gives the corrected column.
+In the equation of the model a fault is a sum of further terms. Solved for the reading
+of a sound instrument, the equation gives the corrected column.
 """
 
 from collections.abc import Callable
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pvlib_fem.effects.courses import number, told, written
+from pvlib_fem.report.document import with_error
 
 RANGE = "90 % range"
 SHARE = 100.0  # %
@@ -109,7 +110,7 @@ REPAIRS = {
         "turns too little in light wind",
         "",
         over_wind,
-        "of what the reading lacks to 1.5 m/s",
+        "of the difference between 1.5 m/s and the reading",
     ),
     "air_offset": Repair("temp_air", SHIELD, COLD, WARM, same, "", "K"),
     "air_shelter": Repair(
@@ -187,7 +188,7 @@ def dates_of(effect, first, last):
 
 
 def when(effect):
-    """The same in words."""
+    """The dates of a fault in words."""
     words = told(effect.settings) if effect.channel else ""
     return {
         "step": f"from {words} on",
@@ -210,11 +211,3 @@ def sentence(effect, repair, added):
         f"{repair.column}: {repair.device} {what} {when(effect)}. "
         f"Added: {size}{of}{each}{ends}."
     )
-
-
-def with_error(value, error):
-    """A size and its error to two digits of that."""
-    if not 0.0 < error < np.inf:
-        return f"{value:.3g}"
-    digits = max(0, 1 - int(np.floor(np.log10(error))))
-    return f"{value:.{digits}f} ± {error:.{digits}f}"

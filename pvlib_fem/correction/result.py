@@ -15,8 +15,8 @@ class CorrectedRecord:
     Attributes
     ----------
     data : DataFrame
-        The record. A corrected column has the name that it had, and what was measured
-        is beside it as ``<name>_original``. ``corrected`` has the causes by which a
+        The record. A corrected column keeps its name, and the measured one is
+        ``<name>_original``. ``corrected`` has the causes by which a
         row is corrected, "" where by none. Where clocks are corrected, the index has
         the corrected times and ``time_original`` those of the file.
     actions : DataFrame

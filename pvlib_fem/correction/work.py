@@ -67,7 +67,7 @@ class Work:
         )
 
     def put(self, name, values):
-        """Put a corrected column in the place of its original, within the record."""
+        """Replace a column by its corrected values, within the record."""
         label, was = self.labels[name], self.columns[name]
         self.originals.setdefault(label, self.data[label])
         self.columns[name] = was.where(~self.inside, values)
@@ -106,7 +106,7 @@ class Work:
             ends = ends_of(before[~known])
             words = (
                 f"all columns: {lost:,} rows between {' and '.join(ends)} have no sure "
-                "time. They are left out."
+                "time and are dropped."
             )
             self.as_it_was(cause, "all", words, ~known, ends)
         minutes = np.asarray((times - index).total_seconds())[known] / 60.0
@@ -177,7 +177,7 @@ class Work:
         for fault in faults:
             repair = fault.effect and repair_of(fault.effect)
             why = fault.why or obstacle(fault, repair, coefficients)
-            if why := why or self.lacks(fault.effect, repair):
+            if why := why or self.missing(fault.effect, repair):
                 column = repair.column if repair else ""
                 self.as_it_was(fault.name, column, f"{fault.name}: {why}.")
                 continue
@@ -203,13 +203,13 @@ class Work:
                 )
             self.put(column, SOUND[column](raw, whole, coefficients))
 
-    def lacks(self, effect, repair):
-        """Which columns a correction lacks, in words; "" if none."""
+    def missing(self, effect, repair):
+        """Say which columns of a correction are missing; "" if none is."""
         needed = {repair.column, *behind(effect.drivers)} & {*MEASURED, *SOUND}
         if repair.column == "temp_module":
             needed.add("temp_air")
-        lacking = [name for name in sorted(needed) if name not in self.columns]
-        return f"data lack {', '.join(lacking)}" if lacking else ""
+        missing = [name for name in sorted(needed) if name not in self.columns]
+        return f"data lack {', '.join(missing)}" if missing else ""
 
     def terms(self, effect, coefficients):
         """Terms of a fault on the rows; of the air's, by each W/m² that air brings."""

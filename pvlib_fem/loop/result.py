@@ -308,7 +308,7 @@ class Loop:
         Returns
         -------
         CorrectedRecord
-            ``data`` with each corrected column beside its original, and ``actions``.
+            ``data`` with each corrected column and its original, and ``actions``.
 
         Raises
         ------
@@ -338,7 +338,7 @@ class Loop:
 
         Sizes are of the fitting weeks, and test weeks are corrected by the same. Rows
         outside the record stay as they were and are flagged. A missing value stays
-        missing, and a row that lacks a column that its correction needs gets NaN.
+        missing. A row gets NaN where a value that its correction needs is missing.
         Values that :func:`pvlib_fem.screen` finds stay as they are.
         """
         return corrected_record(self, data, resolve)
