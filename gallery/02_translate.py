@@ -26,7 +26,8 @@ sources = {
 }
 
 # %%
-# :py:func:`pvlib_fem.translate` needs a rule for where both models shall agree.
+# :py:func:`pvlib_fem.translate_coefficients` needs a rule for where both models shall
+# agree.
 # ``"two_winds"``, the default, is that of pvlib's ``GenericLinearModel``: at 1.4 and
 # 5.4 m/s. ``"least_squares"`` is the least mean square over the wind speeds that a site
 # has: a Weibull distribution with 90 % below 5 m/s, or your own ``wind_speed``.
@@ -42,7 +43,7 @@ for source, coefficients in sources.items():
             row = dict.fromkeys(["from", "to", "method", "k", "d", "k_w"])
             row |= {"from": source, "to": target, "method": method}
             try:
-                found = fem.translate(coefficients, source, target, method)
+                found = fem.translate_coefficients(coefficients, source, target, method)
             except ValueError as error:
                 refused = error
             else:

@@ -24,15 +24,15 @@ names = ["poa_global", "temp_air", "wind_speed", "temp_module"]
 record = [week[name] for name in names]
 
 # %%
-# :py:func:`pvlib_fem.compare` fits all of them to the same days. ``fem`` is the last
-# step of a model: Filter, Exponential weighted mean and Mean bias of :doi:`the paper
-# <10.22541/au.166922866.68736478>`. Models of others have no steps and stand in that
-# row: Prilliman's moving mean over 20 min, Armstrong and Hurley's time constant from
-# the layers, Veldhuis's mean of the module's temperature, and Torres Lobera and
+# :py:func:`pvlib_fem.compare_models` fits all of them to the same days. ``fem`` is the
+# last step of a model: Filter, Exponential weighted mean and Mean bias of :doi:`the
+# paper <10.22541/au.166922866.68736478>`. Models of others have no steps and stand in
+# that row: Prilliman's moving mean over 20 min, Armstrong and Hurley's time constant
+# from the layers, Veldhuis's mean of the module's temperature, and Torres Lobera and
 # Valkealahti's heat balance (:py:func:`pvlib_fem.heat_balance`). Barry's model needs
 # longwave from the sky, which this record has not.
 
-comparison = fem.compare(*record)
+comparison = fem.compare_models(*record)
 print(comparison)
 
 # %%
@@ -47,7 +47,7 @@ plt.show()
 #
 # How long may the steps of the data be? The paper's Fig. 8 asks that of two sites:
 
-sweep = fem.compare(*record, resolutions=(60, 300, 900, 3600))
+sweep = fem.compare_models(*record, resolutions=(60, 300, 900, 3600))
 print(sweep.by_resolution().round(2).to_string())
 
 # %%

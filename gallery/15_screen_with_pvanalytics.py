@@ -2,7 +2,7 @@
 Screen a record, with masks of pvanalytics as well
 ==================================================
 
-:py:func:`pvlib_fem.screen` finds what was not measured in a record of module
+:py:func:`pvlib_fem.screen_record` finds what was not measured in a record of module
 temperature. `pvanalytics <https://pvanalytics.readthedocs.io>`_ has checks for any
 plant, and its masks join with those by ``|``. Of 497 faulty values the one finds 457 at
 the cost of 3 good ones, the other all at the cost of 73; a fit, which screens by
@@ -41,7 +41,7 @@ wrong = faulty != truth
 # What each of the two says. Checks of pvanalytics are True where a value is good or
 # where it is bad; all are turned here to True where it is bad.
 
-found = fem.screen(faulty)
+found = fem.screen_record(faulty)
 print(*found.notes, sep="\n")
 
 theirs = pd.DataFrame(False, faulty.index, COLUMNS)

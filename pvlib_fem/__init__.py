@@ -1,8 +1,30 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
+import warnings
+
 import lazy_loader
 
 __version__ = "0.1.0"
 
 # what there is stands in __init__.pyi, and is loaded when it is first asked for
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+#: names until 0.2, and those to write instead
+_RENAMED = {
+    "compare": "compare_models",
+    "recover": "recover_effects",
+    "screen": "screen_record",
+    "translate": "translate_coefficients",
+}
+
+
+def __getattr__(name):
+    if name not in _RENAMED:
+        return _attribute(name)
+    warnings.warn(
+        f"pvlib_fem.{name} is called {_RENAMED[name]} now, and 0.2 will not know the "
+        f"old name: write pvlib_fem.{_RENAMED[name]}",
+        FutureWarning,
+        stacklevel=2,
+    )
+    return _attribute(_RENAMED[name])

@@ -21,12 +21,15 @@ from .loop.criteria import Criteria as Criteria
 from .loop.ranking import rank_effects as rank_effects
 from .loop.result import Loop as Loop
 from .modelchain import DynamicCellTemperature as DynamicCellTemperature
-from .paper.compare import compare as compare
+from .paper.compare import compare_models as compare_models
 from .paper.comparison import Comparison as Comparison
-from .quality.screen import Screening as Screening, screen as screen
+from .quality.screen import (
+    Screening as Screening,
+    screen_record as screen_record,
+)
 from .record.files import read_file as read_file
 from .record.parquet import ParquetRecord as ParquetRecord, open_parquet as open_parquet
-from .recovery.recover import recover as recover
+from .recovery.recover import recover_effects as recover_effects
 from .recovery.result import Recovery as Recovery
 from .relaxation import ewm as ewm
 from .sensors.compare import compare_modules as compare_modules
@@ -38,8 +41,14 @@ from .thermal.temperature import (
     wm2 as wm2,
 )
 from .translation import (
-    translate as translate,
+    translate_coefficients as translate_coefficients,
     translation_mismatch as translation_mismatch,
 )
+
+# old names, until 0.2
+compare = compare_models
+recover = recover_effects
+screen = screen_record
+translate = translate_coefficients
 
 __version__: str

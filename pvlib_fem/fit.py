@@ -123,8 +123,8 @@ def fit_fem(
 
     Notes
     -----
-    What was not measured (:func:`pvlib_fem.screen`) is left out, and ``notes`` say
-    what.
+    What was not measured (:func:`pvlib_fem.screen_record`) is left out, and ``notes``
+    say what.
 
     The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
     the recursion runs over all rows, night included. Errors come from leaving

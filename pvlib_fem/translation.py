@@ -139,7 +139,7 @@ SHAPES = {
 }
 
 
-def translate(
+def translate_coefficients(
     coefficients: Mapping[str, float],
     source: str,
     target: str,
@@ -209,7 +209,7 @@ def translate(
 
     Examples
     --------
-    >>> {k: round(float(v), 4) for k, v in translate(
+    >>> {k: round(float(v), 4) for k, v in translate_coefficients(
     ...     {"u0": 25.0, "u1": 6.84}, "faiman", "sapm").items()}
     {'a': -3.3391, 'b': -0.1457}
     """
@@ -269,7 +269,7 @@ def translation_mismatch(
     Parameters
     ----------
     coefficients, source, target, method, **fixed
-        As in :func:`translate`.
+        As in :func:`translate_coefficients`.
     wind_speed : array, optional
         Wind speeds to compare at; 0 to 10 m/s by default. [m/s]
     translated : dict, optional
@@ -288,7 +288,9 @@ def translation_mismatch(
     1.4 -4.5
     """
     if translated is None:
-        translated = translate(coefficients, source, target, method, None, **fixed)
+        translated = translate_coefficients(
+            coefficients, source, target, method, None, **fixed
+        )
     winds = np.linspace(0, 10, 101) if wind_speed is None else np.asarray(wind_speed)
     difference = np.zeros(winds.shape)
     for name, values, sign in ((target, translated, 1.0), (source, coefficients, -1.0)):

@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 from pvlib.location import Location
 
-from pvlib_fem import datasets, recover
+from pvlib_fem import datasets, recover_effects
 from pvlib_fem.recovery.result import middle_of
 from pvlib_fem.recovery.text import CLEARLY, lines
 
@@ -61,7 +61,7 @@ def run(draws, processes, folder, effects=None):
         site = [data.attrs[part] for part in ("latitude", "longitude", "tz")]
         how = dict(sizes=SIZES, draws=draws, location=Location(*site))
         how |= dict(processes=processes, path=folder / f"recovery_{name}.json")
-        found[name] = recover(data, effects, **how)
+        found[name] = recover_effects(data, effects, **how)
     return found
 
 

@@ -30,7 +30,7 @@ def fortnight():
 def compared(fortnight):
     columns = (fortnight[name] for name in COLUMNS)
     longwave = fortnight["longwave_down"]
-    return fem.compare(*columns, resolutions=(1800, 300), ir_down=longwave)
+    return fem.compare_models(*columns, resolutions=(1800, 300), ir_down=longwave)
 
 
 def test_prilliman_is_pvlibs_over_pieces_and_gaps(month, monkeypatch):
@@ -170,7 +170,7 @@ def test_resolutions_are_means_of_the_record(compared, fortnight):
 
 def test_what_cannot_be_fitted_is_an_empty_cell_and_a_note(fortnight):
     columns = [fortnight[name] for name in COLUMNS]
-    found = fem.compare(
+    found = fem.compare_models(
         *columns, models="wm1", method="paper", calm_wind=0.01, comparators="barry"
     )
     assert found.table["rmse"].isna().all()
@@ -185,7 +185,7 @@ def test_rows_held_out_by_choice_are_those_that_count(fortnight):
     columns = [fortnight[name] for name in COLUMNS]
     out = pd.Series(fortnight.index.day <= 5, fortnight.index)
     usual = dict(models="faiman", comparators=())
-    found = fem.compare(*columns, holdout=out, resolutions=(300, 900), **usual)
+    found = fem.compare_models(*columns, holdout=out, resolutions=(300, 900), **usual)
     rows = out & paper.daytime(*columns)
     assert found.table.loc[(300.0, "faiman", "fem"), "points"] == rows.sum()
     assert found.table.loc[(900.0, "faiman", "fem"), "points"] < rows.sum() / 2.5
@@ -203,7 +203,7 @@ def test_rows_held_out_by_choice_are_those_that_count(fortnight):
 )
 def test_what_compare_cannot_do_is_refused_by_name(fortnight, options, message):
     with pytest.raises(ValueError, match=message):
-        fem.compare(*(fortnight[name] for name in COLUMNS), **options)
+        fem.compare_models(*(fortnight[name] for name in COLUMNS), **options)
 
 
 def test_a_resolution_that_was_not_compared_is_refused(compared):
@@ -227,7 +227,7 @@ def test_the_gain_over_prilliman_in_the_measured_week(week):
         held = rows & steady.holdout
         left[name] = fem.scores.rmse(record[3][held], answer[held] + bias)
     assert left == pytest.approx(dict(steady=3.83, prilliman=1.72, ewm=1.65), abs=0.006)
-    found = fem.compare(*record).by_resolution().iloc[0]
+    found = fem.compare_models(*record).by_resolution().iloc[0]
     expected = {
         **dict(ross=2.90, sapm=1.56, faiman=1.60, wm1=1.56, wm2=1.52, prilliman=1.71),
         **dict(armstrong_hurley=1.74, veldhuis=1.61, torres_lobera=1.56),
@@ -262,7 +262,7 @@ def test_the_pictures_of_a_comparison_have_its_numbers(compared, ax):
 
 def test_one_resolution_is_a_picture_by_step(fortnight, ax):
     columns = (fortnight[name] for name in COLUMNS)
-    found = fem.compare(*columns, models=("wm1", "ross"), comparators=())
+    found = fem.compare_models(*columns, models=("wm1", "ross"), comparators=())
     found.plot(ax)
     assert set(drawn(ax)) == {"wm1", "ross"}
     with pytest.raises(ValueError, match="one resolution makes no line"):
@@ -309,15 +309,15 @@ def test_impossible_values_are_in_no_mean(fortnight):
     columns = [fortnight[name].copy() for name in COLUMNS]
     columns[3].iloc[[700, 1300]] = -99.0
     usual = dict(models="wm1", comparators=(), resolutions=(1800,))
-    found = fem.compare(*columns, **usual)
-    clean = fem.compare(*(fortnight[name] for name in COLUMNS), **usual)
+    found = fem.compare_models(*columns, **usual)
+    clean = fem.compare_models(*(fortnight[name] for name in COLUMNS), **usual)
     rmse, expected = (c.table["rmse"].to_numpy() for c in (found, clean))
     np.testing.assert_allclose(rmse, expected, atol=0.01)
 
 
 def test_a_record_of_which_nothing_can_be_fitted_says_so(fortnight):
     columns = [fortnight[name].iloc[:40] for name in COLUMNS]  # a night
-    found = fem.compare(
+    found = fem.compare_models(
         *columns, models="wm1", comparators=("veldhuis", "torres_lobera")
     )
     assert found.table["rmse"].isna().all()
@@ -329,7 +329,7 @@ def test_a_record_of_which_nothing_can_be_fitted_says_so(fortnight):
 
 
 def test_the_week_with_and_without_a_bias(week):
-    """The table of the paper's page, of which `compare` has the first and last row."""
+    """The paper's table, of which `compare_models` has the first and last row."""
     record = [week[name] for name in COLUMNS]
     table = {
         "ross": (4.70, 4.42, 3.84, 2.90, 2.95),
@@ -354,7 +354,9 @@ def test_the_week_with_and_without_a_bias(week):
 
 def test_comparators_alone_are_a_table_and_a_picture(fortnight, ax):
     columns = [fortnight[name] for name in COLUMNS]
-    found = fem.compare(*columns, models=(), comparators=("veldhuis", "torres_lobera"))
+    found = fem.compare_models(
+        *columns, models=(), comparators=("veldhuis", "torres_lobera")
+    )
     assert found.by_step().index.tolist() == ["fem"]
     found.plot(ax, score="rmse_night")
     assert ax.get_ylabel() == "RMSE by night, held-out days [K]"
@@ -366,7 +368,9 @@ def test_gaps_and_zones_and_nullable_columns_are_compared_as_they_are_fitted(for
     some.iloc[50:60, some.columns.get_loc("wind_speed")] = np.nan
     plain = [some[name] for name in COLUMNS]
     usual = dict(models="wm1", comparators=("veldhuis", "prilliman"))
-    expected = fem.compare(*plain, **usual).table
+    expected = fem.compare_models(*plain, **usual).table
     nullable = [column.astype("Float64") for column in plain]
-    pd.testing.assert_frame_equal(fem.compare(*nullable, **usual).table, expected)
+    pd.testing.assert_frame_equal(
+        fem.compare_models(*nullable, **usual).table, expected
+    )
     assert expected["rmse"].notna().all()

@@ -357,7 +357,7 @@ def test_the_loop_counts_what_a_screening_counts(plant):
     for name, code in codes.items():
         rows = rng.choice(len(data), 150, replace=False)
         data.iloc[rows, data.columns.get_loc(name)] = code
-    whole = [note for note in fem.screen(data).notes if "fill value" in note]
+    whole = [note for note in fem.screen_record(data).notes if "fill value" in note]
     assert [re.search(r"in (\d+) rows", note)[1] for note in whole] == 3 * ["150"]
     loop = fem.close_loop(data, effects=[])
     assert [note for note in loop.notes if "fill value" in note] == whole

@@ -315,7 +315,7 @@ def test_what_would_be_found_is_asked_of_each_system(tmp_path):
     table = pd.DataFrame([{"id": "a", "file": str(tmp_path / "plant.parquet")}])
     how = {"effects": "sky_radiation", "sizes": [3], "draws": 1}
     results = fleet.run(table, tmp_path, "recover", workers=0, **how)
-    alone = fem.recover(data, **how, processes=1, progress=False)
+    alone = fem.recover_effects(data, **how, processes=1, progress=False)
     assert results.result("a").to_json() == alone.to_json()
     (size,) = results.coefficients.to_dict("records")
     assert size["value"] == alone.half["size"].iloc[0]

@@ -255,7 +255,7 @@ def test_mae_times_gamma_is_off_to_either_side_in_the_week(week):
 def test_pvsysts_absorbed_share_is_pvlibs_and_not_the_papers():
     """15/(0.9·(1−0.15)) = 19.6, where the paper has 15/(0.9−0.15) = 20.0."""
     pvsyst = dict(u_c=15.0, u_v=0.0, module_efficiency=0.15, alpha_absorption=0.9)
-    u0 = fem.translate(pvsyst, "pvsyst", "faiman")["u0"]
+    u0 = fem.translate_coefficients(pvsyst, "pvsyst", "faiman")["u0"]
     assert u0 == pytest.approx(19.61, abs=0.005)
 
 

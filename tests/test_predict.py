@@ -140,6 +140,6 @@ def test_the_loop_knows_pvlibs_names():
     coefficients = loop.fit.coefficients
     assert coefficients["module_efficiency"] == 0.2 and loop.fit.model == "pvsyst"
     same = fem.close_loop(data, model="faiman").fit.coefficients
-    line = fem.translate(coefficients, "pvsyst", "faiman", "two_winds")
+    line = fem.translate_coefficients(coefficients, "pvsyst", "faiman", "two_winds")
     for name in ("u0", "u1", "capacity"):
         assert line[name] == pytest.approx(same[name], rel=1e-3)

@@ -348,7 +348,7 @@ def test_a_delayed_sensor_is_the_sensor_some_rows_ago(values, step, data):
 def test_a_translation_by_two_winds_meets_at_both(law, target):
     model, own = law
     try:
-        found = fem.translate(own, model, target, "two_winds")
+        found = fem.translate_coefficients(own, model, target, "two_winds")
     except ValueError as error:
         why = str(error)
         assert "must be below k" in why or "gains heat" in why

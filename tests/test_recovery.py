@@ -168,7 +168,7 @@ def test_half_are_found_where_a_curve_has_its_middle():
 @pytest.fixture(scope="module")
 def recovery(record):
     how = dict(sizes=(0.3, 2.0), draws=1, processes=1, progress=False)
-    return fem.recover(record, ["sky_radiation", "module_offset_step"], **how)
+    return fem.recover_effects(record, ["sky_radiation", "module_offset_step"], **how)
 
 
 def test_what_is_twice_the_predicted_size_is_found_and_a_third_is_not(recovery):
@@ -189,7 +189,7 @@ def test_what_is_twice_the_predicted_size_is_found_and_a_third_is_not(recovery):
 def test_a_file_has_all_of_it_and_the_rest_is_done_another_time(record, tmp_path):
     path = tmp_path / "recovery.json"
     how = dict(effects="sky_radiation", sizes=(0.3, 0.8, 2.0), progress=False)
-    whole = fem.recover(record, **how, processes=1, path=path)
+    whole = fem.recover_effects(record, **how, processes=1, path=path)
     text = path.read_text(encoding="utf-8")
     assert text == whole.to_json() + "\n"
     assert Recovery.from_json(path).to_json() == whole.to_json()
@@ -197,26 +197,26 @@ def test_a_file_has_all_of_it_and_the_rest_is_done_another_time(record, tmp_path
     short = replace(whole, outcomes=whole.outcomes[1:2])
     short.to_json(path)
     assert "1 injections of 3 planned" in str(short)
-    again = fem.recover(record, **how, processes=2, path=path)
+    again = fem.recover_effects(record, **how, processes=2, path=path)
     assert again.to_json() + "\n" == text == path.read_text(encoding="utf-8")
     with pytest.raises(ValueError, match=r"call with seed=0, and this one has 1"):
-        fem.recover(record, **how, seed=1, path=path)
+        fem.recover_effects(record, **how, seed=1, path=path)
     with pytest.raises(ValueError, match=r"call with effects='sky_radiation', and"):
-        fem.recover(record, **how | {"effects": "rain"}, path=path)
+        fem.recover_effects(record, **how | {"effects": "rain"}, path=path)
     with pytest.raises(ValueError, match=r"call with tried=the default, and"):
-        fem.recover(record, **how, tried="sky_radiation", path=path)
+        fem.recover_effects(record, **how, tried="sky_radiation", path=path)
     with pytest.raises(ValueError, match="of another record"):
-        fem.recover(record - 0.001, **how, path=path)
+        fem.recover_effects(record - 0.001, **how, path=path)
 
 
 def test_what_cannot_be_put_in_is_said(record):
     how = dict(processes=1, progress=False, draws=1)
     with pytest.raises(ValueError, match=r"nothing to put into.*rain: .*precipitation"):
-        fem.recover(record, "rain", **how)
+        fem.recover_effects(record, "rain", **how)
     with pytest.raises(ValueError, match="sizes has rain"):
-        fem.recover(record, "sky_radiation", sizes={"rain": [1.0]}, **how)
+        fem.recover_effects(record, "sky_radiation", sizes={"rain": [1.0]}, **how)
     with pytest.raises(ValueError, match=r"size of 9 is not possible.*at most 3"):
-        fem.recover(record, sizes={"sky_radiation": [9.0]}, **how)
+        fem.recover_effects(record, sizes={"sky_radiation": [9.0]}, **how)
 
 
 def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
@@ -269,7 +269,7 @@ def searched(*args, search=room.searched, **how):
 
 room.searched = searched
 data = fem.simulator.record(days=70, step=3600)
-room.recover(data, "module_offset_step", sizes=[3], draws=2, processes=2)
+room.recover_effects(data, "module_offset_step", sizes=[3], draws=2, processes=2)
 """
 
 

@@ -1,7 +1,8 @@
-"""Columns of a name that has changed: the old one works, and says what to write."""
+"""Names that have changed: the old one works, and says what to write."""
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,38 @@ from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.parquet import open_parquet
 
 NOW = "p_dc is called p_dc_per_area now.*power_dc for W of a module or a plant"
+
+
+FUNCTIONS = {
+    "compare": "compare_models",
+    "recover": "recover_effects",
+    "screen": "screen_record",
+    "translate": "translate_coefficients",
+}
+
+
+@pytest.mark.parametrize(("before", "after"), FUNCTIONS.items())
+def test_a_function_has_its_old_name_until_the_next_release(before, after):
+    instead = f"pvlib_fem.{before} is called {after} now.*0.2.*write pvlib_fem.{after}"
+    for get in (lambda: getattr(fem, before), lambda: imported(before)):
+        with pytest.warns(FutureWarning, match=instead) as said:
+            assert get() is getattr(fem, after)
+        assert {warning.filename for warning in said} == {__file__}
+    assert after in fem.__all__ and before not in fem.__all__
+    page = (Path(__file__).parents[1] / "docs" / "stability.md").read_text("utf-8")
+    assert f"| `pvlib_fem.{before}` | `{after}` | 0.2 |" in page
+    assert fem.__version__ < "0.2", "take the old names out"
+
+
+def imported(name):
+    space = {}
+    exec(compile(f"from pvlib_fem import {name}", __file__, "exec"), space)
+    return space[name]
+
+
+def test_a_name_that_never_was_has_no_warning():
+    with pytest.raises(AttributeError, match="compares"):
+        fem.compares  # noqa: B018
 
 
 @pytest.fixture(scope="module")

@@ -99,13 +99,13 @@ def test_names_bring_no_control_characters(usual):
 @pytest.mark.parametrize("name", ["poa_global", "wind_direction"])
 def test_a_column_that_is_there_twice_is_named(record, name):
     twice = pd.concat([record, record[[name]]], axis=1)
-    for refusing in (fem.close_loop, fem.screen):
+    for refusing in (fem.close_loop, fem.screen_record):
         with pytest.raises(ValueError, match=f"{name} is there twice; keep one"):
             refusing(twice)
 
 
 def test_a_series_is_no_frame(usual):
-    for refusing in (fem.close_loop, fem.screen):
+    for refusing in (fem.close_loop, fem.screen_record):
         with pytest.raises(ValueError, match="data is a Series; give a DataFrame"):
             refusing(usual["temp_air"])
 

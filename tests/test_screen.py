@@ -48,7 +48,7 @@ def kinds(found):
     rows=st.sets(st.integers(0, 1439), min_size=1, max_size=60),
 )
 def test_any_code_is_found_in_any_column_and_nothing_else(record, column, code, rows):
-    found = fem.screen(with_values(record, column, sorted(rows), float(code)))
+    found = fem.screen_record(with_values(record, column, sorted(rows), float(code)))
     assert kinds(found) == [(column, "fill value", len(rows))]
     mask = found.mask
     assert set(np.flatnonzero(mask[column])) == rows
@@ -62,7 +62,7 @@ def test_two_codes_and_a_float_of_32_bits_are_found(record):
     data = with_values(record, "relative_humidity", [5, 6], -6999.0)
     data = with_values(data, "relative_humidity", [9], -7999.0)
     data["fan"] = with_values(data, "fan", [3], -327.67)["fan"].astype("float32")
-    assert kinds(fem.screen(data)) == [
+    assert kinds(fem.screen_record(data)) == [
         ("relative_humidity", "fill value", 3),
         ("fan", "fill value", 1),
     ]
@@ -71,16 +71,16 @@ def test_two_codes_and_a_float_of_32_bits_are_found(record):
 def test_a_value_that_repeats_far_outside_is_no_value(record):
     """One that no list of codes has."""
     assert 4.2e4 not in CODES
-    found = fem.screen(with_values(record, "fan", range(100, 120), 4.2e4))
+    found = fem.screen_record(with_values(record, "fan", range(100, 120), 4.2e4))
     assert kinds(found) == [("fan", "fill value", 20)]
-    found = fem.screen(with_values(record, "fan", [100], 4.2e5))
+    found = fem.screen_record(with_values(record, "fan", [100], 4.2e5))
     assert kinds(found) == [("fan", "spike", 1)]
 
 
 def test_a_code_does_not_hide_a_value_that_no_list_has(record):
     data = with_values(record, "fan", range(100, 120), 4.2e4)
     data = with_values(data, "fan", [7, 9], -99999.0)
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     assert kinds(found) == [("fan", "fill value", 22)]
     assert set(np.flatnonzero(found.mask["fan"])) == {7, 9, *range(100, 120)}
 
@@ -88,8 +88,8 @@ def test_a_code_does_not_hide_a_value_that_no_list_has(record):
 def test_a_code_of_a_column_that_goes_far_is_one_too(record):
     """Its distance from what the column holds is little beside the column's span."""
     counter = record.assign(fan=np.arange(1440.0) ** 2)
-    assert fem.screen(counter).counts.empty
-    found = fem.screen(with_values(counter, "fan", [50, 51], -999.0))
+    assert fem.screen_record(counter).counts.empty
+    found = fem.screen_record(with_values(counter, "fan", [50, 51], -999.0))
     assert kinds(found) == [("fan", "fill value", 2)]
 
 
@@ -108,11 +108,11 @@ def test_a_code_of_a_column_that_goes_far_is_one_too(record):
     }.values(),
 )
 def test_a_column_of_ones_own_keeps_what_it_may_mean(record, own):
-    assert fem.screen(record.assign(own=own)).counts.empty
+    assert fem.screen_record(record.assign(own=own)).counts.empty
 
 
 def test_a_code_within_what_a_column_holds_is_a_value(record):
-    found = fem.screen(with_values(record, "poa_global", [70, 71], 999.0))
+    found = fem.screen_record(with_values(record, "poa_global", [70, 71], 999.0))
     assert found.counts.empty
 
 
@@ -188,10 +188,10 @@ def test_the_loop_and_the_ranking_screen_their_drivers():
 def test_what_no_sensor_can_measure_is_out_of_range(record, column):
     low, high, _ = possible(column)
     for value in (low - 1.0, high + 1.0):
-        found = fem.screen(with_values(record, column, [3, 10], value))
+        found = fem.screen_record(with_values(record, column, [3, 10], value))
         assert kinds(found) == [(column, "out of range", 2)]
     for value in (low, high):
-        found = fem.screen(with_values(record, column, [3, 4, 5, 6], value))
+        found = fem.screen_record(with_values(record, column, [3, 4, 5, 6], value))
         assert not found.masks["out of range"].to_numpy().any()
 
 
@@ -199,19 +199,19 @@ def test_irradiance_below_zero_is_an_offset_by_night_and_a_fault_by_day(record):
     data = record.copy()
     night = data["poa_global"] == 0
     data.loc[night, "poa_global"] = -4.0
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     assert found.counts.empty and found.clipped == night.sum()
     assert (found.cleaned.loc[night, "poa_global"] == 0).all()
     noon = slice("2023-06-04 11:00", "2023-06-04 13:50")
     data.loc[noon, "poa_global"] = -4.0
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     assert kinds(found) == [("poa_global", "negative by day", 18)]
     assert found.cleaned.loc[noon, "poa_global"].isna().all()
     assert found.clipped == night.sum()
     assert any("poa_global is negative by day, as -4," in n for n in fit(data).notes)
     # far below what an offset can be is no night either
     data.loc["2023-06-05 01:00", "poa_global"] = -80.0
-    assert ("poa_global", "out of range", 1) in kinds(fem.screen(data))
+    assert ("poa_global", "out of range", 1) in kinds(fem.screen_record(data))
 
 
 def test_a_sensor_with_its_sign_turned_is_refused(record):
@@ -227,7 +227,7 @@ def test_a_jump_there_and_back_is_a_spike(column, rows):
     for jump in (40.0, -40.0):
         spoilt = data.copy()
         spoilt.loc[at, column] += jump
-        found = fem.screen(spoilt)
+        found = fem.screen_record(spoilt)
         assert kinds(found) == [(column, "spike", rows)]
         assert (found.mask[column].loc[at]).all()
 
@@ -235,7 +235,7 @@ def test_a_jump_there_and_back_is_a_spike(column, rows):
 def test_a_jump_that_stays_is_no_spike():
     data = datasets.synthetic(2, 60.0)
     data.loc[data.index[800:860], "temp_module"] += 30.0
-    assert fem.screen(data).counts.empty
+    assert fem.screen_record(data).counts.empty
 
 
 @pytest.mark.parametrize(("step", "found"), [(900.0, 1), (3600.0, 1), (21600.0, 0)])
@@ -243,7 +243,7 @@ def test_air_may_come_and_go_in_a_day_and_not_in_an_hour(step, found):
     air = pd.Series(15.0, pd.date_range("2023-06-01", periods=40, freq=f"{step:g}s"))
     air += np.random.default_rng(0).normal(size=40)
     air.iloc[20] += 32.0
-    assert len(fem.screen(air.to_frame("temp_air")).counts) == found
+    assert len(fem.screen_record(air.to_frame("temp_air")).counts) == found
 
 
 @pytest.mark.parametrize("site", [RHINE, ALBUQUERQUE])
@@ -253,15 +253,15 @@ def test_what_was_measured_stays(site, start, step):
     days = 5 if step == 60.0 else 40
     effects = PHYSICS | {"snow": 1.0, "electrical_output": 1.0}
     data = simulator.record(site, effects, days, step, 3, start=start)
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     assert found.counts.empty and found.notes == ()
     assert str(found) == f"{len(data):,} rows: nothing at fault was found"
     assert not found.mask.to_numpy().any()
 
 
 def test_measured_records_keep_all_rows(week, day):
-    assert fem.screen(week).counts.empty
-    assert fem.screen(day).counts.empty
+    assert fem.screen_record(week).counts.empty
+    assert fem.screen_record(day).counts.empty
 
 
 # sensors that stand still
@@ -295,9 +295,9 @@ def test_a_fit_leaves_out_sensors_that_stand_still():
 )
 def test_a_driver_can_stand_still_too(record, column, value, days):
     rows = range(300, 300 + 144 * days)
-    found = fem.screen(with_values(record, column, rows, value))
+    found = fem.screen_record(with_values(record, column, rows, value))
     assert kinds(found) == [(column, "stuck", len(rows))]
-    quiet = fem.screen(with_values(record, "relative_humidity", rows, 100.0))
+    quiet = fem.screen_record(with_values(record, "relative_humidity", rows, 100.0))
     assert quiet.counts.empty  # fog
 
 
@@ -319,7 +319,7 @@ def test_air_and_module_swapped_are_recognised(record, week):
             fit(swapped)
         with pytest.raises(ValueError, match="temp_air and temp_module look swapped"):
             fem.close_loop(swapped)
-        assert any("look swapped" in note for note in fem.screen(swapped).notes)
+        assert any("look swapped" in note for note in fem.screen_record(swapped).notes)
         found = fit(swapped, check_units=False)
         assert any("look swapped" in n and "give" not in n for n in found.notes)
 
@@ -360,7 +360,7 @@ def test_wind_in_miles_an_hour_gets_a_word(record):
 )
 def test_a_driver_of_a_fit_is_doubted_as_in_the_loop(record, column, change, words):
     data = record.assign(**{column: change(record[column])})
-    assert any(column in note for note in fem.screen(data).notes)
+    assert any(column in note for note in fem.screen_record(data).notes)
     effect = Effect(
         "mine",
         lambda x, *, heat: Terms(heat=heat * x),
@@ -379,7 +379,7 @@ def test_masks_join_with_those_of_others(record):
     data = with_values(record, "temp_module", [7], -999.0)
     other = pd.DataFrame(False, data.index, data.columns)
     other.iloc[9, other.columns.get_loc("temp_module")] = True
-    mask = fem.screen(data).mask
+    mask = fem.screen_record(data).mask
     assert list(np.flatnonzero((mask | other)["temp_module"])) == [7, 9]
     assert not (mask & other).to_numpy().any()
     assert data.mask(mask | other)["temp_module"].isna().sum() == 2
@@ -391,7 +391,7 @@ def test_masks_join_with_those_of_others(record):
 def test_light_at_the_end_of_its_range_is_left_out_with_what_is_remembered(record):
     """A logger that ends at 700 W/m², which the module is warmer than after."""
     data = record.assign(poa_global=record["poa_global"].clip(upper=700.0))
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     ((column, kind, rows),) = kinds(found)
     assert (column, kind) == ("poa_global", "end of range")
     at = data["poa_global"] == 700.0
@@ -400,7 +400,7 @@ def test_light_at_the_end_of_its_range_is_left_out_with_what_is_remembered(recor
     assert found.cleaned["poa_global"].isna().equals(after)
     assert found.cleaned["poa_global"].max() < 700.0
     assert found.notes[0].startswith("poa_global stays at 700, the end of its range")
-    before = fem.screen(record)
+    before = fem.screen_record(record)
     assert before.counts.empty
 
 
@@ -414,7 +414,7 @@ def test_light_at_the_end_of_its_range_is_left_out_with_what_is_remembered(recor
 )
 def test_a_thermometer_may_end_on_either_side(record, column, low, high):
     data = record.assign(**{column: record[column].clip(low, high)})
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     assert [one[:2] for one in kinds(found)] == [(column, "end of range")]
     at = data[column] == (high if low is None else low)
     left = found.cleaned[column].isna()
@@ -432,10 +432,12 @@ def test_what_is_measured_has_no_such_end(places, days):
     if places == 0:  # steps of 2 K, and of half a m/s
         data = data.assign(temp_module=2.0 * (data["temp_module"] / 2.0).round())
         data["wind_speed"] = (2.0 * data["wind_speed"]).round() / 2.0
-    assert "end of range" not in {*fem.screen(data).counts["kind"]}
+    assert "end of range" not in {*fem.screen_record(data).counts["kind"]}
     few = data[data.index < data.index[0] + pd.Timedelta("4D")]
     few = few.assign(poa_global=few["poa_global"].clip(upper=100.0))
-    assert "end of range" not in {*fem.screen(few).counts["kind"]}  # too few days
+    assert "end of range" not in {
+        *fem.screen_record(few).counts["kind"]
+    }  # too few days
 
 
 def test_light_at_the_end_of_its_range_is_no_shade():
@@ -455,7 +457,7 @@ def test_the_frame_keeps_its_form(record):
     data = data.rename(columns={"longwave_down": "ir_down"}).assign(label="a")
     data[0] = 1.0
     before = data.copy()
-    found = fem.screen(data)
+    found = fem.screen_record(data)
     pd.testing.assert_frame_equal(data, before)
     assert list(found.cleaned) == list(data) == list(found.mask)
     assert found.cleaned.index.equals(data.index)
@@ -464,20 +466,22 @@ def test_the_frame_keeps_its_form(record):
         *("end of range", "stuck"),
     }
     with pytest.raises(ValueError, match="temp_air is there twice"):
-        fem.screen(pd.concat([data, data[["temp_air"]]], axis=1))
+        fem.screen_record(pd.concat([data, data[["temp_air"]]], axis=1))
 
 
 def test_a_frame_need_not_have_all_columns(record):
-    found = fem.screen(with_values(record[["temp_air", "fan"]], "fan", [4], -999.0))
+    found = fem.screen_record(
+        with_values(record[["temp_air", "fan"]], "fan", [4], -999.0)
+    )
     assert kinds(found) == [("fan", "fill value", 1)]
 
 
 def test_limits_are_an_argument(record):
     jump = record["temp_air"].where(np.arange(len(record)) != 200, 60.0)
     data = record.assign(temp_air=jump)
-    assert kinds(fem.screen(data)) == [("temp_air", "spike", 1)]
+    assert kinds(fem.screen_record(data)) == [("temp_air", "spike", 1)]
     tolerant = Limits(spike=99.0)
-    assert fem.screen(data, tolerant).counts.empty
+    assert fem.screen_record(data, tolerant).counts.empty
     assert any("jumps and returns" in note for note in fit(data).notes)
     assert not any("jumps" in note for note in fit(data, limits=tolerant).notes)
 
@@ -487,7 +491,7 @@ def test_limits_are_an_argument(record):
 def test_a_column_that_is_filled_between_its_values_is_told(step, every, digits):
     """As weather from a model, or from a station, is joined to a plant's rows."""
     data = simulator.record(effects=PHYSICS, days=25, step=step, seed=3)
-    assert not any("in between" in note for note in fem.screen(data).notes)
+    assert not any("in between" in note for note in fem.screen_record(data).notes)
     means = data.resample(every).mean()
     air = means["temp_air"].reindex(data.index).interpolate(limit_direction="both")
     wind = means["wind_speed"].reindex(data.index, method="ffill")
@@ -495,7 +499,7 @@ def test_a_column_that_is_filled_between_its_values_is_told(step, every, digits)
     if digits is not None:
         filled = filled.round(digits)
     minutes = pd.Timedelta(every) // pd.Timedelta("1min")
-    told = " ".join(fem.screen(filled).notes)
+    told = " ".join(fem.screen_record(filled).notes)
     assert f"wind_speed keeps a value for {minutes} min, and rows are" in told
     line = f"temp_air is a straight line between values {minutes} min apart"
     # from minute to minute 0.1 K is no line

@@ -7,7 +7,7 @@ import pvlib
 import pytest
 from pvlib.temperature import GenericLinearModel
 
-from pvlib_fem import translate, translation_mismatch
+from pvlib_fem import translate_coefficients, translation_mismatch
 from pvlib_fem.translation import SHAPES, USUAL_WINDS
 
 ETA, ALPHA = 0.19, 0.88
@@ -64,7 +64,7 @@ def test_two_winds_is_pvlibs_generic_linear_model(source, target):
     expected = GenericLinearModel(module_efficiency=ETA, absorptance=ALPHA)
     getattr(expected, f"use_{source}")(**COEFFICIENTS[source])
     expected = getattr(expected, f"to_{target}")()
-    answer = translate(
+    answer = translate_coefficients(
         COEFFICIENTS[source], source, target, "two_winds", **FIXED.get(target, {})
     )
     assert answer == pytest.approx(expected, rel=1e-12)
@@ -81,11 +81,13 @@ def test_two_winds_is_pvlibs_generic_linear_model(source, target):
     ],
 )
 def test_exact_pairs_go_there_and_back(method, one, other):
-    there = translate(COEFFICIENTS[one], one, other, method, **FIXED.get(other, {}))
+    there = translate_coefficients(
+        COEFFICIENTS[one], one, other, method, **FIXED.get(other, {})
+    )
     assert translation_mismatch(
         COEFFICIENTS[one], one, other, translated=there
     ).rms == pytest.approx(0, abs=1e-6)
-    back = translate(there, other, one, method, **FIXED.get(one, {}))
+    back = translate_coefficients(there, other, one, method, **FIXED.get(one, {}))
     assert back == pytest.approx(COEFFICIENTS[one], rel=1e-8)
 
 
@@ -97,7 +99,7 @@ def test_in_calm_air_k_is_e_to_the_a_is_one_over_u0():
         ("faiman", "u0", 1 / k),
         ("ross", "k", k),
     ):
-        answer = translate({"k": k, "d": 10}, "wm1", target, "calm")
+        answer = translate_coefficients({"k": k, "d": 10}, "wm1", target, "calm")
         assert answer[name] == pytest.approx(value)
 
 
@@ -105,7 +107,7 @@ def test_in_calm_air_k_is_e_to_the_a_is_one_over_u0():
 @pytest.mark.parametrize("target", [name for name in SHAPES if name != "noct_sam"])
 def test_calm_matches_resistance_and_slope_at_no_wind(source, target):
     try:
-        answer = translate(
+        answer = translate_coefficients(
             COEFFICIENTS[source], source, target, "calm", **FIXED.get(target, {})
         )
     except ValueError as error:
@@ -133,7 +135,7 @@ def test_least_squares_is_the_least_over_its_winds(source, target):
             source,
             target,
             wind_speed=wind,
-            translated=translate(
+            translated=translate_coefficients(
                 COEFFICIENTS[source], source, target, method, wind_speed=wind, **fixed
             ),
         ).rms
@@ -143,7 +145,7 @@ def test_least_squares_is_the_least_over_its_winds(source, target):
 def test_the_mismatch_is_the_difference_of_two_temperatures():
     """Faiman into sapm, against pvlib at 1000 W/m²."""
     faiman = dict(u0=25.0, u1=6.84)
-    sapm = translate(faiman, "faiman", "sapm")
+    sapm = translate_coefficients(faiman, "faiman", "sapm")
     wind = np.array([0.0, 2.0, 5.0])
     difference = pvlib.temperature.sapm_module(1000, 20, wind, **sapm)
     difference = difference - pvlib.temperature.faiman(1000, 20, wind, **faiman)
@@ -198,7 +200,7 @@ def left(own, source, target, method):
 
 def test_the_memory_and_the_bias_go_along():
     fitted = dict(u0=25.0, u1=3.0, tau=400.0, bias=-2.0)
-    answer = translate(fitted, "faiman", "sapm")
+    answer = translate_coefficients(fitted, "faiman", "sapm")
     assert (answer["tau"], answer["bias"]) == (400.0, -2.0)
 
 
@@ -221,9 +223,9 @@ def test_the_memory_and_the_bias_go_along():
 )
 def test_what_cannot_be_translated_is_refused_by_name(arguments, message):
     with pytest.raises(ValueError, match=message):
-        translate(*arguments)
+        translate_coefficients(*arguments)
 
 
 def test_a_constant_of_another_model_is_refused():
     with pytest.raises(ValueError, match="sapm has no constant module_efficiency"):
-        translate({"k": 0.03}, "ross", "sapm", module_efficiency=0.2)
+        translate_coefficients({"k": 0.03}, "ross", "sapm", module_efficiency=0.2)

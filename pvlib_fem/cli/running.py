@@ -8,7 +8,7 @@ from pvlib_fem.effects import find
 from pvlib_fem.fit import fit_fem, fit_frame
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.progress import line
-from pvlib_fem.recovery.recover import recover
+from pvlib_fem.recovery.recover import recover_effects
 
 
 def closed(data, model="faiman", no_unit_check=False, site=None, **options):
@@ -26,7 +26,7 @@ def closed(data, model="faiman", no_unit_check=False, site=None, **options):
 
 def injected(data, no_unit_check=False, site=None, **options):
     """What is found of effects that are put into a frame."""
-    return recover(
+    return recover_effects(
         data,
         **(site or {}),
         **options,

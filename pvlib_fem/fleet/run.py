@@ -53,7 +53,8 @@ def run(
         Folder of the results, which all workers see.
     task : str, default "loop"
         ``"fit"``, which is :func:`pvlib_fem.fit_fem`, ``"loop"``,
-        :func:`pvlib_fem.close_loop`, or ``"recover"``, :func:`pvlib_fem.recover`.
+        :func:`pvlib_fem.close_loop`, or ``"recover"``,
+        :func:`pvlib_fem.recover_effects`.
     client : distributed.Client or str, optional
         Or the address of a scheduler; by default a cluster on this machine.
     workers : int, optional

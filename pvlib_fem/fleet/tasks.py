@@ -18,7 +18,7 @@ from pvlib_fem.loop.result import Loop
 from pvlib_fem.modelchain import FIT, LOOP
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
-from pvlib_fem.recovery.recover import recover
+from pvlib_fem.recovery.recover import recover_effects
 from pvlib_fem.recovery.result import FORMAT, Recovery
 from pvlib_fem.report.document import with_error
 from pvlib_fem.report.page import numbers
@@ -239,7 +239,7 @@ def check_task(name, options):
 
 def recover_one(data, **options):
     """A recovery in this process, which is one of many."""
-    return recover(data, processes=1, progress=False, **options)
+    return recover_effects(data, processes=1, progress=False, **options)
 
 
 def row_of_recovery(recovery):
@@ -281,7 +281,7 @@ TASKS = {
         LOOP,
     ),
     "recover": Task(
-        recover,
+        recover_effects,
         recover_one,
         row_of_recovery,
         lambda recovery: list(sizes_of(recovery)),

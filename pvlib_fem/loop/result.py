@@ -339,7 +339,7 @@ class Loop:
         Sizes are of the fitting weeks, and test weeks are corrected by the same. Rows
         outside the record stay as they were and are flagged. A missing value stays
         missing. A row gets NaN where a value that its correction needs is missing.
-        Values that :func:`pvlib_fem.screen` finds stay as they are.
+        Values that :func:`pvlib_fem.screen_record` finds stay as they are.
         """
         return corrected_record(self, data, resolve)
 

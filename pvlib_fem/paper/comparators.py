@@ -3,7 +3,7 @@ Dynamic models of others, each one function in pvlib's shape.
 
 Those whose dynamics stand on a steady temperature have the Sandia model below them,
 as Prilliman's was made for. Equations are from their own sources where a note does
-not say otherwise; `COMPARATORS` has what :func:`pvlib_fem.compare` fits of each.
+not say otherwise; `COMPARATORS` has what :func:`pvlib_fem.compare_models` fits of each.
 """
 
 from collections.abc import Callable, Mapping

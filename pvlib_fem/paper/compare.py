@@ -27,7 +27,7 @@ PARTS = {"day": daytime, "night": night}
 BALANCE = "torres_lobera"
 
 
-def compare(
+def compare_models(
     poa_global: pd.Series,
     temp_air: pd.Series,
     wind_speed: pd.Series,
@@ -99,7 +99,7 @@ def compare(
     >>> from pvlib_fem import datasets
     >>> data = datasets.synthetic(days=8, step=300)
     >>> names = ["poa_global", "temp_air", "wind_speed", "temp_module"]
-    >>> found = compare(*(data[name] for name in names), models="faiman",
+    >>> found = compare_models(*(data[name] for name in names), models="faiman",
     ...                 comparators="prilliman")
     >>> found.best()
     'faiman'

@@ -32,7 +32,7 @@ def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any
     Parameters
     ----------
     comparison : Comparison
-        Of :func:`pvlib_fem.compare`, at its finest resolution.
+        Of :func:`pvlib_fem.compare_models`, at its finest resolution.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
     score : str, default "rmse"
@@ -73,7 +73,7 @@ def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> An
     Parameters
     ----------
     comparison : Comparison
-        Of :func:`pvlib_fem.compare` with ``resolutions``.
+        Of :func:`pvlib_fem.compare_models` with ``resolutions``.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
     score : str, default "rmse"

@@ -23,7 +23,7 @@ POSSIBLE = {
 @dataclass(frozen=True, kw_only=True)
 class Limits:
     """
-    Every threshold by which :func:`pvlib_fem.screen` and :func:`check` decide.
+    Every threshold by which :func:`pvlib_fem.screen_record` and :func:`check` decide.
 
     A change is made by ``Limits(still_wind=43200.0)`` and given as ``limits=``. What
     they find, and what they find wrongly, is in :doc:`/quality`; what a column can hold

@@ -183,7 +183,7 @@ class Screening:
         return "\n".join([rows, *(f"note: {note}" for note in self.notes)])
 
 
-def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
+def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     """
     Find what a record holds that was not measured, before anything is fitted.
 
@@ -230,7 +230,7 @@ def screen(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
     >>> import pvlib_fem as fem
     >>> data = fem.datasets.synthetic(days=3, step=600)
     >>> data.iloc[[60, 61], data.columns.get_loc("poa_global")] = -7999.0
-    >>> found = fem.screen(data)
+    >>> found = fem.screen_record(data)
     >>> found.counts[["column", "kind", "rows", "value"]]
            column        kind  rows   value
     0  poa_global  fill value     2 -7999.0

@@ -31,7 +31,7 @@ from pvlib_fem.types import FilePath
 SIZES = (0.5, 1.0, 1.5, 2.0, 3.0)
 
 
-def recover(
+def recover_effects(
     data: pd.DataFrame,
     effects: EffectLike | Iterable[EffectLike] | None = None,
     sizes: Sequence[float] | Mapping[str, Sequence[float]] = SIZES,
@@ -121,7 +121,7 @@ def recover(
     --------
     >>> import pvlib_fem as fem
     >>> data = fem.simulator.record(days=100, step=3600)
-    >>> found = fem.recover(data, "module_offset_step", sizes=[3], processes=1,
+    >>> found = fem.recover_effects(data, "module_offset_step", sizes=[3], processes=1,
     ...                     progress=False)
     >>> found.summary["found"].tolist()
     [1.0]

@@ -448,7 +448,7 @@ def thermal_model(model, dynamics, effects=(), base=None, held=None):
     if callable(model):
         raise ValueError(
             "a fit needs the slopes of the model, so it takes a name and no "
-            f"callable: {', '.join(STEADY_MODELS)}; translate() gives the "
+            f"callable: {', '.join(STEADY_MODELS)}; translate_coefficients() gives the "
             "coefficients of other models"
         )
     return ThermalModel(steady_model(model), dynamics, tuple(effects), base, held or {})
