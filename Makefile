@@ -31,6 +31,7 @@ lint: $(VENV)/.installed
 # wheel and sdist, tried in empty environments: newest and oldest dependencies, no git
 dist: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet build twine
+	-$(BIN)/python -m pip install --quiet py-rattler-build  # of few platforms
 	$(BIN)/python tests/dist.py
 
 # no network but for the packages: measured data come from PVLIB_FEM_DATA, if it is set

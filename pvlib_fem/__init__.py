@@ -4,8 +4,6 @@ import warnings
 
 import lazy_loader
 
-__version__ = "0.1.0"
-
 # what there is stands in __init__.pyi, and is loaded when it is first asked for
 _attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
@@ -19,6 +17,8 @@ _RENAMED = {
 
 
 def __getattr__(name):
+    if name == "__version__":
+        return _version()
     if name not in _RENAMED:
         return _attribute(name)
     warnings.warn(
@@ -28,3 +28,13 @@ def __getattr__(name):
         stacklevel=2,
     )
     return _attribute(_RENAMED[name])
+
+
+def _version():
+    """That of the tag from which the package was built."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(__name__)
+    except PackageNotFoundError:  # files on the path that nobody installed
+        return "0.0"

@@ -1,7 +1,9 @@
 """What is written for those who cite, build, ship or contribute says what is there."""
 
+import importlib.metadata
 import re
 import runpy
+import sys
 import tomllib
 from pathlib import Path
 
@@ -44,10 +46,18 @@ def bounds(rows):
     return dict(re.split(" *>=", row) for row in rows)
 
 
-def test_the_version_is_the_same_everywhere():
-    recipe = yaml.safe_load(text("conda.recipe/recipe.yaml"))
-    cited = yaml.safe_load(text("CITATION.cff"))
-    assert recipe["context"]["version"] == cited["version"] == fem.__version__
+def test_the_version_to_come_is_the_same_everywhere():
+    recipe = yaml.safe_load(text("conda.recipe/recipe.yaml"))["context"]["version"]
+    (built,) = re.findall(r'default="(.+?)"', recipe)
+    cited = yaml.safe_load(text("CITATION.cff"))["version"]
+    assert built == cited == re.search(r"^## (\S+)", text("CHANGELOG.md"), re.M)[1]
+
+
+def test_the_version_is_of_a_tag_and_known_where_it_is_installed(monkeypatch):
+    assert "version" in PROJECT["dynamic"] and "version" not in PROJECT
+    assert fem.__version__ == importlib.metadata.version("pvlib_fem")
+    monkeypatch.setattr(sys, "path", [str(ROOT / "docs")])  # nothing is installed here
+    assert fem.__version__ == "0.0"
 
 
 def test_the_recipe_needs_what_the_package_needs():
