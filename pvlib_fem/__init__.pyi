@@ -8,6 +8,7 @@ from . import (
     layers as layers,
     paper as paper,
     plotting as plotting,
+    power as power,
     scores as scores,
     simulator as simulator,
 )

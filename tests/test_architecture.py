@@ -22,6 +22,7 @@ ORDER = (
     "relaxation",
     "statistics",
     "scores",
+    "power",
     "drivers",
     "effects",
     "quality",

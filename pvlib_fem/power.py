@@ -1,0 +1,334 @@
+"""Power that a plant should give, without its area."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.record.inputs import read
+
+__all__ = ["PowerRelation", "expected_power", "fit_power"]
+
+BRIGHT = 100.0  # W/m², above which power tells of efficiency
+FEWEST = 100  # bright rows with power
+MOST = 20_000  # rows of a fit, which more would not make surer
+YEAR = 365.25  # days
+GAMMA, GAMMAS = -0.004, (-0.008, 0.0)  # 1/K: crystalline silicon, as PVWatts has it
+OWNS = (0.0, 50.0)  # W/m² of irradiance that an inverter, or dim light, costs
+#: standard deviations before the data are seen: of the temperature coefficient [1/K],
+#: of what low light costs [W/m²], of each harmonic of the year and of the change from
+#: year to year, both in logarithms
+PRIOR = {"gamma": 0.001, "own": 20.0, "season": 0.1, "year": 0.05}
+CUT = 4.685  # spreads beyond which a row has no weight (Tukey's bisquare)
+NEAR = 3.0  # spreads within which the spread is measured
+NORMAL = 1.4826  # standard deviation over median absolute deviation
+LEAST_SPREAD = 0.005  # of a logarithm: no two instruments agree better
+TURNS, STILL = 50, 1e-6  # of the search, and the step that ends it
+AT_LIMIT = 0.02  # of a limit, within which rows stand at it
+PILE = 4.0  # times as many rows at a limit as in an equal part below it
+ABOVE = 0.02  # share of those at the limit that may be above it
+
+
+@dataclass(frozen=True)
+class PowerRelation:
+    r"""
+    Power of a module or a plant by irradiance and module temperature.
+
+    .. math::
+
+        P = \min\bigl(\mathrm{limit},\; s(t)\,(G - \mathrm{own})\,
+        (1 + \gamma\,(T_m - 25\,°C))\bigr)
+
+    This is PVWatts [1]_ with a scale in place of area and efficiency. The logarithm of
+    the scale is linear between dates one year apart and has two harmonics of the year.
+
+    Attributes
+    ----------
+    days : tuple of float
+        Dates of ``levels``, since 1970-01-01. [days]
+    levels : tuple of float
+        Logarithm of power per irradiance at 25 °C. [unit of power per W/m²]
+    season : tuple of float
+        Cosine and sine of one and of two cycles a year, of the same logarithm.
+    gamma : float
+        Temperature coefficient of power. [1/K]
+    own : float
+        Irradiance of which nothing is fed: what an inverter takes, and what modules
+        lose in dim light. [W/m²]
+    limit : float
+        Power at which it is clipped; infinite where it is not. [unit of power]
+    spread : float
+        Relative standard deviation of the rows that agree. [-]
+
+    References
+    ----------
+    .. [1] A. P. Dobos, "PVWatts Version 5 Manual", NREL/TP-6A20-62641 (2014).
+    """
+
+    days: tuple[float, ...]
+    levels: tuple[float, ...]
+    season: tuple[float, ...]
+    gamma: float
+    own: float
+    limit: float
+    spread: float
+
+    def scale(self, day: Any) -> np.ndarray:
+        """Power per irradiance at 25 °C by day since 1970-01-01."""
+        columns = seasonal(np.asarray(day, dtype=float))
+        season = columns @ np.array(self.season)
+        return np.exp(np.interp(day, self.days, self.levels) + season)
+
+    def expected(self, poa_global: Any, temp_module: Any, day: Any) -> np.ndarray:
+        """
+        Expected power of rows.
+
+        Parameters
+        ----------
+        poa_global : array
+            [W/m²]
+        temp_module : array
+            [°C]
+        day : array
+            Time since 1970-01-01. [days]
+
+        Returns
+        -------
+        array
+            In the unit of the power that was fitted.
+        """
+        light = np.maximum(np.asarray(poa_global, dtype=float) - self.own, 0.0)
+        warm = 1.0 + self.gamma * (np.asarray(temp_module, dtype=float) - 25.0)
+        return np.minimum(self.scale(day) * light * np.maximum(warm, 0.0), self.limit)
+
+    def content(self) -> dict[str, Any]:
+        """The same for a file, where no number may be infinite."""
+        found = {
+            n: list(v) if isinstance(v, tuple) else v for n, v in vars(self).items()
+        }
+        return found | {"limit": self.limit if np.isfinite(self.limit) else None}
+
+    @classmethod
+    def stored(cls, content: Mapping[str, Any]) -> Self:
+        """The relation of a part of a file."""
+        limit = content["limit"]
+        return cls(
+            days=tuple(map(float, content["days"])),
+            levels=tuple(map(float, content["levels"])),
+            season=tuple(map(float, content["season"])),
+            gamma=float(content["gamma"]),
+            own=float(content["own"]),
+            limit=np.inf if limit is None else float(limit),
+            spread=float(content["spread"]),
+        )
+
+
+def expected_power(
+    poa_global: pd.Series, temp_module: pd.Series, power: pd.Series
+) -> pd.Series:
+    """
+    Power that a plant should give by most of its own rows.
+
+    Parameters
+    ----------
+    poa_global : Series
+        With a DatetimeIndex. [W/m²]
+    temp_module : Series
+        [°C]
+    power : Series
+        DC or AC, of a module or a plant, in any unit.
+
+    Returns
+    -------
+    Series
+        In the unit of ``power``; NaN where irradiance or temperature is missing.
+
+    See Also
+    --------
+    fit_power : the relation itself.
+    """
+    found = fit_power(poa_global, temp_module, power)
+    day = days_of(power.index)
+    expected = found.expected(poa_global, temp_module, day)
+    return pd.Series(expected, power.index, name="expected_power")
+
+
+def fit_power(
+    poa_global: pd.Series, temp_module: pd.Series, power: pd.Series
+) -> PowerRelation:
+    """
+    Fit the relation of a plant's power to irradiance and module temperature.
+
+    It follows the rows that agree. An outage, snow, or a curtailed or covered plant may
+    be in up to a third of the rows [1]_. Rows at a limit have no weight.
+
+    Parameters
+    ----------
+    poa_global, temp_module, power : Series
+        As in :func:`expected_power`.
+
+    Returns
+    -------
+    PowerRelation
+
+    Raises
+    ------
+    ValueError
+        If fewer than 100 rows above 100 W/m² have power.
+
+    References
+    ----------
+    .. [1] A. E. Beaton and J. W. Tukey, "The Fitting of Power Series, Meaning
+       Polynomials, Illustrated on Band-Spectroscopic Data", Technometrics 16, 147
+       (1974), :doi:`10.1080/00401706.1974.10489171`.
+    """
+    columns = {"poa_global": poa_global, "temp_module": temp_module, "power": power}
+    inputs = read(columns, purpose="expected power")
+    if not isinstance(inputs.index, pd.DatetimeIndex):
+        raise ValueError(
+            "expected power has a season, and the columns bring no DatetimeIndex; give "
+            "them as Series with one"
+        )
+    poa, temp, given = (inputs[name] for name in columns)
+    return fitted(poa, temp, given, days_of(inputs.index))
+
+
+def days_of(index):
+    """Time since 1970-01-01 by the record's own clock. [days]"""
+    return (index.tz_localize(None) - pd.Timestamp(0)) / pd.Timedelta("1D")
+
+
+def seasonal(day):
+    """One and two cycles a year, as columns."""
+    angle = 2.0 * np.pi * day / YEAR
+    cycles = [wave(n * angle) for n in (1, 2) for wave in (np.cos, np.sin)]
+    return np.stack(cycles, axis=-1)
+
+
+def fitted(poa, temp, power, day):
+    """The relation of arrays."""
+    day = np.asarray(day, dtype=float)
+    rows = (poa > BRIGHT) & (power > 0.0) & np.isfinite(temp + power)
+    if (there := int(rows.sum())) < FEWEST:
+        raise ValueError(
+            f"power is there in {there} rows above {BRIGHT:g} W/m², and {FEWEST} are "
+            "needed to say what a plant should give; give a longer record"
+        )
+    limit = limit_of(power[rows])
+    rows = np.flatnonzero(rows)[:: -(-there // MOST)]
+    return Search.of(poa[rows], temp[rows], power[rows], day[rows]).run(limit)
+
+
+def limit_of(power):
+    """The power at which rows pile up, with next to none above; infinite without."""
+    values = np.sort(power)
+    starts = values * (1.0 - AT_LIMIT)
+    first, below = (
+        np.searchsorted(values, starts * (1.0 - AT_LIMIT) ** n) for n in (0, 1)
+    )
+    # rows in the window that ends at each value, in one below it, and above it
+    upto = np.searchsorted(values, values, side="right")
+    held, under, above = upto - first, first - below, len(values) - upto
+    piled = (held > PILE * np.maximum(under, 1)) & (above <= ABOVE * held)
+    piled &= held >= FEWEST / 5
+    if not piled.any():
+        return np.inf
+    best = int(np.argmax(np.where(piled, held, 0)))
+    return float(np.median(values[first[best] : upto[best]]))
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Bright rows in logarithms: power per irradiance is scale, temperature, light."""
+
+    light: np.ndarray
+    warm: np.ndarray  # above 25 °C
+    power: np.ndarray
+    ratio: np.ndarray  # logarithm of power per irradiance
+    table: np.ndarray  # of levels and season
+    days: np.ndarray  # of the levels
+    daily: float  # rows a day, which are no draws of their own
+
+    @classmethod
+    def of(cls, poa, temp, power, day):
+        first, last = day.min(), day.max()
+        years = (last - first) / YEAR
+        knots = np.linspace(first, last, int(np.ceil(years)) + 1 if years >= 1 else 1)
+        hats = [np.interp(day, knots, one) for one in np.eye(len(knots))]
+        table = np.column_stack([*hats, seasonal(day)])
+        daily = len(day) / len(np.unique(np.floor(day)))
+        ratio = np.log(power / poa)
+        return cls(poa, temp - 25.0, power, ratio, table, knots, daily)
+
+    def run(self, limit):
+        """The relation of the rows that agree, from where half of them are closest."""
+        known, gamma, own = np.zeros(self.table.shape[1]), GAMMA, 0.0
+        rest = self.left(known, gamma, own)
+        level = densest(rest)
+        known[: len(self.days)] = level
+        spread = NORMAL * np.median(np.abs(rest - level))
+        # of what all parameters do to a logarithm, at 30 K and in 500 W/m²
+        units = np.append(np.ones(len(known)), [30.0, 1.0 / 500.0])
+        for _ in range(TURNS):
+            rest = self.left(known, gamma, own)
+            free = self.is_free(rest, limit)
+            near = free & (np.abs(rest) < NEAR * spread)
+            spread = max(NORMAL * np.median(np.abs(rest[near])), LEAST_SPREAD)
+            weight = np.clip(1.0 - (rest / (CUT * spread)) ** 2, 0.0, None) ** 2
+            step = self.step(rest, weight * free, spread, known, gamma, own)
+            known = known + step[:-2]
+            gamma = float(np.clip(gamma + step[-2], *GAMMAS))
+            own = float(np.clip(own + step[-1], *OWNS))
+            if np.abs(step * units).max() < STILL:
+                break
+        levels, season = known[: len(self.days)], known[len(self.days) :]
+        return PowerRelation(
+            tuple(map(float, self.days)),
+            tuple(map(float, levels)),
+            tuple(map(float, season)),
+            gamma,
+            own,
+            limit,
+            float(spread),
+        )
+
+    def left(self, known, gamma, own):
+        """Logarithm of measured over expected power."""
+        warm = np.log(np.maximum(1.0 + gamma * self.warm, 0.1))
+        return self.ratio - self.table @ known - warm - np.log1p(-own / self.light)
+
+    def is_free(self, rest, limit):
+        """Rows whose power, measured and expected, is below the limit."""
+        most = np.maximum(self.power, self.power * np.exp(-rest))
+        return most < (1.0 - AT_LIMIT) * limit
+
+    def step(self, rest, weight, spread, known, gamma, own):
+        """The step of weighted least squares beside what is known before."""
+        columns = np.column_stack(
+            [
+                self.table,
+                self.warm / np.maximum(1.0 + gamma * self.warm, 0.1),
+                -1.0 / (self.light - own),
+            ]
+        )
+        # dim rows are no surer in W than bright ones
+        weight = weight * self.light / self.light.mean() / (self.daily * spread**2)
+        levels, size = len(self.days), columns.shape[1]
+        prior = np.zeros((size, size))
+        turns = np.diff(np.eye(levels), axis=0)
+        prior[:levels, :levels] = turns.T @ turns / PRIOR["year"] ** 2
+        sizes = [PRIOR["season"]] * (size - levels - 2) + [PRIOR["gamma"], PRIOR["own"]]
+        prior[range(levels, size), range(levels, size)] = 1.0 / np.square(sizes)
+        away = np.append(known, [gamma - GAMMA, own])
+        whole = (columns.T * weight) @ columns + prior
+        return np.linalg.solve(whole, columns.T @ (weight * rest) - prior @ away)
+
+
+def densest(values):
+    """The middle of the shortest half, which is near most of them."""
+    values = np.sort(values)
+    half = len(values) // 2
+    start = int(np.argmin(values[half:] - values[: len(values) - half]))
+    return float(np.median(values[start : start + half + 1]))
