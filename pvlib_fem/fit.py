@@ -8,15 +8,15 @@ import pandas as pd
 from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.effects.candidates import candidates
-from pvlib_fem.fitting.files import fit_files
+from pvlib_fem.fitting.files import fit_files, in_files
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import as_frame
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import holding
 from pvlib_fem.paper.recipe import METHODS, fit_paper, refuse_paper
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.record.columns import COLUMNS, by_own_names, with_aliases
-from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
+from pvlib_fem.record.columns import ALWAYS, COLUMNS, by_own_names, with_aliases
+from pvlib_fem.record.parquet import ParquetRecord, is_data_set
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.types import FilePath
@@ -62,8 +62,8 @@ def fit_fem(
         read in blocks and need not fit into memory.
     temp_air : Series
         Air temperature. [°C]
-    wind_speed : Series
-        Wind speed. [m/s]
+    wind_speed : Series, optional
+        Wind speed, without which ``model`` is ``"ross"`` or ``"noct"``. [m/s]
     temp_module : Series
         Measured module temperature. [°C]
     model : str, default "wm1"
@@ -159,14 +159,19 @@ def fit_fem(
     how = (holdout, night, limits, check_units)
     if is_data_set(poa_global):
         refuse_columns(columns[1:], drivers, method)
-        return fit_files(as_source(poa_global), target, *how)
+        return fit_files(in_files(poa_global, target), target, *how)
     if isinstance(poa_global, pd.DataFrame):
         refuse_columns(columns[1:], drivers)
-        there = with_aliases(poa_global, (*COLUMNS, *target.drivers))
-        columns = [there[name] for name in COLUMNS]
+        there = with_aliases(poa_global, (*ALWAYS, *target.drivers))
+        columns = [there.get(name) for name in COLUMNS]
         drivers = {name: there[name] for name in target.drivers}
+    given = [name for name, column in zip(COLUMNS, columns) if column is not None]
+    target.refuse_without_wind([*given, *drivers])
     frame, notes = as_frame(columns, drivers, target, *how)
     if method == "paper":
+        if frame.record.absent:
+            paper = argument("method", "paper")
+            raise refusal(paper, " needs wind_speed; give it, or use ", LEAST_SQUARES)
         return fit_paper(frame, target, notes, calm_wind, offset)
     return fit_source(frame, target, notes)
 
@@ -196,18 +201,17 @@ def fit_frame(
     -------
     FemFit
     """
-    columns = there = with_aliases(data)
+    columns = there = with_aliases(data, ALWAYS)
     if effects:
         place = geometry(data.index, location, surface_tilt, surface_azimuth)
         there = {**place, **columns}
-    chosen, lacking = candidates(there, {}, effects)
+    absent = [name for name in COLUMNS if name not in columns]
+    chosen, lacking = candidates(there, {}, effects, absent=absent)
     for name, why in lacking.items():
         raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
     wanted = {name for effect in chosen for name in needed_for(effect.drivers)}
     drivers = {name: there[name] for name in there if name in wanted}
-    return fit_fem(
-        *(columns[name] for name in COLUMNS), effects=chosen, **options, **drivers
-    )
+    return fit_fem(*map(columns.get, COLUMNS), effects=chosen, **options, **drivers)
 
 
 def refuse_columns(columns, drivers, method=""):

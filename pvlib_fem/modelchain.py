@@ -13,7 +13,7 @@ from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import ewm
 from pvlib_fem.stored import opened
-from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.thermal.model import ThermalModel, thermal_model
 from pvlib_fem.thermal.stored import model_of
 from pvlib_fem.thermal.temperature import TAU, fem_temperature, refuse_dynamic
 from pvlib_fem.types import FilePath
@@ -179,7 +179,7 @@ class DynamicCellTemperature:
         """Where sun and array stand, as far as effects need it and none gave it."""
         if callable(self.model):
             return {}
-        needed = thermal_model(self.model, self.dynamics, self.effects).drivers
+        needed = self.thermal.drivers
         lacking = [n for n in GEOMETRY if n in needed and n not in self.drivers]
         if not lacking:
             return {}
@@ -224,8 +224,7 @@ class DynamicCellTemperature:
                 **own,
             )
         else:
-            model = thermal_model(self.model, self.dynamics, self.effects, self.base)
-            temperature = model.predict(
+            temperature = self.thermal.predict(
                 poa_global, temp_air, wind_speed, coefficients, **own
             )
         if delta:
@@ -235,8 +234,17 @@ class DynamicCellTemperature:
             temperature = temperature + k_bs_c * smoothed
         return temperature
 
+    @property
+    def thermal(self) -> ThermalModel:
+        """The model by its name, with its effects."""
+        name: Any = self.model
+        return thermal_model(name, self.dynamics, self.effects, self.base)
+
     def warn_of_filled(self, weather: pd.DataFrame) -> None:
+        calm = not callable(self.model) and "wind_speed" not in self.thermal.usual
         for name, (value, unit) in FILLED.items():
+            if calm and name == "wind_speed":
+                continue
             if name not in self.drivers and np.all(weather[name] == value):
                 warnings.warn(
                     f"{name} is {value:g} {unit} throughout, which pvlib fills in "

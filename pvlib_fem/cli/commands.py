@@ -28,7 +28,13 @@ from pvlib_fem.cli.options import (
     site_options,
     title_option,
 )
-from pvlib_fem.cli.reading import is_data_set, opened, or_propose, read
+from pvlib_fem.cli.reading import (
+    is_data_set,
+    needed_by,
+    opened,
+    or_propose,
+    read,
+)
 from pvlib_fem.cli.running import (
     check_partners,
     closed,
@@ -44,7 +50,6 @@ from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
-from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.files import read_file
 from pvlib_fem.sensors.compare import compare_modules
 from pvlib_fem.stored import saved
@@ -171,7 +176,8 @@ def modules(files, common, model, **options):
     """
     with plainly():
         check_outputs(files, common=common)
-        data, _ = read(files, options, needed=COLUMNS[:3])
+        wanted = [n for n in needed_by(model) if n != "temp_module"]
+        data, _ = read(files, options, needed=wanted)
         found = compare_modules(data, model=model)
         say(found)
         write(common, lambda path: saved(as_csv(found.common), path))
@@ -209,7 +215,8 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
         own, otherwise = {name: options.pop(name) for name in PARAMETERS}, Refused
         if files:
             told = options["tz"]
-            data, otherwise = read(files, options)
+            wanted = (*result.thermal_model.usual, "temp_module")
+            data, otherwise = read(files, options, needed=wanted)
             data = in_their_days(data, None, told)
             own |= {"data": data, "holdout": days_of(holdout, data.index)}
         if typical_year is not None:
@@ -343,7 +350,7 @@ def prepared(files, options, drivers=False):
     effects = effects_of(options.pop("effects"), settings)
     fixed = held(options.pop("fix"))
     days, told = options.pop("holdout"), options["tz"]
-    data, otherwise = read(files, options, drivers)
+    data, otherwise = read(files, options, drivers, needed_by(options["model"]))
     place = [options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")]
     data = in_their_days(data, place[1], told)
     options |= {

@@ -15,7 +15,7 @@ from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import unit_of_driver
 from pvlib_fem.record.checks import datetime_steps
-from pvlib_fem.record.columns import COLUMNS, numeric, of_several
+from pvlib_fem.record.columns import ALWAYS, COLUMNS, numeric, of_several
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.footers import parquet_file
 from pvlib_fem.record.guess import Guess, guess
@@ -25,11 +25,18 @@ from pvlib_fem.record.names import unmapped
 from pvlib_fem.record.parquet import open_parquet
 from pvlib_fem.record.units import QUANTITIES, ForeignUnit, Swapped, named_unit
 from pvlib_fem.spelling import refusal
+from pvlib_fem.thermal.steady import steady_model
 
 COMMANDLINE = ParameterSource.COMMANDLINE
 LOOK = "this command may read it; look at it before you run it:"
 #: options that a proposal says anew
 ANEW = (*PER_FILE, *SAME, "renames", "convert", "units", "guess")
+
+
+def needed_by(model):
+    """Columns that a fit of a steady model needs."""
+    calm = not steady_model(model).takes_wind
+    return ALWAYS if calm else COLUMNS
 
 
 def read(files, options, drivers=False, needed=COLUMNS):
@@ -74,12 +81,12 @@ def read(files, options, drivers=False, needed=COLUMNS):
     done = {}  # units that columns were converted from
 
     def otherwise(error):
-        proposed, line = proposal(files, layouts, columns, how, place)
+        proposed, line = proposal(files, layouts, columns, how, place, needed)
         same = line == command(Guess(layouts, columns), [], how)
         return Refused(after_conversion(error, done), "" if same else proposed)
 
     if asked:
-        proposed, _ = proposal(files, layouts, columns, how, place)
+        proposed, _ = proposal(files, layouts, columns, how, place, needed)
         if not proposed:
             raise ValueError(f"{files[0].name} holds no table that could be guessed at")
         say(proposed)
@@ -163,36 +170,41 @@ def opened(files, options):
 def check_columns(data, needed=COLUMNS):
     if lacking := [name for name in needed if name not in data]:
         there = ", ".join(map(str, data.columns))
+        calm = ", or give --model ross if there is none"
         raise refusal(
             f"no column {', '.join(lacking)} among {there}; name it with --map "
-            f"{lacking[0]}=COLUMN",
+            f"{lacking[0]}=COLUMN{calm if lacking == ['wind_speed'] else ''}",
             *of_several(data.columns),
         )
 
 
 def check_record(data):
     """Refuse what a fit would, such as a unit that only the numbers show."""
-    screened(as_record(*(data[name] for name in COLUMNS)))
+    screened(as_record(*map(data.get, COLUMNS)))
     for name in QUANTITIES:
         if name in data and (unit := unit_of_driver(name, data[name])):
             most = f"it is {data[name].max():.2g} at most"
             raise ForeignUnit(f"{name} is in {unit}", (name,), unit, most)
 
 
-def proposal(files, layouts, columns, how, place):
+def proposal(files, layouts, columns, how, place, needed=COLUMNS):
     """What to look at, and the command that may read files; both empty without any."""
     try:
         found = guess(files, layouts, columns, how, place, check_record)
-        lacking = [name for name in COLUMNS if name not in found.there]
-        if not lacking:
+        lacking = [name for name in needed if name not in found.there]
+        calm = lacking == ["wind_speed"] and "model" in options_given()
+        if calm:
+            needed = ALWAYS
+        if calm or not lacking:
             check = {**how, "convert": how["convert"] or found.headers}
             check["units"] = {**how["units"], **found.units}
             if found.area and not how["module_area"]:
                 check["module_area"] = 1.0
-            check_columns(frame(files, found.layouts, found.columns, **check))
+            data = frame(files, found.layouts, found.columns, **check)
+            check_columns(data, needed)
     except Exception:  # a proposal is an extra; the error itself is told anyway
         return "", ""
-    line = command(found, lacking, how)
+    line = command(found, [] if calm else lacking, how, ["--model", "ross"] * calm)
     lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in found.doubts]
     if power := found.columns.get("power_ac"):
@@ -212,7 +224,12 @@ def proposal(files, layouts, columns, how, place):
     ]
     if found.unused and click.get_current_context().info_name != "fit":
         lines.append("- of those the numeric ones that vary are tried as causes, too")
-    if lacking:
+    if calm:
+        lines.append(
+            "- no column looks like wind_speed, and the model ross needs none; if "
+            "there is one, give it with --map wind_speed=COLUMN and drop --model ross"
+        )
+    elif lacking:
         lines.append(
             f"- which column is {', '.join(lacking)}? There are {', '.join(found.free)}"
         )
@@ -221,7 +238,12 @@ def proposal(files, layouts, columns, how, place):
     return "\n".join(lines).rstrip(), line
 
 
-def command(found, lacking, how):
+def options_given():
+    """Names of the options that the command has."""
+    return [param.name for param in click.get_current_context().command.params]
+
+
+def command(found, lacking, how, model=()):
     """The command as it was given, with the reading as it was found."""
     context = click.get_current_context()
     source = context.get_parameter_source
@@ -230,6 +252,8 @@ def command(found, lacking, how):
         value = context.params[param.name]
         if isinstance(param, click.Argument):
             files = [str(file) for file in value]
+        elif param.name == "model" and model:
+            words += model
         elif param.name not in ANEW and source(param.name) is COMMANDLINE:
             words += spoken(param, value)
     words[2:2] = files

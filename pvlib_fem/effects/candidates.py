@@ -1,6 +1,6 @@
 """Which effects a record can try, and its own columns as effects."""
 
-from pvlib_fem.drivers import needed_for
+from pvlib_fem.drivers import behind, needed_for
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects.own import of_column
 from pvlib_fem.reasons import Reason, because, together
@@ -10,8 +10,12 @@ MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
 SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
 
 
-def candidates(drivers, refused, effects, there=()):
-    """Effects whose drivers are there, and for the others the reason they are not."""
+def candidates(drivers, refused, effects, there=(), absent=()):
+    """
+    Effects whose drivers are there, and for the others the reason they are not.
+
+    ``absent`` are those of the usual columns that nobody measured.
+    """
     if effects is None:
         known = {n for e in EFFECTS.values() for n in measured_for(e)}
         own = [driver(n, column) for n, column in drivers.items() if n not in known]
@@ -24,18 +28,23 @@ def candidates(drivers, refused, effects, there=()):
         if effect.name in there:
             continue
         for variant in effect.forms:  # the best of what is there
-            lacking = [n for n in needed_for(variant.drivers) if n not in drivers]
-            if not lacking:
+            if not lacking_of(variant, drivers, absent):
                 testable.append(variant)
                 break
         else:
-            notes[effect.name] = lacks(effect, drivers, refused)
+            notes[effect.name] = lacks(effect, drivers, refused, absent)
     return testable, notes
 
 
-def lacks(effect, drivers, refused):
+def lacking_of(effect, drivers, absent):
+    """Columns that an effect needs and a record lacks."""
+    usual = [name for name in behind(effect.drivers) if name in absent]
+    return usual + [n for n in needed_for(effect.drivers) if n not in drivers]
+
+
+def lacks(effect, drivers, refused, absent):
     """Why an effect cannot be tried."""
-    lacking = [n for n in needed_for(effect.drivers) if n not in drivers]
+    lacking = lacking_of(effect, drivers, absent)
     why = list(dict.fromkeys(refused[name] for name in lacking if name in refused))
     if none := sorted({SUN.get(n, n) for n in lacking if n not in refused}):
         why.append(because(Reason.LACKS, columns=none))

@@ -21,7 +21,7 @@ from pvlib_fem.fitting.stages import (
     stages_of,
 )
 from pvlib_fem.record.filters import counted
-from pvlib_fem.record.parquet import ParquetRecord, write_parquet
+from pvlib_fem.record.parquet import ParquetRecord, as_source, write_parquet
 from pvlib_fem.record.summary import Summary
 from pvlib_fem.report.fit_page import fit_page
 from pvlib_fem.scores import GAMMA
@@ -109,6 +109,15 @@ class FileFit(FemFit):
 
 def own_fields():
     return [one for one in fields(FemFit) if one.name != "residual"]
+
+
+def in_files(data, model) -> ParquetRecord:
+    """A data set as a fit of a model takes it, which may be one without wind."""
+    source = as_source(data)
+    if "wind_speed" in {*source.columns, *source.partial}:
+        return source
+    model.refuse_without_wind(source.columns)
+    return source.without("wind_speed")
 
 
 def fit_files(

@@ -93,6 +93,6 @@ def as_frame(columns, drivers, target, holdout, night, limits, check_units):
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     counts = counted(record.inputs.columns, night)
     counts &= record.known(target.drivers)
-    notes = [*faults.notes, *oddities(record.inputs, limits)]
+    notes = [*faults.notes, *oddities(record.inputs, limits, record.absent)]
     out = held_out(record, counts, holdout, notes)
     return Frame.of(record, counts, out, night), notes

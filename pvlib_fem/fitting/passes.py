@@ -52,15 +52,17 @@ class Files(Source):
         """Size, times and gaps of the record."""
         look, source = self.screened.look, self.clean.source
         first, last = map(source.at, look.ends)
+        names = tuple(n for n in self.clean.names if n not in source.absent)
+        missing, faults = self.screened.missing, self.screened.impossible
         found = FileSummary(
             rows=look.rows,
             days=len(self.dates),
             start=first,
             end=last,
             step=self.step,
-            columns=self.clean.names,
-            missing=dict(self.screened.missing),
-            impossible=self.screened.impossible,
+            columns=names,
+            missing={n: rows for n, rows in missing.items() if n in names},
+            impossible={n: rows for n, rows in faults.items() if n in names},
             clipped=self.screened.clipped,
             sha256="",
         )
@@ -168,7 +170,7 @@ class FileSummary(Summary):
 
     @cached_property
     def sha256(self):
-        return digest_of(self.record.names, self.record.blocks)
+        return digest_of(self.columns, self.record.blocks)
 
 
 class Bases:
@@ -230,7 +232,9 @@ def first_pass(screened, target, night):
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     inputs = sums.inputs()
-    means = Record(inputs, dict(screened.missing), {}, 0)
+    absent = screened.record.source.absent
+    missing = {n: rows for n, rows in screened.missing.items() if n not in absent}
+    means = Record(inputs, missing, {}, 0, absent)
     for own in with_a_past(held.inputs() or inputs, target.effect_drivers):
         screened = replace(screened, record=screened.record.with_columns(own))
     return Files(

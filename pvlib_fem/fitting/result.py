@@ -137,7 +137,7 @@ class FemFit:
 
     @property
     def wind(self) -> float:
-        """Mean wind speed of the record. [m/s]"""
+        """Mean wind speed of the record; 0 where nobody measured it. [m/s]"""
         return float(np.nanmean(self.record["wind_speed"]))  # type: ignore[index]
 
     @property
@@ -163,7 +163,8 @@ class FemFit:
             [W/m²]; or a frame of weather, of whose columns those are taken that
             the model needs.
         temp_air, wind_speed : Series, optional
-            [°C], [m/s]; not beside a frame.
+            [°C], [m/s]; not beside a frame. A model without wind needs no
+            ``wind_speed``.
         **drivers : Series
             Those of the effects.
 
@@ -179,8 +180,9 @@ class FemFit:
         """
         usual = [poa_global, temp_air, wind_speed]
         if isinstance(poa_global, pd.DataFrame):
-            columns = with_aliases(poa_global, COLUMNS[:3]) | drivers
-            usual = [columns[name] for name in COLUMNS[:3]]
+            needed = self.thermal_model.usual
+            columns = with_aliases(poa_global, needed) | drivers
+            usual = [columns[n] if n in needed else None for n in COLUMNS[:3]]
             wanted = self.thermal_model.drivers
             drivers = {name: columns[name] for name in wanted if name in columns}
         return self.thermal_model.predict(

@@ -45,7 +45,8 @@ def run(
         A table, or its CSV, Excel or Parquet file, with a row for each system: ``id``,
         ``file`` (path, pattern or URL that fsspec opens; files of several loggers
         joined by ``|``), and any of ``site``, ``latitude``, ``longitude``,
-        ``surface_tilt``, ``surface_azimuth`` [°], ``pdc0`` [W], the options of
+        ``surface_tilt``, ``surface_azimuth`` [°], ``pdc0`` [W], ``steady_model`` in the
+        place of the run's ``model`` (``ross`` where there is no wind), the options of
         :func:`pvlib_fem.read_file` by name, ``poa_global`` and the others for the
         name of the column in the file, ``poa_global_unit`` for its unit. All other
         columns are labels. Relative paths are from the folder of the table.

@@ -13,6 +13,7 @@ from pvlib_fem.record.columns import renamed
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, unit_of
+from pvlib_fem.thermal.steady import steady_model
 
 #: numbers of a place, with what they may be
 PLACE = {
@@ -25,7 +26,18 @@ PLACE = {
 READING = ("convert_units", "check_units", "module_area")
 LAYOUT = tuple(field.name for field in fields(Layout))
 UNITS = {f"{name}_unit": name for name in QUANTITIES}
-KNOWN = ("id", "file", "site", "pdc0", *PLACE, *LAYOUT, *READING, *QUANTITIES, *UNITS)
+KNOWN = (
+    "id",
+    "file",
+    "site",
+    "pdc0",
+    "steady_model",
+    *PLACE,
+    *LAYOUT,
+    *READING,
+    *QUANTITIES,
+    *UNITS,
+)
 BETWEEN = "|"  # files of several loggers, and texts of one cell
 TRUE, FALSE = ("true", "yes", "1"), ("false", "no", "0")
 
@@ -53,6 +65,8 @@ class System:
         Nominal power, NaN where it is not known. [W]
     labels : dict
         All other columns, ``site`` first.
+    steady_model : str
+        That of this system; "" where it is that of the run.
     """
 
     id: str
@@ -64,6 +78,7 @@ class System:
     place: dict
     pdc0: float
     labels: dict
+    steady_model: str = ""
 
 
 def opened(systems: Any) -> pd.DataFrame:
@@ -168,6 +183,9 @@ def system_of(row, labels, folder):
     reading = {name: truth(row[name], name) for name in READING[:2] if name in row}
     if "module_area" in row:
         reading["module_area"] = number(row["module_area"], "module_area", 0.0)
+    model = str(row.get("steady_model", "")).strip()
+    if model:
+        steady_model(model)  # refuses what is none
     units = {of: str(row[name]).strip() for name, of in UNITS.items() if name in row}
     return System(
         id=row["id"],
@@ -179,6 +197,7 @@ def system_of(row, labels, folder):
         place=place,
         pdc0=number(row.get("pdc0", np.nan), "pdc0", 0.0),
         labels={name: str(row.get(name, "")) for name in labels},
+        steady_model=model,
     )
 
 

@@ -114,6 +114,8 @@ class Work:
         site = site_of(data.index, *place)
         checked = system.reading.get("check_units", True)
         options = {"check_units": checked, **self.options}
+        if system.steady_model:
+            options["model"] = system.steady_model
         return TASKS[self.task].run(data, **site, **options)
 
 

@@ -11,6 +11,7 @@ from pvlib.location import Location
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED
+from pvlib_fem.fitting.files import in_files
 from pvlib_fem.loop.conclude import finding_of, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
@@ -31,8 +32,10 @@ from pvlib_fem.loop.times import Times
 from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
+from pvlib_fem.record.columns import with_aliases
+from pvlib_fem.record.parquet import ParquetRecord, is_data_set
 from pvlib_fem.report.page import said_of
+from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import steady_model
 from pvlib_fem.types import FilePath
 
@@ -73,7 +76,8 @@ def close_loop(
     ----------
     data : DataFrame, str, path-like or ParquetRecord
         With a DatetimeIndex and the columns ``poa_global`` [W/m²], ``temp_air``
-        [°C], ``wind_speed`` [m/s], ``temp_module`` [°C], and any of
+        [°C], ``wind_speed`` [m/s], without which ``model`` is ``"ross"`` or
+        ``"noct"``, ``temp_module`` [°C], and any of
         ``wind_direction`` [° from north], ``relative_humidity`` [%],
         ``longwave_down`` (or ``ir_down``) [W/m²], ``precipitation`` [mm/h],
         ``p_dc_per_area`` [W per m² of module], ``snow_depth`` [cm]. Every other numeric
@@ -161,16 +165,18 @@ def searched(data, model, place, progress, **how):
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:
-        own = None
+        own, steady = None, steady_model(model)
+        plain = ThermalModel(steady, "balance")
         if is_data_set(data):
             tell("reading the files")
-            data, screened = in_means(as_source(data), how["criteria"])
+            data, screened = in_means(in_files(data, plain), how["criteria"])
             own = OwnSteps(screened)
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], data.index)
+        plain.refuse_without_wind(with_aliases(data, ()))
         tell("checking the record")
         search = Search(Fits(prepared(data, site, **how)), tell, own=own)
-        ended = search.run(steady_model(model))
+        ended = search.run(steady)
         tell("measuring the errors of the test weeks")
         found = outcome(search, *ended)
         if own is not None:

@@ -37,12 +37,12 @@ def in_means(source, criteria):
     if not usual <= step / 2.0:
         blocks = list(screened.record.blocks())
         parts = [block.inputs.frame() for block in blocks]
-        return pd.concat(parts), screened
+        return pd.concat(parts).drop(columns=[*source.absent]), screened
     sums = Sums(step, STEP_PRESENT * step / usual)
     for block in screened.record.blocks():
         sums.add(block.index, block.inputs.columns)
     means = sums.inputs()
-    return means.frame(), screened
+    return means.frame().drop(columns=[*source.absent]), screened
 
 
 def on_days(holdout, index):

@@ -22,6 +22,7 @@ from pvlib_fem.quality.twin import twin_clock
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import (
+    ALWAYS,
     COLUMNS,
     GEOMETRY,
     is_power,
@@ -75,7 +76,8 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
-    wanted, untestable = candidates({**look.drivers, **sun}, refused, effects)
+    there, absent = {**look.drivers, **sun}, look.whole.absent
+    wanted, untestable = candidates(there, refused, effects, absent=absent)
     if plane is not None:  # an obstacle has no place beside a plane that is not known
         scans = filter(is_before_the_sun, wanted)
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
@@ -138,8 +140,8 @@ def late_of(look):
 
 def looked(data, holdout, site, criteria, check_units):
     """A frame divided and screened, and what its sensors and clocks show."""
-    columns, limits = with_aliases(data), criteria.limits
-    usual = as_record(*(columns.pop(name) for name in COLUMNS))
+    columns, limits = with_aliases(data, ALWAYS), criteria.limits
+    usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
     what = parts(usual, counting(usual), holdout, criteria)
     test = what == Part.TEST
@@ -161,7 +163,8 @@ def looked(data, holdout, site, criteria, check_units):
     whole, still, faults, health = with_answer(
         hidden, faults, health, usual, test, limits
     )
-    odd = tuple(oddities(in_time(hidden, health.clock).inputs, limits))
+    timed = in_time(hidden, health.clock).inputs
+    odd = tuple(oddities(timed, limits, hidden.absent))
     told = (drivers, witnesses, refused, faults, odd, health, still)
     return Look(whole, what, *told, kept=np.ones(len(what), dtype=bool))
 

@@ -263,15 +263,16 @@ def rank_effects(
     """
     place = checked_place(location, surface_tilt, surface_azimuth)
     criteria = criteria or Criteria()
-    columns = with_aliases(data)
-    usual = as_record(*(columns.pop(name) for name in USUAL))
+    columns = with_aliases(data, (*fit.thermal_model.usual, "temp_module"))
+    usual = as_record(*(columns.pop(name, None) for name in USUAL))
     usual = with_columns(usual, numeric(columns))
     record, faults = screened(usual, criteria.limits, check_units=False)
     taken = (*DERIVED, *MODELLED)
     drivers, refused = usable_drivers(columns, record, criteria.max_missing, taken)
     there = {effect.name for effect in fit.effects}
     sun = geometry(record.index, **place)
-    testable, notes = candidates({**drivers, **sun}, refused, effects, there)
+    known = {**drivers, **sun}
+    testable, notes = candidates(known, refused, effects, there, record.absent)
     model = fit.thermal_model
     record = with_columns(record.only([*USUAL, *drivers]), sun)
     refuse_missing(fit.effects, record.inputs.columns, refused)

@@ -276,7 +276,8 @@ def heard_of(case):
     """All that is compared with instruments, by name: columns, sky and weather."""
     record = case.record
     found = {name: record[name] for name in case.witnesses}
-    found[USUAL_WIND] = np.ones(len(record.index))
+    if "wind_speed" not in record.absent:
+        found[USUAL_WIND] = np.ones(len(record.index))
     if case.place["location"] is not None:
         place = list(case.place.values())
         angles = None if None in place[1:] else tuple(place[1:])

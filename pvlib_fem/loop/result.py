@@ -30,7 +30,7 @@ from pvlib_fem.quality.limits import Limits
 from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, printable, with_aliases
 from pvlib_fem.report.page import brief, page
-from pvlib_fem.report.text import NEVER, lines
+from pvlib_fem.report.text import lines, never
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.stored import Stored, opened, saved, written
 from pvlib_fem.thermal.stored import content_of, model_of
@@ -154,14 +154,16 @@ class Loop:
 
     def inputs(
         self, data: pd.DataFrame, **place: Any
-    ) -> tuple[list[pd.Series], dict[str, pd.Series]]:
+    ) -> tuple[list[Any], dict[str, pd.Series]]:
         """The usual three columns of ``data``, and those that the effects need."""
-        columns = with_aliases(data, COLUMNS[:3])
+        needed = self.fit.thermal_model.usual
+        columns = with_aliases(data, needed)
         wanted = self.fit.thermal_model.drivers
         if {*wanted} & {*GEOMETRY} - {*columns}:
             columns = {**geometry(data.index, **{**self.place, **place}), **columns}
         drivers = {name: columns[name] for name in wanted if name in columns}
-        return [columns[name] for name in COLUMNS[:3]], drivers
+        usual = [columns[n] if n in needed else None for n in COLUMNS[:3]]
+        return usual, drivers
 
     def timed(
         self, data: pd.DataFrame, correct_times: bool = True
@@ -187,7 +189,7 @@ class Loop:
         ----------
         data : DataFrame
             ``poa_global``, ``temp_air``, ``wind_speed`` and the columns of the
-            effects.
+            effects; ``wind_speed`` only where the model depends on it.
         fallback : bool, default False
             Where the column of an effect lacks, take the model without any effect
             instead of NaN.
@@ -413,7 +415,7 @@ class Loop:
         -------
         str
         """
-        return saved(page(self, NEVER, title, gamma), path)
+        return saved(page(self, never(self.fit), title, gamma), path)
 
     def _repr_html_(self):
         return brief(self)

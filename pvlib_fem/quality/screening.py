@@ -376,5 +376,6 @@ def stuck(record, limits=None) -> dict[str, np.ndarray]:
     found = Screener.of(clean, limits or Limits())
     found.standing(refuse=False)
     still = found.masks().get("stuck", {})
+    still = {name: rows for name, rows in still.items() if name not in record.absent}
     none = np.zeros(len(record.index), dtype=bool)
     return {name: still.get(name, none) & np.isfinite(record[name]) for name in names}

@@ -79,6 +79,6 @@ def screened_blocks(source, drivers=(), limits=None, check_units=True, needed=No
     sample = found.sampled()
     if check_units:
         refuse_doubtful(sample.columns, limits)
-    faults, odd = tuple(found.told()), tuple(oddities(sample, limits))
+    faults, odd = tuple(found.told()), tuple(oddities(sample, limits, source.absent))
     found.look.forget()
     return Screened(found.clean, found.look, faults, odd, missing, clipped)

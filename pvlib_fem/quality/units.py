@@ -489,8 +489,12 @@ def of_difference(inputs, night):
     )
 
 
-def oddities(inputs, limits=None):
-    """What looks odd in the columns but may be so, a sentence each."""
+def oddities(inputs, limits=None, absent=()):
+    """
+    What looks odd in the columns but may be so, a sentence each.
+
+    Those that are ``absent`` nobody measured.
+    """
     yield from between(inputs)
     limits, found = limits or Limits(), signs(inputs)
     if found is None:
@@ -504,7 +508,12 @@ def oddities(inputs, limits=None):
             f"temp_air is above {found.hot:.0f} °C in 1 % of the rows, which few "
             "places reach: is it in °F, or in the sun?"
         )
-    if found.wind == found.strong:
+    if "wind_speed" in absent:
+        yield (
+            "there is no wind_speed: coefficients hold for the winds of the record, "
+            "and what the wind changes is in the error"
+        )
+    elif found.wind == found.strong:
         yield (
             f"wind_speed is {found.wind:g} m/s in all rows, so that nothing can be "
             "said of the wind's coefficient"

@@ -12,6 +12,8 @@ from pvlib_fem.spelling import Spelled, refusal
 
 #: what every record needs
 COLUMNS = ("poa_global", "temp_air", "wind_speed", "temp_module")
+#: those of them that none is without: some models need no wind
+ALWAYS = ("poa_global", "temp_air", "temp_module")
 DAYLIGHT = 20.0  # W/m², above which it is day
 #: units of the columns under pvlib's names
 UNITS = {

@@ -248,6 +248,7 @@ class Record:
     missing: dict[str, int]  # NaN by column
     impossible: dict[str, int]  # values not used, by column
     clipped: int  # negative irradiance, set to 0
+    absent: tuple = ()  # columns that nobody measured, which hold 0
 
     @property
     def index(self):
@@ -382,7 +383,11 @@ def read(columns, step=None, times=None, purpose="this model"):
 
 
 def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
-    """The columns on their common times, as they are."""
+    """
+    The columns on their common times, as they are.
+
+    ``wind_speed`` may be None: then it is 0, for models that do not depend on it.
+    """
     columns = {
         "poa_global": poa_global,
         "temp_air": temp_air,
@@ -390,7 +395,9 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
         "temp_module": temp_module,
         **drivers,
     }
-    for name, column in columns.items():
+    absent = ("wind_speed",) if wind_speed is None else ()
+    measured = {n: column for n, column in columns.items() if n not in absent}
+    for name, column in measured.items():
         if not isinstance(column, pd.Series):
             raise ValueError(
                 f"{name} is a {type(column).__name__}; a fit needs Series with a "
@@ -398,8 +405,9 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
             )
         if not isinstance(column.index, pd.DatetimeIndex):
             raise ValueError(no_datetimes(name, column.index))
-    inputs = read(columns, purpose="fit_fem")
-    missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in columns}
+    calm = dict.fromkeys(absent, 0.0)
+    inputs = read(columns | calm, purpose="fit_fem")
+    missing = {n: int(np.count_nonzero(np.isnan(inputs[n]))) for n in measured}
     for name, rows in missing.items():
         if rows == len(inputs.index):
             raise ValueError(
@@ -407,7 +415,7 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
                 f"{inputs.index[-1]}; check the column's name and the logger"
             )
     inputs = Inputs(inputs.columns, inputs.steps, inputs.unit, inputs.index, True)
-    return Record(inputs, missing, {}, 0)
+    return Record(inputs, missing, {}, 0, absent)
 
 
 def with_columns(record, columns):

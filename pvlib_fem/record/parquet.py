@@ -3,7 +3,7 @@
 import itertools
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -97,6 +97,7 @@ class ParquetRecord:
     partial: dict  # why a column that some files have cannot be read, by name
     naive: bool  # whether the files' times have no zone
     filesystem: Any = None  # of pyarrow; None for local files
+    absent: tuple = ()  # columns that nobody measured, which hold 0
 
     def __len__(self):
         return sum(group.rows for group in self.groups)
@@ -123,12 +124,19 @@ class ParquetRecord:
         times = np.asarray(counts, dtype="i8").view(f"M8[{self.unit}]")
         return in_zone(pd.DatetimeIndex(times), self.tz)
 
+    def without(self, name: str) -> Self:
+        """The same with 0 in the place of a column that no file has."""
+        if name in self.columns or name in self.partial:
+            return self
+        return replace(self, absent=(*self.absent, name))
+
     def needing(self, names: Iterable[str]) -> Self:
         """The same, if all files have columns of some names."""
         for name in names:
             if name in self.partial:
                 raise ValueError(self.partial[name])
-        if missing := [name for name in names if name not in self.columns]:
+        there = {*self.columns, *self.absent}
+        if missing := [name for name in names if name not in there]:
             raise ValueError(
                 f"{self.files[0]} lacks {', '.join(missing)}; it has "
                 f"{', '.join(self.columns)}; name a column with columns="
@@ -156,8 +164,9 @@ class ParquetRecord:
             the file.
         """
         self.needing(names)
-        wanted, start, before = [self.columns[name] for name in names], 0, None
-        for file, batch in self.batches([self.time, *wanted], rows):
+        wanted = {n: self.columns[n] for n in names if n not in self.absent}
+        start, before = 0, None
+        for file, batch in self.batches([self.time, *wanted.values()], rows):
             try:
                 index = self.times(batch.column(self.time))
                 count = instants(index).view("i8")
@@ -167,8 +176,9 @@ class ParquetRecord:
                 check_order(steps, index, "the time")
                 columns = {
                     name: as_numbers(name, values(batch.column(column)), index)
-                    for name, column in zip(names, wanted)
+                    for name, column in wanted.items()
                 }
+                columns |= self.nothing(names, batch)
             except ValueError as error:
                 raise ValueError(f"{file}: {error}") from error
             unit = SECONDS[index.unit]
@@ -180,13 +190,17 @@ class ParquetRecord:
         self, names: Iterable[str] = COLUMNS, rows: int | None = None
     ) -> Iterator[tuple[int, dict]]:
         """First row and columns of the same blocks, without their times."""
-        wanted, start = {name: self.columns[name] for name in names}, 0
+        wanted = {n: self.columns[n] for n in names if n not in self.absent}
+        start = 0
         for _, batch in self.batches([*wanted.values()], rows):
-            yield (
-                start,
-                {name: numbers(batch, column) for name, column in wanted.items()},
-            )
+            found = {name: numbers(batch, column) for name, column in wanted.items()}
+            yield start, found | self.nothing(names, batch)
             start += batch.num_rows
+
+    def nothing(self, names: Iterable[str], batch: Any) -> dict[str, np.ndarray]:
+        """Columns that no file has, of the rows of a batch."""
+        rows = batch.num_rows
+        return {name: np.zeros(rows) for name in names if name in self.absent}
 
     def batches(self, columns: list, rows: int | None) -> Iterator[tuple[str, Any]]:
         """Record batches of pyarrow in the order of time, and their files."""

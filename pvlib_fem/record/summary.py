@@ -61,7 +61,7 @@ def summary_of(record):
         start=record.index[0],
         end=record.index[-1],
         step=usual_step(record.index),
-        columns=tuple(record.inputs.columns),
+        columns=tuple(n for n in record.inputs.columns if n not in record.absent),
         missing=dict(record.missing),
         impossible=dict(record.impossible),
         clipped=record.clipped,

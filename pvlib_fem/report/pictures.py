@@ -130,6 +130,8 @@ def by_wind(fit, both, last, known):
         for name in ("poa_global", "wind_speed", "wind_direction")
         if name in record.inputs.columns
     }
+    if "wind_speed" in record.absent:
+        return
     sunny = columns["poa_global"] > DAYLIGHT
     by = (after[sunny], columns["poa_global"][sunny], columns["wind_speed"][sunny])
     if sunny.any():

@@ -10,9 +10,10 @@ from pvlib_fem.report import budget
 from pvlib_fem.report.document import rounded, spanned, with_error
 from pvlib_fem.report.page import by_reason
 
+OF_WIND = "sensor height, mean shelter: both are the wind's coefficient"
 NEVER = (
     "absorptance, irradiance gain, mean rear irradiance: all are k",
-    "sensor height, mean shelter: both are the wind's coefficient",
+    OF_WIND,
     "offsets of either thermometer, mean sky: all are the bias",
     "a change of irradiance gain, contact at the back or mounting: power or a second "
     "sensor tells which",
@@ -31,6 +32,12 @@ LATE = {
 #: what is in the base model, and no finding
 STEPS = {"+radiative_loss": "longwave exchange, which every module has"}
 TITLES = {Verdict.CLASS: "cannot tell", Verdict.SUGGESTIVE: "suggestive"}
+
+
+def never(fit):
+    """What no such record can tell."""
+    wind = "wind_speed" in fit.summary.columns
+    return [words for words in NEVER if wind or words != OF_WIND]
 
 
 def lines(loop):
@@ -109,7 +116,7 @@ def told(loop):
         yield from (("witness", str(witness)) for witness in finding.heard)
     for why, names in by_reason(loop.untestable).items():
         yield "not testable", f"{', '.join(names)} ({why})"
-    for i, words in enumerate(NEVER):
+    for i, words in enumerate(never(loop.fit)):
         yield "" if i else "never from these columns", words
     if not loop.fit.test_days:
         yield "note", "no test days: these are errors of the fitted days"

@@ -13,6 +13,7 @@ from pvlib_fem.scores import rmse
 from pvlib_fem.sensors.own import SUNNY, clean, compared, is_sensor, steps_of
 from pvlib_fem.sensors.result import ModuleComparison
 from pvlib_fem.spelling import Spelled, refusal
+from pvlib_fem.thermal.model import thermal_model
 
 NAMED = Spelled("columns=[...]", "--map temp_module_1=COLUMN")
 FEWEST = 3  # sensors, of which two can say which one is off
@@ -40,7 +41,8 @@ def compare_modules(
     ----------
     data : DataFrame
         With a DatetimeIndex and ``poa_global`` [W/m²], ``temp_air`` [°C],
-        ``wind_speed`` [m/s] and the sensors [°C].
+        ``wind_speed`` [m/s], which the model ``"ross"`` does not need, and the sensors
+        [°C].
     columns : iterable of str, optional
         The sensors; by default ``temp_module`` and all whose names begin so.
     criteria : Criteria, optional
@@ -79,7 +81,8 @@ def compare_modules(
     >>> loop = fem.close_loop(found.common)
     """
     criteria = criteria or Criteria()
-    found = with_aliases(data, needed=USUAL)
+    found = with_aliases(data, needed=USUAL[:2])
+    thermal_model(model, dynamics).refuse_without_wind(found)
     names = list(columns or (n for n in found if is_sensor(n)))
     if missing := [name for name in names if name not in found]:
         raise ValueError(
@@ -92,7 +95,7 @@ def compare_modules(
             "needed, since of two no one says which is off; name others with ",
             NAMED,
         )
-    usual = (found["poa_global"], found["temp_air"], found["wind_speed"])
+    usual = (found["poa_global"], found["temp_air"], found.get("wind_speed"))
     sensors, notes = clean(usual, {n: found[n] for n in names}, criteria)
     off = {name for name, why in notes.items() if name not in sensors or why[0]}
     good = [name for name in names if name not in off]

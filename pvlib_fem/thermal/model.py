@@ -14,6 +14,7 @@ from pvlib_fem.record.columns import COLUMNS, by_own_names
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
+from pvlib_fem.spelling import argument, refusal
 from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem.thermal.response import Past
@@ -32,6 +33,7 @@ MEMORY = {
     "balance": {"capacity": Parameter(12e3, 50.0, 1e6, "J/(m² K)")},
 }
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
+WIND, ROSS = "wind_speed", argument("model", "ross")
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +89,12 @@ class ThermalModel:
     def drivers(self):
         """Measured columns that the effects need beside the usual three."""
         return needed_for(self.effect_drivers)
+
+    @property
+    def usual(self):
+        """Those of the usual three on which it depends: wind not by every model."""
+        takes = self.steady_model.takes_wind or WIND in behind(self.effect_drivers)
+        return tuple(name for name in COLUMNS[:3] if takes or name != WIND)
 
     @property
     def effect_drivers(self):
@@ -206,15 +214,17 @@ class ThermalModel:
         Module temperature; without a tau the default, without a bias none. [°C]
 
         What no sensor can have measured is missing, and negative irradiance is none,
-        as in a fit.
+        as in a fit. ``wind_speed`` may be None where nothing depends on it.
         """
         drivers = by_own_names(drivers)
         self.check_drivers(drivers)
         coefficients = self.checked(coefficients)
+        if wind_speed is None:
+            self.refuse_without_wind(("poa_global", "temp_air", *drivers))
         columns = {
             "poa_global": poa_global,
             "temp_air": temp_air,
-            "wind_speed": wind_speed,
+            "wind_speed": 0.0 if wind_speed is None else wind_speed,
             **drivers,
         }
         inputs = as_in_a_fit(read(columns, purpose="a dynamic temperature"))
@@ -226,6 +236,21 @@ class ThermalModel:
         # what follows from a gap in a driver may be a number, and is not known
         known = np.all([np.isfinite(inputs[name]) for name in columns], axis=0)
         return inputs.restore(np.where(known, found, np.nan))
+
+    def refuse_without_wind(self, columns):
+        """Refuse columns without wind where something depends on it."""
+        if WIND in columns or WIND not in self.usual:
+            return
+        there = f"they have {', '.join(columns)}"
+        if self.steady_model.takes_wind:
+            words = f"data lack {WIND}, which the model {self.steady_model.name} needs"
+            raise refusal(f"{words}; {there}; give it, or ", ROSS, ", which needs none")
+        using = [e.name for e in self.effects if WIND in behind(e.drivers)]
+        raise ValueError(
+            f"data lack {WIND}, which {' and '.join(using)} need"
+            f"{'s' * (len(using) == 1)}; {there}; give it, or drop the effect"
+            f"{'s' * (len(using) > 1)}"
+        )
 
     def check_drivers(self, given):
         """Refuse drivers that lack, or that nothing uses."""

@@ -45,6 +45,7 @@ class SteadyModel:
     defaults: Mapping[str, float] = field(default_factory=dict)
     scale: int = 0  # on which it is a straight line in wind: a place in SCALES
     clip: str = ""  # the coefficient that is the wind from which it stays
+    takes_wind: bool = True  # whether it depends on wind
 
     @property
     def coefficients(self):
@@ -205,7 +206,7 @@ K = Parameter(0.0326, 0.002, 0.2, "K m²/W")
 SHARE: dict[str, Any] = {"lower": 0.0, "upper": 1.0, "unit": "-"}
 
 STEADY_MODELS = {
-    "ross": SteadyModel("ross", ross, ross_slopes, {"k": K}),
+    "ross": SteadyModel("ross", ross, ross_slopes, {"k": K}, takes_wind=False),
     "sapm": SteadyModel(
         "sapm",
         sapm,
@@ -261,7 +262,11 @@ STEADY_MODELS = {
         scale=LOSS,
     ),
     "noct": SteadyModel(
-        "noct", noct, noct_slopes, {"noct": Parameter(46.0, 21.6, 180.0, "°C")}
+        "noct",
+        noct,
+        noct_slopes,
+        {"noct": Parameter(46.0, 21.6, 180.0, "°C")},
+        takes_wind=False,
     ),
     "noct_sam": SteadyModel(
         "noct_sam",

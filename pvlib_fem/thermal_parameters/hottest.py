@@ -132,10 +132,11 @@ def of_years(years):
 def of_weather(steady, weather):
     """T98 of a year of weather by the fit."""
     fit, model = steady.fit, steady.fit.thermal_model
-    there = with_aliases(weather, (*WEATHER, *model.drivers))
+    there = with_aliases(weather, (*model.usual, *model.drivers))
 
     def hottest(coefficients):
-        columns = {name: there[name] for name in (*WEATHER, *model.drivers)}
+        columns = {name: there.get(name) for name in WEATHER}
+        columns |= {name: there[name] for name in model.drivers}
         if not steady.with_bias:
             coefficients = coefficients | {"bias": 0.0}
         found = model.predict(coefficients=coefficients, **columns)

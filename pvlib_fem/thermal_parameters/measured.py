@@ -60,7 +60,8 @@ class Measured:
         wind = self.record["wind_speed"][self.counts]
         order = np.argsort(wind)
         weight = np.cumsum(poa[order] ** 2)
-        if not len(wind) or not weight[-1] > 0.0:
+        unknown = "wind_speed" in self.record.absent
+        if unknown or not len(wind) or not weight[-1] > 0.0:
             return USUAL_WINDS
         return wind[order][np.searchsorted(weight, QUANTILES * weight[-1])]
 
@@ -134,8 +135,8 @@ def measured_of(fit, data, out_of, holdout=None):
             return None
         record, out = fit.record, fit.holdout.to_numpy()
     else:
-        columns = with_aliases(data, (*COLUMNS, *model.drivers))
-        usual = [columns[name] for name in COLUMNS]
+        columns = with_aliases(data, (*model.usual, "temp_module", *model.drivers))
+        usual = [columns.get(name) for name in COLUMNS]
         drivers = {name: columns[name] for name in model.drivers}
         record, _ = screened(as_record(*usual, **drivers))
         out = None

@@ -101,6 +101,9 @@ def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
     tilt = "tilt unknown" if surface_tilt is None else f"tilt {surface_tilt:g}°"
     at = "unknown height" if wind_height is None else f"{wind_height:g} m"
     winds = f"{steady.winds[0]:.1f} to {steady.winds[-1]:.1f} m/s"
+    wind_at = f"wind {winds} at {at}"
+    if measured is not None and "wind_speed" in measured.record.absent:
+        wind_at = "winds that nobody measured"
     bias, names = fit.coefficients["bias"], [effect.name for effect in fit.effects]
     taken = (
         f"bias {bias:+.2f} K {'added at 800 W/m²' if steady.with_bias else 'ignored'}"
@@ -112,7 +115,7 @@ def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
         taken += f"; {', '.join(names)}, in the mean {mean:+.2f} K, added at 800 W/m²"
 
     def words(row):
-        wind = f"wind {winds} at {at}"
+        wind = wind_at
         if row.convention.endswith("10 m"):
             wind += f", taken to 10 m by (10 m / {at})^{exponent:.3g}"
         kind = f"; {taken}" if np.isfinite(row.mismatch) else ""

@@ -56,6 +56,7 @@ WORSE = (
     "itself; use a finer record"
 )
 NO_TEST = "no days are held out"
+NO_WIND = "needs wind, which nobody measured"
 
 
 def smoothed(steady, wind_speed, unit_mass):
@@ -159,6 +160,8 @@ def unit_mass_rows(measured, why):
     Row
     """
     found, scores, note = None, {}, why
+    if measured is not None and "wind_speed" in measured.record.absent:
+        measured, note = None, NO_WIND
     if measured is not None:
         given = PrillimanFit(measured)
         found, note = given.best()
