@@ -5,7 +5,7 @@ ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet gate oracle sweep coverage parameters periods episodes figure clean
+.PHONY: fleet gate ceiling oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -81,6 +81,10 @@ oracle: $(VENV)/.installed
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
 	$(BIN)/python tests/study_measured.py --out docs/study_measured.md
+
+# how much of these records trees on their own columns explain that know no cause
+ceiling: $(VENV)/.installed
+	$(BIN)/python tests/study_ceiling.py --out docs/ceiling.md
 
 # what would be found at the two measured plants; it goes on where it was interrupted
 recovery: $(VENV)/.installed

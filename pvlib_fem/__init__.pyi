@@ -12,6 +12,7 @@ from . import (
     scores as scores,
     simulator as simulator,
 )
+from .ceiling.result import Ceiling as Ceiling
 from .correction.result import CorrectedRecord as CorrectedRecord
 from .effects.effect import Effect as Effect, Parameter as Parameter, Terms as Terms
 from .findings import Check as Check, Correction as Correction, Finding as Finding

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-VERSION = 3  # of the format, which changes when a key does
+VERSION = 4  # of the format, which changes when a key does
 
 
 @contextmanager

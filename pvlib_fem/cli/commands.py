@@ -9,6 +9,7 @@ from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem.cli.options import (
     PARAMETERS,
     WRITTEN,
+    ceiling_option,
     correction_options,
     days_of,
     files_argument,
@@ -45,7 +46,13 @@ from pvlib_fem.cli.running import (
     injected,
 )
 from pvlib_fem.cli.words import Refused, note, plainly, say
-from pvlib_fem.cli.writing import as_csv, check_outputs, picture, write
+from pvlib_fem.cli.writing import (
+    as_csv,
+    check_ceiling,
+    check_outputs,
+    picture,
+    write,
+)
 from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
@@ -103,6 +110,7 @@ def fit(files, out, plot, report, title, **options):
     help="Gain below which no effect is added [K].",
 )
 @correction_options
+@ceiling_option
 @report_option
 @title_option
 @out_option
@@ -119,6 +127,7 @@ def loop(files, report, title, out, corrected, resolve, **options):
     with plainly():
         check_outputs(files, report=report, out=out, corrected=corrected)
         check_correction(files, corrected, resolve)
+        check_ceiling(options["ceiling"])
         if is_data_set(files):
             options = prepared_files(files, options, sun=True)
             data, otherwise = options.pop("record"), Refused

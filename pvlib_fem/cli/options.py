@@ -314,6 +314,12 @@ correction_options = added(
         "--corrected; once for each.",
     ),
 )
+ceiling_option = click.option(
+    "--ceiling",
+    is_flag=True,
+    help="Add how much of the error the columns of FILE could still explain, by "
+    "boosted trees (needs scikit-learn; takes up to a minute).",
+)
 plot_option = click.option(
     "--plot",
     type=WRITTEN,

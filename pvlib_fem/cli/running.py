@@ -11,10 +11,12 @@ from pvlib_fem.loop.progress import line
 from pvlib_fem.recovery.recover import recover_effects
 
 
-def closed(data, model="faiman", no_unit_check=False, site=None, **options):
+def closed(
+    data, model="faiman", no_unit_check=False, site=None, ceiling=False, **options
+):
     """The loop of a frame, with its progress on a terminal."""
     with line() as bar:
-        return close_loop(
+        found = close_loop(
             data,
             model,
             **(site or {}),
@@ -22,6 +24,10 @@ def closed(data, model="faiman", no_unit_check=False, site=None, **options):
             check_units=not no_unit_check,
             progress=bar.set_description_str,
         )
+        if ceiling:
+            bar.set_description_str("growing trees")
+            found.ceiling()
+        return found
 
 
 def injected(data, no_unit_check=False, site=None, **options):

@@ -60,6 +60,14 @@ def check_outputs(read=(), made=(), pictures=True, **written):
             )
 
 
+def check_ceiling(wanted):
+    """Refuse before the work what needs a package that is missing."""
+    if wanted and find_spec("sklearn") is None:
+        raise ValueError(
+            "--ceiling needs scikit-learn: pip install 'pvlib_fem[ceiling]'"
+        )
+
+
 def same(path):
     """One name for one file, through links and on systems without capitals."""
     path = Path(path).resolve()

@@ -16,6 +16,8 @@ from pvlib_fem.budget.table import (
     episode_rows,
     episodes_from,
 )
+from pvlib_fem.ceiling.result import Ceiling
+from pvlib_fem.ceiling.trees import ceiling_of, regressor
 from pvlib_fem.correction.correct import corrected_record
 from pvlib_fem.correction.result import CorrectedRecord
 from pvlib_fem.drivers import geometry
@@ -24,6 +26,7 @@ from pvlib_fem.findings import Correction, Finding, Kind
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
+from pvlib_fem.loop.threads import one_thread_of_trees
 from pvlib_fem.loop.times import Times
 from pvlib_fem.modelchain import LOOP, DynamicCellTemperature, fit_in
 from pvlib_fem.quality.limits import Limits
@@ -132,6 +135,68 @@ class Loop:
         """Rows of each kind of weeks."""
         # a loop that was read from a file has no weeks, and brings these
         return self.weeks.value_counts().to_dict()  # type: ignore[union-attr]
+
+    @cached_property
+    def own_ceiling(self) -> Ceiling:
+        """What :meth:`ceiling` returns; computed once."""
+        regressor()  # what is not loaded yet has no threads to limit
+        with one_thread_of_trees():
+            return ceiling_of(self)
+
+    @property
+    def known_ceiling(self) -> Ceiling | None:
+        """The ceiling, where :meth:`ceiling` has been called; else None."""
+        return vars(self).get("own_ceiling")
+
+    def ceiling(self) -> Ceiling:
+        r"""
+        How much of the error could still be explained by the record's columns.
+
+        Boosted trees (scikit-learn's ``HistGradientBoostingRegressor`` [1]_) describe
+        what the model without findings leaves on the fitting weeks: by all columns of
+        the record, their past values (three steps before, means of 1, 6 and 24 h
+        before), hour, day of the week and season, the place of the sun where the
+        location is known, and the date. Their number is that which describes every
+        fifth of the fitting weeks best, when trees are grown on the others. They are
+        scored on the test weeks once, on the rows of the loop's table. So are trees
+        without each group of columns. Nothing is decided by it.
+
+        Returns
+        -------
+        Ceiling
+            It is kept: from then on ``print(loop)``, :meth:`to_html` and
+            :meth:`to_json` have it.
+
+        Raises
+        ------
+        ImportError
+            If scikit-learn is missing (``pip install "pvlib_fem[ceiling]"``).
+        ValueError
+            If the loop was read from a file, or has no test weeks or below 10 fitting
+            days.
+
+        Notes
+        -----
+        With the RMSE of the paper's form :math:`p`, of the loop :math:`l` and of the
+        trees :math:`t`, the share of the closable squared error that is closed is
+
+        .. math::
+
+            \frac{p^2 - l^2}{p^2 - t^2}
+
+        The trees are no bound: others may reach less. They know no cause. By the date
+        they know what lasts from the fitting weeks to the test week between them.
+        Second sensors of the module's temperature are none of their columns, nor what
+        the loop found to be made from it. Of more than 100 000 fitting rows they have
+        every second, third, and so on. The result does not depend on the number of
+        threads.
+
+        References
+        ----------
+        .. [1] F. Pedregosa et al., "Scikit-learn: Machine Learning in Python", J. of
+           Machine Learning Research 12, 2825-2830, 2011.
+        """
+        return self.own_ceiling
 
     @property
     def effects(self) -> list[str]:
@@ -458,6 +523,7 @@ class Loop:
             "plain": content_of(*self.plain),
             "criteria": asdict(self.criteria),
             "weighed": self.weighed,
+            "ceiling": self.known_ceiling.content() if self.known_ceiling else None,
             "given": self.given,
             "times": None if self.times is None else self.times.content(),
             "fit": self.fit.content(**cell),
@@ -525,6 +591,8 @@ class Loop:
         # what else it would take from the rows
         counts = content.part("weeks")
         vars(loop)["week_rows"] = {name: counts.count(name) for name in counts.content}
+        if content["ceiling"]:
+            vars(loop)["own_ceiling"] = Ceiling.stored(content.part("ceiling"))
         return loop
 
     def __str__(self):

@@ -1,4 +1,4 @@
-"""BLAS on one thread, for as long as any loop runs."""
+"""BLAS on one thread, for as long as any loop runs, and trees on one."""
 
 from contextlib import contextmanager
 from threading import Lock
@@ -26,3 +26,8 @@ def one_blas_thread():
                 RUNNING.pop()  # any but the first, which knows what was before
             else:
                 RUNNING.pop().restore_original_limits()
+
+
+def one_thread_of_trees():
+    """Trees on one thread, since sums over several have other last bits."""
+    return threadpool_limits(limits=1, user_api="openmp")

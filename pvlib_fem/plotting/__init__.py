@@ -7,6 +7,7 @@ or a sign tells as well.
 """
 
 from pvlib_fem.plotting.budget import plot_budget
+from pvlib_fem.plotting.ceiling import plot_ceiling
 from pvlib_fem.plotting.comparisons import (
     plot_comparison,
     plot_energy_error,
@@ -31,6 +32,7 @@ __all__ = [
     "OTHER",
     "plot_before_after",
     "plot_budget",
+    "plot_ceiling",
     "plot_comparison",
     "plot_contributions",
     "plot_energy_error",

@@ -10,6 +10,7 @@ from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import spaced
 from pvlib_fem.reasons import Reason
 from pvlib_fem.report import advice, budget
+from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.document import (
     document,
     figures,
@@ -29,7 +30,7 @@ from pvlib_fem.report.parts import (
     made_by,
     printed,
 )
-from pvlib_fem.report.pictures import pictures
+from pvlib_fem.report.pictures import picture_of_ceiling, pictures
 from pvlib_fem.scores import GAMMA
 
 NOT_SHOWN = "smaller than this record can show"
@@ -78,6 +79,7 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         verdict(loop),
         section("Errors by step", errors(loop, gamma)),
         section("In energy", in_energy(fit, residuals(loop), gamma)),
+        *could_be(loop),
         section("Pictures", figures(pictures(loop)) if drawn else NO_ROWS),
         section("Coefficients", coefficients(fit, loop.corrections, ranges(loop))),
         section("What the record cannot tell", undecided(loop)),
@@ -90,6 +92,13 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         section("How to reproduce it", reproduce(loop)),
     ]
     return document(" · ".join(filter(None, [title, headline(loop)])), parts)
+
+
+def could_be(loop):
+    """How much could still be explained, where that was computed."""
+    if (ceiling := loop.known_ceiling) is not None:
+        body = [paragraph(sentence(ceiling)), figures([picture_of_ceiling(ceiling)])]
+        yield section("How much could still be explained", "\n".join(body))
 
 
 def ranges(loop):

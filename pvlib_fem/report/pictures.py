@@ -70,6 +70,20 @@ def pictures(loop):
     return [*found, *by_wind(loop.fit, both, last, known)]
 
 
+def picture_of_ceiling(ceiling):
+    """The bar of a ceiling, and what it shows."""
+    words = (
+        "Mean square of the paper's form: what the loop closes, what boosted trees on "
+        "the same columns close beyond that, and what neither does"
+    )
+    size = (4.8, 1.8)
+
+    def bar(ax):
+        plotting.plot_ceiling(ceiling, ax)
+
+    return draw("ceiling", bar, words, size=size)
+
+
 def pictures_of_fit(fit):
     """
     Figures of a fit's page, each with what it shows.

@@ -7,6 +7,7 @@ import numpy as np
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import step_name
 from pvlib_fem.report import budget
+from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.document import rounded, spanned, with_error
 from pvlib_fem.report.page import by_reason
 
@@ -104,6 +105,8 @@ def told(loop):
         yield "", words
     for finding in loop.unexplained:
         yield "left", finding.why
+    if loop.known_ceiling is not None:
+        yield "could be explained", sentence(loop.known_ceiling)
     for finding in loop.findings:
         if finding.verdict in TITLES:
             names = " | ".join(finding.candidates)

@@ -1,0 +1,1 @@
+"""How much of the error a record's columns could still explain, by boosted trees."""

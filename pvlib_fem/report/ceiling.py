@@ -1,0 +1,20 @@
+"""How much could still be explained, as a sentence."""
+
+import numpy as np
+
+
+def sentence(ceiling):
+    """What the loop has closed of what trees on the same columns close."""
+    errors = (
+        f"On the test weeks the paper's form leaves {ceiling.paper:.2f} K, the loop "
+        f"{ceiling.loop:.2f} K, and boosted trees on the same columns "
+        f"{ceiling.trees:.2f} K"
+    )
+    if np.isnan(ceiling.closed):
+        return f"{errors}: the trees find nothing in them that could be closed."
+    words = f"the loop closes {100 * ceiling.closed:.0f} % of the squared error"
+    lost = ""
+    if ceiling.most:
+        error = ceiling.without[ceiling.most]
+        lost = f"; the trees lose most without {ceiling.most} ({error:.2f} K)"
+    return f"{errors}: {words} that the trees close{lost}."
