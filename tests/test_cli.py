@@ -437,7 +437,7 @@ def test_fit_and_loop_take_the_same_options():
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
     extra = {"min_gain", "corrected", "resolve", "ceiling"}
-        assert set(loop) - set(fit) == extra
+    assert set(loop) - set(fit) == extra
     for name in set(fit) & set(loop) - {"model"}:
         assert fit[name].default == loop[name].default
     said = {name: " ".join(call(name, "-h").output.split()) for name in ("fit", "loop")}
@@ -498,7 +498,7 @@ def test_a_likely_driver_of_another_name_is_asked_about(frame, tmp_path):
     path = tmp_path / "plant.csv"
     names = {"RH [%]": 50.0, "WR": 180.0, "Rain": 1.0, "Load": 3.0}
     noise = np.random.default_rng(0).uniform(size=(len(frame), 4))
-        extra = pd.DataFrame(noise * list(names.values()), frame.index, list(names))
+    extra = pd.DataFrame(noise * list(names.values()), frame.index, list(names))
     frame.join(extra).to_csv(path, index_label="time")
     result = call("loop", path)
     assert result.exit_code == 0
