@@ -17,6 +17,7 @@ from .correction.result import CorrectedRecord as CorrectedRecord
 from .effects.effect import Effect as Effect, Parameter as Parameter, Terms as Terms
 from .findings import Check as Check, Correction as Correction, Finding as Finding
 from .fit import fit_fem as fit_fem
+from .fitting.horizontal import transpose_record as transpose_record
 from .fitting.result import FemFit as FemFit
 from .loop.close import close_loop as close_loop
 from .loop.criteria import Criteria as Criteria

@@ -1,16 +1,18 @@
 """Fit the FEM coefficients to a measured record, with honest errors."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import geometry, needed_for
+from pvlib_fem.drivers import checked_place, geometry, needed_for
 from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.fitting.files import fit_files, in_files
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import as_frame
+from pvlib_fem.fitting.horizontal import with_plane
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import holding
 from pvlib_fem.paper.recipe import METHODS, fit_paper, refuse_paper
@@ -182,6 +184,7 @@ def fit_frame(
     location=None,
     surface_tilt=None,
     surface_azimuth=None,
+    transposition=None,
     **options,
 ):
     """
@@ -194,6 +197,8 @@ def fit_frame(
     effects : sequence of str, dict or Effect
     location, surface_tilt, surface_azimuth
         As in :func:`pvlib_fem.close_loop`; none is estimated.
+    transposition : str, optional
+        As in :func:`pvlib_fem.close_loop`.
     **options
         Of :func:`pvlib_fem.fit_fem`.
 
@@ -201,7 +206,13 @@ def fit_frame(
     -------
     FemFit
     """
-    columns = there = with_aliases(data, ALWAYS)
+    needed = [n for n in ALWAYS if n != "poa_global" or not transposition]
+    columns, notes = with_aliases(data, needed), ()
+    if transposition:
+        place = checked_place(location, surface_tilt, surface_azimuth)
+        how = (options.get("limits"), options.get("check_units", True))
+        columns, notes = with_plane(columns, data.index, place, transposition, *how)
+    there = columns
     if effects:
         place = geometry(data.index, location, surface_tilt, surface_azimuth)
         there = {**place, **columns}
@@ -211,7 +222,9 @@ def fit_frame(
         raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
     wanted = {name for effect in chosen for name in needed_for(effect.drivers)}
     drivers = {name: there[name] for name in there if name in wanted}
-    return fit_fem(*map(columns.get, COLUMNS), effects=chosen, **options, **drivers)
+    usual = map(columns.get, COLUMNS)
+    fit = fit_fem(*usual, effects=chosen, **options, **drivers)
+    return replace(fit, notes=(*notes, *fit.notes)) if notes else fit
 
 
 def refuse_columns(columns, drivers, method=""):

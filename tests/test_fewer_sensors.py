@@ -2,11 +2,15 @@
 
 import numpy as np
 import pandas as pd
+import pvlib
 import pytest
+import study_transposition
 from conftest import call, proposed
+from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, fleet
+from pvlib_fem.drivers.transposition import TRANSPOSITIONS
 from pvlib_fem.effects import CHANGES, EFFECTS
 
 USUAL = ["poa_global", "temp_air", "temp_module"]
@@ -170,3 +174,128 @@ def test_module_sensors_are_compared_without_wind(calm):
     assert found.table["share"].to_list() == pytest.approx([1.04, 1.07, 0.89], abs=0.02)
     with pytest.raises(ValueError, match="data lack wind_speed"):
         fem.compare_modules(data)
+
+
+PLACE = Location(35.0, -106.0), 35.0, 180.0
+SITE = dict(zip(("location", "surface_tilt", "surface_azimuth"), PLACE))
+
+
+@pytest.fixture(scope="module")
+def level():
+    """Eighty days with horizontal irradiance, and the same with that in the plane."""
+    data = datasets.synthetic(80, 600, seed=2)
+    return data.drop(columns=["poa_global", "dni", "dhi"]), data
+
+
+@pytest.mark.parametrize("model", TRANSPOSITIONS)
+def test_a_horizontal_plane_has_the_horizontal_irradiance(level, model):
+    data, _ = level
+    found = fem.transpose_record(data, PLACE[0], 0.0, 180.0, model)
+    # pvlib's Perez keeps the sun 5° above the horizon
+    slack = 2.0 if model == "perez" else 1e-6
+    np.testing.assert_allclose(found["poa_global"], data["ghi"], atol=slack)
+
+
+def test_irradiance_in_the_plane_is_that_of_pvlib(level):
+    _, data = level
+    found = fem.transpose_record(data.drop(columns="poa_global"), *PLACE, "haydavies")
+    sun = PLACE[0].get_solarposition(data.index)
+    expected = pvlib.irradiance.get_total_irradiance(
+        *PLACE[1:],
+        sun["zenith"],
+        sun["azimuth"],
+        *(data[name] for name in ("dni", "ghi", "dhi")),
+        dni_extra=pvlib.irradiance.get_extra_radiation(data.index),
+        albedo=0.2,
+        model="haydavies",
+    )["poa_global"]
+    up = sun["zenith"] < 88.0
+    np.testing.assert_allclose(found["poa_global"][up], expected[up], atol=0.5)
+    assert "measured dni and dhi" in found.attrs["notes"][0]
+    assert (found["poa_global"][sun["zenith"] > 95.0] == 0.0).all()
+
+
+def test_what_was_not_measured_on_the_horizontal_is_not_transposed(level):
+    data, _ = level
+    data = data.assign(ghi=data["ghi"].mask(data.index.day == 5, -999.0))
+    data.iloc[1000:1010, 0] = np.nan
+    found = fem.transpose_record(data, *PLACE)
+    lacks = (data.index.day == 5) | data["ghi"].isna()
+    np.testing.assert_array_equal(found["poa_global"].isna(), lacks)
+    assert any(
+        note.startswith("ghi") and "-999" in note for note in found.attrs["notes"]
+    )
+    with pytest.raises(ValueError, match="ghi looks to be in kW/m²"):
+        fem.transpose_record(data.assign(ghi=data["ghi"].clip(lower=0) / 1000), *PLACE)
+    with pytest.raises(ValueError, match="poa_global is there"):
+        fem.transpose_record(data.assign(poa_global=data["ghi"]), *PLACE)
+
+
+def test_the_loop_transposes_and_predicts_alike(level, tmp_path):
+    data, whole = level
+    how = dict(SITE, effects=["sky_radiation", "wind_shape"])
+    loop = fem.close_loop(data, **how, transposition="perez")
+    assert loop.transposition == "perez"
+    assert "transposed from ghi with Erbs' correlation" in loop.notes[0]
+    made = fem.transpose_record(data, *PLACE)
+    other = fem.close_loop(made.drop(columns="ghi"), **how)
+    pd.testing.assert_frame_equal(loop.table, other.table)
+    predicted = loop.predict(data)
+    pd.testing.assert_series_equal(predicted, loop.predict(made))
+    loop.to_json(tmp_path / "loop.json")
+    again = fem.Loop.from_json(tmp_path / "loop.json")
+    pd.testing.assert_series_equal(again.predict(data), predicted)
+    assert loop.corrected(data).data["poa_global"].equals(made["poa_global"])
+    with pytest.raises(ValueError, match="data lack poa_global, and ghi"):
+        loop.predict(data.drop(columns="ghi"))
+    measured = fem.close_loop(whole, **how, transposition="perez")
+    assert not measured.transposition
+    assert "poa_global was measured, and nothing is transposed" in measured.notes
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (dict(transposition="king"), "it is 'perez' or 'haydavies'"),
+        (dict(surface_tilt=None), "needs the plane of the module: give location"),
+        (
+            dict(),
+            "ghi cannot be transposed: the clock of the file is off",
+        ),  # of a file that is two hours late
+    ],
+)
+def test_a_plane_that_is_not_known_is_not_made(level, change, words):
+    data, _ = level
+    data = data.set_axis(data.index + pd.Timedelta("2h"))
+    with pytest.raises(ValueError, match=words):
+        fem.close_loop(data, **{**SITE, "transposition": "perez", **change})
+
+
+def test_the_command_proposes_a_transposition(level, tmp_path):
+    file = tmp_path / "horizontal.csv"
+    data = level[0][["ghi", "temp_air", "temp_module"]].tz_localize(None)
+    data = data.rename(columns={"ghi": "Global horizontal (W/m2)"})
+    data.to_csv(file, index_label="time")
+    line = proposed(call("fit", file))
+    assert line[line.index("--transposition") + 1] == "perez" and "LAT" in line
+    words = ("--lat", 35, "--lon", -106, "--tilt", 35, "--azimuth", 180)
+    done = call(*proposed(call("fit", file, *words)))
+    assert done.exit_code == 0, done.output
+    assert "note: there is no poa_global: it is transposed from ghi" in done.stdout
+    data.to_parquet(tmp_path / "horizontal.parquet")
+    for command in ("fit", "loop"):
+        done = call(command, tmp_path, "--transposition", "perez", *words)
+        assert "--transposition does not go with" in done.output
+
+
+def test_what_a_transposition_costs_is_as_the_guide_says():
+    """A small part of the table of docs/guide/fewer_sensors.md."""
+    site = next(iter(study_transposition.worlds()))
+    rows = {
+        by: study_transposition.row(data, truth)
+        for truth in [next(study_transposition.records(site, 0, 120))[1]]
+        for by, data, _ in study_transposition.records(site, 0, 120)
+    }
+    for name in TRANSPOSITIONS:
+        assert 0.0 < rows[name]["rms"] < 0.12 and abs(rows[name]["mean"]) < 0.07
+        assert abs(rows[name]["rmse"] - rows["measured"]["rmse"]) < 0.15

@@ -28,6 +28,7 @@ from pvlib_fem.cli.options import (
     shared_options,
     site_options,
     title_option,
+    transposition_option,
 )
 from pvlib_fem.cli.reading import (
     is_data_set,
@@ -68,6 +69,7 @@ FEW = 5  # failures that are told
 @click.command()
 @reading_options
 @site_options
+@transposition_option
 @fit_options
 @shared_options
 @report_option
@@ -100,6 +102,7 @@ def fit(files, out, plot, report, title, **options):
 @click.command()
 @reading_options
 @site_options
+@transposition_option
 @model_option("faiman", "fit takes the paper's wm1 by default")
 @shared_options
 @click.option(
@@ -326,6 +329,11 @@ def write_report(path, result, title, files):
 def prepared_files(files, options, sun=False):
     """What a fit takes of Parquet files that follow each other, or a loop."""
     check_partners(options)
+    if options.pop("transposition", None):
+        raise ValueError(
+            "--transposition does not go with Parquet files that follow each other; "
+            "write poa_global into them with pvlib_fem.transpose_record"
+        )
     settings, days = settings_of(options.pop("settings")), options.pop("holdout")
     place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
     for name, value in place.items():
@@ -359,7 +367,8 @@ def prepared(files, options, drivers=False):
     effects = effects_of(options.pop("effects"), settings)
     fixed = held(options.pop("fix"))
     days, told = options.pop("holdout"), options["tz"]
-    data, otherwise = read(files, options, drivers, needed_by(options["model"]))
+    needed = needed_by(options["model"], options.get("transposition"))
+    data, otherwise = read(files, options, drivers, needed)
     place = [options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")]
     data = in_their_days(data, place[1], told)
     options |= {

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 import pandas as pd
 
+from pvlib_fem.drivers.transposition import TRANSPOSITIONS
 from pvlib_fem.fit import METHODS
 from pvlib_fem.fleet.tasks import TASKS
 from pvlib_fem.record.columns import COLUMNS, in_new_names, vouches
@@ -191,6 +192,12 @@ site_options = added(
         type=click.FloatRange(-360, 360),
         help="Of the module, from north by east [°].",
     ),
+)
+transposition_option = click.option(
+    "--transposition",
+    type=click.Choice(TRANSPOSITIONS),
+    help="Where there is no poa_global, the model of the sky by which it is made of "
+    "ghi; it takes --lat, --lon, --tilt and --azimuth.",
 )
 effects_option = click.option(
     "--effects",

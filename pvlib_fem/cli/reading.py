@@ -1,6 +1,7 @@
 """Files as a frame, and where that fails the command that may read them."""
 
 import glob
+import re
 import shlex
 import stat
 import subprocess
@@ -28,15 +29,21 @@ from pvlib_fem.spelling import refusal
 from pvlib_fem.thermal.steady import steady_model
 
 COMMANDLINE = ParameterSource.COMMANDLINE
+#: what loggers call horizontal irradiance
+GHI = re.compile(
+    r"(^|[\W_])ghi(\b|_|\d)|glob\w*[\s_.-]*horiz|horiz\w*[\s_.-]*(glob|irr|rad)",
+    re.IGNORECASE,
+)
 LOOK = "this command may read it; look at it before you run it:"
 #: options that a proposal says anew
 ANEW = (*PER_FILE, *SAME, "renames", "convert", "units", "guess")
 
 
-def needed_by(model):
+def needed_by(model, transposition=None):
     """Columns that a fit of a steady model needs."""
-    calm = not steady_model(model).takes_wind
-    return ALWAYS if calm else COLUMNS
+    usual = COLUMNS if steady_model(model).takes_wind else ALWAYS
+    # which the fit looks for, or makes
+    return [name for name in usual if name != "poa_global" or not transposition]
 
 
 def read(files, options, drivers=False, needed=COLUMNS):
@@ -170,12 +177,20 @@ def opened(files, options):
 def check_columns(data, needed=COLUMNS):
     if lacking := [name for name in needed if name not in data]:
         there = ", ".join(map(str, data.columns))
-        calm = ", or give --model ross if there is none"
         raise refusal(
             f"no column {', '.join(lacking)} among {there}; name it with --map "
-            f"{lacking[0]}=COLUMN{calm if lacking == ['wind_speed'] else ''}",
+            f"{lacking[0]}=COLUMN{without(lacking, data)}",
             *of_several(data.columns),
         )
+
+
+def without(lacking, data):
+    """What a fit can do without columns."""
+    if lacking == ["wind_speed"]:
+        return ", or give --model ross if there is none"
+    if lacking == ["poa_global"] and "ghi" in data:
+        return ", or make it of ghi: --transposition perez"
+    return ""
 
 
 def check_record(data):
@@ -192,10 +207,13 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
     try:
         found = guess(files, layouts, columns, how, place, check_record)
         lacking = [name for name in needed if name not in found.there]
-        calm = lacking == ["wind_speed"] and "model" in options_given()
-        if calm:
-            needed = ALWAYS
-        if calm or not lacking:
+        level = of_the_sky(found) if "poa_global" in lacking else []
+        calm = "wind_speed" in lacking and "model" in options_given()
+        spared = ["poa_global"] * bool(level) + ["wind_speed"] * calm
+        lacking = [name for name in lacking if name not in spared]
+        calm = calm and not lacking
+        if not lacking:
+            needed = [name for name in needed if name not in spared]
             check = {**how, "convert": how["convert"] or found.headers}
             check["units"] = {**how["units"], **found.units}
             if found.area and not how["module_area"]:
@@ -204,7 +222,7 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
             check_columns(data, needed)
     except Exception:  # a proposal is an extra; the error itself is told anyway
         return "", ""
-    line = command(found, [] if calm else lacking, how, ["--model", "ross"] * calm)
+    line = command(found, lacking, how, ["--model", "ross"] * calm, level)
     lines = [LOOK, "", f"  {line}", ""]
     lines += [f"- {doubt}" for doubt in found.doubts]
     if power := found.columns.get("power_ac"):
@@ -229,7 +247,12 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
             "- no column looks like wind_speed, and the model ross needs none; if "
             "there is one, give it with --map wind_speed=COLUMN and drop --model ross"
         )
-    elif lacking:
+    if level:
+        lines.append(
+            "- there is no irradiance in the plane of the module: it is made of the "
+            "horizontal one, which takes the place and the plane"
+        )
+    if lacking:
         lines.append(
             f"- which column is {', '.join(lacking)}? There are {', '.join(found.free)}"
         )
@@ -238,13 +261,32 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
     return "\n".join(lines).rstrip(), line
 
 
+def of_the_sky(found):
+    """Words that make irradiance in the plane of a column of horizontal one, if any."""
+    context = click.get_current_context()
+    columns = [c for c in (*found.columns.values(), *found.free) if GHI.search(c)]
+    if not columns or "transposition" not in options_given():
+        return []
+    if "ghi" not in (*found.columns, columns[0]):
+        found.columns["ghi"] = columns[0]
+    found.free = [column for column in found.free if column != columns[0]]
+    left = {
+        why: [c for c in some if c != columns[0]] for why, some in found.unused.items()
+    }
+    found.unused = {why: some for why, some in left.items() if some}
+    words = [] if context.params["transposition"] else ["--transposition", "perez"]
+    for name in ("lat", "lon", "tilt", "azimuth"):
+        words += [f"--{name}", name.upper()] if context.params[name] is None else []
+    return words
+
+
 def options_given():
     """Names of the options that the command has."""
     return [param.name for param in click.get_current_context().command.params]
 
 
-def command(found, lacking, how, model=()):
-    """The command as it was given, with the reading as it was found."""
+def command(found, lacking, how, model=(), more=()):
+    """The command as it was given, with the reading as it was found, and more."""
     context = click.get_current_context()
     source = context.get_parameter_source
     words, files = ["pvlib-fem", context.info_name], []
@@ -278,7 +320,7 @@ def command(found, lacking, how, model=()):
         words += ["--unit", f"{name}={unit}"]
     if found.area and not how["module_area"]:
         words += ["--module-area", "AREA"]
-    return quoted(words)
+    return quoted([*words, *more])
 
 
 def quoted(words):

@@ -9,6 +9,7 @@ import pandas as pd
 from pvlib.location import Location
 
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers.transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED
 from pvlib_fem.fitting.files import in_files
@@ -39,6 +40,7 @@ from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import steady_model
 from pvlib_fem.types import FilePath
 
+PLACE = ("location", "surface_tilt", "surface_azimuth")
 LONGWAVE = "radiative_loss"  # of every module: in the base model, and no finding
 MOST_ROUNDS = 6  # of linearisations
 
@@ -56,6 +58,7 @@ def close_loop(
     criteria: Criteria | None = None,
     fixed: Mapping[str, float] | None = None,
     progress: Callable[[str], object] | bool | None = None,
+    transposition: str | None = None,
 ) -> Loop:
     """
     Trace what a fit leaves to the physical effects that the model lacks.
@@ -109,6 +112,10 @@ def close_loop(
     progress : callable or True, optional
         Called with a few words at the beginning of each stage; True shows them on one
         line. The log ``pvlib_fem`` has them at its level INFO.
+    transposition : str, optional
+        Where there is no ``poa_global``, the model of the sky by which it is made of
+        ``ghi`` [W/m²], ``"perez"`` or ``"haydavies"``, as
+        :func:`pvlib_fem.transpose_record` does. ``predict`` does so, too.
 
     Returns
     -------
@@ -155,6 +162,9 @@ def close_loop(
         holdout=holdout, effects=effects, check_units=check_units
     )
     how |= {"fixed": fixed, "criteria": criteria}
+    if transposition:
+        check_transposition(transposition, dict(zip(PLACE, place)))
+        how["transposition"] = transposition
     return searched(data, model, place, progress, **how)[1]
 
 
@@ -168,6 +178,11 @@ def searched(data, model, place, progress, **how):
         own, steady = None, steady_model(model)
         plain = ThermalModel(steady, "balance")
         if is_data_set(data):
+            if "transposition" in how:
+                raise ValueError(
+                    "transposition does not go with files that are read in blocks; "
+                    "write poa_global into them with pvlib_fem.transpose_record"
+                )
             tell("reading the files")
             data, screened = in_means(in_files(data, plain), how["criteria"])
             own = OwnSteps(screened)
@@ -183,7 +198,8 @@ def searched(data, model, place, progress, **how):
             found = own.told(found)
     case = search.case
     times = Times.of(data.index, case.kept, case.whole.index, search.clock)
-    return search, replace(found, given=given, times=times)
+    sky = how.get("transposition", "") if case.transposed else ""
+    return search, replace(found, given=given, times=times, transposition=sky)
 
 
 @dataclass(frozen=True, eq=False)

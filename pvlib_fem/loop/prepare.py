@@ -9,6 +9,7 @@ from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
+from pvlib_fem.fitting.horizontal import with_plane
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
@@ -56,11 +57,28 @@ class Look:
     health: Health
     still: np.ndarray  # test rows of sensors that stand still
     kept: np.ndarray  # rows of the file that have a sure time
+    horizontal: np.ndarray | None = None  # irradiance that was transposed [W/m²]
+    told: tuple = ()  # of the transposition
+
+    def light(self, site):
+        """Irradiance and its place, which the middle of the day is found by."""
+        if self.horizontal is None:
+            return self.whole["poa_global"], site
+        return self.horizontal, {**site, "surface_tilt": 0.0, "surface_azimuth": 180.0}
 
 
-def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=None):
+def prepared(
+    data,
+    site,
+    holdout,
+    effects,
+    criteria,
+    check_units=True,
+    fixed=None,
+    transposition="",
+):
     """Everything checked that comes in, and divided before it is looked at."""
-    how = (site, criteria, check_units)
+    how = (site, criteria, check_units, transposition)
     look = looked(data, holdout, *how)
     look, corrections = in_standard_time(data, holdout, look, how)
     faults = look.health.faults
@@ -69,6 +87,9 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
         corrections += (shifted(faults["file_shift"], late, zone),)
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
+    if off and look.horizontal is not None:
+        why = "; ".join(faults[name] for name in sorted(off))
+        raise ValueError(f"ghi cannot be transposed: {why}")
     plane = None if off else estimated(look, site)
     if plane is not None:
         site = site | plane.angles
@@ -104,6 +125,7 @@ def prepared(data, site, holdout, effects, criteria, check_units=True, fixed=Non
         ),
         corrections=corrections,
         late=late_of(look),
+        transposed=look.horizontal is not None,
     )
     return divided(whole, case)
 
@@ -125,7 +147,7 @@ def is_before_the_sun(effect):
 def another_plane(case):
     """The plane by the light of clear days, where that is surely not the stated one."""
     location, *stated = case.site.values()
-    if location is None or None in stated:
+    if location is None or None in stated or case.transposed:
         return None
     whole = case.whole
     plane = plane_of(whole["poa_global"], whole.index, location, case.late)
@@ -138,9 +160,21 @@ def late_of(look):
     return late if np.isfinite(late) else 0.0
 
 
-def looked(data, holdout, site, criteria, check_units):
+def looked(data, holdout, site, criteria, check_units, transposition=""):
     """A frame divided and screened, and what its sensors and clocks show."""
-    columns, limits = with_aliases(data, ALWAYS), criteria.limits
+    needed = [n for n in ALWAYS if n != "poa_global" or not transposition]
+    columns, limits = with_aliases(data, needed), criteria.limits
+    said, horizontal = (), None
+    if transposition:
+        measured = "poa_global" in columns
+        how = (data.index, site, transposition, limits, check_units)
+        columns, said = with_plane(columns, *how)
+        # of these poa_global is made: they are no causes beside it
+        parts_of = {n: columns.pop(n, None) for n in ("ghi", "dni", "dhi")}
+        if measured:
+            columns |= {n: c for n, c in parts_of.items() if c is not None}
+        else:
+            horizontal = parts_of["ghi"].to_numpy()
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
     what = parts(usual, counting(usual), holdout, criteria)
@@ -156,7 +190,9 @@ def looked(data, holdout, site, criteria, check_units):
     columns = {n: column for n, column in columns.items() if n not in witnesses}
     drivers, refused = usable_drivers(columns, hidden, criteria.max_missing, taken)
     hidden = hidden.only([*COLUMNS, *drivers, *witnesses])
-    health = check(hidden, limits=limits, **site)
+    level = {"surface_tilt": 0.0, "surface_azimuth": 180.0}
+    level = site if horizontal is None else {**site, **level}
+    health = check(hidden, limits=limits, light=horizontal, **level)
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
@@ -166,7 +202,8 @@ def looked(data, holdout, site, criteria, check_units):
     timed = in_time(hidden, health.clock).inputs
     odd = tuple(oddities(timed, limits, hidden.absent))
     told = (drivers, witnesses, refused, faults, odd, health, still)
-    return Look(whole, what, *told, kept=np.ones(len(what), dtype=bool))
+    kept = np.ones(len(what), dtype=bool)
+    return Look(whole, what, *told, kept=kept, horizontal=horizontal, told=said)
 
 
 def in_time(record, clock):
@@ -177,12 +214,13 @@ def in_time(record, clock):
 
 def in_standard_time(data, holdout, look, how):
     """The look again where a file's clock jumps, and what was made of that."""
-    faults, (site, criteria, _) = look.health.faults, how
+    faults, (site, criteria, *_) = look.health.faults, how
     jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
     if not jumps or site["location"] is None:
         return look, ()
+    light, site = look.light(site)
     place = (look.health.noon, *site.values(), criteria.limits)
-    summer = daylight_saving(look.whole["poa_global"], look.whole.index, *place)
+    summer = daylight_saving(light, look.whole.index, *place)
     if not summer.explained:
         return look, (told_of(summer, *jumps),)
     if holdout is not None:
@@ -207,6 +245,7 @@ def used(look, sun):
 def notes_of(look, corrections, wanted, site, criteria):
     """What a reader has to know of the data, one line each."""
     health = look.health
+    yield from look.told
     yield from look.faults.notes
     yield from look.odd
     # doubts are said with the refused, clocks with their correction

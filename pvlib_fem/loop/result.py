@@ -23,6 +23,7 @@ from pvlib_fem.correction.result import CorrectedRecord
 from pvlib_fem.drivers import geometry
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Correction, Finding, Kind
+from pvlib_fem.fitting.horizontal import again
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
@@ -107,6 +108,9 @@ class Loop:
     times : Times or None
         Corrections of the record's clocks, which ``predict``, ``contributions`` and
         ``residual`` apply.
+    transposition : str
+        Model of the sky by which ``poa_global`` was made of ``ghi``, and is made where
+        ``predict`` and the others are given data without it; "" where it was measured.
     """
 
     findings: tuple
@@ -129,6 +133,7 @@ class Loop:
     given: dict = field(repr=False, default_factory=dict)
     own_steps: FemFit | None = field(repr=False, default=None)
     times: Times | None = field(repr=False, default=None)
+    transposition: str = ""
 
     @cached_property
     def week_rows(self) -> dict:
@@ -221,11 +226,13 @@ class Loop:
         self, data: pd.DataFrame, **place: Any
     ) -> tuple[list[Any], dict[str, pd.Series]]:
         """The usual three columns of ``data``, and those that the effects need."""
-        needed = self.fit.thermal_model.usual
-        columns = with_aliases(data, needed)
+        needed, there = self.fit.thermal_model.usual, {**self.place, **place}
+        made = ("poa_global",) if self.transposition else ()
+        columns = with_aliases(data, [n for n in needed if n not in made])
+        columns = again(columns, data.index, there, self.transposition)
         wanted = self.fit.thermal_model.drivers
         if {*wanted} & {*GEOMETRY} - {*columns}:
-            columns = {**geometry(data.index, **{**self.place, **place}), **columns}
+            columns = {**geometry(data.index, **there), **columns}
         drivers = {name: columns[name] for name in wanted if name in columns}
         usual = [columns[n] if n in needed else None for n in COLUMNS[:3]]
         return usual, drivers
@@ -408,7 +415,17 @@ class Loop:
         missing. A row gets NaN where a value that its correction needs is missing.
         Values that :func:`pvlib_fem.screen_record` finds stay as they are.
         """
-        return corrected_record(self, data, resolve)
+        return corrected_record(self, self.in_plane(data), resolve)
+
+    def in_plane(self, data: pd.DataFrame) -> pd.DataFrame:
+        """``data`` with ``poa_global``, where this loop transposed it from ``ghi``."""
+        if not self.transposition or "poa_global" in data:
+            return data
+        timed, known = self.timed(data)
+        columns = with_aliases(timed, ())
+        columns = again(columns, timed.index, self.place, self.transposition)
+        found = untimed(columns["poa_global"], data.index, known)
+        return data.assign(poa_global=found)
 
     def temperature_model(
         self, weather: pd.DataFrame | None = None, **options: Any
@@ -526,6 +543,7 @@ class Loop:
             "ceiling": self.known_ceiling.content() if self.known_ceiling else None,
             "given": self.given,
             "times": None if self.times is None else self.times.content(),
+            "transposition": self.transposition,
             "fit": self.fit.content(**cell),
         }
 
@@ -587,6 +605,7 @@ class Loop:
             weighed=content.flag("weighed"),
             given=content.part("given").content,
             times=Times.stored(content.part("times")) if content["times"] else None,
+            transposition=str(content.content.get("transposition", "")),
         )
         # what else it would take from the rows
         counts = content.part("weeks")

@@ -67,7 +67,12 @@ def frozen_in(record, limits):
 
 
 def check(
-    record, location=None, surface_tilt=None, surface_azimuth=None, limits=None
+    record,
+    location=None,
+    surface_tilt=None,
+    surface_azimuth=None,
+    limits=None,
+    light=None,
 ) -> Health:
     """
     Find faults of sensors and loggers in a measured record.
@@ -82,6 +87,8 @@ def check(
         Of the irradiance sensor. [°]
     limits : Limits, optional
         The thresholds.
+    light : array, optional
+        Irradiance of that plane, by default ``poa_global``. [W/m²]
 
     Returns
     -------
@@ -102,7 +109,8 @@ def check(
     refuse_frozen(record, frozen)
     clock = clock_shift(record, unusable(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)
-    noon = solar_noon_shift(record["poa_global"], record.index, *place, limits)
+    light = record["poa_global"] if light is None else light
+    noon = solar_noon_shift(light, record.index, *place, limits)
     doubts = doubtful(record.inputs.columns, limits)
     still = any(rows.any() for rows in frozen.values())
     faults = {"stuck": stuck_line(record, frozen)} if still else {}

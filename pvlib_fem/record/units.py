@@ -13,6 +13,9 @@ INCH = 1000.0 * constants.inch  # mm
 #: column: what it is, under the package's names
 QUANTITIES = {
     "poa_global": "irradiance",
+    "ghi": "irradiance",
+    "dni": "irradiance",
+    "dhi": "irradiance",
     "temp_air": "temperature",
     "wind_speed": "speed",
     "temp_module": "temperature",

@@ -1,0 +1,94 @@
+"""Irradiance in the plane of the module from that on the horizontal."""
+
+import numpy as np
+import pandas as pd
+from pvlib import atmosphere, irradiance
+
+from pvlib_fem.drivers.solar import ALBEDO, sun
+from pvlib_fem.spelling import Spelled, refusal
+
+#: models of the diffuse sky on a tilted plane, as pvlib names them
+TRANSPOSITIONS = ("perez", "haydavies")
+PARTS = ("dni", "dhi")  # of global irradiance, where they were measured, too
+PLACE = Spelled(
+    "location, surface_tilt and surface_azimuth", "--lat, --lon, --tilt and --azimuth"
+)
+
+
+def check_transposition(name, place):
+    """Refuse an unknown model of the sky, or half a place."""
+    if name not in TRANSPOSITIONS:
+        raise ValueError(
+            f"transposition is {name!r}; it is {' or '.join(map(repr, TRANSPOSITIONS))}"
+        )
+    if any(value is None for value in place.values()):
+        raise refusal("a transposition needs the plane of the module: give ", PLACE)
+
+
+def in_plane(columns, index, place, transposition):
+    """
+    Irradiance in the plane of the module from the global on the horizontal. [W/m²]
+
+    Beam and diffuse are the measured ``dni`` and ``dhi``, where both are there, or else
+    from Erbs' correlation [1]_. The sky is that of Perez [2]_ or of Hay and Davies
+    [3]_, and the ground has an albedo of 0.2. All are pvlib's.
+
+    Parameters
+    ----------
+    columns : mapping of Series or array
+        ``ghi``, and perhaps ``dni`` and ``dhi``. [W/m²]
+    index : DatetimeIndex
+        At whose times the sun stands where it is taken to be.
+    place : dict
+        ``location``, ``surface_tilt``, ``surface_azimuth``.
+    transposition : str
+        One of :data:`TRANSPOSITIONS`.
+
+    Returns
+    -------
+    Series
+        NaN where a column is.
+
+    References
+    ----------
+    .. [1] D. G. Erbs, S. A. Klein and J. A. Duffie, Solar Energy 28, 293 (1982),
+       :doi:`10.1016/0038-092X(82)90302-4`
+    .. [2] R. Perez et al., Solar Energy 44, 271 (1990),
+       :doi:`10.1016/0038-092X(90)90055-H`
+    .. [3] J. E. Hay and J. A. Davies, Proc. First Canadian Solar Radiation Data
+       Workshop, 59 (1980)
+    """
+    where = sun(index, place["location"])
+    zenith, azimuth = where["solar_zenith"], where["solar_azimuth"]
+    ghi = pd.Series(np.asarray(columns["ghi"], float), index).clip(lower=0.0)
+    if is_split(columns):
+        dni, dhi = (pd.Series(np.asarray(columns[n], float), index) for n in PARTS)
+    else:
+        found = irradiance.erbs(ghi, zenith, index)
+        dni, dhi = found["dni"], found["dhi"]
+    plane = place["surface_tilt"], place["surface_azimuth"]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        parts = irradiance.get_total_irradiance(
+            *plane,
+            zenith,
+            azimuth,
+            dni,
+            ghi,
+            dhi,
+            dni_extra=irradiance.get_extra_radiation(index),
+            airmass=atmosphere.get_relative_airmass(zenith),
+            albedo=ALBEDO,
+            model=transposition,
+        )
+    # before sunrise the light is that of the whole sky
+    up = np.cos(np.radians(place["surface_tilt"]))
+    twilight = ghi * ((1.0 + up) / 2.0 + ALBEDO * (1.0 - up) / 2.0)
+    total = parts["poa_global"].where(zenith < 90.0, twilight)
+    total = total.fillna(twilight).clip(lower=0.0)
+    known = np.isfinite(ghi) & np.isfinite(dni) & np.isfinite(dhi)
+    return total.where(known).rename("poa_global")
+
+
+def is_split(columns):
+    """Whether beam and diffuse were measured beside the global irradiance."""
+    return all(name in columns for name in PARTS)
