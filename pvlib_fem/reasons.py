@@ -86,6 +86,7 @@ class Reason(Enum):
 
     # a correction
     CORRECTED = "{fault}"
+    ONE_CLOCK = "{fault}{evidence}"
     NOT_CORRECTED = "{fault}; not corrected: {remedy}"
 
 

@@ -38,6 +38,7 @@ ORDER = (
     "fitting",
     "correction",
     "ceiling",
+    "statements",
     "loop",
     "paper",
     "fit",

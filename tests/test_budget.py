@@ -74,7 +74,7 @@ def test_a_covered_week_is_told_by_its_dates(covered):
     assert row["night"] == pytest.approx(residual[~sunny[residual.index]].mean())
     share = (residual**2).sum() / (covered.fit.residual**2).sum()
     assert row["share"] == pytest.approx(share, rel=0.01) and share > 0.3
-    text = " ".join(str(covered).split())
+    text = " ".join(covered.report().split())
     assert f"2023-06-05 to 2023-06-11: {row['day']:.1f} K warmer by day" in text
     assert "most of it should be in the site's log" in text
     assert "2023-06-05 to 2023-06-11" in covered.to_html()
@@ -87,7 +87,7 @@ def test_a_covered_week_is_told_by_its_dates(covered):
 
 def test_an_error_above_one_kelvin_has_a_line_on_its_time(covered):
     assert covered.table["rmse_test"][covered.last] > 1.0
-    (line,) = (x for x in str(covered).splitlines() if x.startswith("left in time"))
+    (line,) = (x for x in covered.report().splitlines() if x.startswith("left in time"))
     left = covered.budget["mean_square"]["left"]
     assert f"{left:.2f} K² ({np.sqrt(left):.2f} K) of" in line
 
@@ -120,7 +120,9 @@ def test_they_come_back_from_a_file_to_the_bit(covered, tmp_path):
 def test_a_record_of_days_without_test_weeks_has_one_too():
     loop = fem.close_loop(world(days=1), effects=[])
     assert loop.fit.test_days == 0 and loop.episodes.empty
-    assert "too few days to tell which stand out, of 30" in " ".join(str(loop).split())
+    assert "too few days to tell which stand out, of 30" in " ".join(
+        loop.report().split()
+    )
     assert adds_up(loop.budget) and set(loop.budget["weeks"]) == {"fitting"}
 
 
@@ -221,7 +223,7 @@ def test_few_days_and_no_residual_tell_nothing():
 def test_eight_measured_years_say_where_in_time_it_lives(bolzano):
     loop = fem.close_loop(bolzano, effects=["wind_direction"])
     assert loop.table["rmse_test"][loop.last] > 1.0 and adds_up(loop.budget)
-    assert "left in time" in str(loop)
+    assert "left in time" in loop.report()
 
 
 def test_days_that_stand_out_at_golden_are_of_winter(golden):

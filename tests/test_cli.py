@@ -436,7 +436,7 @@ def test_fit_and_loop_take_the_same_options():
         for name in ("fit", "loop")
     )
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
-    extra = {"min_gain", "corrected", "resolve", "ceiling"}
+    extra = {"min_gain", "corrected", "resolve", "details", "ceiling"}
     assert set(loop) - set(fit) == extra
     for name in set(fit) & set(loop) - {"model"}:
         assert fit[name].default == loop[name].default

@@ -291,7 +291,9 @@ def test_hours_are_found_before_units_are_judged(sites):
     """7 h late looks like °F, in which over-temperature is large and negative."""
     data = late_by(rows_of(sites[4], "1h"), 7)
     columns = [data[name] for name in COLUMNS]
-    with pytest.raises(ValueError, match="7 h too late beside poa_global"):
+    with pytest.raises(
+        ValueError, match="temp_module run 7 h ahead of those of poa_global"
+    ):
         fit_fem(*columns)
     (clock,) = close_loop(data[list(COLUMNS)]).corrections
     assert clock.applied and clock.fault == "clock_shift"
@@ -307,7 +309,7 @@ def test_a_second_irradiance_by_another_clock_is_noted(sites):
     for hours, noted in ((0, 0), (1, 1)):
         other = data.assign(poa_global_2=0.9 * data["poa_global"].shift(hours))
         notes = close_loop(other, effects=[]).notes
-        lines = [n for n in notes if n.startswith("the clock of poa_global_2 is ")]
+        lines = [n for n in notes if n.startswith("timestamps of poa_global_2 run ")]
         assert len(lines) == noted
 
 

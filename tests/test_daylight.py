@@ -218,7 +218,7 @@ def test_ten_days_by_another_clock_leave_all_other_changes_corrected():
         found.jumps, [("2023-06-21", 3600.0), ("2023-07-01", -3600.0)]
     ):
         assert by == due and abs(day - pd.Timestamp(date)) <= pd.Timedelta("2D")
-    assert "60 min late from 2023-06-2" in found.line
+    assert "60 min ahead from 2023-06-2" in found.line
     assert same_air(found, wall, data)
 
 
@@ -431,4 +431,4 @@ def test_one_of_two_clocks_that_was_set_is_told(years):
     found = twin_clock(data["poa_global"].to_numpy(), other, data.index)
     ((day, by),) = found.jumps
     assert by == 3600 and abs(day - pd.Timestamp("2023-04-10")) <= pd.Timedelta("2D")
-    assert "moves by +60 min on 2023-04" in found.line
+    assert "jump against those of poa_global by +60 min on 2023-04" in found.line

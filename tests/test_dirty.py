@@ -384,7 +384,7 @@ def test_times_that_stay_uncertain_hold_back_the_sun_alone():
     )
     assert loop.untestable["shading"].reason is Reason.OFF_THE_SUN
     assert "sky_radiation" in loop.effects
-    assert "are not sure" in str(loop)
+    assert "are not sure" in loop.report()
 
 
 def of_the_day_before(index):

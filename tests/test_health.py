@@ -394,7 +394,7 @@ def test_times_without_a_zone_are_the_locations_standard_time():
     location = Location(RHINE.latitude, RHINE.longitude, tz="Asia/Tokyo")
     noon = solar_noon_shift(data["poa_global"], data.index, location)
     assert noon.late == pytest.approx(-8 * 3600, abs=360)
-    assert "480 min too early" in noon.faults["file_shift"]
+    assert "480 min behind the sun" in noon.faults["file_shift"]
 
 
 @pytest.mark.parametrize(

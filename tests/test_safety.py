@@ -88,7 +88,13 @@ def test_names_bring_no_control_characters(usual):
     loop = fem.close_loop(data)
     shown = "driver:fan�[31m��"
     assert shown in loop.effects
-    for text in (str(loop), loop.to_html(), loop.to_json(), repr(loop.ranking)):
+    for text in (
+        str(loop),
+        loop.report(),
+        loop.to_html(),
+        loop.to_json(),
+        repr(loop.ranking),
+    ):
         assert not {"\x1b", "\x07", "\u202e"} & set(text)
     assert loop.predict(data).notna().all()
     with pytest.raises(ValueError) as error:

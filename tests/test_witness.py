@@ -65,7 +65,7 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
         (o.effect, o.opinion) for o in first.witnesses if o.column == "power_ac"
     }
     assert opinions == {("sensitivity_step", Opinion.CONTRADICTS)}
-    assert "power_ac contradicts" in str(loop)
+    assert "power_ac contradicts" in loop.report()
     assert "driver:power_ac" not in loop.ranking.index
 
 

@@ -117,7 +117,7 @@ def fit(files, out, plot, report, title, **options):
 @report_option
 @title_option
 @out_option
-def loop(files, report, title, out, corrected, resolve, **options):
+def loop(files, report, title, out, details, corrected, resolve, **options):
     """Find which physical effects the model lacks in FILE, or several.
 
     Beside the columns of a fit it takes wind_direction [° from north],
@@ -139,7 +139,7 @@ def loop(files, report, title, out, corrected, resolve, **options):
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
             found = closed(data, **options)
-        say(found)
+        say(found.report() if details else found)
         write(out, found.to_json)
         write_report(report, found, title, files)
         if corrected:

@@ -308,6 +308,11 @@ title_option = click.option(
 )
 correction_options = added(
     click.option(
+        "--details",
+        is_flag=True,
+        help="Print every check, hint and note instead of the summary.",
+    ),
+    click.option(
         "--corrected",
         type=WRITTEN,
         help="Write FILE as CSV without the faults of instruments that are found, "

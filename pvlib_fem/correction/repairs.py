@@ -89,7 +89,8 @@ class Repair:
 
 
 SENSOR, READING = "the irradiance sensor", "of the reading"
-ANEMOMETER, SHIELD = "the anemometer", "the air's thermometer"
+ANEMOMETER, SHIELD = "the anemometer", "the air temperature sensor"
+CONTACT = "the module temperature sensor"
 LESS, MORE = "reads less", "reads more"
 COLD, WARM = "reads too cold", "reads too warm"
 #: what the faults of instruments are, by channel or by the name of the effect
@@ -133,15 +134,13 @@ REPAIRS = {
     ),
     "contact": Repair(
         "temp_module",
-        "the module's sensor",
+        CONTACT,
         "reads less of the over-temperature",
         "reads more of the over-temperature",
         inverse,
         "of the over-temperature that it reads",
     ),
-    "module_offset": Repair(
-        "temp_module", "the module's sensor", COLD, WARM, opposite, "", "K"
-    ),
+    "module_offset": Repair("temp_module", CONTACT, COLD, WARM, opposite, "", "K"),
 }
 
 

@@ -125,9 +125,9 @@ class Work:
         for one in np.unique(run[minutes != 0.0]):
             rows = run == one
             size, ends = minutes[rows][0], ends_of(before[rows])
-            side = "early" if size > 0 else "late"
+            side = "behind" if size > 0 else "ahead"
             words = (
-                f"all columns: the file's clock is {abs(size):g} min {side} from "
+                f"all columns: the file's clock runs {abs(size):g} min {side} from "
                 f"{' to '.join(ends)}. Added to the times: {size:g} min."
             )
             self.corrected(cause, "all", words, rows, ends, size=size, unit="min")

@@ -113,6 +113,8 @@ class Effect:
         Whether it is a function of irradiance, air temperature, wind and sun
         alone. Several such can look alike, so they are reported as a
         class.
+    title : str, optional
+        What a model without it misses, as a noun phrase for reports.
     decided_by : str, optional
         The measurement that would decide, in a phrase.
     settings : dict, optional
@@ -151,6 +153,7 @@ class Effect:
     parameters: Mapping[str, Parameter]
     columns: tuple | None = None
     confounder: bool = False
+    title: str = ""
     decided_by: str = ""
     settings: Mapping = field(default_factory=dict)
     source: str = ""

@@ -280,7 +280,7 @@ def twins(look, limits):
         if name == "ghi" or twin_of(name) == "poa_global":
             both = (whole["poa_global"], whole[name])
             if line := twin_clock(*both, whole.index, limits).line:
-                yield f"the clock of {name} {line}"
+                yield f"timestamps of {name} {line}"
 
 
 def with_answer(hidden, faults, health, usual, test, limits):
@@ -338,7 +338,7 @@ def of_the_zone(index, location):
 def told_of(summer, fault=""):
     """What was made of a file whose clock jumps."""
     noon = "the day's light beside the sun, root mean square"
-    why = because(Reason.CORRECTED, fault=summer.line)
+    why = because(Reason.ONE_CLOCK, fault=summer.brief, evidence=summer.evidence)
     if not summer.explained:
         why = because(Reason.NOT_CORRECTED, fault=fault, remedy=summer.line)
     values = {"summer": 60.0} if summer.zone else {}

@@ -36,6 +36,9 @@ from pvlib_fem.record.columns import COLUMNS, GEOMETRY, printable, with_aliases
 from pvlib_fem.report.page import brief, page
 from pvlib_fem.report.text import lines, never
 from pvlib_fem.scores import GAMMA
+from pvlib_fem.statements.make import statements_of
+from pvlib_fem.statements.statement import as_table
+from pvlib_fem.statements.summary import summary
 from pvlib_fem.stored import Stored, opened, saved, written
 from pvlib_fem.thermal.stored import content_of, model_of
 from pvlib_fem.types import FilePath
@@ -46,7 +49,7 @@ class Loop:
     """
     The closed loop: what a record shows beyond the model, and what that is worth.
 
-    ``print(loop)`` is the report.
+    ``print(loop)`` is a summary of at most 25 lines; ``loop.report()`` has all.
 
     Attributes
     ----------
@@ -526,6 +529,7 @@ class Loop:
         """What is in a file of the loop."""
         return {
             "findings": [finding.content() for finding in self.findings],
+            "statements": [one.content() for one in statements_of(self)],
             "corrections": [one.content() for one in self.corrections],
             "table": self.table.to_dict(orient="index"),
             "base": self.base,
@@ -614,8 +618,37 @@ class Loop:
             vars(loop)["own_ceiling"] = Ceiling.stored(content.part("ceiling"))
         return loop
 
-    def __str__(self):
+    @property
+    def statements(self) -> pd.DataFrame:
+        """
+        What was found in sentences, a row each, with the numbers in them.
+
+        Clocks come first, then the causes in the model by what they take off the
+        error, unexplained patterns, days that stand out, and hints.
+
+        Returns
+        -------
+        DataFrame
+            ``cause``, ``device``, ``verdict``, ``text``, ``action``, ``certainty``,
+            ``gain`` [K]; ``value`` with ``error``, ``low`` and ``high`` in ``unit``:
+            what the device reads beyond the truth, negative where it reads less, or
+            of a clock the minutes by which its timestamps are ahead; ``since``,
+            ``until``, ``probability`` and ``alternatives``.
+        """
+        return as_table(statements_of(self))
+
+    def report(self) -> str:
+        """
+        The whole report: every step, finding, check, hint and note.
+
+        Returns
+        -------
+        str
+        """
         return printable("\n".join(lines(self)), "\n")
+
+    def __str__(self):
+        return printable("\n".join(summary(self)), "\n")
 
 
 def untimed(found, index, known):

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import median_abs_deviation, norm, t as student, theilslopes
 
-from pvlib_fem.quality.hours import day_of, hours_of, listed, offsets
+from pvlib_fem.quality.hours import day_of, hours_of, listed, offsets, side_of
 from pvlib_fem.quality.lag import lag, retimed
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, HOUR, daily_sums, measured_blocks, plain
@@ -168,10 +168,10 @@ def by_rows(found):
     """The clock as far as whole steps tell."""
     if not found.late:
         return Clock(late=0.0, stderr=0.0, limit=found.step)
-    way = "late" if found.late > 0 else "early"
     line = (
-        f"the clock of temp_module is {abs(found.late) / HOUR:.3g} h {way} beside that "
-        f"of poa_global, by whole steps of {found.step / 60:.0f} min"
+        f"timestamps of temp_module run {abs(found.late) / HOUR:.3g} h "
+        f"{side_of(found.late)} those of poa_global, in whole steps of "
+        f"{found.step / 60:.0f} min"
     )
     faults = {"clock_shift": line}
     return Clock(found.late, 0.0, faults=faults, why=line, limit=found.step)
@@ -211,16 +211,16 @@ def judge(origin, seconds, sums, blocks, changes, limits, far=0.0):
     gained = drift * seconds[-1] / DAY / 60
     if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1, limits) * drift_stderr:
         value -= drift * centre
-        way = "later" if drift > 0 else "earlier"
+        verb = "gains" if drift > 0 else "loses"
         faults["clock_drift"] = (
-            f"the clock of temp_module gets {way} by {abs(drift):.1f} ± "
-            f"{drift_stderr:.1f} s every day, {abs(gained):.0f} min over the record"
+            f"the clock of temp_module {verb} {abs(drift):.1f} ± {drift_stderr:.1f} s "
+            f"every day, {abs(gained):.0f} min over the record"
         )
     if abs(value) > limit and abs(value) > sure(rest, limits) * stderr:
         faults["clock_shift"] = (
-            f"the clock of temp_module is {abs(value) / 60:.1f} ± "
-            f"{left_open(stderr, limit) / 60:.1f} min "
-            f"{'late' if value > 0 else 'early'} beside that of poa_global"
+            f"timestamps of temp_module run {abs(value) / 60:.1f} ± "
+            f"{left_open(stderr, limit) / 60:.1f} min {side_of(value)} those of "
+            "poa_global"
         )
     jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
     if jumps:

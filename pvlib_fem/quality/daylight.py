@@ -25,6 +25,8 @@ class Daylight:
     transitions: tuple = ()  # of the zone: (time in standard time, seconds)
     jumps: tuple = ()  # others that were taken out: (first day after it, seconds)
     left: tuple = ()  # those that were not
+    brief: str = ""  # the line's part on what was found and done
+    evidence: str = ""  # the rest of the line
 
     @property
     def explained(self) -> bool:
@@ -122,9 +124,13 @@ def daylight_saving(
             kept[kept] = there
     if not words:
         return as_it_is(index, f"{why or 'no zone fits'}; {REMEDY}", noon)
-    line = told(words, noon, now, int((~kept).sum()))
+    brief = f"the file {', and '.join(words)}"
+    evidence = evidence_of(noon, now, int((~kept).sum()))
+    line = brief + evidence
     before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
-    return Daylight(zone, line, times, kept, before, after, due, taken, now.jumps)
+    return Daylight(
+        zone, line, times, kept, before, after, due, taken, now.jumps, brief, evidence
+    )
 
 
 REMEDY = "set the times to one clock, such as standard time"
@@ -141,12 +147,12 @@ def better(then, now):
     return len(then.jumps) < len(now.jumps) and near
 
 
-def told(words, noon, now, lost):
-    """The line of what was made of the file."""
+def evidence_of(noon, now, lost):
+    """What the corrected times gain and lose, in words."""
     before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
     line = (
-        f"the file {', and '.join(words)}; the day's light is {after:.0f} min off the "
-        f"sun, and was {before:.0f} (root mean square)"
+        f"; the day's light is {after:.0f} min off the sun, and was {before:.0f} (root "
+        "mean square)"
     )
     if lost:
         line += f"; {lost:,} rows around the changes have no sure time and are left out"
@@ -221,7 +227,7 @@ def of_segments(noon, most=4):
     days = [day.date() for day, _ in noon.jumps]
     for i, (_, late) in enumerate(hours):
         if late:
-            way = "late" if late > 0 else "early"
+            way = "ahead" if late > 0 else "behind"
             since = f" from {days[i - 1]}" if i else ""
             until = f" until {days[i]}" if i < len(days) else " on"
             parts.append(f"{abs(late) / 60:.0f} min {way}{since}{until}")

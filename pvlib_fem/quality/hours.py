@@ -1,4 +1,4 @@
-"""Days and offsets of a clock that jumps."""
+"""Days, offsets and words of a clock that is off."""
 
 import numpy as np
 import pandas as pd
@@ -25,6 +25,11 @@ def hours_of(blocks, changes):
     ]
     standard = hours[int(np.argmin(wrong))][1]
     return tuple((start, late - standard) for start, late in hours)
+
+
+def side_of(late):
+    """Say on which side of correct times the timestamps of a clock are."""
+    return "ahead of" if late > 0 else "behind"
 
 
 def offsets(hours, seconds):

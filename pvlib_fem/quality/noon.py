@@ -7,7 +7,7 @@ import pandas as pd
 import pvlib
 
 from pvlib_fem.drivers import standard_time
-from pvlib_fem.quality.hours import day_of, days_of, listed, offsets
+from pvlib_fem.quality.hours import day_of, days_of, listed, offsets, side_of
 from pvlib_fem.quality.jumps import jumps_of, whole_hours
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, HOUR, night
@@ -130,11 +130,10 @@ def noon_faults(late, jumps, step, limits):
     faults = {}
     if abs(late) > limits.sun_slack + step / 2:
         faults["file_shift"] = (
-            f"the clock of the file is off: the day's light comes and goes "
-            f"{abs(late) / 60:.0f} min too {'late' if late > 0 else 'early'} for the "
-            "location, so the times are in another zone than they say, or longitude "
-            "has the wrong sign (times without a zone are read as standard time in the "
-            "location's tz, or by its longitude where that is UTC)"
+            f"timestamps of the file run {abs(late) / 60:.0f} min {side_of(late)} the "
+            "sun at the location: they are in another zone than stated, or the "
+            "longitude has the wrong sign (times without a zone are read as standard "
+            "time in the location's tz, or by its longitude where that is UTC)"
         )
     if not jumps:
         return faults

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.quality.hours import days_of, listed
+from pvlib_fem.quality.hours import days_of, listed, side_of
 from pvlib_fem.quality.jumps import change, jumps_of
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.noon import middles, with_nights
@@ -63,9 +63,12 @@ def twin_clock(poa_global, other, index, limits=None) -> TwinClock:
     late, stderr, _ = change(np.zeros(1), days.to_numpy())
     parts = []
     if abs(late) > limits.sun_slack:
-        way = "late" if late > 0 else "early"
-        parts.append(f"is {abs(late) / 60:.0f} ± {max(stderr / 60, 1):.0f} min {way}")
+        error = max(stderr / 60, 1)
+        parts.append(
+            f"run {abs(late) / 60:.0f} ± {error:.0f} min {side_of(late)} those of "
+            "poa_global"
+        )
     if jumps:
-        parts.append(f"moves by {listed(jumps)}")
-    line = f"{' and '.join(parts)} beside that of poa_global" if parts else ""
+        parts.append(f"jump against those of poa_global by {listed(jumps)}")
+    line = " and ".join(parts)
     return TwinClock(float(late), float(stderr), days, jumps, line)

@@ -6,6 +6,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from pvlib_fem.quality.between import between
+from pvlib_fem.quality.hours import side_of
 from pvlib_fem.quality.lag import lag, retimed
 from pvlib_fem.quality.limits import (
     EFFICIENCY,
@@ -300,10 +301,11 @@ def suspected(inputs, found, limits):
 
 def of_hours(off):
     """The suspicion that the module's clock is off by hours."""
-    hours, way = f"{abs(off.late) / HOUR:.3g} h", "late" if off.late > 0 else "early"
+    hours = f"{abs(off.late) / HOUR:.3g} h"
     fix = "Subtract" if off.late > 0 else "Add"
     return Suspicion(
-        f"temp_module is written {hours} too {way} beside poa_global",
+        f"timestamps of temp_module run {hours} {side_of(off.late)} those of "
+        "poa_global",
         f"{fix} {hours} {'from' if off.late > 0 else 'to'} its times, or give the "
         "record to close_loop, which does",
         "that is",

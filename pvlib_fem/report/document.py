@@ -36,6 +36,9 @@ th, td { padding: .3rem 1.1rem .3rem 0; text-align: left; vertical-align: top;
   border-bottom: 1px solid var(--line); }
 th { font-weight: 600; }
 th, td { white-space: nowrap; }
+.text th, .text td { white-space: normal; }
+.text td:first-child { min-width: 16rem; }
+.text td:last-child { min-width: 10rem; }
 .n { text-align: right; font-variant-numeric: tabular-nums; }
 .figures { display: grid; gap: 1rem;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr)); }
@@ -114,8 +117,13 @@ def listed(items, ordered=False):
     return f"<{tag}>\n" + "\n".join(rows) + f"\n</{tag}>"
 
 
-def table(head, rows, caption=""):
-    """A table whose numbers, formatted already, stand in the columns marked ``#``."""
+def table(head, rows, caption="", wraps=False):
+    """
+    A table whose numbers, formatted already, stand in the columns marked ``#``.
+
+    ``wraps`` breaks long cells into lines.
+    """
+    kind = ' class="text"' if wraps else ""
     kinds = [' class="n"' if name.startswith("#") else "" for name in head]
 
     def line(cells, tag):
@@ -125,7 +133,8 @@ def table(head, rows, caption=""):
     top = line([name.removeprefix("#") for name in head], "th")
     body = "\n".join(line(row, "td") for row in rows)
     return (
-        f'<div class="wide" tabindex="0"><table>\n<thead>{top}</thead>\n'
+        f'<div class="wide" tabindex="0"><table{kind}>\n'
+        f"<thead>{top}</thead>\n"
         f"<tbody>\n{body}\n</tbody>\n</table></div>\n"
         + (paragraph(caption, "soft") if caption else "")
     )

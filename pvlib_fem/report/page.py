@@ -34,6 +34,7 @@ from pvlib_fem.report.pictures import picture_of_ceiling, pictures
 from pvlib_fem.scores import GAMMA
 
 NOT_SHOWN = "smaller than this record can show"
+TO_DO = "Worth: what the finding takes off the error, as the root of a mean square."
 WITHOUT_CAUSE = "no effect and no column follows it"
 STEPS = {
     "steady": "no memory",
@@ -77,6 +78,7 @@ def page(loop, never=(), title=None, gamma=GAMMA):
     parts = [
         heading(f"Module temperature: {headline(loop)}", title, loop.corrections),
         verdict(loop),
+        section("What to do", to_do(loop.statements)),
         section("Errors by step", errors(loop, gamma)),
         section("In energy", in_energy(fit, residuals(loop), gamma)),
         *could_be(loop),
@@ -99,6 +101,25 @@ def could_be(loop):
     if (ceiling := loop.known_ceiling) is not None:
         body = [paragraph(sentence(ceiling)), figures([picture_of_ceiling(ceiling)])]
         yield section("How much could still be explained", "\n".join(body))
+
+
+def to_do(statements):
+    """What was found and what to do about it, the most valuable first."""
+    if not len(statements):
+        return paragraph("Nothing: no fault of an instrument was found.")
+    rows = [
+        (
+            one.text,
+            one.action or "–",
+            one.device,
+            one.since or "–",
+            number(one.gain),
+            one.certainty,
+        )
+        for one in statements.itertuples()
+    ]
+    head = ("finding", "action", "device", "since", "#worth [K]", "how sure")
+    return table(head, rows, TO_DO, wraps=True)
 
 
 def ranges(loop):
@@ -400,7 +421,7 @@ def reproduce(loop):
         (
             made_by(loop.fit, call(loop)),
             paragraph(f"Effects that were weighed: {names}."),
-            printed(loop),
+            printed(loop.report()),
         )
     )
 

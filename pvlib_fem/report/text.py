@@ -24,9 +24,9 @@ NEVER = (
 WIDE, MOST = 26, 100  # characters of the first column of the report, and of a line
 #: what the numbers of a clock are: unit, and words for either sign
 LATE = {
-    "late": ("min", "late", "early"),
-    "drift": ("s", "later each day", "earlier each day"),
-    "summer": ("min", "late in summer", "early in summer"),
+    "late": ("min", "ahead", "behind"),
+    "drift": ("s", "gained each day", "lost each day"),
+    "summer": ("min", "ahead in summer", "behind in summer"),
 }
 
 

@@ -35,6 +35,7 @@ MEASURED = Effect(
     "air_elsewhere",
     terms,
     {"share": Parameter(0.0, 0.0, 1.0, "-")},
+    title="air at the modules that differs from the measured air on clear nights",
     decided_by="air temperature beside the module",
     source="measured longwave",
     confused_with=("sky_radiation", "temperature_gain", "air_shield", "season"),

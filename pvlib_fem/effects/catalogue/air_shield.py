@@ -32,6 +32,7 @@ EFFECT = Effect(
     terms,
     {"warm": Parameter(0.0, 0.0, 6.0, "K")},
     confounder=True,
+    title="an air temperature sensor heated by the sun in calm air",
     decided_by="a second, aspirated air temperature sensor",
     confused_with=(
         "wind_shape",

@@ -97,6 +97,7 @@ EFFECT = Effect(
     "electrical_output",
     terms,
     {"share": Parameter(0.0, 0.0, 4.0, "-")},
+    title="heat that leaves the modules as electricity",
     decided_by="the inverter's log of limits and outages",
     confused_with=(
         "snow",

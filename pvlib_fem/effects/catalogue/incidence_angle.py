@@ -33,6 +33,7 @@ EFFECT = Effect(
     terms,
     {"b0": Parameter(0.0, 0.0, 0.2, "-")},
     confounder=True,
+    title="reflection at high angles of incidence",
     decided_by="a reference cell beside the pyranometer",
     confused_with=(
         "natural_convection",

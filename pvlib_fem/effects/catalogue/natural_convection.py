@@ -36,6 +36,7 @@ EFFECT = Effect(
     terms,
     {"free": Parameter(0.0, 0.0, 30.0, "W/(m² K)")},
     confounder=True,
+    title="natural convection in calm air",
     decided_by="a second module at open circuit, and wind measured at the module",
     confused_with=(
         "wind_shape",

@@ -36,6 +36,7 @@ EFFECT = Effect(
     terms,
     {"share": Parameter(0.0, 0.0, 3.5, "-")},
     confounder=True,
+    title="radiative heat loss that grows with temperature",
     decided_by="warm days in winter and cold ones in summer",
     confused_with=(
         "season",

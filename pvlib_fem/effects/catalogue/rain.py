@@ -40,6 +40,7 @@ FROM_WETNESS = Effect(
     "rain",
     terms,
     {"film": Parameter(0.0, 0.0, 1000.0, "W/(m² K)")},
+    title="cooling by evaporating rain",
     decided_by="a wetness sensor on the module",
     confused_with=(
         "sky_radiation",

@@ -27,6 +27,7 @@ EFFECT = Effect(
     terms,
     {"share": Parameter(0.0, 0.0, 0.5, "-")},
     confounder=True,
+    title="irradiance on the rear side",
     decided_by="an albedometer or a rear irradiance sensor",
     confused_with=(
         "natural_convection",

@@ -37,6 +37,7 @@ EFFECT = Effect(
         "spring": Parameter(0.0, -0.2, 0.2, "-"),
     },
     confounder=True,
+    title="a seasonal change of the absorbed irradiance",
     decided_by="a second year, or an albedometer",
     confused_with=(
         "poa_misalignment",

@@ -93,6 +93,7 @@ def within(windows, sensor=False):
         lost,
         {"share": Parameter(0.0, *bounds, "-")},
         columns=(*lights, "solar_azimuth", "solar_zenith"),
+        title="shade on the modules or on the irradiance sensor",
         decided_by="a look at the horizon, or a photograph of it",
         settings={"windows": windows, "sensor": sensor},
         source="a window of the sky, before the " + ("sensor" if sensor else "module"),

@@ -31,6 +31,7 @@ MEASURED = Effect(
     "sky_radiation",
     terms,
     {"share": Parameter(0.0, 0.0, 3.0, "-")},
+    title="radiative heat loss to a cold sky",
     decided_by="a pyrgeometer",
     source="measured longwave",
     confused_with=(

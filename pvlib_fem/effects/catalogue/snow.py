@@ -35,6 +35,7 @@ EFFECT = Effect(
         "share": Parameter(0.0, 0.0, 1.2, "-"),
         "stays": Parameter(0.0, -0.3, 1.5, "-"),
     },
+    title="snow on the modules",
     decided_by="a camera, or the module's power on the days after snow",
     confused_with=(
         "electrical_output",

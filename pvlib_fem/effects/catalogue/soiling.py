@@ -67,6 +67,7 @@ EFFECT = Effect(
     "soiling",
     terms,
     {"per_day": PER_DAY},
+    title="soiling between rains",
     decided_by="a cleaning of the sensor and, on another day, of the module",
     confused_with=(
         "season",

@@ -24,6 +24,7 @@ EFFECT = Effect(
     terms,
     {"gain": Parameter(0.0, -0.1, 0.1, "-")},
     confounder=True,
+    title="a gain error of the module's temperature sensor",
     decided_by="module against air on overcast, windy nights of all seasons",
     confused_with=(
         "season",

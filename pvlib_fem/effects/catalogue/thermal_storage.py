@@ -37,6 +37,7 @@ EFFECT = Effect(
         "air": Parameter(0.0, -5.0, 20.0, "W/(m² K)"),
     },
     confounder=True,
+    title="heat stored behind the modules",
     decided_by="a temperature sensor on the roof or in the cavity behind",
     confused_with=(
         "poa_misalignment",

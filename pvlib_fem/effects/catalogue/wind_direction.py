@@ -35,6 +35,7 @@ EFFECT = Effect(
         "north": Parameter(0.0, -10.0, 10.0, "W s/(m³ K)"),
         "east": Parameter(0.0, -10.0, 10.0, "W s/(m³ K)"),
     },
+    title="cooling that depends on wind direction",
     decided_by="wind speed and direction measured at the module",
     confused_with=(
         "sky_radiation",

@@ -35,6 +35,7 @@ EFFECT = Effect(
         "stall": Parameter(0.0, -10.0, 10.0, "W/(m² K)"),
     },
     confounder=True,
+    title="cooling that is not proportional to wind speed",
     decided_by="a sonic anemometer at the module",
     confused_with=(
         "air_shield",

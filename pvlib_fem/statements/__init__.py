@@ -1,0 +1,1 @@
+"""What a loop found, in sentences: device, direction, size, dates and action."""

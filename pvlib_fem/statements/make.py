@@ -1,0 +1,196 @@
+"""A loop's findings as statements, the most valuable first."""
+
+import numpy as np
+
+from pvlib_fem.effects import find
+from pvlib_fem.effects.effect import deciding
+from pvlib_fem.findings import LEAST, OUTSIDE, OUTSIDE_WORDS, Kind, Opinion, Verdict
+from pvlib_fem.report import budget
+from pvlib_fem.statements.causes import MODULES, clause_of
+from pvlib_fem.statements.clocks import clock_statement
+from pvlib_fem.statements.statement import Statement
+
+PATTERN = "unexplained pattern"
+DAYS = "days that stand out"
+
+
+def statements_of(loop):
+    """
+    All statements of a loop.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    list of Statement
+        Clocks, causes in the model by what they take off the error, unexplained
+        patterns, days that stand out, hints.
+    """
+    findings = [f for f in loop.findings if f.kind is not Kind.STRUCTURE]
+    findings.sort(key=lambda finding: -finding.gain)
+    causes, hints = (
+        [finding_statement(f, loop) for f in findings if f.added == added]
+        for added in (True, False)
+    )
+    return [
+        *map(clock_statement, loop.corrections),
+        *causes,
+        *map(pattern_statement, loop.unexplained),
+        *date_statements(loop),
+        *hints,
+    ]
+
+
+def days_of(loop):
+    """First and last day of a loop's record."""
+    record = loop.fit.summary
+    return f"{record.start:%Y-%m-%d}", f"{record.end:%Y-%m-%d}"
+
+
+def finding_statement(finding, loop):
+    """A finding as a statement."""
+    effects = {effect.name: effect for effect in loop.fit.effects}
+    own = [*effects.values()]
+    clauses, known = [], []
+    for name in finding.candidates:
+        numbers = finding if name == finding.effect else finding.members.get(name)
+        effect = effects.get(name)
+        if effect is None or name != finding.effect:
+            effect = find_or_none(name, numbers, own)
+        if effect is None:
+            continue
+        known.append(effect)
+        if numbers is not None:
+            days = days_of(loop)
+            clauses.append(clause_of(effect, numbers, loop.fit.coefficients, *days))
+    alternatives = tuple(n for n in finding.candidates if n != finding.effect)
+    main = clauses[0]
+    return Statement(
+        cause=finding.effect,
+        device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),
+        verdict=str(finding.verdict),
+        text=sentence(finding, clauses),
+        action=action_of(finding, clauses, known),
+        certainty=certainty_of(finding),
+        gain=finding.gain,
+        value=main.value,
+        error=main.error,
+        low=main.low,
+        high=main.high,
+        unit=main.unit,
+        since=main.since,
+        until=main.until,
+        probability=finding.probabilities.get(finding.effect, np.nan),
+        alternatives=alternatives,
+    )
+
+
+def find_or_none(name, numbers, own):
+    """The effect of a name with the settings of a member; None if it is unknown."""
+    settings = numbers.settings if hasattr(numbers, "settings") else {}
+    try:
+        return find({"name": name, **settings}, own)
+    except ValueError:
+        return None
+
+
+def sentence(finding, clauses):
+    """The clauses of all causes with the dates of the first."""
+    first, *others = clauses
+    parts = [words_of(first, finding.place)]
+    for other in others:
+        same = (other.since, other.until, other.course) == (
+            first.since,
+            first.until,
+            first.course,
+        )
+        parts.append(other.words if same else words_of(other))
+    text = ", or ".join(parts)
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def words_of(clause, place=""):
+    """A clause with its dates; ``place`` has the days between which it began."""
+    if clause.course == "step":
+        return f"from {place or clause.since} on {clause.words}"
+    if clause.course == "episode":
+        return f"from {place or f'{clause.since} until {clause.until}'} {clause.words}"
+    if clause.course == "drift":
+        return f"{clause.words} since {clause.since}"
+    return clause.words
+
+
+def certainty_of(finding):
+    """How sure a finding is, in words."""
+    said = [
+        f"{witness.column} {'agrees' if agrees else 'contradicts ' + witness.effect}"
+        for witness in finding.heard
+        if (agrees := witness.opinion is Opinion.AGREES) or not finding.added
+        if agrees or witness.effect == finding.effect
+    ]
+    agree = f"; {', '.join(dict.fromkeys(said))}" if said else ""
+    if finding.verdict is Verdict.NAMED:
+        share = finding.probabilities.get(finding.effect)
+        words = f" (probability {share:.0%})" if share is not None else ""
+        return f"Identified{words}{agree}"
+    if finding.verdict is Verdict.CLASS:
+        return f"Ambiguous{shares_of(finding)}{agree}"
+    return f"A hint, not in the model: {finding.why}"
+
+
+def shares_of(finding):
+    """Probabilities of the causes in their order, and of a cause outside."""
+    known = finding.probabilities
+    parts = [f"{known[n]:.0%}" for n in finding.candidates if n in known]
+    if known.get(OUTSIDE, 0.0) >= LEAST:
+        parts.append(f"{OUTSIDE_WORDS} {known[OUTSIDE]:.0%}")
+    return f" ({', '.join(parts)})" if parts else ""
+
+
+def action_of(finding, clauses, effects):
+    """What to do about a finding."""
+    if finding.verdict is Verdict.CLASS and len(clauses) > 1:
+        return f"To decide: {', or '.join(deciding(effects))}"
+    if finding.verdict is Verdict.SUGGESTIVE:
+        return ""
+    return clauses[0].action
+
+
+def pattern_statement(finding):
+    """An unexplained pattern as a statement."""
+    mean = finding.coefficients.get("mean", np.nan)
+    way = "warmer" if mean > 0 else "colder"
+    return Statement(
+        cause=finding.effect,
+        device=PATTERN,
+        verdict=str(finding.verdict),
+        text=(
+            f"Unexplained but repeatable: {finding.gain:.2f} K of the error is "
+            f"{finding.place}, where the modules are {abs(mean):.2f} K {way} than "
+            "modelled"
+        ),
+        action=f"Record a quantity that changes {finding.place}",
+        gain=finding.gain,
+        value=mean,
+        unit="K",
+    )
+
+
+def date_statements(loop):
+    """Days that stand out as statements."""
+    for row in loop.episodes.to_dict("records")[: budget.MOST]:
+        days, words = budget.span(row), budget.apart(row)
+        yield Statement(
+            cause=DAYS,
+            device=MODULES,
+            verdict="unknown",
+            text=(
+                f"On {days} the modules were {words} ({row['share']:.1%} of the "
+                "squared error)"
+            ),
+            action=f"Look up {days} in the site's log",
+            since=f"{row['start']:%Y-%m-%d}",
+            until=f"{row['end']:%Y-%m-%d}",
+        )

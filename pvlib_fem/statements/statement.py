@@ -1,0 +1,74 @@
+"""One sentence of a report, with the numbers in it."""
+
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+import pandas as pd
+
+
+@dataclass(frozen=True)
+class Statement:
+    """
+    What a loop found of one device, and what to do about it.
+
+    Attributes
+    ----------
+    cause : str
+        Name of the effect, of the fault of a clock, or of the unexplained pattern.
+    device : str
+        The instrument, or ``"modules"``, ``"mounting"``, ``"model"``.
+    verdict : str
+        ``"named"``, ``"class"`` (ambiguous), ``"suggestive"`` (a hint that is not in
+        the model) or ``"unknown"``; of a clock ``"corrected"`` or ``"not corrected"``.
+    text : str
+        The finding in a sentence: device, direction, size and dates.
+    action : str
+        What to do; "" where nothing is to be done at the plant.
+    certainty : str
+        How sure the finding is, in words.
+    gain : float
+        What it takes off the error. [K]
+    value, error, low, high : float
+        What the device reads beyond the truth, relative to before, with standard error
+        and 90 % range: negative where it reads less. Of a clock the minutes by which
+        its timestamps are ahead; of other effects their only coefficient.
+    unit : str
+        Of these four.
+    since, until : str
+        First and last date, ``YYYY-MM-DD``; "" where it is of the whole record.
+    probability : float
+    alternatives : tuple of str
+        Further causes that the record cannot tell from it.
+    """
+
+    cause: str
+    device: str
+    verdict: str
+    text: str
+    action: str = ""
+    certainty: str = ""
+    gain: float = np.nan
+    value: float = np.nan
+    error: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+    unit: str = ""
+    since: str = ""
+    until: str = ""
+    probability: float = np.nan
+    alternatives: tuple = ()
+
+    def content(self):
+        """The statement for a file."""
+        return asdict(self)
+
+    def __str__(self):
+        sentences = (self.text, self.certainty, self.action)
+        return " ".join(f"{one.rstrip('.')}." for one in sentences if one)
+
+
+def as_table(statements):
+    """A row for each statement."""
+    names = [field.name for field in fields(Statement)]
+    rows = [[getattr(one, name) for name in names] for one in statements]
+    return pd.DataFrame(rows, columns=names).rename_axis("statement")
