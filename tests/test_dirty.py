@@ -13,6 +13,7 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.names import usual_name
 
 
 def tau_of(result):
@@ -210,6 +211,59 @@ def test_labels_of_several_levels_are_joined(plant, tmp_path):
     assert call(*words).exit_code == 0
 
 
+def of_two_lines(data, path):
+    """A group over each of its columns, as pandas writes it."""
+    data.rename_axis("time").to_csv(path)
+
+
+def of_merged_cells(data, path):
+    """A group over its first column alone, as a spreadsheet writes it, and units."""
+    groups = [*data.columns.get_level_values(0)]
+    first = [a if a != b else "" for a, b in zip(groups, ["", *groups])]
+    rows = [first, data.columns.get_level_values(1), ["W/m²", "°C", "m/s", "°C"]]
+    header = [",".join([word, *row]) for word, row in zip(["", "time", ""], rows)]
+    path.write_text("\n".join(header) + "\n" + data.to_csv(header=False), "utf-8")
+
+
+def of_a_workbook(data, path):
+    data.rename_axis("time").to_excel(path.with_suffix(".xlsx"))
+
+
+@pytest.mark.parametrize("form", [of_two_lines, of_merged_cells, of_a_workbook])
+def test_a_header_of_several_lines_is_joined_where_one_is_not_enough(
+    form, record, tmp_path
+):
+    """Two temperatures of one name: the line above says of what."""
+    labels = ("Weather station", "POA"), ("Weather station", "Temp")
+    labels += ("Weather station", "Wind"), ("Array 1", "Temp")
+    data = record.set_axis(pd.MultiIndex.from_tuples(labels), axis=1)
+    form(data, tmp_path / "plant.csv")
+    (path,) = tmp_path.iterdir()
+    words = proposed(call("fit", path))
+    assert words[words.index("--header-rows") + 1] == "2"
+    assert {f"{n}={a}_{b}" for n, (a, b) in zip(COLUMNS, labels)} <= {*words}
+    expected = fem.fit_fem(record)
+    result = call(*words)
+    assert tau_of(result) == pytest.approx(expected.coefficients["tau"], rel=1e-3)
+    if path.suffix == ".csv":
+        read = fem.read_file(path, header_rows=2, drop_untimed=True)
+        assert [*read.columns] == ["_".join(label) for label in labels]
+
+
+def test_a_line_of_groups_is_left_out_where_names_are_enough(record, tmp_path):
+    lines = ",Weather,,,Array\n" + record.to_csv(index_label="Timestamp")
+    (path := tmp_path / "plant.csv").write_text(lines)
+    words = proposed(call("fit", path))
+    assert words[1:] == [str(path), "--skip-rows", "1"]
+
+
+@pytest.mark.parametrize(
+    "name", ["module_tilt", "tilt", "temp_dew", "Wind Chill", "wet bulb T", "PV total"]
+)
+def test_no_name_of_another_quantity_is_proposed(name):
+    assert usual_name(name) is None
+
+
 WRITTEN = {
     "%b %d, %Y %I:%M %p": lambda t: (
         f"{t:%b} {t.day}, {t:%Y} {t.hour % 12 or 12}:{t:%M %p}"
@@ -233,6 +287,61 @@ def test_times_as_portals_and_spreadsheets_write_them_are_read(form, record, tmp
     read = fem.read_file(path, time_format=form)
     assert (read.index == record.index).all()
     assert call(*words).exit_code == 0
+
+
+LETTERED = {
+    # zone of the clock, what stands behind its times, and the zone that is proposed
+    "standard time all year": ("Etc/GMT-1", "CET", None),
+    "in German": ("Europe/Berlin", {1: "MEZ", 2: "MESZ"}, "Europe/Berlin"),
+    "both": ("Europe/Berlin", "%Z", "Europe/Berlin"),
+    "twelve hours": ("America/New_York", "%Z", "America/New_York"),
+    "letters of two zones": ("America/Chicago", "%Z", "America/Chicago"),
+    "letters of two zones in winter": ("Etc/GMT+6", "CST", "America/Chicago"),
+    "an offset": ("Europe/Berlin", "%z", "Europe/Berlin"),
+}
+
+
+@pytest.mark.parametrize("case", LETTERED)
+def test_letters_of_a_zone_are_one_distance_from_utc(case, tmp_path):
+    zone, letters, told = LETTERED[case]
+    days = 60 if "winter" in case else 365
+    data = simulator.record(days=days, step=3600, start="2022-12-01", seed=4)
+    data = data[list(COLUMNS)].tz_convert(zone)
+    form = "%m/%d/%Y %I:%M %p" if "twelve" in case else "%d.%m.%Y %H:%M"
+    behind = letters
+    if isinstance(letters, dict):
+        hours = [int(time.utcoffset().total_seconds() // 3600) for time in data.index]
+        behind, letters = [letters[hour] for hour in hours], "%Z"
+    elif letters in ("%Z", "%z"):
+        behind = data.index.strftime(letters)
+    else:
+        letters = "%Z"
+    text = data.index.strftime(form) + " " + behind
+    data.set_axis(text).to_csv(path := tmp_path / "plant.csv", index_label="time")
+    words = proposed(call("fit", path))
+    assert words[words.index("--time-format") + 1] == f"{form} {letters}"
+    assert told is None or words[words.index("--tz") + 1] == told
+    read = fem.read_file(path, time_format=f"{form} {letters}", tz=told)
+    assert (read.index == data.index).all()
+    assert call(*words).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("letters", "form", "words"),
+    [
+        ("CST", "%Z", "more than one zone.*--tz America/Chicago or --tz Asia/Shanghai"),
+        ("XYZ", "XYZ", "the zone 'XYZ' in row 0 .*%H:%M XYZ.*--tz"),
+    ],
+)
+def test_letters_that_tell_no_time_are_refused_by_name(
+    letters, form, words, record, tmp_path
+):
+    data = record.set_axis(record.index.strftime(f"%Y-%m-%d %H:%M {letters}"))
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    refused = call("fit", path, "--time-format", "%Y-%m-%d %H:%M %Z")
+    assert refused.exit_code == 1 and re.search(words, refused.output)
+    told = ["--tz", "America/Chicago", "--time-format", f"%Y-%m-%d %H:%M {form}"]
+    assert call("fit", path, *told).exit_code == 0
 
 
 @pytest.mark.parametrize("first", ["%d/%m/%Y %H:%M", "%m/%d/%Y %H:%M"])

@@ -38,6 +38,7 @@ PER_FILE = {
     "thousands": Layout.thousands,
     "encoding": Layout.encoding,
     "skip_rows": 0,
+    "header_rows": Layout.header_rows,
     "skip_end": Layout.skip_end,
     "sheet": 0,
 }
@@ -128,6 +129,13 @@ layout_options = added(
         metavar="N | N,N,…",
         help="How many lines stand before the header; or the lines to leave out, from "
         f"0: 0,2,3 for a TOA5 file. {EACH}",
+    ),
+    click.option(
+        "--header-rows",
+        multiple=True,
+        metavar="N",
+        type=click.IntRange(min=1),
+        help=f"How many lines the header has, whose labels are joined. {EACH}",
     ),
     click.option(
         "--skip-end",

@@ -247,6 +247,6 @@ def laid(name, value):
         return truth(value, name)
     if name == "skip_rows" and isinstance(value, str) and "," in value:
         return tuple(int(number(n, name, 0)) for n in value.strip(", ").split(","))
-    if name in ("skip_rows", "skip_end"):
-        return int(number(value, name, 0))
+    if name in ("skip_rows", "skip_end", "header_rows"):
+        return int(number(value, name, int(name == "header_rows")))
     return "\t" if value == r"\t" else str(value)

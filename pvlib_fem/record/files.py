@@ -12,6 +12,7 @@ import pandas as pd
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import renamed
 from pvlib_fem.record.joining import joined, stacked
+from pvlib_fem.record.labels import flat, flat_header
 from pvlib_fem.record.layout import EXCEL, PARQUET, TIME, Layout
 from pvlib_fem.record.numbers import refuse_text, ungrouped
 from pvlib_fem.record.times import in_order, timed
@@ -60,12 +61,13 @@ def read_file(
         those that its clock skips are left out, or that into which others are brought.
         ``sep``, ``decimal``, ``encoding`` of CSV. ``thousands``: what stands between
         the thousands of numbers. ``skip_rows``: how many lines stand before the header,
-        or the numbers of the lines to leave out, from 0; ``skip_end``: how many stand
-        after the last row, such as totals.
-        ``sheet`` of a workbook. ``missing``: texts that stand for a missing value.
-        ``sort``: put the rows in the order of their times. ``drop_doubled``: of rows
-        with the same time keep the first. ``drop_untimed``: leave out rows that hold no
-        time, such as a header in the middle of a file.
+        or the numbers of the lines to leave out, from 0; ``header_rows``: how many
+        lines the header has, whose labels are joined, as ``met_RH``; ``skip_end``: how
+        many lines stand after the last row, such as totals. ``sheet`` of a workbook.
+        ``missing``: texts that stand for a missing value. ``sort``: put the rows in the
+        order of their times. ``drop_doubled``: of rows with the same time keep the
+        first. ``drop_untimed``: leave out rows that hold no time, such as a header in
+        the middle of a file.
 
     Returns
     -------
@@ -150,6 +152,8 @@ def table(file, layout):
     skip = layout.skip_rows
     skip = skip if isinstance(skip, int) else list(skip)
     how = {"skiprows": skip, "na_values": missing}
+    if layout.header_rows > 1:
+        how["header"] = list(range(layout.header_rows))
     if suffix in EXCEL:
         end = layout.skip_end
         data = workbook(file, sheet_name=layout.sheet, skipfooter=end, **how)
@@ -161,14 +165,6 @@ def table(file, layout):
     marked = [name for name in texts(data) if name not in times]
     signs = layout.thousands, layout.decimal
     return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
-
-
-def flat(data):
-    """The table with labels of several levels joined to one text."""
-    if data.columns.nlevels == 1:
-        return data
-    labels = [[str(part).strip() for part in label] for label in data.columns]
-    return data.set_axis(["_".join(filter(None, label)) for label in labels], axis=1)
 
 
 def refuse_swelling(file):
@@ -233,8 +229,7 @@ def workbook(file, **how):
         raise ValueError(f"{file.name} is no workbook that can be read") from error
     except Exception as error:  # of the package that reads it: a broken archive
         raise ValueError(f"{file.name} is no workbook that can be read") from error
-    named = data.rename(columns=lambda name: str(name).strip())
-    return named.dropna(axis="columns", how="all")
+    return flat_header(data).dropna(axis="columns", how="all")
 
 
 def text(file, layout, **how):
@@ -243,7 +238,7 @@ def text(file, layout, **how):
     how |= {"skipinitialspace": True, "low_memory": False}
     try:
         source = without_end(file, layout) if layout.skip_end else file
-        data = pd.read_csv(source, **how).rename(columns=str.strip)
+        data = flat_header(pd.read_csv(source, **how))
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{file.name} is not in {error.encoding} ({error.reason} at byte "

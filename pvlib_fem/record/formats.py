@@ -6,7 +6,7 @@ from itertools import product
 
 import pandas as pd
 
-from pvlib_fem.record.layout import ISO
+from pvlib_fem.record.letters import ISO, LETTERS, without_letters, zones_of
 from pvlib_fem.record.times import (
     AFTER,
     MILLI,
@@ -56,7 +56,7 @@ SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
 TWICE = 0.05  # share of rows with the same time up to which they are left out
 LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
 FIRST = 5
-ZONE = re.compile(r"\d\s+(?!AM$|PM$)[A-Z]{3,5}$")
+OFFSET = re.compile(r"\d\s*[+-]\d\d:?\d\d$")
 
 
 def with_times(raw, layout, doubts, file):
@@ -74,8 +74,10 @@ def with_times(raw, layout, doubts, file):
     if not layout.time and (found := in_parts(raw)):
         return replace(layout, time=tuple(found), time_format=" ".join(found.values()))
     for choice in choices:
-        forms = formats(raw[list(choice)])
+        forms = formats(raw[list(choice)], layout.tz)
         if forms:
+            if "%Z" in forms[0] and layout.tz is None:
+                layout = of_letters(raw[list(choice)], layout, doubts)
             if len(forms) > 1:
                 doubts.append(
                     f"the times of {file} may also be written as {forms[1]}: look at "
@@ -86,6 +88,18 @@ def with_times(raw, layout, doubts, file):
             return replace(layout, time=tuple(time), time_format=forms[0])
     doubts.append(f"no column of {file} holds times of a usual format")
     return layout
+
+
+def of_letters(columns, layout, doubts):
+    """The layout with the zone of letters that more than one has, the most usual."""
+    column = joined(columns)
+    zones = zones_of(column)
+    if len(zones) > 1:
+        doubts.append(
+            f"the letters behind the times are taken for those of {zones[0]}; they may "
+            f"be those of {' or '.join(zones[1:])}"
+        )
+    return replace(layout, tz=zones[0]) if zones else layout
 
 
 def in_parts(raw):
@@ -108,7 +122,7 @@ def plain(column):
     return re.sub(r"[\[({].*?[\])}]", "", str(column)).strip().lower()
 
 
-def formats(columns):
+def formats(columns, tz=None):
     """Formats in which all times can be read and tell the hour, the best first."""
     without = untimed(columns)
     if without.mean() > 0.5:
@@ -121,7 +135,12 @@ def formats(columns):
         return []
     column = joined(some)
     ways = product(DATES, (" ", ", "), HOURS)
-    zone = " %Z" if column.iloc[:FIRST].astype(str).str.contains(ZONE).all() else ""
+    first = column.iloc[:FIRST].astype(str)
+    zone = ""
+    if first.str.contains(LETTERS).all():
+        zone, tz = " %Z", tz or next(iter(zones_of(column)), None)
+    elif first.str.contains(OFFSET).all():
+        zone = " %z"
     choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
     if pd.api.types.is_datetime64_any_dtype(column):
         choices = [ISO]
@@ -142,9 +161,9 @@ def formats(columns):
     found = {}
     for form in choices:
         try:
-            if parsed_times(column.iloc[:FIRST], form).isna().all():
+            if parsed_times(column.iloc[:FIRST], form, tz).isna().all():
                 continue
-            read = parsed_times(column, form)
+            read = parsed_times(column, form, tz)
         except (ValueError, TypeError):
             continue
         if read.isna().any():
@@ -214,8 +233,10 @@ def written(raw, layout):
     if isinstance(raw.index, pd.DatetimeIndex):
         return raw.index.tz_localize(None)
     text = joined(raw[time_columns(raw, layout)]).astype(str)
-    text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z|[A-Z]{3,5})$", "", regex=True)
-    form = layout.time_format.removesuffix("%z").removesuffix("%Z").strip()
+    form = layout.time_format.removesuffix("%z").strip()
+    if "%Z" in form:
+        text, form, _ = without_letters(text, form, layout.tz)
+    text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z)$", "", regex=True)
     return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
 
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import pandas as pd
 
+from pvlib_fem.record.labels import joined_labels, merged
+from pvlib_fem.record.letters import ISO
 from pvlib_fem.record.numbers import NUMBERS
 
-ISO = "ISO8601"  # the form of times, unless another is told
 EXCEL = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods")
 PARQUET = (".parquet", ".pq")
 SOME = 200_000  # characters that are looked at
@@ -36,6 +37,7 @@ class Layout:
     thousands: str = ""
     encoding: str = "utf-8"
     skip_rows: int | tuple[int, ...] = 0
+    header_rows: int = 1
     skip_end: int = 0
     sheet: str | int = 0
     missing: tuple[str, ...] = ()
@@ -69,9 +71,9 @@ def found_layout(file, layout=None):
             ((name, cells(sheet)) for name, sheet in sheets.items()),
             key=lambda sheet: likeness(sheet[1], "."),
         )
-        skip, units = outside(rows, ".")
+        header, units = outside(rows, ".")
         first = name == next(iter(sheets))
-        return replace(layout, sheet=0 if first else name, skip_rows=skip), units
+        return replace(layout, sheet=0 if first else name, **header), units
     encoding = encoding_of(file)
     with open(file, encoding=encoding, newline="", errors="replace") as opened:
         lines = opened.read(SOME).removeprefix("\ufeff").splitlines()[:LINES]
@@ -83,9 +85,9 @@ def found_layout(file, layout=None):
         if sep != decimal or '"' in "".join(lines)
     ]
     _, sep, decimal, rows = max(ways, key=lambda way: way[0])
-    skip, units = outside(rows, decimal)
-    how = dict(sep=sep, decimal=decimal, encoding=encoding, skip_rows=skip)
-    return replace(layout, **how), units
+    header, units = outside(rows, decimal)
+    how = dict(sep=sep, decimal=decimal, encoding=encoding)
+    return replace(layout, **how, **header), units
 
 
 def encoding_of(file):
@@ -145,7 +147,7 @@ def likeness(rows, decimal):
 
 
 def outside(rows, decimal):
-    """Lines that are neither header nor data, and the units that one of them gives."""
+    """The header and lines to leave out, and the units that one of these gives."""
     width = width_of(rows)
     data = [is_data(row, width, decimal) for row in rows]
     first = next(
@@ -158,13 +160,35 @@ def outside(rows, decimal):
         None,
     )
     if not first:  # no table, or no header
-        return 0, {}
+        return {}, {}
     above = [i for i in range(first) if len(rows[i]) == width]
     if not above:
-        return 0, {}
-    header = max(above, key=lambda i: (len({c for c in rows[i] if c.strip()}), -i))
-    left = tuple(i for i in range(first) if i != header)
-    below = [rows[i] for i in range(header + 1, first) if len(rows[i]) == width]
-    units = zip(rows[header], below[0]) if below else ()
-    units = {column.strip(): unit.strip() for column, unit in units if unit.strip()}
-    return (header if left == tuple(range(header)) else left), units
+        return {}, {}
+    header = header_of(rows, above)
+    left = tuple(i for i in range(first) if i not in header)
+    below = [rows[i] for i in range(header[-1] + 1, first) if len(rows[i]) == width]
+    names = joined_labels(merged([rows[i] for i in header]))
+    units = zip(names, below[0]) if below else ()
+    units = {column: unit.strip() for column, unit in units if unit.strip()}
+    skip = header[0] if left == tuple(range(header[0])) else left
+    return dict(skip_rows=skip, header_rows=len(header)), units
+
+
+def header_of(rows, above):
+    """
+    Lines that make the header: one whose names differ, or some that do so joined.
+
+    Parameters
+    ----------
+    rows : list of list of str
+    above : list of int
+        Lines above the data that have a cell for each column.
+    """
+    best = max(above, key=lambda i: (len({c for c in rows[i] if c.strip()}), -i))
+    place = above.index(best)
+    upward = [above[start : place + 1] for start in range(place, -1, -1)]
+    for lines in (*upward, above[place : place + 2]):
+        names = joined_labels(merged([rows[i] for i in lines]))
+        if len({*names}) == len(names):
+            return lines
+    return [best]

@@ -14,8 +14,9 @@ NAMES = {
         r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung",
     ),
     "temp_module": (
-        r"(mod(ul\w*)?|panel|back(sheet)?|bom|pv|cell|zell)[\s_.-]*t|"
-        r"t(emp\w*)?[\s_.-]*(mod|panel|back|bom|pv|cell|zell)",
+        r"(mod(ul\w*)?|panel|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
+        r"t(?!ilt|ot|yp|ime|rack)|"
+        r"t(emp\w*)?[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
     ),
     "temp_air": (
         r"(amb(ient)?|air|outdoor|dry[\s_-]?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
@@ -48,7 +49,8 @@ DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
 PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
 NOT = re.compile(
     r"std|stdev|(\b|_)(min|max|sd\d*|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
-    r"diffus|direct|beam|clear|status|flag|albedo",
+    r"diffus|direct|beam|clear|status|flag|albedo|dew|chill|wet[\s_-]?bulb|azimuth|"
+    r"(tracker|axis|module|panel|array|surface)[\s_.-]*tilt|tilt[\s_.-]*(angle|deg)|^tilt$",
     re.IGNORECASE,
 )
 

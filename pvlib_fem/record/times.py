@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants
-from pvlib_fem.record.layout import ISO
+from pvlib_fem.record.letters import ISO, without_letters
 from pvlib_fem.record.zones import standard
 
 UNIX = "unix"  # seconds since 1970 in UTC
@@ -54,7 +54,7 @@ def timed(data, layout, name):
             f"{int(np.argmax(without))}"
         )
         data, columns = of_numbers(data[~without]), of_numbers(columns[~without])
-    data = data.set_axis(times(columns, layout.time_format))
+    data = data.set_axis(times(columns, layout.time_format, layout.tz))
     if layout.tz is not None:
         index, kept, lost = in_zone(data.index, layout.tz)
         data = (data if kept.all() else data[kept]).set_axis(index)
@@ -85,7 +85,7 @@ def of_numbers(data):
     return data.assign(**found) if found else data
 
 
-def times(columns, time_format=ISO):
+def times(columns, time_format=ISO, tz=None):
     """
     Times of a column, or of a date and a time of day; the first bad one is named.
 
@@ -94,6 +94,8 @@ def times(columns, time_format=ISO):
     columns : DataFrame
         One column, or more that make the time when spaces join them.
     time_format : str
+    tz : str, optional
+        The zone that letters such as CST in the texts are of.
 
     Returns
     -------
@@ -109,8 +111,8 @@ def times(columns, time_format=ISO):
         if pd.api.types.is_numeric_dtype(column):
             refuse_numbers(time_format, name)
             column = column.map(as_text)
-        parsed = parsed_times(column, time_format)
-        refuse_turned(column, time_format, parsed, name)
+        parsed = parsed_times(column, time_format, tz)
+        refuse_turned(column, time_format, parsed, name, tz)
     if parsed.isna().any():
         raise no_time(columns, column, parsed.isna().to_numpy(), time_format)
     return pd.DatetimeIndex(parsed, name="time")
@@ -164,8 +166,10 @@ def no_time(columns, column, lacking, time_format):
     )
 
 
-def parsed_times(column, time_format):
+def parsed_times(column, time_format, tz=None):
     """Texts as times, NaT where they are none."""
+    if "%Z" in time_format:
+        return lettered_times(column, time_format, tz)
     how = {"format": time_format, "errors": "coerce"}
     try:
         parsed = pd.to_datetime(column, **how)
@@ -184,13 +188,24 @@ def parsed_times(column, time_format):
     return parsed
 
 
-def refuse_turned(column, time_format, parsed, name):
+def lettered_times(column, time_format, tz):
+    """The same of texts that name their zone by letters, as instants."""
+    text, form, hours = without_letters(column, time_format, tz)
+    local = parsed_times(text, form)
+    times = (local - pd.to_timedelta(hours, unit="h")).dt.tz_localize("UTC")
+    fixed = {*hours[~np.isnan(hours)]}
+    if len(fixed) != 1 or (hour := fixed.pop()) % 1:
+        return times
+    return times.dt.tz_convert("UTC" if hour == 0 else f"Etc/GMT{-hour:+.0f}")
+
+
+def refuse_turned(column, time_format, parsed, name, tz=None):
     """Refuse a month that is read as the day, where the days tell."""
     both = {"%d", "%m"} <= {*re.findall("%.", time_format)}
     if not both or parsed.isna().any() or parsed.dt.day.max() > 12:
         return
     turned = time_format.replace("%d", "%0").replace("%m", "%d").replace("%0", "%m")
-    other = parsed_times(column, turned)
+    other = parsed_times(column, turned, tz)
     if other.isna().any() or unevenness(other) >= unevenness(parsed):
         return
     days = [f"{len(one.dt.normalize().unique()):,} days" for one in (parsed, other)]
@@ -265,29 +280,35 @@ def in_zone(index, tz):
     if index.tz is not None:
         return index.tz_convert(tz), np.ones(len(index), dtype=bool), []
     if len(index) and index[0] > index[-1]:  # the newest row is the first
-        times, kept, lost = in_zone(index[::-1], tz)
-        return times[::-1], kept[::-1], lost
+        times, there, once = (part[::-1] for part in placed(index[::-1], tz))
+    else:
+        times, there, once = placed(index, tz)
+    lost = [*skipped(index, tz, there), *once_only(index, tz, once)]
+    return times, there & ~once, lost
+
+
+def placed(index, tz):
+    """Naive times in a zone; rows that its clock shows; those of an hour there once."""
     first = ~index.duplicated()
     local = index.tz_localize(tz, ambiguous=first, nonexistent="NaT")
     there = np.asarray(local.notna())
-    lost = skipped(index, tz, there)
+    once = np.zeros(len(index), dtype=bool)
     try:
-        return (
-            index[there].tz_localize(tz, ambiguous="infer"),
-            there,
-            skipped(index, tz, there),
-        )
+        return index[there].tz_localize(tz, ambiguous="infer"), there, once
     except Exception:  # of pandas' own, or of the zones' library: an hour is there once
         twice = index.tz_localize(tz, ambiguous="NaT", nonexistent="shift_forward")
         once = np.asarray(twice.isna()) & ~index.duplicated(keep=False)
-    lost = skipped(index, tz, there)
-    if once.any():
-        lost.append(
-            f"rows in the hour that the clock of {tz} shows twice and the file has "
-            f"once, left out: {once.sum():,}, the first is {index[once][0]}"
-        )
-    kept = there & ~once
-    return local[kept], kept, lost
+    return local[there & ~once], there, once
+
+
+def once_only(index, tz, once):
+    """What is said of rows in an hour that a clock shows twice, and a file has once."""
+    if not once.any():
+        return []
+    return [
+        f"rows in the hour that the clock of {tz} shows twice and the file has once, "
+        f"left out: {once.sum():,}, the first is {index[once][0]}"
+    ]
 
 
 def skipped(index, tz, there):

@@ -1,0 +1,71 @@
+"""Names of columns from labels of several levels."""
+
+import re
+
+#: what pandas writes for a cell of a header that is empty
+EMPTY = re.compile(r"Unnamed: \d+(_level_\d+)?")
+
+
+def joined_labels(levels):
+    """
+    One name for each column, of the levels of its label from the top.
+
+    Parameters
+    ----------
+    levels : sequence of sequences of str
+
+    Returns
+    -------
+    list of str
+        A level that says the same as the one above is left out; a column without a
+        label has a number, as pandas gives it.
+    """
+    names = [name_of(parts) for parts in zip(*levels)]
+    return [name or f"Unnamed: {n}" for n, name in enumerate(names)]
+
+
+def name_of(parts):
+    found = []
+    for part in map(bare, parts):
+        if part and part not in found[-1:]:
+            found.append(part)
+    return "_".join(found)
+
+
+def bare(cell):
+    text = str(cell).strip()
+    return "" if EMPTY.fullmatch(text) else text
+
+
+def merged(levels):
+    """Levels with an empty cell as the one to its left, but for the last of them."""
+    *upper, last = [[bare(cell) for cell in level] for level in levels]
+    return [*map(filled, upper), last]
+
+
+def filled(level):
+    found, before = [], ""
+    for cell in level:
+        before = cell or before
+        found.append(before)
+    return found
+
+
+def levels_of(data):
+    """The levels of the labels of a table."""
+    labels = data.columns
+    return [list(labels.get_level_values(n)) for n in range(labels.nlevels)]
+
+
+def flat(data):
+    """The table with labels of several levels joined to one text."""
+    if data.columns.nlevels == 1:
+        return data
+    return data.set_axis(joined_labels(levels_of(data)), axis=1)
+
+
+def flat_header(data):
+    """The same of a header of several lines, in which a cell may span columns."""
+    if data.columns.nlevels == 1:
+        return data.rename(columns=lambda name: str(name).strip())
+    return data.set_axis(joined_labels(merged(levels_of(data))), axis=1)

@@ -1,0 +1,101 @@
+"""The form of times, and letters of zones, each of which is one distance from UTC."""
+
+import re
+from datetime import datetime
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import numpy as np
+import pandas as pd
+
+ISO = "ISO8601"  # the form of times, unless another is told
+#: hours before UTC of letters that one zone alone has, or several that agree
+HOURS = {
+    **dict.fromkeys(("UTC", "GMT", "WET", "WEZ"), 0.0),
+    **dict.fromkeys(("BST", "WEST", "WESZ", "CET", "MEZ"), 1.0),
+    **dict.fromkeys(("CEST", "MESZ", "EET", "OEZ", "SAST", "CAT"), 2.0),
+    **dict.fromkeys(("EEST", "OESZ", "IDT", "EAT", "MSK", "TRT"), 3.0),
+    **{"GST": 4.0, "PKT": 5.0, "ICT": 7.0, "WIB": 7.0, "AWST": 8.0, "HKT": 8.0},
+    **{"SGT": 8.0, "MYT": 8.0, "JST": 9.0, "KST": 9.0, "ACST": 9.5, "AEST": 10.0},
+    **{"ACDT": 10.5, "AEDT": 11.0, "NZST": 12.0, "NZDT": 13.0},
+    **{"NDT": -2.5, "ADT": -3.0, "BRT": -3.0, "ART": -3.0, "CLST": -3.0, "NST": -3.5},
+    **{"AST": -4.0, "EDT": -4.0, "CLT": -4.0, "EST": -5.0, "CDT": -5.0, "MDT": -6.0},
+    **{"MST": -7.0, "PDT": -7.0, "PST": -8.0, "AKDT": -8.0, "AKST": -9.0, "HST": -10.0},
+}
+#: letters that zones do not agree on, the most usual zone first
+SEVERAL = {
+    "CST": ("America/Chicago", "Asia/Shanghai"),
+    "IST": ("Asia/Kolkata", "Europe/Dublin", "Asia/Jerusalem"),
+}
+LETTERS = re.compile(r"\b(?!AM\b|PM\b)[A-Z]{3,5}\b")
+DAYS = [datetime(2023, month, 1) for month in (1, 7)]
+
+
+def names_of(tz):
+    """The letters of a zone's clock, and their hours before UTC."""
+    try:
+        times = [day.replace(tzinfo=ZoneInfo(tz)) for day in DAYS] if tz else []
+    except (ZoneInfoNotFoundError, ValueError, OSError):  # refused with the times
+        return {}
+    return {time.tzname(): time.utcoffset().total_seconds() / 3600.0 for time in times}
+
+
+def zones_of(column):
+    """The zones that the letters of times may mean, where these are of several."""
+    found = {last_letters(text) for text in column.astype(str).unique()}
+    zones = [SEVERAL[letters] for letters in found if letters in SEVERAL]
+    # of two in one file, such as CST and CDT, the zone that has both
+    if zones and (fitting := [z for z in zones[0] if found <= {*names_of(z)}]):
+        return fitting
+    return list(zones[0]) if zones else []
+
+
+def last_letters(text):
+    found = LETTERS.findall(text)
+    return found[-1] if found else ""
+
+
+def without_letters(column, time_format, tz=None):
+    """
+    Texts and format without the letters of a zone, and their hours before UTC.
+
+    Parameters
+    ----------
+    column : Series of str
+    time_format : str
+        With ``%Z``.
+    tz : str, optional
+        The zone that the letters are of.
+
+    Raises
+    ------
+    ValueError
+        If they are unknown, or of several zones and none is given.
+    """
+    text = column.astype(str)
+    letters = text.map(last_letters)
+    known = HOURS | names_of(tz)
+    for row, name in enumerate(letters):
+        if name and name not in known:
+            raise unknown(name, row, time_format)
+    bare = [
+        " ".join(one.rsplit(name, 1)) if name else one
+        for one, name in zip(text, letters)
+    ]
+    hours = letters.map(lambda name: known.get(name, np.nan)).to_numpy(float)
+    return pd.Series(bare, column.index), time_format.replace("%Z", " "), hours
+
+
+def unknown(name, row, time_format):
+    """The error of letters that do not tell the distance from UTC."""
+    if name in SEVERAL:
+        zones = " or ".join(f"--tz {zone}" for zone in SEVERAL[name])
+        return ValueError(
+            f"{name} stands for more than one zone in row {row} of the times; give "
+            f"{zones}"
+        )
+    form = time_format.replace("%Z", name)
+    return ValueError(
+        f"the zone {name!r} in row {row} of the times is not known; give --time-format "
+        f"{form!r} with its letters as they stand, and --tz, such as Etc/GMT-1 for one "
+        "hour east of Greenwich"
+    )
