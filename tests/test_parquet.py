@@ -1,5 +1,7 @@
 """Records in Parquet files: the same rows as a DataFrame, and one clear error."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,6 +11,7 @@ from pvlib_fem.record.columns import COLUMNS
 
 pytest.importorskip("pyarrow")
 FOUR = list(COLUMNS)
+ZONE = "America/New_York"
 
 
 @pytest.fixture(scope="module")
@@ -172,3 +175,58 @@ def test_what_is_no_data_set_is_said(data, tmp_path):
     folder = write(tmp_path / "miles", [header])
     with pytest.raises(ValueError, match=r"'Wind \(mph\)' names mph"):
         fem.open_parquet(folder, {"wind_speed": "Wind (mph)"})
+
+
+def clocks():
+    """What a file keeps of a year by the hour, and the times that are left of it."""
+    utc = pd.date_range("2023-01-01", periods=8760, freq="1h", tz="UTC")
+    shown = utc.tz_convert(ZONE).tz_localize(None)
+    once = ~shown.duplicated()
+    doubled = shown.duplicated(keep=False)
+    written = utc.tz_localize(None)
+    there = written.tz_localize(ZONE, ambiguous="NaT", nonexistent="NaT")
+    return {
+        "the zone's clock": (shown, utc),
+        "each hour once": (shown[once], utc[~doubled]),
+        "standard time": (written, there[there.notna()].tz_convert("UTC")),
+    }
+
+
+@pytest.mark.parametrize("rows", [24, 700, 100_000])  # of a row group
+@pytest.mark.parametrize("clock", clocks())
+def test_rows_that_a_zone_has_no_time_for_are_left_out_and_counted(
+    clock, rows, tmp_path
+):
+    """As of one file in memory, wherever row groups and blocks end."""
+    shown, utc = clocks()[clock]
+    data = pd.DataFrame({name: np.arange(len(shown)) % 97.0 for name in FOUR}, shown)
+    data = data.rename_axis("time").astype(float)
+    folder = write(tmp_path / "year", [data[:4000], data[4000:]], row_group_size=rows)
+    record = fem.open_parquet(folder, tz=ZONE)
+    found, _ = read_back(record, rows=333)
+    assert (found.index == utc).all() and len(record) == len(utc)
+    assert record.ends == (utc[0].tz_convert(ZONE), utc[-1].tz_convert(ZONE))
+    data.to_parquet(tmp_path / "whole.parquet")
+    whole = fem.read_file(tmp_path / "whole.parquet", tz=ZONE)
+    np.testing.assert_array_equal(found[FOUR], whole[FOUR])
+    counts = re.findall(r"left out: (\d+)", " ".join(record.notes))
+    assert sum(map(int, counts)) == len(data) - len(utc)
+    values = [columns["temp_air"] for _, columns in record.values(rows=500)]
+    np.testing.assert_array_equal(np.concatenate(values), found["temp_air"])
+
+
+def test_rows_without_a_time_are_left_out_by_an_option(data, tmp_path):
+    parts = [part.tz_localize(None).reset_index(names="time") for part in by_day(data)]
+    for part in parts[1:3]:
+        part.loc[[0, 7, 800], "time"] = pd.NaT
+    folder = write(tmp_path / "days", parts, row_group_size=500)
+    with pytest.raises(ValueError, match=r"lack in 2 rows; give drop_untimed=True"):
+        fem.open_parquet(folder)
+    record = fem.open_parquet(folder, drop_untimed=True)
+    found, _ = read_back(record, rows=333)
+    kept = pd.concat(parts).dropna().set_index("time")
+    assert (found.index == kept.index).all() and len(record) == len(kept)
+    np.testing.assert_array_equal(found, kept[FOUR])
+    assert record.notes[0].startswith("rows without a time, left out: 6, the first in")
+    fit = fem.fit_fem(record)
+    assert record.notes[0] in fit.notes

@@ -160,6 +160,7 @@ def opened(files, options):
     if long := [name for name, given in times.items() if len(given) > 1]:
         raise ValueError(f"--{long[0]} is given {len(times[long[0]])} times; give one")
     renames = columns_of(options.pop("renames"))
+    untimed = options.pop("drop_untimed")
     for name in (*PER_FILE, *ANEW, "module_area"):
         if options.pop(name, None):
             option = {"units": "unit"}.get(name, name.replace("_", "-"))
@@ -169,9 +170,8 @@ def opened(files, options):
             )
     times = {name: next(iter(given), None) for name, given in times.items()}
     data = files[0] if len(files) == 1 else list(files)
-    return open_parquet(
-        data, renames, **times, check_units=not options["no_unit_check"]
-    )
+    how = dict(check_units=not options["no_unit_check"], drop_untimed=untimed)
+    return open_parquet(data, renames, **times, **how)
 
 
 def check_columns(data, needed=COLUMNS):

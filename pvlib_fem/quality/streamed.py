@@ -24,7 +24,8 @@ class Screened:
 
     @property
     def notes(self):
-        return (*map(sentence, self.found), *self.odd)
+        found = map(sentence, self.found)
+        return (*self.record.source.notes, *found, *self.odd)
 
     @property
     def impossible(self):

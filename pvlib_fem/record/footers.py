@@ -22,6 +22,9 @@ class RowGroup:
     rows: int
     first: pd.Timestamp  # of its rows, in UTC
     last: pd.Timestamp
+    nulls: int = 0  # rows that hold no time
+    left: tuple = ()  # rows that are not read, since they have none
+    late: tuple = ()  # rows that a clock shows for the second time
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,13 +174,21 @@ def groups_of(file, opened, time):
         if not meta.num_rows:
             continue
         known = meta.column(place).statistics if nothing_nested(opened) else None
-        if known is None or not known.has_min_max:
+        if known is None or not (known.has_min_max and known.has_null_count):
             column = opened.read_row_group(number, columns=[time]).column(time)
-            ends = column.to_numpy()
-            ends = ends.min(), ends.max()
+            times, nulls = pd.Series(column.to_numpy()), column.null_count
+            ends = times.min(), times.max()
         else:
-            ends = known.min, known.max
-        yield RowGroup(file, number, meta.num_rows, *map(in_utc, ends))
+            ends, nulls = (known.min, known.max), known.null_count
+        if nulls < meta.num_rows:
+            yield RowGroup(file, number, meta.num_rows, *map(in_utc, ends), nulls)
+
+
+def times_of(group, time, filesystem):
+    """The times of a row group as they are."""
+    with parquet_file(group.file, filesystem) as opened:
+        column = opened.read_row_group(group.number, columns=[time]).column(time)
+    return column.to_numpy()
 
 
 def nothing_nested(opened):

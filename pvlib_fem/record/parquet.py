@@ -19,8 +19,10 @@ from pvlib_fem.record.footers import (
     found_files,
     in_order,
     parquet_file,
+    times_of,
 )
 from pvlib_fem.record.inputs import Columns, Inputs
+from pvlib_fem.record.offclock import in_file, on_the_clock
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
 from pvlib_fem.stored import replacing
@@ -98,6 +100,7 @@ class ParquetRecord:
     naive: bool  # whether the files' times have no zone
     filesystem: Any = None  # of pyarrow; None for local files
     absent: tuple = ()  # columns that nobody measured, which hold 0
+    notes: tuple = ()  # rows that have no time and are left out
 
     def __len__(self):
         return sum(group.rows for group in self.groups)
@@ -106,7 +109,7 @@ class ParquetRecord:
     def ends(self) -> tuple[pd.Timestamp, pd.Timestamp]:
         """First and last time, in the record's zone."""
         ends = pd.DatetimeIndex([self.groups[0].first, self.groups[-1].last])
-        return tuple(in_zone(ends, self.tz, self.naive))
+        return tuple(in_zone(ends, self.tz, self.naive, np.array([False, True])))
 
     def __repr__(self):
         first, last = self.ends
@@ -166,9 +169,9 @@ class ParquetRecord:
         self.needing(names)
         wanted = {n: self.columns[n] for n in names if n not in self.absent}
         start, before = 0, None
-        for file, batch in self.batches([self.time, *wanted.values()], rows):
+        for file, batch, late in self.batches([self.time, *wanted.values()], rows):
             try:
-                index = self.times(batch.column(self.time))
+                index = self.times(batch.column(self.time), late)
                 count = instants(index).view("i8")
                 steps = np.diff(count, prepend=count[:1] if before is None else before)
                 if before is not None and steps[0] <= 0:
@@ -192,7 +195,7 @@ class ParquetRecord:
         """First row and columns of the same blocks, without their times."""
         wanted = {n: self.columns[n] for n in names if n not in self.absent}
         start = 0
-        for _, batch in self.batches([*wanted.values()], rows):
+        for _, batch, _ in self.batches([*wanted.values()], rows):
             found = {name: numbers(batch, column) for name, column in wanted.items()}
             yield start, found | self.nothing(names, batch)
             start += batch.num_rows
@@ -202,24 +205,30 @@ class ParquetRecord:
         rows = batch.num_rows
         return {name: np.zeros(rows) for name in names if name in self.absent}
 
-    def batches(self, columns: list, rows: int | None) -> Iterator[tuple[str, Any]]:
-        """Record batches of pyarrow in the order of time, and their files."""
-        for file, groups in itertools.groupby(self.groups, lambda group: group.file):
+    def batches(
+        self, columns: list, rows: int | None
+    ) -> Iterator[tuple[str, Any, np.ndarray]]:
+        """Files and batches in the order of time; rows that a clock shows again."""
+        for file, some in itertools.groupby(self.groups, lambda group: group.file):
+            groups, start = list(some), 0
+            left, late = in_file(groups)
             numbers = [group.number for group in groups]
             how = dict(batch_size=rows or ROWS, row_groups=numbers, columns=columns)
             with parquet_file(file, self.filesystem) as opened:
                 for batch in opened.iter_batches(**how):
+                    here = np.arange(start, start + batch.num_rows)
+                    start += batch.num_rows
+                    if len(left):
+                        here = here[kept := ~np.isin(here, left)]
+                        batch = batch.filter(kept)
                     if batch.num_rows:
-                        yield file, batch
+                        yield file, batch, np.isin(here, late)
 
-    def times(self, column: Any) -> pd.DatetimeIndex:
+    def times(self, column: Any, late: np.ndarray) -> pd.DatetimeIndex:
         """A column of times as an index in the record's zone."""
-        if column.null_count:
-            row = int(np.argmax(column.is_null().to_numpy(zero_copy_only=False)))
-            raise ValueError(f"no time in row {row} of a block; drop such rows")
         found = column.to_numpy(zero_copy_only=False).astype(f"M8[{self.unit}]")
         index = pd.DatetimeIndex(found, name="time")
-        return in_zone(index, self.tz, self.naive)
+        return in_zone(index, self.tz, self.naive, late)
 
 
 def open_parquet(
@@ -228,6 +237,7 @@ def open_parquet(
     time: str | None = None,
     tz: str | None = None,
     check_units: bool = True,
+    drop_untimed: bool = False,
 ) -> ParquetRecord:
     """
     A Parquet data set of any size as a record for a fit, which reads it in blocks.
@@ -245,9 +255,13 @@ def open_parquet(
         Column of the times; by default the index that pandas stored, or else the first
         column of timestamps.
     tz : str, optional
-        Zone of naive times, or that into which others are brought.
+        Zone of naive times, or that into which others are brought. Rows at times that
+        its clock skips are left out, and those of an hour that it shows twice and the
+        files have once; ``record.notes`` count them.
     check_units : bool, default True
         Refuse a column whose header names another unit.
+    drop_untimed : bool, default False
+        Leave out rows that hold no time; ``record.notes`` count them.
 
     Returns
     -------
@@ -262,7 +276,8 @@ def open_parquet(
     Notes
     -----
     Files are brought into the order of their times, whatever their names; hours
-    that lack are gaps, as in a DataFrame. Of the files only footers are read here.
+    that lack are gaps, as in a DataFrame. Of the files only footers are read here,
+    and the times of row groups in which the clock of ``tz`` changes or times lack.
 
     Examples
     --------
@@ -288,9 +303,14 @@ def open_parquet(
     if check_units:
         refuse_headers(names)
     groups = in_order([group for footer in footers for group in footer.groups])
+
+    def read(group):
+        return times_of(group, footers[0].time, filesystem)
+
+    groups, notes = on_the_clock(groups, read, None if zone else tz, drop_untimed)
     ordered = tuple(dict.fromkeys(group.file for group in groups))
-    own = footers[0].time, unit, groups, partial, zone is None, filesystem
-    return ParquetRecord(ordered, names, tz or zone, *own)
+    own = footers[0].time, unit, tuple(groups), partial, zone is None, filesystem
+    return ParquetRecord(ordered, names, tz or zone, *own, notes=tuple(notes))
 
 
 def is_data_set(data):
@@ -336,11 +356,13 @@ def write_parquet(path: FilePath, blocks: Iterable[tuple], name: str) -> None:
             writer.close()
 
 
-def in_zone(index, tz, naive=False):
-    """Instants in a zone, or naive times of it."""
+def in_zone(index, tz, naive=False, late=None):
+    """Instants in a zone, or naive times of it, some for the second time."""
     if tz is None:
         return index
-    return zoned(index, tz) if naive else index.tz_localize("UTC").tz_convert(tz)
+    if naive:
+        return index.tz_localize(tz, ambiguous=~late)
+    return index.tz_localize("UTC").tz_convert(tz)
 
 
 def numbers(batch, column):
