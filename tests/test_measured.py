@@ -102,19 +102,20 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     step, sky = at_bolzano.findings[:2]
     its = next(e for e in at_bolzano.fit.effects if e.name == step.effect).settings
     low, high = its["between"]
-    assert f"From {its['at']} ({low} to {high}) over-temperature per irradiance" in text
+    assert f"From {its['at']} ({low} to {high}) on, over-temperature per" in text
     share = over_temperature(bolzano)
     before, after = share["2011-04":"2012-03"], share["2012-04":"2013-03"]
     assert after.median() / before.median() == pytest.approx(1.2, abs=0.02)
     (witness,) = (one for one in step.witnesses if one.column == "power_dc")
     size, needed = re.findall(r"by (.+? %), and it would need (.+? %)", str(witness))[0]
-    assert f"the two part by {size} where it would need {needed}." in text
+    assert f"irradiance deviate by {size} where it would need {needed}." in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
     assert step.verdict is Verdict.CLASS
     assert kinds == {"contact", "mounting", "air_shelter"}
     place = at_bolzano.place
     angles = [f"{place[n]:.0f} ± 5°" for n in ("surface_tilt", "surface_azimuth")]
     assert f"clear days have them at {angles[0]} and {angles[1]}" in text
+    assert "ten draws of ten" in text
     assert (sky.effect, sky.verdict) == ("sky_radiation", Verdict.CLASS)
     errors = at_bolzano.table.loc[["fem", at_bolzano.last]].round(2)
     before, after = errors["rmse_test"]
@@ -125,7 +126,6 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     study = words("docs/study_measured.md")
     for name in (step.effect, sky.effect):
         assert f"| `{name}` | 10 | 10 |" in study
-    assert "come back in ten draws of ten" in text
 
 
 def test_the_page_of_bolzano_has_the_numbers_of_the_loop(at_bolzano, bolzano):
