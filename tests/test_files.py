@@ -210,13 +210,16 @@ def test_columns_are_found_by_the_names_that_loggers_give(headers, record, tmp_p
 
 
 def test_no_column_is_mapped_that_is_not_it(record, tmp_path):
-    """Horizontal irradiance, a spread and a maximum are none that are asked for."""
+    """Horizontal irradiance is that, and a spread and a maximum are none of the four."""
     path = tmp_path / "plant.csv"
     headers = ("GHI", "T_amb_max", "wind_std", "Tmod_sd")
     record.set_axis(headers, axis=1).to_csv(path, index_label="t")
     result = call("fit", path)
-    assert "poa_global=COLUMN" in result.output and "There are GHI" in result.output
-    refused = call(*proposed(result))
+    words = proposed(result)
+    assert {"ghi=GHI", "temp_air=COLUMN", "temp_module=COLUMN"} <= {*words}
+    assert "There are T_amb_max, wind_std, Tmod_sd" in result.output
+    assert call(*words).exit_code == 2
+    refused = call("fit", path, "--map", "temp_air=COLUMN")
     assert refused.exit_code == 2 and "name of a column" in refused.output
 
 

@@ -382,8 +382,8 @@ def test_a_file_in_another_zone_is_found(site, minutes):
     found = check(checked(data), *place(site))
     assert list(found.faults) == ["file_shift"]
     assert found.noon.late / 60 == pytest.approx(minutes, abs=6)
-    way = "late" if minutes > 0 else "early"
-    assert f"{abs(found.noon.late) / 60:.0f} min too {way}" in found.notes[0]
+    way = "ahead of" if minutes > 0 else "behind"
+    assert f"{abs(found.noon.late) / 60:.0f} min {way} the sun" in found.notes[0]
     assert check(checked(data)).faults == {}
 
 
