@@ -21,7 +21,10 @@ class Reason(Enum):
         "{column} is the name of a driver that is computed here; rename the column to "
         "have it tried"
     )
-    LEAK = "{column} is the module temperature itself, or made from it"
+    LEAK = (
+        "{column} is the module temperature itself, or made from it; a second sensor "
+        "at the module is a cross-check under the name temp_module_2"
+    )
 
     # an effect that could not be weighed, or not be seen
     LACKS = "no {columns}"

@@ -115,14 +115,39 @@ def test_copies_and_failed_sensors_are_said_and_not_used(plant):
     pd.testing.assert_frame_equal(found.iloc[:4], alone)
 
 
-def test_of_two_no_one_says_which_is_off(plant):
-    with pytest.raises(ValueError, match="2 module sensors are there"):
-        fem.compare_modules(plant, ["temp_module_0", "temp_module_1"])
+def test_two_sensors_share_a_step(plant):
+    """It is of either, and stays in what they have in common."""
+    pair, there = ["temp_module_0", "temp_module_2"], plant.index >= "2023-09-15"
+    same = fem.compare_modules(plant, pair)
+    assert (same.table["step"] == "").all() and "beside the other" in str(same)
+    share = SHARES[0] / SHARES[2]
+    assert same.table["share"].iloc[0] == pytest.approx(share, abs=0.02)
+    assert same.table["share"].iloc[1] == pytest.approx(1.0 / share, abs=0.02)
+    data = plant.copy()
+    data["temp_module_2"] -= 0.12 * there * (data["temp_module_2"] - data["temp_air"])
+    found = fem.compare_modules(data, pair)
+    table = found.table
+    assert table["share"].to_list() == pytest.approx([share, 1.0 / share], abs=0.02)
+    assert table["step"].iloc[0] == table["step"].iloc[1]
+    step = pd.Timestamp(table["step"].iloc[0])
+    assert abs(step - pd.Timestamp("2023-09-15")).days <= 2
+    first, second = table["change"]
+    assert second == pytest.approx(-0.12, abs=0.015)
+    assert (1.0 + first) * (1.0 + second) == pytest.approx(1.0, abs=0.01)
+    assert "one of both" in str(found) and "alone" not in str(found)
+    pd.testing.assert_series_equal(
+        found.common["temp_module"], data[pair].mean(axis=1), check_names=False
+    )
+
+
+def test_what_cannot_be_compared_is_said(plant):
+    with pytest.raises(ValueError, match=r"1 module sensors are there .* at least 2"):
+        fem.compare_modules(plant, ["temp_module_0"])
     with pytest.raises(ValueError, match="data lack temp_back; they have"):
         fem.compare_modules(plant, ["temp_module_0", "temp_module_1", "temp_back"])
-    with pytest.raises(ValueError, match=r"fewer than 3 .* temp_module_1 is a copy of"):
+    with pytest.raises(ValueError, match=r"fewer than 2 .* temp_module_1 is a copy of"):
         fem.compare_modules(
-            plant[[*USUAL, "temp_module_0", "temp_module_2"]].assign(
+            plant[[*USUAL, "temp_module_0"]].assign(
                 temp_module_1=plant["temp_module_0"]
             )
         )

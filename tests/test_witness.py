@@ -76,6 +76,7 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
         ("wind_speed", "wind_speed_mast", "wind_gain", 3.0),
         ("temp_air", "temp_air_2", "air_offset", 1.5),
         ("temp_module", "temp_module_2", "contact", -0.15),
+        ("temp_module", "temp_module_2", "module_offset", 1.5),
     ],
 )
 def test_a_second_sensor_names_the_first(
@@ -90,7 +91,9 @@ def test_a_second_sensor_names_the_first(
     random = np.random.default_rng(2)
     twin = data[usual] * (1.0 + random.normal(0.0, 0.01, len(data)))
     there, air = after(data), data["temp_air"]
-    if usual == "temp_module":
+    if channel == "module_offset":
+        data[usual] = data[usual] + size * there
+    elif usual == "temp_module":
         data[usual] = air + (data[usual] - air) * (1.0 + size * there)
     elif usual == "temp_air":
         data[usual] = data[usual] - size * there
@@ -167,7 +170,7 @@ def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0, searched=None, 
     )
 
     class Record(dict):
-        index, dates = poa.index, None
+        index, dates, absent = poa.index, None, ()
 
     record = Record(columns)
     record.dates = dates

@@ -183,7 +183,7 @@ def recover(files, out, **options):
 def modules(files, common, model, **options):
     """Compare the module sensors of FILE: what is common, what is one's own.
 
-    The sensors are the columns temp_module, temp_module_1, temp_module_2 …, three and
+    The sensors are the columns temp_module, temp_module_1, temp_module_2 …, two and
     more; name others with --map temp_module_1=COLUMN.
     """
     with plainly():

@@ -265,9 +265,10 @@ def notes_of(look, corrections, wanted, site, criteria):
             f"a cause that it is not; if it is that, rename it (--map {name}={column})"
         )
     if look.witnesses:
+        alone = len(look.witnesses) == 1
         yield (
-            f"{', '.join(look.witnesses)} vouch{'es' * (len(look.witnesses) == 1)} for "
-            "instruments, and drive nothing: power and second sensors see what those "
+            f"{', '.join(look.witnesses)} vouch{'es' * alone} for instruments, and "
+            f"drive{'s' * alone} nothing: power and second sensors see what those "
             "should see"
         )
     yield from gaps(look.whole, look.drivers, wanted)

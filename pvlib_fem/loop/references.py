@@ -106,6 +106,11 @@ def over(record, values):
     return values - record["temp_air"], record["temp_module"] - record["temp_air"]
 
 
+def apart_from(record, values):
+    """How much more the other sensor of the module reads."""
+    return values - record["temp_module"], np.ones(len(values))
+
+
 def logs(one, other):
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.log(one / other)
@@ -122,6 +127,7 @@ WIND = {"wind_gain": of_wind}
 AIR = {"air_offset": lambda change, _: change}
 SHELTER = {"air_shelter": lambda change, _: -change}
 CONTACT = {"contact": lambda change, _: -np.log1p(change)}
+OFFSET = {"module_offset": lambda change, _: -change}
 
 COMPARISONS = (
     Comparison(is_power, bright, power, logs, LIGHT, ages=True, module=True),
@@ -147,6 +153,9 @@ COMPARISONS = (
     Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, "K"),
     Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, "K"),
     Comparison(twin("temp_module"), bright, over, logs, CONTACT, module=True),
+    Comparison(
+        twin("temp_module"), dark, apart_from, np.divide, OFFSET, "K", module=True
+    ),
 )
 
 

@@ -154,5 +154,6 @@ def why_unused(column, values, taken):
     if word := NOT.search(without_unit(column)):
         return f"another quantity, by {word[0].strip('_')!r} in the name"
     if (name := usual_name(column)) in taken:
-        return f"{name} has a column already"
+        second = f", a second sensor is {name}_2" if name in COLUMNS else ""
+        return f"{name} has a column already{second}"
     return "no known name"

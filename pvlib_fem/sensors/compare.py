@@ -16,7 +16,7 @@ from pvlib_fem.spelling import Spelled, refusal
 from pvlib_fem.thermal.model import thermal_model
 
 NAMED = Spelled("columns=[...]", "--map temp_module_1=COLUMN")
-FEWEST = 3  # sensors, of which two can say which one is off
+FEWEST = 2  # sensors
 USUAL = ("poa_global", "temp_air", "wind_speed")
 COLUMNS = ["share", "offset", "spread", "step", "change", "stderr"]
 COLUMNS += ["left", "common", "own", "rows", "used", "note"]
@@ -35,7 +35,7 @@ def compare_modules(
     What all have in common is weather, weather station or plant; what one has alone is
     that sensor, or its module. Each is held against the median of the others, and
     fitted by itself: of what its fit leaves, the part that the others' fits leave, too,
-    is told from its own.
+    is told from its own. Of two sensors a step is of either.
 
     Parameters
     ----------
@@ -57,8 +57,7 @@ def compare_modules(
     Raises
     ------
     ValueError
-        If a column lacks, fewer than three sensors are there, or two at most can be
-        used: of two no one says which is off.
+        If a column lacks, or fewer than two sensors are there or can be used.
 
     Notes
     -----
@@ -66,7 +65,9 @@ def compare_modules(
     values are told and not used, so that they spoil no mean. A step is looked for as in
     :func:`close_loop`, in over-temperatures in sun, and told from
     ``criteria.hint_gain`` on; the largest is taken out before the next is looked for,
-    since it is in the median of the others.
+    since it is in the median of the others. Of two sensors one step is looked for, and
+    both have it. :func:`close_loop` of a record with one as ``temp_module`` and the
+    other as ``temp_module_2`` says which of them changed.
 
     Examples
     --------
@@ -92,7 +93,7 @@ def compare_modules(
         there = f" ({', '.join(names)})" if names else ""
         raise refusal(
             f"{len(names)} module sensors are there{there}, and at least {FEWEST} are "
-            "needed, since of two no one says which is off; name others with ",
+            "needed; name others with ",
             NAMED,
         )
     usual = (found["poa_global"], found["temp_air"], found.get("wind_speed"))
@@ -120,7 +121,9 @@ def compare_modules(
             row["rows"] = int(np.isfinite(sensors[name]).sum())
             rows[name] |= row | steps.get(name, {})
     table = pd.DataFrame.from_dict(rows, orient="index").reindex(columns=COLUMNS)
-    mean = np.mean([level[name] for name in good], axis=0)
+    # a step of either of two stays in their mean
+    kept = level if len(good) > 2 else sensors
+    mean = np.mean([kept[name] for name in good], axis=0)
     common = data.drop(columns=[label for label in data if printable(label) in names])
     return ModuleComparison(
         table.rename_axis("sensor"), fits, common.assign(temp_module=mean)

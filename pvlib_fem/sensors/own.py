@@ -72,6 +72,7 @@ def steps_of(record, sensors, good, criteria):
     The step of each sensor that has one, and all sensors as they were before theirs.
 
     The largest is taken out before the next is looked for: it is in the others' median.
+    Of two sensors both have the one step that is found.
     """
     level, steps = dict(sensors), {}
     while True:
@@ -80,14 +81,26 @@ def steps_of(record, sensors, good, criteria):
             over, beside, (share, _) = compared(record, name, level, good)
             found[name] = step_of(over, beside, share, record.dates, criteria)
         found = {name: step for name, step in found.items() if step}
-        if not found:
-            return steps, level
+        if not found or (len(good) == 2 and {*good} & {*steps}):
+            return of_either(steps, good), level
         first = max(found, key=lambda name: (name in good, abs(found[name]["change"])))
         step = steps[first] = found[first]
         later = record.dates >= number(step["step"])
         air = record["temp_air"]
         before = air + (level[first] - air) / (1.0 + step["change"])
         level[first] = np.where(later, before, level[first])
+
+
+def of_either(steps, good):
+    """The same steps, where one of two sensors is of the other as well."""
+    mine = [name for name in good if name in steps]
+    if len(good) != 2 or len(mine) != 1:
+        return steps
+    (other,) = {*good} - {*mine}
+    step = steps[mine[0]]
+    times = 1.0 / (1.0 + step["change"])
+    error = step["stderr"] * times**2
+    return steps | {other: {**step, "change": times - 1.0, "stderr": error}}
 
 
 def step_of(over, beside, share, dates, criteria):

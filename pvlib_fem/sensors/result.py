@@ -41,7 +41,7 @@ class ModuleComparison:
     common : DataFrame
         The record with what they have in common as ``temp_module``: the mean of those
         that are used, each as it was before its own step, where all are there. It is
-        for :func:`close_loop`.
+        for :func:`close_loop`. A step of either of two sensors stays in their mean.
     """
 
     table: pd.DataFrame
@@ -59,9 +59,9 @@ def lines(comparison):
     """The printout, line by line."""
     table = comparison.table
     used = table[table["used"]]
-    yield (
-        f"{len(used)} module sensors, each beside the median of the others; in sun [K]"
-    )
+    pair = len(used) == 2
+    others = "the other" if pair else "the median of the others"
+    yield f"{len(used)} module sensors, each beside {others}; in sun [K]"
     yield ""
     rows = [HEAD, *(cells(row) for row in table.itertuples())]
     wide = [max(map(len, column)) for column in zip(*rows)]
@@ -74,9 +74,11 @@ def lines(comparison):
         if row.step:
             way = "more" if row.change > 0 else "less"
             size = f"{abs(100 * row.change):.1f} ± {100 * row.stderr:.2g} %"
+            alone = "beside the other" if pair else "alone"
+            one = "one of both, or its module" if pair else "the sensor or its module"
             yield (
-                f"{row.Index} alone: {size} {way} over the air from {row.step} on, "
-                "the sensor or its module"
+                f"{row.Index} {alone}: {size} {way} over the air from {row.step} on, "
+                f"{one}"
             )
         elif row.used and row.own > row.common:
             yield (

@@ -41,8 +41,17 @@ def heading(loop):
     yield from wrapped(
         f"pvlib_fem: the loop on {days} day{plural} at {width}, "
         f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, {record.rows:,} rows; "
-        f"{fit.model}, {fit.dynamics}"
+        f"{fit.model}, {fit.dynamics}{instead(loop)}"
     )
+
+
+def instead(loop):
+    """What was not measured, and what stands for it."""
+    calm = "wind_speed" not in loop.fit.summary.columns
+    words = "; no wind_speed" * calm
+    if loop.transposition:
+        words += f"; poa_global transposed from ghi ({loop.transposition})"
+    return words
 
 
 def part(loop):
