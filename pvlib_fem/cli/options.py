@@ -250,6 +250,19 @@ recovery_options = added(
     click.option(
         "--processes", type=click.IntRange(1), help="By default one for each core."
     ),
+    click.option(
+        "--reliability",
+        is_flag=True,
+        help="Close the loop on scrambled records, too: what they have lost and is "
+        "still named is false.",
+    ),
+    click.option(
+        "--trials",
+        type=click.IntRange(1),
+        default=10,
+        show_default=True,
+        help="Scrambled records of each kind, for --reliability.",
+    ),
 )
 out_option = click.option("--out", type=WRITTEN, help="Write the result as JSON.")
 parameter_options = added(

@@ -44,6 +44,19 @@ def of_plan(recovery, planned, notes, loop, effects):
     )
 
 
+def of_trials(recovery, planned, why):
+    """The same of the trials that are planned now, and why others cannot be."""
+    trials = tuple(trial for trial in recovery.trials if trial.key in planned)
+    count = len(planned)
+    return replace(recovery, trials=trials, planned_trials=count, not_scrambled=why)
+
+
+def with_trial(recovery, trial, planned):
+    """The same with one more trial, in the order of the plan."""
+    trials = sorted([*recovery.trials, trial], key=lambda one: planned.index(one.key))
+    return replace(recovery, trials=tuple(trials))
+
+
 def with_outcome(recovery, outcome, planned):
     """The same with one more outcome, in the order of the plan."""
     order = {injection.key: i for i, injection in enumerate(planned)}

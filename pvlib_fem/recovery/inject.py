@@ -60,18 +60,30 @@ class Injector:
             there = replace(self.model, effects=(effect,)).with_drivers(record.inputs)
             rows = np.ones(len(record.index), dtype=bool)
             effect = effect.prepare(there.columns, rows)
-        # over gaps of its drivers as where it is weighed: the next value stands
+        model = replace(self.model, effects=(*self.model.effects, effect))
+        parts = (injection.coefficients, effect.start)
+        return self.added(model, effect.drivers, *parts)
+
+    def own_changes(self):
+        """What changes of instruments that the record itself shows add to it. [K]"""
+        changes = [effect for effect in self.model.effects if effect.channel]
+        drivers = [name for one in self.model.effects for name in one.drivers]
+        start = {name: value for one in changes for name, value in one.start.items()}
+        return self.added(self.model, drivers, {}, start)
+
+    def added(self, model, drivers, there, absent):
+        """What a model adds by some coefficients, and not by others. [K]"""
+        record = self.record
+        # over gaps of drivers as where an effect is weighed: the next value stands
         filled = {
             name: pd.Series(record[name]).bfill().ffill().to_numpy()
-            for name in needed_for(effect.drivers)
+            for name in needed_for(drivers)
             if name in record.inputs.columns
         }
-        model = replace(self.model, effects=(*self.model.effects, effect))
         inputs = model.with_drivers(record.having(filled).inputs)
-        own = injection.coefficients
         with_it, without = (
             model.temperature(inputs, {**self.coefficients, **part})
-            for part in (own, effect.start)
+            for part in (there, absent)
         )
         change = np.nan_to_num(with_it - without)
         if self.clock.fault:

@@ -12,6 +12,7 @@ from pvlib_fem.findings import Finding
 from pvlib_fem.record.columns import printable
 from pvlib_fem.recovery.judge import Outcome
 from pvlib_fem.recovery.text import lines
+from pvlib_fem.recovery.trial import Trial, rates
 from pvlib_fem.stored import Stored, opened, written
 from pvlib_fem.types import FilePath
 
@@ -41,6 +42,12 @@ class Recovery:
         By effect the unit of each coefficient.
     notes : dict
         Effects that were not put in, and why.
+    trials : tuple of Trial
+        Records that were scrambled, and what is named falsely in them.
+    planned_trials : int
+        Of these in all.
+    not_scrambled : dict
+        Kinds of scrambling that the record does not allow, and why.
     given : dict
         Arguments of the call, as they are written.
     version, sha256 : str
@@ -55,6 +62,9 @@ class Recovery:
     baseline: tuple = field(repr=False, default=())
     units: dict = field(repr=False, default_factory=dict)
     notes: dict = field(repr=False, default_factory=dict)
+    trials: tuple = ()
+    planned_trials: int = 0
+    not_scrambled: dict = field(repr=False, default_factory=dict)
 
     @property
     def table(self) -> pd.DataFrame:
@@ -131,6 +141,20 @@ class Recovery:
             "effect"
         )
 
+    @property
+    def reliability(self) -> pd.DataFrame:
+        """
+        Completeness and reliability, a row for each effect.
+
+        Whether the record itself has it ``named``. Of ``injections`` of at least 1.5
+        times the predicted size how many are ``found``, and that share
+        (``completeness``). Of ``trials``, scrambled records that have lost the effect,
+        how many name it (``false``), and the share of the others (``reliability``).
+        Each share has an interval of 90 % by Jeffreys' prior (``complete_from``,
+        ``complete_to``, ``reliable_from``, ``reliable_to``); NaN where there is none.
+        """
+        return rates(self.outcomes, self.trials, self.baseline)
+
     def plot(self, ax: Any = None) -> Any:
         """
         Share found by multiple of the predicted size, a line for each effect.
@@ -171,6 +195,9 @@ class Recovery:
             "units": self.units,
             "baseline": [finding.content() for finding in self.baseline],
             "outcomes": [asdict(outcome) for outcome in self.outcomes],
+            "trials": [asdict(trial) for trial in self.trials],
+            "planned_trials": self.planned_trials,
+            "not_scrambled": self.not_scrambled,
         }
 
     @classmethod
@@ -202,13 +229,18 @@ class Recovery:
                 given=texts(stored.part("given")),
                 version=stored.text("version_of_package"),
                 sha256=stored.text("sha256"),
+                trials=tuple(map(Trial.stored, stored.parts("trials"))),
+                planned_trials=stored.count("planned_trials"),
+                not_scrambled=texts(stored.part("not_scrambled")),
             )
 
     def __str__(self):
         return printable("\n".join(lines(self)), "\n")
 
     def _repr_html_(self):
-        return self.summary.to_html(float_format="{:.2f}".format, na_rep="–")
+        tables = [self.summary] + [self.reliability] * bool(self.trials)
+        how: dict[str, Any] = dict(float_format="{:.2f}".format, na_rep="–")
+        return "\n".join(table.to_html(**how) for table in tables)
 
 
 def texts(stored: Stored):

@@ -2,7 +2,10 @@
 
 import numpy as np
 
-CLEARLY = 1.5  # times the predicted size, from which nearly all should be found
+from pvlib_fem.recovery.trial import CLEARLY, false_names
+
+#: of scrambled records, by their kind
+KINDS = {"drivers": "drivers moved in time", "dates": "dates scrambled"}
 HEAD = (
     "effect",
     "put in",
@@ -29,6 +32,11 @@ def lines(recovery):
         yield from by_effect(recovery, table)
         yield ""
         yield from in_all(table)
+    if recovery.trials:
+        yield from in_scrambled(recovery)
+        yield ""
+    for kind, why in recovery.not_scrambled.items():
+        yield f"no records with {KINDS[kind]}: {why}"
     yield from (f"not put in: {name}: {why}" for name, why in recovery.notes.items())
 
 
@@ -53,6 +61,54 @@ def by_effect(recovery, table):
             share(part["in_range"].mean(), "{:.0%}"),
         )
         rows.append(row)
+    yield from aligned(rows)
+
+
+def in_scrambled(recovery):
+    """What is named in records that have lost it, and what that says of names."""
+    trials, rates = recovery.trials, recovery.reliability
+    if len(trials) < recovery.planned_trials:
+        yield f"{len(trials)} scrambled records of {recovery.planned_trials} planned"
+    for kind, title in KINDS.items():
+        mine = [t for t in trials if t.kind == kind and not t.refused]
+        names = [name for trial in mine for name in trial.named]
+        words = f" ({', '.join(sorted({*names}))})" if names else ""
+        classes = sum(len(trial.classes) for trial in mine)
+        if mine:
+            told = f"{len(names)} false names{words}, {classes} false classes"
+            yield f"in {len(mine)} records with {title}: {told}"
+    if refused := [trial.refused for trial in trials if trial.refused]:
+        yield f"refused by the loop: {len(refused)}, first: {refused[0]}"
+    mean, (low, high) = false_names(trials)
+    there = int((rates["named"] & (rates["trials"] > 0)).sum())
+    yield f"false names expected in a record: {mean:.2f} ({low:.2f} to {high:.2f})"
+    if there:
+        right, least, most = (max(0.0, 1.0 - n / there) for n in (mean, high, low))
+        share = f"{right:.0%} ({least:.0%} to {most:.0%})"
+        yield f"of this record's names, {there} that could be false: {share} are true"
+    yield ""
+    rows = [("effect", "completeness", "reliability", "named in the record")]
+    for name, row in rates.iterrows():
+        found = (row["found"], row["injections"], row["complete_from"])
+        right = (row["trials"] - row["false"], row["trials"], row["reliable_from"])
+        rows.append(
+            (
+                str(name),
+                interval(*found, row["complete_to"]),
+                interval(*right, row["reliable_to"]),
+                "yes" if row["named"] else "no",
+            )
+        )
+    yield from aligned(rows)
+
+
+def interval(count, of, low, high):
+    """A share with its interval."""
+    return f"{count} of {of} ({low:.0%} to {high:.0%})" if of else "–"
+
+
+def aligned(rows):
+    """Rows of a table, each column as wide as its widest cell."""
     wide = [max(map(len, column)) for column in zip(*rows)]
     for row in rows:
         yield "  ".join(cell.ljust(size) for cell, size in zip(row, wide)).rstrip()

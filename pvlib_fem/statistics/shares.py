@@ -1,0 +1,39 @@
+"""Intervals of shares and of counts, by Jeffreys' prior."""
+
+import numpy as np
+from scipy.special import betaincinv, gammaincinv
+
+
+def share_between(count, of, tail=0.05):
+    """
+    Ends of the interval of a share, by Jeffreys' prior [1]_; 0 to 1 of none.
+
+    Parameters
+    ----------
+    count, of : int
+        How many of how many.
+    tail : float, default 0.05
+        Probability beyond either end. The end is 0 where the count is 0, and 1 where
+        it is all, as in [1]_.
+
+    References
+    ----------
+    .. [1] L. D. Brown, T. T. Cai and A. DasGupta, "Interval estimation for a binomial
+       proportion", Statistical Science 16, 101-133, 2001, eq. 3.1.2.
+       :doi:`10.1214/ss/1009213286`
+    """
+    rest = of - count
+    ends = betaincinv(count + 0.5, rest + 0.5, [tail, 1.0 - tail])
+    return float(ends[0]) if count else 0.0, float(ends[1]) if rest else 1.0
+
+
+def rate_between(count, of, tail=0.05):
+    """
+    Ends of the interval of a mean count in each of some records, by Jeffreys' prior.
+
+    Parameters and result as in :func:`share_between`; from 0 on where the count is 0.
+    """
+    if not of:
+        return 0.0, np.inf
+    low, high = gammaincinv(count + 0.5, [tail, 1.0 - tail]) / of
+    return float(low) if count else 0.0, float(high)
