@@ -19,6 +19,7 @@ from .findings import Check as Check, Correction as Correction, Finding as Findi
 from .fit import fit_fem as fit_fem
 from .fitting.horizontal import transpose_record as transpose_record
 from .fitting.result import FemFit as FemFit
+from .fitting.stand_ins import fill_record as fill_record
 from .loop.close import close_loop as close_loop
 from .loop.criteria import Criteria as Criteria
 from .loop.ranking import rank_effects as rank_effects

@@ -12,9 +12,9 @@ from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.fitting.files import fit_files, in_files
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import as_frame
-from pvlib_fem.fitting.horizontal import with_plane
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import holding
+from pvlib_fem.loop.instead import Instead
 from pvlib_fem.paper.recipe import METHODS, fit_paper, refuse_paper
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.record.columns import ALWAYS, COLUMNS, by_own_names, with_aliases
@@ -185,6 +185,7 @@ def fit_frame(
     surface_tilt=None,
     surface_azimuth=None,
     transposition=None,
+    stand_ins=(),
     **options,
 ):
     """
@@ -197,7 +198,7 @@ def fit_frame(
     effects : sequence of str, dict or Effect
     location, surface_tilt, surface_azimuth
         As in :func:`pvlib_fem.close_loop`; none is estimated.
-    transposition : str, optional
+    transposition, stand_ins
         As in :func:`pvlib_fem.close_loop`.
     **options
         Of :func:`pvlib_fem.fit_fem`.
@@ -206,12 +207,11 @@ def fit_frame(
     -------
     FemFit
     """
-    needed = [n for n in ALWAYS if n != "poa_global" or not transposition]
-    columns, notes = with_aliases(data, needed), ()
-    if transposition:
-        place = checked_place(location, surface_tilt, surface_azimuth)
-        how = (options.get("limits"), options.get("check_units", True))
-        columns, notes = with_plane(columns, data.index, place, transposition, *how)
+    place = checked_place(location, surface_tilt, surface_azimuth)
+    instead = Instead.of_arguments(transposition, stand_ins)
+    how = (options.get("limits"), options.get("check_units", True))
+    filled = instead.of(data, ALWAYS, place, *how)
+    columns, notes = filled.columns, filled.said
     there = columns
     if effects:
         place = geometry(data.index, location, surface_tilt, surface_azimuth)

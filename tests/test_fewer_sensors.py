@@ -302,3 +302,115 @@ def test_what_a_transposition_costs_is_as_the_guide_says():
     for name in TRANSPOSITIONS:
         assert 0.0 < rows[name]["rms"] < 0.12 and abs(rows[name]["mean"]) < 0.07
         assert abs(rows[name]["rmse"] - rows["measured"]["rmse"]) < 0.15
+
+
+@pytest.fixture(scope="module")
+def airport():
+    """Eighty days with hourly air and wind of a place elsewhere."""
+    data = datasets.synthetic(80, 600, seed=6)[[*USUAL, "wind_speed"]]
+    random, hourly = np.random.default_rng(1), data.index.minute == 0
+    air = data["temp_air"] - 1.5 + random.normal(0.0, 0.5, len(data))
+    wind = 1.6 * data["wind_speed"] * np.exp(random.normal(0.0, 0.3, len(data)))
+    return data.assign(
+        temp_air_airport=air.where(hourly), wind_speed_airport=wind.where(hourly)
+    )
+
+
+def test_another_source_fills_gaps_at_the_level_of_the_first(airport):
+    data, gap = airport.copy(), airport.index.day == 12
+    data.loc[gap, "temp_air"] = np.nan
+    data.loc[gap, "wind_speed"] = -999.0
+    names = ["temp_air_airport", "wind_speed_airport"]
+    found = fem.fill_record(data, names)
+    assert not {*names} & {*found}
+    pd.testing.assert_frame_equal(found[~gap], airport.loc[~gap, [*data][:4]])
+    hourly = gap & (airport.index.minute == 0)
+    assert found.loc[gap & ~hourly, ["temp_air", "wind_speed"]].isna().all(axis=None)
+    off = (found - airport)[hourly]
+    assert abs(off["temp_air"].mean()) < 0.2
+    ratio = found["wind_speed"][hourly].mean() / airport["wind_speed"][hourly].mean()
+    assert ratio == pytest.approx(1.0, abs=0.15)
+    words = " ".join(found.attrs["notes"])
+    assert "temp_air_airport stands in for temp_air in 72 rows, with 1.5 K" in words
+    assert "wind_speed holds the fill value -999 in 432 rows" in words
+    assert "wind_speed_airport stands in for wind_speed in 72 rows, times 0.5" in words
+
+
+def test_a_loop_with_another_source_predicts_alike(airport, tmp_path):
+    hourly = airport[airport.index.minute == 0]
+    data = hourly.drop(columns="wind_speed")
+    with pytest.raises(ValueError, match="stand_ins='wind_speed_airport', or model="):
+        fem.close_loop(data)
+    how = dict(stand_ins="wind_speed_airport", effects=["wind_shape"])
+    loop = fem.close_loop(data, **how)
+    assert "wind_speed_airport stands in for it" in loop.notes[0]
+    assert "wind_speed_airport stands in" in " ".join(str(loop).split())
+    named = data.rename(columns={"wind_speed_airport": "wind_speed"})
+    other = fem.close_loop(named, effects=["wind_shape"])
+    pd.testing.assert_frame_equal(loop.table, other.table)
+    pd.testing.assert_series_equal(loop.predict(data), other.predict(named))
+    # one more gap is filled at the level that the loop found
+    gappy = hourly.copy()
+    gappy.loc["2023-06-12", "temp_air"] = np.nan
+    loop = fem.close_loop(gappy, stand_ins="temp_air_airport", effects=["wind_shape"])
+    (one,) = loop.stand_ins
+    assert one.offset == pytest.approx(1.5, abs=0.1)
+    loop.to_json(tmp_path / "loop.json")
+    again = fem.Loop.from_json(tmp_path / "loop.json")
+    assert again.stand_ins == loop.stand_ins
+    later = gappy.assign(temp_air=np.nan)
+    found = again.predict(later)
+    pd.testing.assert_series_equal(found, loop.predict(later))
+    assert found.notna().all()
+    whole = loop.predict(hourly.drop(columns="temp_air_airport"))
+    assert (found - whole).std() < 0.6
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ("temp_module_2", "temp_module_2 stands in for nothing"),
+        ("wind_speed_3", "data lack numbers in wind_speed_3"),
+        (["temp_air_2", "temp_air_3"], "temp_air_2 and temp_air_3 both stand in"),
+        ("temp_air_far", "have 100 rows in common, too few"),
+    ],
+)
+def test_what_cannot_stand_in_is_refused(airport, names, words):
+    data = airport.assign(temp_air_far=airport["temp_air"])
+    data.iloc[100:, -1] = np.nan
+    data.iloc[:50, data.columns.get_loc("temp_air_far")] = 9.0
+    data.loc[data.index[:20], "temp_air"] = np.nan
+    if "far" in str(names):
+        data.iloc[100:120, -1] = 8.0
+    with pytest.raises(ValueError, match=words):
+        fem.fill_record(data, names)
+
+
+@pytest.mark.parametrize(
+    ("usual", "column", "effect"),
+    [
+        ("wind_speed", "wind_speed_airport", "wind_gain_step"),
+        ("temp_air", "temp_air_airport", "air_offset_step"),
+    ],
+)
+def test_another_source_is_a_cross_check_by_itself(airport, usual, column, effect):
+    data, there = airport.copy(), airport.index >= "2023-07-10"
+    if usual == "temp_air":
+        data[usual] -= 1.5 * there
+    else:
+        data[usual] *= 1.0 - 0.35 * there
+    first = fem.close_loop(data[[*USUAL, "wind_speed", column]]).findings[0]
+    assert first.effect == effect and str(first.verdict) == "named"
+    assert {one.column for one in first.heard} >= {column}
+
+
+def test_the_command_takes_another_source(airport, tmp_path):
+    file = tmp_path / "plant.csv"
+    data = airport.tz_localize(None)[airport.index.minute == 0]
+    data.drop(columns="wind_speed").to_csv(file, index_label="time")
+    refused = call("fit", file)
+    assert "or give --stand-in wind_speed_airport" in refused.output
+    for command in ("fit", "loop"):
+        done = call(command, file, "--stand-in", "wind_speed_airport")
+        assert done.exit_code == 0, done.output
+        assert "stands in" in done.stdout

@@ -27,6 +27,7 @@ from pvlib_fem.cli.options import (
     settings_of,
     shared_options,
     site_options,
+    stand_in_option,
     title_option,
     transposition_option,
 )
@@ -70,6 +71,7 @@ FEW = 5  # failures that are told
 @reading_options
 @site_options
 @transposition_option
+@stand_in_option
 @fit_options
 @shared_options
 @report_option
@@ -103,6 +105,7 @@ def fit(files, out, plot, report, title, **options):
 @reading_options
 @site_options
 @transposition_option
+@stand_in_option
 @model_option("faiman", "fit takes the paper's wm1 by default")
 @shared_options
 @click.option(
@@ -329,11 +332,13 @@ def write_report(path, result, title, files):
 def prepared_files(files, options, sun=False):
     """What a fit takes of Parquet files that follow each other, or a loop."""
     check_partners(options)
-    if options.pop("transposition", None):
-        raise ValueError(
-            "--transposition does not go with Parquet files that follow each other; "
-            "write poa_global into them with pvlib_fem.transpose_record"
-        )
+    for name, way in (("transposition", "transpose"), ("stand_ins", "fill")):
+        if options.pop(name, None):
+            option = name.removesuffix("s").replace("_", "-")
+            raise ValueError(
+                f"--{option} does not go with Parquet files that follow each other; "
+                f"write the columns into them with pvlib_fem.{way}_record"
+            )
     settings, days = settings_of(options.pop("settings")), options.pop("holdout")
     place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
     for name, value in place.items():
@@ -367,7 +372,8 @@ def prepared(files, options, drivers=False):
     effects = effects_of(options.pop("effects"), settings)
     fixed = held(options.pop("fix"))
     days, told = options.pop("holdout"), options["tz"]
-    needed = needed_by(options["model"], options.get("transposition"))
+    how = options.get("transposition"), options.get("stand_ins", ())
+    needed = needed_by(options["model"], *how)
     data, otherwise = read(files, options, drivers, needed)
     place = [options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")]
     data = in_their_days(data, place[1], told)

@@ -207,6 +207,14 @@ transposition_option = click.option(
     help="Where there is no poa_global, the model of the sky by which it is made of "
     "ghi; it takes --lat, --lon, --tilt and --azimuth.",
 )
+stand_in_option = click.option(
+    "--stand-in",
+    "stand_ins",
+    multiple=True,
+    metavar="NAME",
+    help="Second source of air or wind that stands in where the first lacks, such as "
+    "temp_air_2 or wind_speed_2; once for each.",
+)
 effects_option = click.option(
     "--effects",
     multiple=True,

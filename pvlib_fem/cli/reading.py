@@ -13,10 +13,17 @@ from click.core import ParameterSource
 
 from pvlib_fem.cli.options import PER_FILE, SAME, columns_of, layouts_of, units_of
 from pvlib_fem.cli.words import Refused, note, say
+from pvlib_fem.fitting.stand_ins import SERVED, chosen
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import unit_of_driver
 from pvlib_fem.record.checks import datetime_steps
-from pvlib_fem.record.columns import ALWAYS, COLUMNS, numeric, of_several
+from pvlib_fem.record.columns import (
+    ALWAYS,
+    COLUMNS,
+    numeric,
+    of_several,
+    twin_of,
+)
 from pvlib_fem.record.files import frame
 from pvlib_fem.record.footers import parquet_file
 from pvlib_fem.record.guess import Guess, guess
@@ -39,11 +46,12 @@ LOOK = "this command may read it; look at it before you run it:"
 ANEW = (*PER_FILE, *SAME, "renames", "convert", "units", "guess")
 
 
-def needed_by(model, transposition=None):
+def needed_by(model, transposition=None, stand_ins=()):
     """Columns that a fit of a steady model needs."""
     usual = COLUMNS if steady_model(model).takes_wind else ALWAYS
-    # which the fit looks for, or makes
-    return [name for name in usual if name != "poa_global" or not transposition]
+    # those that the fit looks for, or makes
+    made = [*chosen(stand_ins), *(["poa_global"] if transposition else [])]
+    return [name for name in usual if name not in made]
 
 
 def read(files, options, drivers=False, needed=COLUMNS):
@@ -186,6 +194,9 @@ def check_columns(data, needed=COLUMNS):
 
 def without(lacking, data):
     """What a fit can do without columns."""
+    others = [name for name in data if len(lacking) == 1 and twin_of(name) in lacking]
+    if others and lacking[0] in SERVED:
+        return f", or give --stand-in {others[0]}"
     if lacking == ["wind_speed"]:
         return ", or give --model ross if there is none"
     if lacking == ["poa_global"] and "ghi" in data:

@@ -48,6 +48,7 @@ class Case:
     kept: np.ndarray | None = None  # rows of the file that the whole has
     late: float = 0.0  # of the file's times beside the sun [s]
     transposed: bool = False  # whether poa_global is, from the horizontal
+    standing: tuple = ()  # columns that stand in for others
 
     def rows(self, part):
         """Rows of the whole that count for a part."""

@@ -13,12 +13,14 @@ from pvlib_fem.drivers.transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED
 from pvlib_fem.fitting.files import in_files
+from pvlib_fem.fitting.stand_ins import chosen
 from pvlib_fem.loop.conclude import finding_of, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.files import OwnSteps, in_means, on_days
 from pvlib_fem.loop.gather import Evidence
+from pvlib_fem.loop.instead import Instead
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.noise import with_outside
 from pvlib_fem.loop.outcome import outcome
@@ -59,6 +61,7 @@ def close_loop(
     fixed: Mapping[str, float] | None = None,
     progress: Callable[[str], object] | bool | None = None,
     transposition: str | None = None,
+    stand_ins: str | Iterable[str] = (),
 ) -> Loop:
     """
     Trace what a fit leaves to the physical effects that the model lacks.
@@ -116,6 +119,10 @@ def close_loop(
         Where there is no ``poa_global``, the model of the sky by which it is made of
         ``ghi`` [W/m²], ``"perez"`` or ``"haydavies"``, as
         :func:`pvlib_fem.transpose_record` does. ``predict`` does so, too.
+    stand_ins : str or sequence of str, optional
+        Second sources that stand in for air temperature or wind where those lack, such
+        as ``temp_air_2``, as :func:`pvlib_fem.fill_record` does. ``predict`` does so,
+        too. Without it a second source is a cross-check alone.
 
     Returns
     -------
@@ -164,7 +171,8 @@ def close_loop(
     how |= {"fixed": fixed, "criteria": criteria}
     if transposition:
         check_transposition(transposition, dict(zip(PLACE, place)))
-        how["transposition"] = transposition
+    if transposition or stand_ins:
+        how["instead"] = Instead.of_arguments(transposition, stand_ins)
     return searched(data, model, place, progress, **how)[1]
 
 
@@ -178,17 +186,19 @@ def searched(data, model, place, progress, **how):
         own, steady = None, steady_model(model)
         plain = ThermalModel(steady, "balance")
         if is_data_set(data):
-            if "transposition" in how:
+            if "instead" in how:
                 raise ValueError(
-                    "transposition does not go with files that are read in blocks; "
-                    "write poa_global into them with pvlib_fem.transpose_record"
+                    "transposition and stand_ins do not go with files that are read in "
+                    "blocks; write the columns into them with transpose_record or "
+                    "fill_record"
                 )
             tell("reading the files")
             data, screened = in_means(in_files(data, plain), how["criteria"])
             own = OwnSteps(screened)
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], data.index)
-        plain.refuse_without_wind(with_aliases(data, ()))
+        others = chosen(how["instead"].stand_ins) if "instead" in how else {}
+        plain.refuse_without_wind({**with_aliases(data, ()), **others})
         tell("checking the record")
         search = Search(Fits(prepared(data, site, **how)), tell, own=own)
         ended = search.run(steady)
@@ -198,8 +208,9 @@ def searched(data, model, place, progress, **how):
             found = own.told(found)
     case = search.case
     times = Times.of(data.index, case.kept, case.whole.index, search.clock)
-    sky = how.get("transposition", "") if case.transposed else ""
-    return search, replace(found, given=given, times=times, transposition=sky)
+    sky = how["instead"].transposition if case.transposed else ""
+    stood = {"transposition": sky, "stand_ins": case.standing}
+    return search, replace(found, given=given, times=times, **stood)
 
 
 @dataclass(frozen=True, eq=False)

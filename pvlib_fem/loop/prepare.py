@@ -9,8 +9,8 @@ from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
-from pvlib_fem.fitting.horizontal import with_plane
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
+from pvlib_fem.loop.instead import Filled, Instead
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
@@ -31,7 +31,6 @@ from pvlib_fem.record.columns import (
     twin_of,
     usable_drivers,
     vouches,
-    with_aliases,
 )
 from pvlib_fem.record.inputs import Record, as_record, with_columns
 from pvlib_fem.record.names import unmapped
@@ -57,14 +56,13 @@ class Look:
     health: Health
     still: np.ndarray  # test rows of sensors that stand still
     kept: np.ndarray  # rows of the file that have a sure time
-    horizontal: np.ndarray | None = None  # irradiance that was transposed [W/m²]
-    told: tuple = ()  # of the transposition
+    filled: Filled  # what stands in the place of columns that it lacks
 
-    def light(self, site):
-        """Irradiance and its place, which the middle of the day is found by."""
-        if self.horizontal is None:
-            return self.whole["poa_global"], site
-        return self.horizontal, {**site, "surface_tilt": 0.0, "surface_azimuth": 180.0}
+    @property
+    def light(self):
+        """Irradiance as it was measured, which the middle of the day is found by."""
+        horizontal = self.filled.horizontal
+        return self.whole["poa_global"] if horizontal is None else horizontal
 
 
 def prepared(
@@ -75,10 +73,10 @@ def prepared(
     criteria,
     check_units=True,
     fixed=None,
-    transposition="",
+    instead=None,
 ):
     """Everything checked that comes in, and divided before it is looked at."""
-    how = (site, criteria, check_units, transposition)
+    how = (site, criteria, check_units, instead or Instead())
     look = looked(data, holdout, *how)
     look, corrections = in_standard_time(data, holdout, look, how)
     faults = look.health.faults
@@ -87,7 +85,7 @@ def prepared(
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
         corrections += (shifted(faults["file_shift"], late, zone),)
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
-    if off and look.horizontal is not None:
+    if off and look.filled.horizontal is not None:
         why = "; ".join(faults[name] for name in sorted(off))
         raise ValueError(f"ghi cannot be transposed: {why}")
     plane = None if off else estimated(look, site)
@@ -125,7 +123,8 @@ def prepared(
         ),
         corrections=corrections,
         late=late_of(look),
-        transposed=look.horizontal is not None,
+        transposed=look.filled.horizontal is not None,
+        standing=look.filled.standing,
     )
     return divided(whole, case)
 
@@ -160,21 +159,11 @@ def late_of(look):
     return late if np.isfinite(late) else 0.0
 
 
-def looked(data, holdout, site, criteria, check_units, transposition=""):
+def looked(data, holdout, site, criteria, check_units, instead):
     """A frame divided and screened, and what its sensors and clocks show."""
-    needed = [n for n in ALWAYS if n != "poa_global" or not transposition]
-    columns, limits = with_aliases(data, needed), criteria.limits
-    said, horizontal = (), None
-    if transposition:
-        measured = "poa_global" in columns
-        how = (data.index, site, transposition, limits, check_units)
-        columns, said = with_plane(columns, *how)
-        # of these poa_global is made: they are no causes beside it
-        parts_of = {n: columns.pop(n, None) for n in ("ghi", "dni", "dhi")}
-        if measured:
-            columns |= {n: c for n, c in parts_of.items() if c is not None}
-        else:
-            horizontal = parts_of["ghi"].to_numpy()
+    limits = criteria.limits
+    filled = instead.of(data, ALWAYS, site, limits, check_units)
+    columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
     what = parts(usual, counting(usual), holdout, criteria)
@@ -190,9 +179,8 @@ def looked(data, holdout, site, criteria, check_units, transposition=""):
     columns = {n: column for n, column in columns.items() if n not in witnesses}
     drivers, refused = usable_drivers(columns, hidden, criteria.max_missing, taken)
     hidden = hidden.only([*COLUMNS, *drivers, *witnesses])
-    level = {"surface_tilt": 0.0, "surface_azimuth": 180.0}
-    level = site if horizontal is None else {**site, **level}
-    health = check(hidden, limits=limits, light=horizontal, **level)
+    light = filled.horizontal
+    health = check(hidden, limits=limits, light=light, **filled.plane(site))
     for name, doubt in health.doubtful.items():
         drivers.pop(name, None)
         refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
@@ -202,8 +190,7 @@ def looked(data, holdout, site, criteria, check_units, transposition=""):
     timed = in_time(hidden, health.clock).inputs
     odd = tuple(oddities(timed, limits, hidden.absent))
     told = (drivers, witnesses, refused, faults, odd, health, still)
-    kept = np.ones(len(what), dtype=bool)
-    return Look(whole, what, *told, kept=kept, horizontal=horizontal, told=said)
+    return Look(whole, what, *told, np.ones(len(what), dtype=bool), filled)
 
 
 def in_time(record, clock):
@@ -218,9 +205,8 @@ def in_standard_time(data, holdout, look, how):
     jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
     if not jumps or site["location"] is None:
         return look, ()
-    light, site = look.light(site)
-    place = (look.health.noon, *site.values(), criteria.limits)
-    summer = daylight_saving(light, look.whole.index, *place)
+    place = (look.health.noon, *look.filled.plane(site).values(), criteria.limits)
+    summer = daylight_saving(look.light, look.whole.index, *place)
     if not summer.explained:
         return look, (told_of(summer, *jumps),)
     if holdout is not None:
@@ -245,7 +231,7 @@ def used(look, sun):
 def notes_of(look, corrections, wanted, site, criteria):
     """What a reader has to know of the data, one line each."""
     health = look.health
-    yield from look.told
+    yield from look.filled.said
     yield from look.faults.notes
     yield from look.odd
     # doubts are said with the refused, clocks with their correction

@@ -25,6 +25,7 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Correction, Finding, Kind
 from pvlib_fem.fitting.horizontal import again
 from pvlib_fem.fitting.result import FemFit
+from pvlib_fem.fitting.stand_ins import StandIn
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.table import ranking_from, ranking_rows
 from pvlib_fem.loop.threads import one_thread_of_trees
@@ -114,6 +115,9 @@ class Loop:
     transposition : str
         Model of the sky by which ``poa_global`` was made of ``ghi``, and is made where
         ``predict`` and the others are given data without it; "" where it was measured.
+    stand_ins : tuple of StandIn
+        Second sources of air or wind that stand in where the first lack, here as in the
+        data of ``predict`` and the others.
     """
 
     findings: tuple
@@ -137,6 +141,7 @@ class Loop:
     own_steps: FemFit | None = field(repr=False, default=None)
     times: Times | None = field(repr=False, default=None)
     transposition: str = ""
+    stand_ins: tuple = ()
 
     @cached_property
     def week_rows(self) -> dict:
@@ -230,9 +235,9 @@ class Loop:
     ) -> tuple[list[Any], dict[str, pd.Series]]:
         """The usual three columns of ``data``, and those that the effects need."""
         needed, there = self.fit.thermal_model.usual, {**self.place, **place}
-        made = ("poa_global",) if self.transposition else ()
-        columns = with_aliases(data, [n for n in needed if n not in made])
-        columns = again(columns, data.index, there, self.transposition)
+        columns = self.filled(data, there)
+        if lacking := [name for name in needed if name not in columns]:
+            with_aliases(data, lacking)  # which refuses them
         wanted = self.fit.thermal_model.drivers
         if {*wanted} & {*GEOMETRY} - {*columns}:
             columns = {**geometry(data.index, **there), **columns}
@@ -418,17 +423,28 @@ class Loop:
         missing. A row gets NaN where a value that its correction needs is missing.
         Values that :func:`pvlib_fem.screen_record` finds stay as they are.
         """
-        return corrected_record(self, self.in_plane(data), resolve)
+        return corrected_record(self, self.whole(data), resolve)
 
-    def in_plane(self, data: pd.DataFrame) -> pd.DataFrame:
-        """``data`` with ``poa_global``, where this loop transposed it from ``ghi``."""
-        if not self.transposition or "poa_global" in data:
-            return data
+    def filled(self, data: pd.DataFrame, place: dict) -> dict[str, pd.Series]:
+        """The columns of ``data`` with what stood in for others in this loop."""
+        columns = with_aliases(data, ())
+        for one in self.stand_ins:
+            columns = one.into(columns)
+        return again(columns, data.index, place, self.transposition)
+
+    def whole(self, data: pd.DataFrame) -> pd.DataFrame:
+        """``data`` with those columns."""
         timed, known = self.timed(data)
-        columns = with_aliases(timed, ())
-        columns = again(columns, timed.index, self.place, self.transposition)
-        found = untimed(columns["poa_global"], data.index, known)
-        return data.assign(poa_global=found)
+        columns = self.filled(timed, self.place)
+        names = [one.usual for one in self.stand_ins if one.column in columns]
+        names += ["poa_global"] if self.transposition else []
+        labels = {printable(label): label for label in data}
+        return data.assign(
+            **{
+                labels.get(name, name): untimed(columns[name], data.index, known)
+                for name in names
+            }
+        )
 
     def temperature_model(
         self, weather: pd.DataFrame | None = None, **options: Any
@@ -548,6 +564,7 @@ class Loop:
             "given": self.given,
             "times": None if self.times is None else self.times.content(),
             "transposition": self.transposition,
+            "stand_ins": [one.content() for one in self.stand_ins],
             "fit": self.fit.content(**cell),
         }
 
@@ -610,6 +627,9 @@ class Loop:
             given=content.part("given").content,
             times=Times.stored(content.part("times")) if content["times"] else None,
             transposition=str(content.content.get("transposition", "")),
+            stand_ins=tuple(map(stand_in_of, content.parts("stand_ins")))
+            if "stand_ins" in content.content
+            else (),
         )
         # what else it would take from the rows
         counts = content.part("weeks")
@@ -649,6 +669,14 @@ class Loop:
 
     def __str__(self):
         return printable("\n".join(summary(self)), "\n")
+
+
+def stand_in_of(stored):
+    """A stand-in of a part of a file."""
+    words = {name: stored.text(name) for name in ("usual", "column")}
+    return StandIn(
+        **words, factor=stored.number("factor"), offset=stored.number("offset")
+    )
 
 
 def untimed(found, index, known):

@@ -51,6 +51,8 @@ def instead(loop):
     words = "; no wind_speed" * calm
     if loop.transposition:
         words += f"; poa_global transposed from ghi ({loop.transposition})"
+    for one in loop.stand_ins:
+        words += f"; {one.column} stands in for {one.usual}"
     return words
 
 

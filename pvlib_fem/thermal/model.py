@@ -10,11 +10,11 @@ from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembere
 from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time
-from pvlib_fem.record.columns import COLUMNS, by_own_names
+from pvlib_fem.record.columns import COLUMNS, by_own_names, twin_of
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
-from pvlib_fem.spelling import argument, refusal
+from pvlib_fem.spelling import Spelled, argument, refusal
 from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem.thermal.response import Past
@@ -32,6 +32,13 @@ MEMORY = {
     "ewm": {"tau": Parameter(TAU, 1.0, 7200.0, "s")},
     "balance": {"capacity": Parameter(12e3, 50.0, 1e6, "J/(m² K)")},
 }
+
+
+def stand_in(name):
+    """How a second source is given in the place of the usual one."""
+    return Spelled(f"stand_ins={name!r}, or ", f"--stand-in {name}, or ")
+
+
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
 WIND, ROSS = "wind_speed", argument("model", "ross")
 
@@ -244,7 +251,10 @@ class ThermalModel:
         there = f"they have {', '.join(columns)}"
         if self.steady_model.takes_wind:
             words = f"data lack {WIND}, which the model {self.steady_model.name} needs"
-            raise refusal(f"{words}; {there}; give it, or ", ROSS, ", which needs none")
+            words = f"{words}; {there}; give it, or "
+            others = [name for name in columns if twin_of(name) == WIND]
+            stand = [stand_in(name) for name in others[:1]]
+            raise refusal(words, *stand, ROSS, ", which needs none")
         using = [e.name for e in self.effects if WIND in behind(e.drivers)]
         raise ValueError(
             f"data lack {WIND}, which {' and '.join(using)} need"

@@ -1,0 +1,200 @@
+"""A second source of air temperature or wind in the place of the usual one."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.effects import several
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.screen import screen_record
+from pvlib_fem.record.columns import numeric, twin_of, with_aliases
+
+#: what another source can stand in for, and its unit
+SERVED = {"temp_air": "K", "wind_speed": "m/s"}
+FEWEST = 500  # rows that both have, by which the level of the other is found
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """
+    A column that stands in for a usual one, ``factor * column + offset``.
+
+    Attributes
+    ----------
+    usual, column : str
+    factor : float
+        Of wind, the ratio of the means where both were measured. [-]
+    offset : float
+        Of air, the mean difference where both were measured. [K]
+    """
+
+    usual: str
+    column: str
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def into(self, columns):
+        """Columns with the gaps of the usual one filled, as far as the other goes."""
+        if self.column not in columns:
+            return columns
+        other = self.factor * columns[self.column] + self.offset
+        known = columns.get(self.usual)
+        found = other if known is None else known.where(known.notna(), other)
+        return {**columns, self.usual: found}
+
+    def content(self):
+        """The same for a file."""
+        return asdict(self)
+
+
+def fill_record(
+    data: pd.DataFrame,
+    stand_ins: str | Iterable[str],
+    limits: Limits | None = None,
+) -> pd.DataFrame:
+    """
+    Take a second source of air temperature or wind where the usual one lacks.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a DatetimeIndex.
+    stand_ins : str or sequence of str
+        Columns such as ``temp_air_2`` [°C] or ``wind_speed_airport`` [m/s], which stand
+        in for the column that their names begin with.
+    limits : pvlib_fem.quality.limits.Limits, optional
+        Thresholds of the screening other than the usual.
+
+    Returns
+    -------
+    DataFrame
+        ``data`` without the second sources. ``attrs["notes"]`` says what was done.
+
+    Raises
+    ------
+    ValueError
+        If a column is not there or stands in for nothing, or both have less than 500
+        rows in common.
+
+    Notes
+    -----
+    Where there is no usual column, the other takes its place as it is. Else its gaps,
+    and what a sensor cannot have measured, are filled by the other: its air temperature
+    plus the mean difference of the rows that both have, its wind times the ratio of
+    their means there.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import pvlib_fem as fem
+    >>> data = fem.datasets.synthetic(days=10, step=600)
+    >>> data["temp_air_2"] = data["temp_air"].round() - 1.0
+    >>> data.loc["2023-06-03", "temp_air"] = np.nan
+    >>> found = fem.fill_record(data, "temp_air_2")
+    >>> print(found.attrs["notes"][0])
+    temp_air_2 stands in for temp_air in 144 rows, with 1 K added; where both are there
+    they then differ by 0.29 K (root mean square of 1,296 rows)
+    """
+    columns, _, notes = with_stand_ins(with_aliases(data, ()), stand_ins, limits)
+    own = chosen(stand_ins)
+    away = [name for name in own.values() if name not in columns]
+    data = data.drop(columns=away).assign(**{n: columns[n] for n in own})
+    data.attrs = {**data.attrs, "notes": notes}
+    return data
+
+
+def chosen(names):
+    """The column that stands in for each usual one."""
+    found: dict[str, str] = {}
+    for name in several(names):
+        usual = twin_of(name)
+        if usual not in SERVED:
+            raise ValueError(
+                f"{name} stands in for nothing: second sources of air and wind do, "
+                "whose names begin so, such as temp_air_2 and wind_speed_2"
+            )
+        if usual in found:
+            raise ValueError(
+                f"{found[usual]} and {name} both stand in for {usual}; give one"
+            )
+        found[usual] = name
+    return found
+
+
+def with_stand_ins(columns, names, limits=None):
+    """
+    Columns in which others stand in, those that do, and what was done.
+
+    Parameters
+    ----------
+    columns : dict of Series
+    names : str or sequence of str
+    limits : Limits, optional
+
+    Returns
+    -------
+    dict of Series, tuple of StandIn, tuple of str
+    """
+    found, notes = [], []
+    for usual, name in chosen(names).items():
+        there = numeric({n: columns[n] for n in (usual, name) if n in columns})
+        if name not in there:
+            raise ValueError(
+                f"data lack numbers in {name}, which is to stand in for {usual}; they "
+                f"have {', '.join(columns)}"
+            )
+        clean = {}
+        for one in there:
+            clean[one], more = cleaned(columns[one], one, usual, limits)
+            notes += more
+        one, lacks, said = level_of(clean, usual, name)
+        columns = one.into({**columns, **clean})
+        if lacks:  # what fills a column says nothing of it
+            columns.pop(name)
+        notes.append(said)
+        found.append(one)
+    return columns, tuple(found), tuple(notes)
+
+
+def cleaned(column, name, usual, limits):
+    """A column without what was not measured, and what that was."""
+    found = screen_record(pd.DataFrame({usual: column}), limits)
+    lines = [line for line in found.notes if line.startswith(usual)]
+    return found.cleaned[usual], [line.replace(usual, name, 1) for line in lines]
+
+
+def level_of(columns, usual, name):
+    """How a column stands in for a usual one, in how many rows, and words for it."""
+    other, known = columns[name], columns.get(usual)
+    if known is None or known.isna().all():
+        words = f"there is no {usual}: {name} stands in for it"
+        return StandIn(usual, name), len(other), words
+    lacks = int((known.isna() & other.notna()).sum())
+    both = known.notna() & other.notna()
+    if both.sum() < FEWEST:
+        raise ValueError(
+            f"{name} and {usual} have {int(both.sum()):,} rows in common, too few for "
+            f"{name} to stand in, of {FEWEST}; give one of them alone"
+        )
+    one, how = StandIn(usual, name), ""
+    if usual == "wind_speed":
+        factor = float(known[both].mean() / max(other[both].mean(), 1e-9))
+        one, how = StandIn(usual, name, factor=factor), f"times {factor:.3g}"
+    else:
+        offset = float((known - other)[both].mean())
+        one, how = StandIn(usual, name, offset=offset), f"with {offset:.2g} K added"
+    if not lacks:
+        return one, 0, f"{usual} has no gap in which {name} could stand in"
+    left = known[both] - (one.factor * other + one.offset)[both]
+    rms = float(np.sqrt((left**2).mean()))
+    return (
+        one,
+        lacks,
+        (
+            f"{name} stands in for {usual} in {lacks:,} rows, {how}; where both are "
+            f"there they then differ by {rms:.2g} {SERVED[usual]} (root mean square of "
+            f"{int(both.sum()):,} rows)"
+        ),
+    )

@@ -1,0 +1,67 @@
+"""What stands in the place of columns that a record lacks."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pvlib_fem.drivers.transposition import PARTS
+from pvlib_fem.fitting.horizontal import with_plane
+from pvlib_fem.fitting.stand_ins import chosen, with_stand_ins
+from pvlib_fem.record.columns import with_aliases
+
+LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0}
+
+
+@dataclass(frozen=True)
+class Instead:
+    """
+    What a user wants in the place of columns that a record lacks.
+
+    Attributes
+    ----------
+    transposition : str
+        Model of the sky by which ``poa_global`` is made of ``ghi``; "" without.
+    stand_ins : tuple of str
+        Second sources of air and wind that fill the first.
+    """
+
+    transposition: str = ""
+    stand_ins: tuple = ()
+
+    @classmethod
+    def of_arguments(cls, transposition, stand_ins):
+        """The same, where no transposition is None."""
+        return cls(transposition or "", tuple(chosen(stand_ins).values()))
+
+    def of(self, data, needed, site, limits, check_units):
+        """The columns of a frame with what stands in, and what that is."""
+        if not self.transposition and not self.stand_ins:
+            return Filled(with_aliases(data, needed))
+        columns, standing, said, horizontal = with_aliases(data, ()), (), (), None
+        if self.stand_ins:
+            columns, standing, said = with_stand_ins(columns, self.stand_ins, limits)
+        if self.transposition:
+            measured = "poa_global" in columns
+            how = (data.index, site, self.transposition, limits, check_units)
+            columns, more = with_plane(columns, *how)
+            said = (*said, *more)
+            if not measured:
+                # poa_global is made of these: they are no causes beside it
+                light = {n: columns.pop(n) for n in ("ghi", *PARTS) if n in columns}
+                horizontal = light["ghi"].to_numpy()
+        frame = data.drop(columns=list(data)).assign(**columns)
+        return Filled(with_aliases(frame, needed), said, horizontal, standing)
+
+
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """Columns with what stands in the place of others."""
+
+    columns: dict
+    said: tuple = ()
+    horizontal: np.ndarray | None = None  # irradiance that was transposed [W/m²]
+    standing: tuple = field(default=())  # of StandIn
+
+    def plane(self, site):
+        """Where the measured light is from."""
+        return site if self.horizontal is None else {**site, **LEVEL}
