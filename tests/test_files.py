@@ -210,7 +210,7 @@ def test_columns_are_found_by_the_names_that_loggers_give(headers, record, tmp_p
 
 
 def test_no_column_is_mapped_that_is_not_it(record, tmp_path):
-    """Horizontal irradiance is that, and a spread and a maximum are none of the four."""
+    """Horizontal irradiance is that; a spread and a maximum are none of the four."""
     path = tmp_path / "plant.csv"
     headers = ("GHI", "T_amb_max", "wind_std", "Tmod_sd")
     record.set_axis(headers, axis=1).to_csv(path, index_label="t")
