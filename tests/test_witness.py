@@ -11,7 +11,7 @@ import study_instruments
 from pvlib.location import Location
 from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
 
-from pvlib_fem import close_loop
+from pvlib_fem import close_loop, simulator
 from pvlib_fem.findings import Finding, Opinion, Verdict
 from pvlib_fem.loop.references import (
     COMPARISONS,
@@ -22,7 +22,7 @@ from pvlib_fem.loop.references import (
     opinion_of,
     usual,
 )
-from pvlib_fem.record.columns import is_power, twin_of, vouches
+from pvlib_fem.record.columns import COLUMNS, is_power, twin_of, vouches
 from pvlib_fem.stored import Stored
 
 
@@ -270,3 +270,25 @@ def test_what_a_class_shares_with_the_model_is_not_fitted_twice():
     loop = close_loop(data, check_units=False, **world.place)
     names = [effect.name for effect in loop.fit.effects]
     assert "snow" in names and len(names) == len({*names})
+
+
+@pytest.mark.parametrize("own_logger", [False, True])
+def test_power_of_a_logger_that_is_off_is_held_to_the_right_time(own_logger):
+    """Power agrees with a sensor that fades, whichever logger wrote it."""
+    effects = simulator.PHYSICS | {"clock_shift": 0.0 if own_logger else 60.0}
+    how = {"days": 400, "step": 1800.0, "start": "2022-01-01", "seed": 3}
+    data = simulator.record(effects=effects, **how)
+    years = (data.index - data.index[0]).days / 365.25
+    power = 5000.0 * data["p_dc_per_area"]
+    data = data[list(COLUMNS)].assign(power_dc=power)
+    data["poa_global"] *= 1.0 - 0.1 * years
+    if own_logger:
+        data["temp_module"] = data["temp_module"].shift(2)
+    loop = close_loop(data)
+    assert loop.corrections[0].applied
+    (drift,) = (f for f in loop.findings if f.effect == "sensitivity_drift")
+    (one,) = (w for w in drift.witnesses if w.column == "power_dc")
+    assert one.opinion is Opinion.AGREES and one.size == pytest.approx(0.1, abs=0.03)
+    actions = loop.corrected(data).actions
+    retimed = {*actions["column"][actions["cause"] == "clock_shift"]}
+    assert retimed == {"temp_module"} | ({"power_dc"} if not own_logger else set())

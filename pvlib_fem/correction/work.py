@@ -19,7 +19,7 @@ from pvlib_fem.effects.effect import Terms
 from pvlib_fem.quality.lag import follows
 from pvlib_fem.quality.units import unit_of_driver
 from pvlib_fem.quality.zones import plain
-from pvlib_fem.record.columns import ORIGINAL
+from pvlib_fem.record.columns import ORIGINAL, is_power, twin_of
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.units import QUANTITIES, UNITS, own_unit
 
@@ -143,13 +143,20 @@ class Work:
         }
         size["stderr"] = fault.stderr.get(key, np.nan)
         poa = self.columns.get("poa_global")
-        for name in ("temp_module", "p_dc_per_area"):
-            if name not in self.columns or (name == "p_dc_per_area" and poa is None):
+        module = self.columns.get("temp_module")
+        if module is not None:
+            module = loop.times.of_module(self.data.index, module.to_numpy())
+        for name in [*self.columns]:
+            is_module = twin_of(name) == "temp_module"
+            if name != "temp_module" and not is_module and not is_power(name):
                 continue
             was = self.columns[name].to_numpy()
             values = loop.times.of_module(self.data.index, was)
-            # power may have a logger of its own
-            if name == "p_dc_per_area" and follows(poa.to_numpy(), was, values) is was:
+            # power and a second sensor may have a logger of their own
+            like = module if is_module else poa
+            if name != "temp_module" and (
+                like is None or follows(np.asarray(like), was, values) is was
+            ):
                 continue
             self.put(name, values)
             words = f"{name}: {fault.why}. Interpolated to the clock of poa_global."

@@ -10,7 +10,7 @@ from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.quality.lag import follows
-from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.record.columns import GEOMETRY, is_power, twin_of
 from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
@@ -114,12 +114,14 @@ class Case:
     def corrected(self):
         """The case with the module's record re-timed."""
         whole, seconds = self.whole, self.whole.inputs.seconds
-        moved = {"temp_module": self.clock.corrected(seconds, whole["temp_module"])}
-        if "p_dc_per_area" in whole.inputs.columns:
-            later = self.clock.corrected(seconds, whole["p_dc_per_area"])
-            moved["p_dc_per_area"] = follows(
-                whole["poa_global"], whole["p_dc_per_area"], later
-            )
+        module = self.clock.corrected(seconds, whole["temp_module"])
+        moved = {"temp_module": module}
+        for name in whole.inputs.columns:
+            # power and a second sensor may have a logger of their own
+            like = whole["poa_global"] if is_power(name) else module
+            if is_power(name) or twin_of(name) == "temp_module":
+                later = self.clock.corrected(seconds, whole[name])
+                moved[name] = follows(like, whole[name], later)
         return divided(whole.having(moved), replace(self, clock=Clock()))
 
 

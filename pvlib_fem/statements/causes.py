@@ -127,6 +127,8 @@ def dated(clause, effect, first, last):
     if not effect.channel:
         return clause
     since, until = dates_of(effect, first, last)
+    if course_of(effect) != "drift" and not effect.settings:  # a hint has no dates
+        since, until = "", last
     fields = {**vars(clause), "since": since, "course": course_of(effect)}
     return Clause(**{**fields, "until": until if until != last else ""})
 
