@@ -107,7 +107,8 @@ def fit_fem(
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc_per_area`` [W per m² of module], ``longwave_down`` [W/m²],
-        ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm], and
+        ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm],
+        ``poa_rear`` [W/m²], and
         ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
         [°], of which ``pvlib_fem.drivers.sun`` gives the first two.
 

@@ -9,9 +9,10 @@ from conftest import call, proposed
 from pvlib.location import Location
 
 import pvlib_fem as fem
-from pvlib_fem import datasets, fleet
+from pvlib_fem import datasets, fleet, simulator
 from pvlib_fem.drivers.transposition import TRANSPOSITIONS
-from pvlib_fem.effects import CHANGES, EFFECTS
+from pvlib_fem.effects import CHANGES, EFFECTS, find
+from pvlib_fem.record.columns import twin_of, vouches
 
 USUAL = ["poa_global", "temp_air", "temp_module"]
 
@@ -414,3 +415,64 @@ def test_the_command_takes_another_source(airport, tmp_path):
         done = call(command, file, "--stand-in", "wind_speed_airport")
         assert done.exit_code == 0, done.output
         assert "stands in" in done.stdout
+
+
+REAR = {"name": "rear_irradiance", "source": "measured rear irradiance"}
+HELD = "rear_irradiance.bifaciality"
+
+
+def bifacial(site=simulator.RHINE, **effects):
+    """A simulated year on a rack, with the irradiance on its rear side."""
+    on = simulator.PHYSICS | {"sky_radiation": 1.0} | effects
+    data = simulator.record(site, on, 365, 1800, seed=3)
+    sky = simulator.weather(site, 365, 1800, "2023-01-01", 3)
+    up = np.cos(np.radians(site.surface_tilt))
+    rear = 0.7 * site.albedo * sky["ghi"] * (1 + up) / 2 + sky["dhi"] * (1 - up) / 2
+    names = [*USUAL, "wind_speed", "longwave_down"]
+    return data[names].assign(poa_rear=rear)
+
+
+def test_a_held_bifaciality_leaves_the_coefficients_of_the_module():
+    """Over dark ground, and beside light on the rear whose share is known."""
+    effects = ["sky_radiation", REAR]
+    how = dict(model="faiman", dynamics="balance", night=True)
+    dark = fem.fit_fem(bifacial(rear_irradiance=0.0), effects=effects[:1], **how)
+    lit = bifacial(rear_irradiance=1.0)
+    without = fem.fit_fem(lit, effects=effects[:1], **how)
+    # absorbed behind over absorbed in front, in the simulator
+    share = 0.6 / 0.72
+    held = fem.fit_fem(lit, effects=effects, fixed={HELD: share}, **how)
+    own, off, known = (one.coefficients["u0"] for one in (dark, without, held))
+    assert abs(known / own - 1.0) < 0.03 < abs(off / own - 1.0)
+    # what keeps pace with the front is not told from it
+    assert lit["poa_rear"].corr(lit["poa_global"]) > 0.95
+    free = fem.fit_fem(lit, effects=effects, **how)
+    assert free.coefficients[HELD] < 0.75 * share
+    assert "rear_irradiance" not in fem.close_loop(lit).effects
+    loop = fem.close_loop(lit, fixed={HELD: share})
+    assert "+rear_irradiance" in loop.table.index
+    assert loop.fit.coefficients[HELD] == share
+
+
+def test_a_fit_with_rear_irradiance_is_the_same_from_a_file(tmp_path):
+    data = bifacial(rear_irradiance=1.0).iloc[: 48 * 60]
+    fit = fem.fit_fem(data, model="faiman", dynamics="balance", effects=REAR)
+    fit.to_json(tmp_path / "fit.json")
+    again = fem.FemFit.from_json(tmp_path / "fit.json")
+    pd.testing.assert_series_equal(again.predict(data), fit.predict(data))
+    with pytest.raises(ValueError, match="data lack poa_rear"):
+        fem.fit_fem(data.drop(columns="poa_rear"), effects=REAR)
+    # by its name alone it is of the ground, as before
+    assert find("rear_irradiance").drivers == ("ghi_estimated",)
+
+
+def test_rear_irradiance_is_no_second_sensor_of_the_front(tmp_path):
+    assert twin_of("poa_rear") is None and not vouches("poa_rear")
+    data = bifacial(rear_irradiance=0.0).iloc[: 48 * 40]
+    loop = fem.close_loop(data)
+    assert "driver:poa_rear" not in {*loop.ranking.index, *loop.untestable}
+    assert not any("vouch" in note for note in loop.notes)
+    headers = ["POA (W/m2)", "T amb", "T mod", "Wind", "LW", "POA rear (W/m2)"]
+    data.set_axis(headers, axis=1).tz_localize(None).to_csv(tmp_path / "rear.csv")
+    line = proposed(call("loop", tmp_path / "rear.csv"))
+    assert "poa_rear=POA rear (W/m2)" in line and "poa_global=POA (W/m2)" in line

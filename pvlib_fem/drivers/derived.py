@@ -89,6 +89,7 @@ MEASURED = {
     "wind_direction": "Where the wind comes from, clockwise from north. [°]",
     "relative_humidity": "Relative humidity. [%]",
     "longwave_down": "Longwave irradiance from the sky, ``ir_down`` in pvlib. [W/m²]",
+    "poa_rear": "Irradiance on the rear side of the module. [W/m²]",
     "precipitation": "Rate of precipitation, as water. [mm/h]",
     "snow_depth": "Depth of snow on the ground. [cm]",
     "p_dc_per_area": "DC power for each square metre of module. [W/m²]",

@@ -268,7 +268,8 @@ def better_sources(effect):
     """Columns with which it would have a driver, where it stands in without one."""
     forms = EFFECTS.get(effect.name, effect).forms
     driven = [form for form in forms if not form.confounder]
-    if not effect.confounder or not driven:
+    # one without a source is no stand-in
+    if not effect.confounder or not driven or "source" not in effect.settings:
         return []
     needed = [name for form in driven for name in needed_for(form.drivers)]
     return sorted({*needed} - {*GEOMETRY})

@@ -21,6 +21,7 @@ UNITS = {
     "ghi": "W/m²",
     "dni": "W/m²",
     "dhi": "W/m²",
+    "poa_rear": "W/m²",
     "temp_air": "°C",
     "temp_module": "°C",
     "temp_cell": "°C",
@@ -55,13 +56,15 @@ COMPARED = Spelled(
 
 #: names of power that is not for each m² of module, and of a second sensor
 POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
+REAR = "poa_rear"  # light on the other side, and no second sensor of the front
 TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 
 
 def twin_of(name):
     """The usual column of which one is a second sensor, by its name, or None."""
     found = TWIN.fullmatch(str(name))
-    if found is None or name in COLUMNS or str(name).endswith(ORIGINAL):
+    own = name in (*COLUMNS, REAR)
+    if found is None or own or str(name).endswith(ORIGINAL):
         return None
     return "poa_global" if found[1] == "poa" else found[1]
 

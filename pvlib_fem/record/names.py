@@ -9,6 +9,10 @@ from pvlib_fem.record.units import QUANTITIES
 
 #: column: names that loggers have for it, the surest first
 NAMES = {
+    "poa_rear": (
+        r"(rear|back[\s_-]*side|rück\w*)[\s_.-]*(irr|poa|g(\b|_)|rad|einstr)|"
+        r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)",
+    ),
     "poa_global": (
         r"poa|gti|gpoa|tilt|inclin|plane|modulebene",
         r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung",

@@ -20,7 +20,7 @@ RANGES = {
     # a pyranometer radiates to the sky by night; 2000 W/m² is more than the edge of any
     # cloud gives (Gueymard, 2017, doi:10.1016/j.solener.2017.05.004: 1900 in seconds)
     **dict.fromkeys(
-        ("poa_global", "ghi", "dni", "dhi", "poa_direct", "poa_diffuse"),
+        ("poa_global", "poa_rear", "ghi", "dni", "dhi", "poa_direct", "poa_diffuse"),
         Range(-30.0, 2000.0, "W/m²"),
     ),
     # in 1 % of the rows few places are above 50 °C: Kuwait's summer has 49 °C

@@ -16,6 +16,7 @@ QUANTITIES = {
     "ghi": "irradiance",
     "dni": "irradiance",
     "dhi": "irradiance",
+    "poa_rear": "irradiance",
     "temp_air": "temperature",
     "wind_speed": "speed",
     "temp_module": "temperature",

@@ -1,4 +1,6 @@
-"""Light from the ground on the back of the module."""
+"""Light on the back of the module, measured or from the ground."""
+
+from dataclasses import replace
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
@@ -22,7 +24,25 @@ def terms(ghi_estimated, *, share):
     return Terms(heat=share * ghi_estimated)
 
 
-EFFECT = Effect(
+def from_rear(poa_rear, *, bifaciality):
+    r"""
+    Heat of irradiance that was measured on the rear side [2]_.
+
+    .. math:: \mathrm{heat} = \mathrm{bifaciality} \cdot \mathrm{poa\_rear}
+
+    ``bifaciality`` is the heat of light on the rear over that of the same light on the
+    front: near the bifaciality of power for a bifacial module, 0.6 to 0.95, and the
+    absorbed share of the back sheet over that of the front for any other. What keeps
+    pace with the irradiance on the front is in the coefficients of the steady model.
+
+    References
+    ----------
+    .. [2] IEC TS 60904-1-2:2019, the equivalent irradiance front + bifaciality · rear.
+    """
+    return Terms(heat=bifaciality * poa_rear)
+
+
+FROM_GROUND = Effect(
     "rear_irradiance",
     terms,
     {"share": Parameter(0.0, 0.0, 0.5, "-")},
@@ -36,3 +56,15 @@ EFFECT = Effect(
         "the steady model's coefficients, by its mean",
     ),
 )
+SOURCE = "measured rear irradiance"
+MEASURED = replace(
+    FROM_GROUND,
+    terms=from_rear,
+    parameters={"bifaciality": Parameter(0.0, 0.0, 1.0, "-")},
+    confounder=False,
+    settings={"source": SOURCE},
+    source=SOURCE,
+)
+
+#: by what is known of the light, the best first
+EFFECT = replace(FROM_GROUND, variants=(MEASURED, FROM_GROUND))
