@@ -1,6 +1,7 @@
 """Dirty files of plants: each ends in an answer, or in the option that gives one."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +12,7 @@ from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
+from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.names import usual_name
@@ -494,6 +496,55 @@ def test_times_that_stay_uncertain_hold_back_the_sun_alone():
     assert loop.untestable["shading"].reason is Reason.OFF_THE_SUN
     assert "sky_radiation" in loop.effects
     assert "are not sure" in loop.report()
+
+
+def lamps(data, nights, seed):
+    """A light for an hour after ten, in some of the nights."""
+    days = pd.Series(data.index.date)
+    lit = np.random.default_rng(seed).choice(days.unique(), nights, replace=False)
+    rows = days.isin(lit).to_numpy() & (data.index.hour == 22)
+    return data.assign(poa_global=data["poa_global"].mask(rows, 700.0)), rows
+
+
+def flashes(data, share, seed):
+    """Single rows of the dark that read anything."""
+    rng = np.random.default_rng(seed)
+    night = (data.index.hour >= 22) | (data.index.hour < 3)
+    rows = night & (rng.uniform(size=len(data)) < share)
+    light = data["poa_global"].mask(rows, rng.uniform(100.0, 1200.0, len(data)))
+    return data.assign(poa_global=light), rows
+
+
+@pytest.mark.parametrize("late", [0.0, 60.0, -120.0])
+@pytest.mark.parametrize(
+    ("lit", "many"), [(flashes, 0.01), (flashes, 0.05), (lamps, 6), (lamps, 30)]
+)
+def test_light_by_night_neither_hides_a_clock_nor_looks_like_one(lit, many, late):
+    """The middle of the day's light is where it was, to a minute."""
+    site = simulator.RHINE
+    data = simulator.record(site, {"file_shift": late}, 100, 900.0, 3)[list(COLUMNS)]
+    place = Location(site.latitude, site.longitude, tz=site.tz)
+    spoilt, rows = lit(data, many, seed=1)
+    found = fem.screen_record(spoilt)
+    if rows.mean() < 0.01 or lit is flashes:
+        assert found.masks["light by night"]["poa_global"][rows].mean() > 0.9
+        assert any("when other nights are dark" in note for note in found.notes)
+    assert not found.masks["light by night"]["poa_global"][~rows].any()
+    plane = site.surface_tilt, site.surface_azimuth
+    poa = found.cleaned["poa_global"].to_numpy()
+    noon = solar_noon_shift(poa, data.index, place, *plane)
+    assert noon.late / 60.0 == pytest.approx(late, abs=1.0)
+    assert list(noon.faults) == (["file_shift"] if late else [])
+
+
+@pytest.mark.parametrize("latitude", [5.0, 49.4, 66.0])
+@pytest.mark.parametrize("start", ["2023-11-25", "2023-03-01", "2023-05-25"])
+def test_the_first_clear_day_among_dark_ones_is_no_light_by_night(latitude, start):
+    site = replace(simulator.RHINE, latitude=latitude)
+    for step in (300.0, 3600.0):
+        data = simulator.record(site, simulator.PHYSICS, 40, step, 7, start=start)
+        kinds = fem.screen_record(data[["poa_global"]]).counts["kind"]
+        assert "light by night" not in {*kinds}
 
 
 def of_the_day_before(index):

@@ -462,7 +462,7 @@ def test_the_frame_keeps_its_form(record):
     assert list(found.cleaned) == list(data) == list(found.mask)
     assert found.cleaned.index.equals(data.index)
     assert set(found.masks) == {
-        *("fill value", "out of range", "negative by day", "spike"),
+        *("fill value", "out of range", "negative by day", "light by night", "spike"),
         *("end of range", "stuck"),
     }
     with pytest.raises(ValueError, match="temp_air is there twice"):

@@ -51,10 +51,13 @@ class Limits:
         *out of range.* Share of one of the four columns that may be impossible; with
         more the record is refused. [-]
     day_side : int
-        *negative by day.* Days on either side that are compared. [days]
+        *negative by day, light by night.* Days on either side that are compared. [days]
     sunny : float
         *negative by day, units.* Irradiance of a time of day that is light for sure, so
         that a negative value is not of the night, and a module gives power. [W/m²]
+    lit_nights : float
+        *light by night.* Share of the nights around up to which light at a time of
+        night is an accident; with more it may be a clock that was set. [-]
     spike : float
         *spike.* Change of temperature there and back that may be noise, beside the
         fastest of air and of modules. Of air twice as much within ``still_air`` is
@@ -91,8 +94,8 @@ class Limits:
         need not answer, beside twice the resolution of both sensors, and from 0 °C
         where snow melts. [K]
     light : float
-        *noon, stuck.* Irradiance above which there is light, above what a
-        pyranometer reads at night. [W/m²]
+        *noon, stuck, light by night.* Irradiance above which there is light, above what
+        a pyranometer reads at night. [W/m²]
     bright : float
         *noon, stuck.* Irradiance that a day has to reach, to have clear edges; and the
         change of it that a module must answer, by 2 to 6 K at the 20 to 60 mK/(W/m²)
@@ -140,8 +143,8 @@ class Limits:
         turned plane, a horizon or averages of an hour may do to a noon, the least jump
         of it, and the parts of a day that are compared with other days. [s]
     noon_side : int
-        *noon.* Days on each side of a jump that are compared; they may span four times
-        as many, where some are missing. [days]
+        *noon, light by night.* Days on each side of a jump that are compared; they may
+        span four times as many, where some are missing. [days]
     noon_error : float
         *noon, clock.* What clouds leave in the noon of one day, at least; a jump is by
         whole hours within ``sure`` times that, and of a module's clock within it. [s]
@@ -159,6 +162,7 @@ class Limits:
     most_impossible: float = 0.2
     day_side: int = 3
     sunny: float = 300.0
+    lit_nights: float = 0.2
     spike: float = 12.0
     end_days: int = 5
 

@@ -173,6 +173,7 @@ def middles(seconds, poa, step, limits):
         return np.zeros(0, dtype=int), np.zeros(0)
     day = np.floor(seconds / DAY).astype(int)
     rows = np.bincount(day, np.isfinite(poa))
+    lit = lit[longest(day[lit], seconds[lit], limits)]
     of_lit, first = np.unique(day[lit], return_index=True)
     last = np.append(first[1:], len(lit)) - 1
     highest = np.maximum.reduceat(poa[lit], first)
@@ -184,6 +185,19 @@ def middles(seconds, poa, step, limits):
     whole = (highest > limits.bright) & (lost < limits.few_share)
     whole &= DAY - (fall - rise) > limits.shortest_night  # False where one is NaN
     return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
+
+
+def longest(day, seconds, limits):
+    """Lit rows of the longest part of each day's light, of those a night apart."""
+    new = np.diff(seconds) > limits.shortest_night
+    new |= np.diff(day) > 0
+    part = np.append(0, np.cumsum(new))
+    rows = np.bincount(part)
+    starts = np.flatnonzero(np.append(True, new))
+    of_day = day[starts]
+    order = np.lexsort((rows, of_day))  # of each day the longest is the last
+    last = np.append(np.diff(of_day[order]) > 0, True)
+    return np.isin(part, order[last])
 
 
 def edge(seconds, poa, lit, way, limits):

@@ -149,9 +149,9 @@ class Screening:
     ----------
     masks : dict of DataFrame
         By kind (``"fill value"``, ``"out of range"``, ``"negative by day"``,
-        ``"spike"``, ``"end of range"``, ``"stuck"``): booleans in the form of the
-        data, True where a value is at fault. They join with those of pvanalytics by
-        ``&`` and ``|``.
+        ``"light by night"``, ``"spike"``, ``"end of range"``, ``"stuck"``): booleans
+        in the form of the data, True where a value is at fault. They join with those
+        of pvanalytics by ``&`` and ``|``.
     counts : DataFrame
         A row for each column and kind that was found: ``column``, ``kind``, ``rows``,
         ``first`` (its time) and ``value`` (there).
@@ -216,13 +216,15 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     outside what the column can hold or, in a column that is not known, well away from
     all else; and values that repeat at ten times all else. *Out of range* is what no
     sensor can have measured. *Negative by day* is irradiance below 0 at a time of day
-    that is light on the days around. *Spikes* are changes there and back that the heat
-    capacity of module or air forbids. *End of range* is where a sensor or its logger
-    stops, and stays, on several days; of light, air and wind the half hour after it is
-    left out, too, which a module remembers. *Stuck* are values that repeat for far
-    longer than their column's own changes make likely, while what moves them moves:
-    but for wind and drivers that takes all four columns. What is usual in a column is
-    told by a million of its rows, evenly taken. What this finds wrongly is in
+    that is light on the days around; *light by night* irradiance above 20 W/m² more
+    than six hours from noon, at a time that is dark on four of five nights around and
+    has no light within an hour and a half of it. *Spikes* are changes there and back
+    that the heat capacity of module or air forbids. *End of range* is where a sensor or
+    its logger stops, and stays, on several days; of light, air and wind the half hour
+    after it is left out, too, which a module remembers. *Stuck* are values that repeat
+    for far longer than their column's own changes make likely, while what moves them
+    moves: but for wind and drivers that takes all four columns. What is usual in a
+    column is told by a million of its rows, evenly taken. What this finds wrongly is in
     :doc:`/quality`.
 
     Examples

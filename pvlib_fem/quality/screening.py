@@ -8,6 +8,7 @@ import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.look import Look
+from pvlib_fem.quality.nightlight import light_by_night
 from pvlib_fem.quality.outliers import (
     apart,
     at_end,
@@ -50,6 +51,7 @@ KINDS = {
     "fill value": "holds the fill value {value:.7g}",
     "negative by day": "is negative by day, as {value:.4g},",
     "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
+    "light by night": "is light by night, as {value:.4g}, when other nights are dark,",
     "spike": "jumps and returns faster than it can, as to {value:.5g},",
     "end of range": "stays at {value:.5g}, the end of its range, or did just before,",
     "stuck": "stands still at {value:g}",
@@ -113,6 +115,8 @@ class Screener:
             if possible(name) is None:  # of which a lone one is a spike
                 far = self.limits.far**3
                 self.note("spike", name, *one.beyond(self.clean, sample[name], far, 1))
+        if "poa_global" in self.asked and "poa_global" not in self.doubts:
+            self.light_by_night()
         return clipped
 
     def sampled(self):
@@ -221,6 +225,14 @@ class Screener:
         rows = size(self.found.get("negative by day", {}).get("poa_global", spans([])))
         beyond = self.look.columns["poa_global"].of("out of range")[2]
         return sum(below) - rows - int((beyond < 0).sum())
+
+    def light_by_night(self):
+        """Take irradiance out that is there at night, where other nights are dark."""
+        ends = pd.DatetimeIndex([*map(self.clean.source.at, self.look.ends)])
+        parts = light_by_night(self.clean, ends, self.look.step, self.limits)
+        if parts and sum(len(rows) for rows, *_ in parts):
+            self.note("light by night", "poa_global", *map(np.concatenate, zip(*parts)))
+            self.look_again()
 
     def light(self):
         """Parts of days that are light on the days around, as numbers."""
