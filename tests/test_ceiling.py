@@ -92,6 +92,12 @@ def test_what_is_made_from_the_answer_is_no_column_of_the_trees(record, ceiling)
     assert (again.trees, again.without) == (ceiling.trees, ceiling.without)
 
 
+def test_a_column_that_nobody_measured_is_none():
+    data = simulated(days=60).drop(columns="wind_speed")
+    found = fem.close_loop(data, model="ross").ceiling()
+    assert {*found.without} == {"past values", "hour and season", "date"}
+
+
 def test_a_loop_that_sees_all_leaves_trees_little(record):
     """The same cause as a column, which a loop names."""
     data = record.drop(columns="power_ac")

@@ -16,6 +16,7 @@ from pvlib_fem.findings import Verdict
 from pvlib_fem.loop.close import close_loop, searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.recovery.inject import Injector
+from pvlib_fem.recovery.recover import plan
 from pvlib_fem.recovery.result import Recovery
 from pvlib_fem.recovery.scramble import Scrambler, alike
 from pvlib_fem.recovery.trial import Trial, false_names, false_of
@@ -67,6 +68,14 @@ def test_the_record_itself_shows_both(done):
     assert "wind_direction" in loop.effects and changes(loop)
 
 
+def test_what_the_model_has_without_findings_is_not_put_in(done):
+    search, loop = done
+    assert "radiative_loss" in {effect.name for effect in loop.fit.effects}
+    planned, notes = plan(search, loop, ["radiative_loss"], [1.0], 1, 0)
+    assert not planned
+    assert notes == {"radiative_loss": "the model without findings has it"}
+
+
 @pytest.mark.parametrize("number", [0, 1])
 def test_drivers_are_those_of_other_days_and_nothing_else_moves(
     record, scrambler, number
@@ -111,6 +120,18 @@ def test_weeks_are_those_of_other_years_with_all_columns(record, scrambler):
     assert not {"wind_direction", "sky_radiation"} & lost
     assert not mixed.equals(marked.scrambled("dates", 1, 0)[0])
     assert mixed.equals(marked.scrambled("dates", 0, 0)[0])
+
+
+def test_quarters_stay_together_and_keep_episodes(record, scrambler):
+    day = np.arange(len(record)) // 24
+    marked = replace(scrambler, record=record.assign(day=day))
+    weeks, quarters = (marked.scrambled("dates", number, 0) for number in (0, 1))
+    moves = [np.count_nonzero(np.diff(m[0]["day"] - day)) for m in (weeks, quarters)]
+    assert moves[0] > 20 and 2 <= moves[1] <= 9
+    assert "weeks" in weeks[3] and "quarters" in quarters[3]
+    steps = {"contact_step", "wind_gain_drift"}
+    assert steps <= quarters[2] and "air_offset_episode" not in quarters[2]
+    assert quarters[2] < weeks[2]
 
 
 def test_changes_that_the_record_shows_are_taken_off_before_dates(record, scrambler):

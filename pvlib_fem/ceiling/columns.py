@@ -27,9 +27,10 @@ def features(record, loop, rows):
         for why in reason.all
         if why.reason is Reason.LEAK
     }
+    none = {COLUMNS[3], *GEOMETRY, *leaks, *record.absent}
     columns, groups = {}, {PAST: set()}
     for name in record.inputs.columns:
-        if name in {COLUMNS[3], *GEOMETRY, *leaks} or twin_of(name) == COLUMNS[3]:
+        if name in none or twin_of(name) == COLUMNS[3]:
             continue
         past = dict(past_of(name, record, rows))
         columns |= {name: np.asarray(record[name], dtype=float)[rows], **past}

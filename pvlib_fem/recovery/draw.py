@@ -112,6 +112,7 @@ def chosen(case, loop, effects):
     """Effects that can be put into a record, and for the others the reason why not."""
     wanted = {effect.name: effect for effect in case.wanted}
     there = {name for f in loop.findings if f.added for name in f.candidates}
+    usual = {effect.name for effect in loop.fit.effects}
     if effects is None:
         names = [name for name in wanted if name in EFFECTS]
     else:
@@ -122,6 +123,8 @@ def chosen(case, loop, effects):
             notes[name] = case.untestable.get(name, f"the loop does not try {name}")
         elif name in there:
             notes[name] = "the record itself shows it, or cannot tell it from what is"
+        elif name in usual:
+            notes[name] = "the model without findings has it"
         elif wanted[name].scan is None:
             found.append(wanted[name])
         elif needs_nothing(wanted[name].make):

@@ -132,9 +132,10 @@ def recover_effects(
       what has another form, such as radiation to the sky by clouds of the day, and
       what needs a column of which the moved one describes more than half of the
       variance;
-    * *dates scrambled*: each week of the year is taken from a year by chance, with all
-      columns. Steps, drifts and episodes of instruments are lost; those that the
-      record itself shows are taken off ``temp_module`` before.
+    * *dates scrambled*: each week of the year, in each second record each quarter, is
+      taken from a year by chance, with all columns. Steps and drifts of instruments are
+      lost, and by weeks their episodes; those that the record itself shows are taken
+      off ``temp_module`` before.
 
     All else stays true, so that it counts for nothing: the model, the bias, longwave
     exchange, functions of irradiance, air, wind and sun. Of ``n`` records that have

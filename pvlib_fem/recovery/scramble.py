@@ -14,9 +14,10 @@ from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import ALIASES, ANGLES, GEOMETRY, RENAMED, printable
+from pvlib_fem.recovery.draw import course_of
 
 YEAR = 365.2425  # days
-WEEK = 7  # days
+WEEK, QUARTER = 7, 91  # days that stay together where dates are scrambled
 DAY = 86_400_000_000_000  # ns
 SAME = 0.5  # share of a column's variance that it describes after it was moved
 DRIVERS, DATES = "drivers", "dates"  # the two kinds
@@ -108,7 +109,7 @@ class Scrambler:
         """
         random = np.random.default_rng([seed, number, kind == DATES])
         if kind == DATES:
-            return self.with_dates(random)
+            return self.with_dates(random, QUARTER if number % 2 else WEEK)
         return self.with_drivers(number, random)
 
     def with_drivers(self, number, random):
@@ -144,25 +145,33 @@ class Scrambler:
                 lost.add(effect.name)
         return lost
 
-    def with_dates(self, random):
-        """The same week of the year from another year, each week by chance."""
+    def with_dates(self, random, length):
+        """
+        The same days of the year from another year, each week or quarter by chance.
+
+        Weeks lose all changes. Quarters keep what an error remembers for weeks, but
+        also episodes, which are shorter.
+        """
         first = self.times[0]
         starts = np.round(np.arange(self.years + 1) * YEAR).astype(int)
         year = np.minimum(np.searchsorted(starts, first, "right") - 1, self.years)
         within = first - starts[year]
-        week = np.minimum(within // WEEK, int(YEAR) // WEEK - 1)
-        weeks = int(YEAR) // WEEK
-        other = np.array([random.permutation(self.years) for _ in range(weeks)]).T
+        parts = int(YEAR) // length
+        part = np.minimum(within // length, parts - 1)
+        other = np.array([random.permutation(self.years) for _ in range(parts)]).T
         complete = year < self.years
-        from_year = other[np.minimum(year, self.years - 1), week]
+        from_year = other[np.minimum(year, self.years - 1), part]
         days = np.where(complete, starts[from_year] + within, first)
         rows = self.at(days)
         kept, labels = rows >= 0, labels_of(self.record)
         record = self.record.assign(**{labels["temp_module"]: self.plain})
         record = record.iloc[rows[kept]].set_axis(self.record.index[kept])
         holdout = None if self.holdout is None else self.holdout[kept]
-        changes = {effect.name for effect in self.tried if effect.channel}
-        return record, holdout, changes, "weeks exchanged between years"
+        changes = [effect for effect in self.tried if effect.channel]
+        if length == QUARTER:
+            changes = [one for one in changes if course_of(one).name != "episode"]
+        words = f"{'weeks' if length == WEEK else 'quarters'} exchanged between years"
+        return record, holdout, {one.name for one in changes}, words
 
 
 def labels_of(data):
