@@ -1,5 +1,6 @@
 """Power that a plant should give, without its area."""
 
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
@@ -75,6 +76,15 @@ class PowerRelation:
     limit: float
     spread: float
 
+    def __format__(self, spec: str) -> str:
+        """Digits that tell it from others, since the name of a driver has them."""
+        return f"{zlib.crc32(repr(self).encode()):08x}"
+
+    @property
+    def usual(self) -> float:
+        """Mean of the scale over the dates. [unit of power per W/m²]"""
+        return float(np.exp(np.mean(self.levels)))
+
     def scale(self, day: Any) -> np.ndarray:
         """Power per irradiance at 25 °C by day since 1970-01-01."""
         columns = seasonal(np.asarray(day, dtype=float))
@@ -102,6 +112,27 @@ class PowerRelation:
         light = np.maximum(np.asarray(poa_global, dtype=float) - self.own, 0.0)
         warm = 1.0 + self.gamma * (np.asarray(temp_module, dtype=float) - 25.0)
         return np.minimum(self.scale(day) * light * np.maximum(warm, 0.0), self.limit)
+
+    def light(self, power: Any, temp_module: Any, day: Any) -> np.ndarray:
+        """
+        Irradiance at which a plant gives such power; 0 where it gives none.
+
+        Parameters
+        ----------
+        power : array
+            In the unit of the power that was fitted.
+        temp_module, day : array
+            As in :meth:`expected`.
+
+        Returns
+        -------
+        array
+            [W/m²]
+        """
+        warm = 1.0 + self.gamma * (np.asarray(temp_module, dtype=float) - 25.0)
+        power = np.asarray(power, dtype=float)
+        light = power / (self.scale(day) * np.maximum(warm, 0.1)) + self.own
+        return np.where(power <= 0.0, 0.0, light)
 
     def content(self) -> dict[str, Any]:
         """The same for a file, where no number may be infinite."""

@@ -28,6 +28,7 @@ class Reason(Enum):
 
     # an effect that could not be weighed, or not be seen
     LACKS = "no {columns}"
+    LACKS_ALL = "no {columns: or }"
     FEW_FITTING_DAYS = "{days} fitting days are too few to leave any out, of {least}"
     FEW_DAYS = "{days} days are too few to leave any out, of {least}"
     COARSE_CLOCK = (

@@ -51,6 +51,19 @@ def drivers(month):
     return tuple(month[name] for name in DRIVERS)
 
 
+def power_of(data, random):
+    """A plant that is off for hours, covered for hours, or whose sensor is covered."""
+    module = data["temp_air"] + 0.03 * data["poa_global"]
+    power = 5.0 * data["poa_global"] * (1.0 - 0.004 * (module - 25.0))
+    draw, left = random.uniform(size=(2, len(data) // 12))
+    shares = np.select(
+        [draw < 0.04, draw < 0.12, draw < 0.16],
+        [0.0, 0.1 + 0.6 * left, 1.3 + left],
+        1.0,
+    )
+    return power * np.repeat(shares, 12)
+
+
 @pytest.fixture(scope="session")
 def plant():
     """Sixty days at 5 min with every column that an effect needs."""
@@ -70,6 +83,7 @@ def plant():
     data["relative_humidity"] = np.clip(55 + 20 * wandering(80), 5, 100)
     falls = np.where(random.uniform(size=rows) < 0.005, 5.0, 0.0)
     data["snow_depth"] = ewm(12 * falls, 3600.0, step=300)  # it melts in an hour
+    data["power_dc"] = power_of(data, random)
     place = sun(data.index, Location(35.0, -106.0))
     data[place.columns] = place
     data["surface_tilt"], data["surface_azimuth"] = 35.0, 180.0

@@ -120,12 +120,13 @@ def test_an_impossible_coefficient_is_said_to_be(plant, noise):
 
 
 def test_what_lacks_its_column_is_listed_with_the_reason(plant, noise):
-    data = record_with(plant, noise).drop(columns=["longwave_down", "p_dc_per_area"])
+    lacking = ["longwave_down", "p_dc_per_area", "power_dc"]
+    data = record_with(plant, noise).drop(columns=lacking)
     data["wind_direction"] = 270.0
     data["precipitation"] = np.nan
     notes = fem.rank_effects(base_fit(data), data)["note"]
     assert notes["sky_radiation"] == "from humidity"
-    assert notes["electrical_output"] == "no p_dc_per_area"
+    assert notes["electrical_output"] == ("no p_dc_per_area or power_dc or power_ac")
     assert notes["wind_direction"] == "wind_direction is constant"
     assert notes["rain"] == "precipitation holds no value"
 

@@ -277,7 +277,9 @@ def test_what_lacks_its_driver_is_not_testable():
     )
     loop = fem.close_loop(data)
     assert str(loop.untestable["rain"]) == "no precipitation"
-    assert str(loop.untestable["electrical_output"]) == "no p_dc_per_area"
+    assert str(loop.untestable["electrical_output"]) == (
+        "no p_dc_per_area or power_dc or power_ac"
+    )
     need = "no location, surface_azimuth, surface_tilt"
     assert str(loop.untestable["rear_irradiance"]) == need
     sky = loop.untestable["sky_radiation"]
@@ -581,6 +583,9 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "rain",
         "soiling",
         "snow",
+        "modules_covered",
+        "sensor_covered",
+        "outage",
         "shading",
         "air_elsewhere",
         "radiative_loss",

@@ -243,9 +243,10 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
             else "--unit p_dc_per_area=W"
         )
         lines.append(
-            f"- {power!r} as power_ac only vouches for instruments; with the area of "
-            f"the modules {quoted(['--map', f'p_dc_per_area={power}'])} {unit} "
-            "--module-area AREA lets loop try electrical_output"
+            f"- {power!r} as power_ac vouches for instruments and shows outages and "
+            "covered modules; with the area of the modules "
+            f"{quoted(['--map', f'p_dc_per_area={power}'])} {unit} "
+            "--module-area AREA gives loop power for each m²"
         )
     lines += [
         f"- not mapped, {reason}: {', '.join(map(repr, columns))}"

@@ -9,6 +9,7 @@ import inspect
 from functools import lru_cache
 
 from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, past, stored
+from pvlib_fem.drivers.plant import frost_past_day, of_column
 from pvlib_fem.drivers.sky import (
     cloud_share,
     sky_deficit,
@@ -37,7 +38,7 @@ from pvlib_fem.drivers.water import (
     wetness,
 )
 from pvlib_fem.drivers.wind import wind_east, wind_north
-from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.record.columns import GEOMETRY, PLANT_POWER
 
 #: name: (columns that it needs, how to compute it from them and the times)
 DERIVED = {
@@ -67,6 +68,8 @@ DERIVED = {
     "days_since_rain": (("precipitation",), days_since_rain),
     "snow_cover": (("snow_depth", "temp_air", "poa_global"), snow_cover),
     "snow_left": (("snow_cover", "snow_depth", "temp_air", "poa_global"), snow_left),
+    "frost_past_day": (("temp_air",), frost_past_day),
+    **{n: made for power in PLANT_POWER for n, made in of_column(power).items()},
     "poa_past_1h": (("poa_global",), past(HOUR)),
     "poa_past_3h": (("poa_global",), past(3.0 * HOUR)),
     "air_past": (("temp_air",), past(3.0 * HOUR)),
@@ -183,12 +186,13 @@ def is_derived(name):
 REMEMBERED = (
     *("beam_around", "cloud_share", "wetness", "days_since_rain"),
     *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
+    *("frost_past_day", "power_off_dc", "power_off_ac"),
 )
 
 #: those of them that forget within hours, and the constant that says how soon [s]
 SHORT = {"wetness": "drying"}
 #: those of them that are known in rows without the columns that they are made of
-THROUGHOUT = ("days_since_rain",)
+THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac")
 
 
 def remembered(names):

@@ -7,12 +7,15 @@ from pvlib_fem.effects.catalogue.air_elsewhere import EFFECT as air_elsewhere
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
 from pvlib_fem.effects.catalogue.incidence_angle import EFFECT as incidence_angle
+from pvlib_fem.effects.catalogue.modules_covered import EFFECT as modules_covered
 from pvlib_fem.effects.catalogue.natural_convection import EFFECT as natural_convection
+from pvlib_fem.effects.catalogue.outage import EFFECT as outage
 from pvlib_fem.effects.catalogue.poa_misalignment import EFFECT as poa_misalignment
 from pvlib_fem.effects.catalogue.radiative_loss import EFFECT as radiative_loss
 from pvlib_fem.effects.catalogue.rain import EFFECT as rain
 from pvlib_fem.effects.catalogue.rear_irradiance import EFFECT as rear_irradiance
 from pvlib_fem.effects.catalogue.season import EFFECT as season
+from pvlib_fem.effects.catalogue.sensor_covered import EFFECT as sensor_covered
 from pvlib_fem.effects.catalogue.shading import EFFECT as shading
 from pvlib_fem.effects.catalogue.sky_radiation import EFFECT as sky_radiation
 from pvlib_fem.effects.catalogue.snow import EFFECT as snow
@@ -41,6 +44,9 @@ PHYSICS = {
         rain,
         soiling,
         snow,
+        modules_covered,
+        sensor_covered,
+        outage,
         shading,
         air_elsewhere,
         radiative_loss,

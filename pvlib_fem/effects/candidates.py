@@ -46,6 +46,12 @@ def lacks(effect, drivers, refused, absent):
     """Why an effect cannot be tried."""
     lacking = lacking_of(effect, drivers, absent)
     why = list(dict.fromkeys(refused[name] for name in lacking if name in refused))
+    # one column of several is enough where each form needs one of its own
+    forms = [
+        [n for n in needed_for(f.drivers) if n not in drivers] for f in effect.forms
+    ]
+    if not why and len(forms) > 1 and all(len(form) == 1 for form in forms):
+        return because(Reason.LACKS_ALL, columns=[name for (name,) in forms])
     if none := sorted({SUN.get(n, n) for n in lacking if n not in refused}):
         why.append(because(Reason.LACKS, columns=none))
     return together(why)

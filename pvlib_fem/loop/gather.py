@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
-from pvlib_fem.drivers import needed_for
+from pvlib_fem.drivers import completed, needed_for
 from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.effects.effect import Effect, Terms, tabled
 from pvlib_fem.reasons import Reason, because
@@ -208,7 +208,8 @@ def ready(model, inputs, seen, candidates):
     for effect in candidates:
         try:
             if effect.prepare:
-                effect = effect.prepare(inputs.columns, seen)
+                dated = completed(inputs, ["day"])
+                effect = effect.prepare(dated.columns, seen)
             wide, name = effect.scanned_from or effect, effect.name
             if effect.dates:
                 wide, name = replace(wide, name=effect.channel), effect.channel

@@ -9,6 +9,7 @@ from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.loop.case import BASES, FEWEST_FITTING_DAYS
 from pvlib_fem.loop.conclude import hints, in_the_model, not_seen, patterns
+from pvlib_fem.loop.events import events_of
 from pvlib_fem.loop.ranking import ranked
 from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.table import Ranking, table_of
@@ -49,6 +50,7 @@ def outcome(search, last, base):
     first = search.steps[base]
     before = pd.Series(first.measured - first.temperature, record.index)
     stretches = episodes_of(case, last)
+    shown = events_of(search.fits, last)
     # of the two dynamics the loop went on with one
     dynamics = next(n for n, how in BASES.items() if how == raw.model.dynamics)
     path = [n for n in search.steps if n not in BASES or n in ("steady", dynamics)]
@@ -71,6 +73,7 @@ def outcome(search, last, base):
         weighed=search.last is not None,
         budget=budget,
         episodes=stretches,
+        events=shown,
     )
 
 

@@ -28,6 +28,7 @@ from pvlib_fem.record.columns import (
     GEOMETRY,
     is_power,
     numeric,
+    plant_power,
     twin_of,
     usable_drivers,
     vouches,
@@ -95,7 +96,8 @@ def prepared(
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
-    there, absent = {**look.drivers, **sun}, look.whole.absent
+    power = plant_power(look.whole, criteria.max_missing)
+    there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
     if plane is not None:  # an obstacle has no place beside a plane that is not known
         scans = filter(is_before_the_sun, wanted)
@@ -253,9 +255,8 @@ def notes_of(look, corrections, wanted, site, criteria):
     if look.witnesses:
         alone = len(look.witnesses) == 1
         yield (
-            f"{', '.join(look.witnesses)} vouch{'es' * alone} for instruments, and "
-            f"drive{'s' * alone} nothing: power and second sensors see what those "
-            "should see"
+            f"{', '.join(look.witnesses)} vouch{'es' * alone} for instruments: power "
+            "and second sensors see what those should see"
         )
     yield from gaps(look.whole, look.drivers, wanted)
 

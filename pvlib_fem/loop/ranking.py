@@ -24,6 +24,7 @@ from pvlib_fem.record.columns import (
     COLUMNS as USUAL,
     GEOMETRY,
     numeric,
+    plant_power,
     usable_drivers,
     with_aliases,
 )
@@ -269,6 +270,7 @@ def rank_effects(
     record, faults = screened(usual, criteria.limits, check_units=False)
     taken = (*DERIVED, *MODELLED)
     drivers, refused = usable_drivers(columns, record, criteria.max_missing, taken)
+    drivers |= plant_power(record, criteria.max_missing)
     there = {effect.name for effect in fit.effects}
     sun = geometry(record.index, **place)
     known = {**drivers, **sun}

@@ -10,6 +10,7 @@ import pandas as pd
 from pvlib.location import Location
 
 from pvlib_fem import plotting
+from pvlib_fem.budget.events import event_rows, events_from
 from pvlib_fem.budget.table import (
     budget_from,
     budget_rows,
@@ -97,6 +98,14 @@ class Loop:
         and ``end``, the last of its ``days``; mean residual by ``day`` and by
         ``night`` [K]; ``share`` of the mean square. Of all weeks, the test weeks
         too: they are told, and decide nothing.
+    events : DataFrame
+        Hours on which a plant's power is not what irradiance leads one to expect, and
+        the module's temperature agrees, the largest share first: the ``effect``
+        (``outage``, ``modules_covered``, ``sensor_covered``), ``start``, ``end``,
+        ``hours`` of light, ``size``, the mean residual without these effects [K],
+        ``share`` of its square in the record, ``power`` over that expected, and
+        means of ``temp_air`` [°C] and ``snow_depth`` [cm], where there is one. Of all
+        weeks: they are told, and decide nothing.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.
     criteria : Criteria
@@ -134,6 +143,7 @@ class Loop:
     weeks: pd.Series | None = field(repr=False)
     budget: pd.DataFrame = field(repr=False)
     episodes: pd.DataFrame = field(repr=False)
+    events: pd.DataFrame = field(repr=False)
     plain: tuple = field(repr=False)
     criteria: Criteria = field(repr=False)
     weighed: bool = True
@@ -554,6 +564,7 @@ class Loop:
             "ranking": ranking_rows(self.ranking),
             "budget": budget_rows(self.budget),
             "episodes": episode_rows(self.episodes),
+            "events": event_rows(self.events),
             "notes": self.notes,
             "place": placed(self.place),
             "weeks": self.week_rows,
@@ -617,6 +628,7 @@ class Loop:
             fit=FemFit.stored(fit_in(content), own),
             budget=budget_from(content.parts("budget")),
             episodes=episodes_from(content.parts("episodes")),
+            events=events_from(content.parts("events")),
             notes=content.texts("notes"),
             place=place_from(content.part("place")),
             residual_before=None,

@@ -54,6 +54,8 @@ COMPARED = Spelled(
 )
 
 
+#: power of a plant, the better column first
+PLANT_POWER = ("power_dc", "power_ac")
 #: names of power that is not for each m² of module, and of a second sensor
 POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
 REAR = "poa_rear"  # light on the other side, and no second sensor of the front
@@ -72,6 +74,24 @@ def twin_of(name):
 def is_power(name):
     """Whether a column is power, by its name."""
     return POWER.fullmatch(str(name)) is not None and not str(name).endswith(ORIGINAL)
+
+
+def known_values(name, values, poa_global):
+    """Rows of a column that are known: without light, power that lacks is none."""
+    known = np.isfinite(values)
+    return known | (poa_global <= DAYLIGHT) if name in PLANT_POWER else known
+
+
+def plant_power(record, most):
+    """Columns of a plant's power that are there by day, which effects may follow."""
+    found, light = {}, record["poa_global"] > DAYLIGHT
+    for name in PLANT_POWER:
+        if name in record.inputs.columns and light.any():
+            values = record[name]
+            lacks = np.isnan(values[light]).mean()
+            if lacks <= most and np.nanmax(values) > np.nanmin(values):
+                found[name] = pd.Series(values, record.index)
+    return found
 
 
 def vouches(name):

@@ -18,6 +18,7 @@ from pvlib_fem.record.checks import (
     no_datetimes,
     plain_steps,
 )
+from pvlib_fem.record.columns import known_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,7 +310,7 @@ class Record:
         if asked not in self.inputs.known:
             rows = np.ones(len(self.index), dtype=bool)
             for name in names:
-                rows &= np.isfinite(self[name])
+                rows &= known_values(name, self[name], self["poa_global"])
             rows.flags.writeable = False  # it is the same for all who ask
             self.inputs.known[asked] = rows
         return self.inputs.known[asked]

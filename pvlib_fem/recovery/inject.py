@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers import needed_for
+from pvlib_fem.drivers import completed, needed_for
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.courses import weights_of
 from pvlib_fem.quality.clock import Clock
@@ -59,6 +59,7 @@ class Injector:
         if effect.prepare:
             there = replace(self.model, effects=(effect,)).with_drivers(record.inputs)
             rows = np.ones(len(record.index), dtype=bool)
+            there = completed(there, ["day"])
             effect = effect.prepare(there.columns, rows)
         model = replace(self.model, effects=(*self.model.effects, effect))
         parts = (injection.coefficients, effect.start)

@@ -10,7 +10,12 @@ from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembere
 from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time
-from pvlib_fem.record.columns import COLUMNS, by_own_names, twin_of
+from pvlib_fem.record.columns import (
+    COLUMNS,
+    by_own_names,
+    known_values,
+    twin_of,
+)
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
@@ -241,7 +246,9 @@ class ThermalModel:
         losing(self.steady_model, inputs["wind_speed"], self.own(coefficients))
         found = self.temperature(inputs, coefficients)
         # what follows from a gap in a driver may be a number, and is not known
-        known = np.all([np.isfinite(inputs[name]) for name in columns], axis=0)
+        light = inputs["poa_global"]
+        known = [known_values(name, inputs[name], light) for name in columns]
+        known = np.all(known, axis=0)
         return inputs.restore(np.where(known, found, np.nan))
 
     def refuse_without_wind(self, columns):

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects.plant import by_power
 
 GAMMA = -0.0035  # 1/K, of crystalline silicon's power
 MISSING = 0.15  # of the expected power, from which it is curtailed
@@ -60,6 +61,19 @@ def curtailed(
     return Terms(heat=share * np.where(lacks > missing * expected, lacks, 0.0))
 
 
+def unused(light_unused_dc, *, share):
+    r"""
+    The same of power that is missing by a plant's own relation to irradiance.
+
+    .. math:: \mathrm{heat} = \mathrm{share} \cdot \mathrm{light\_unused\_dc}
+
+    or with the driver ``light_unused_ac``. ``share`` is the efficiency over the share
+    of irradiance that is heat. Hours without any power are those of :ref:`outage
+    <effect-outage>`.
+    """
+    return Terms(heat=share * light_unused_dc)
+
+
 def below(efficiency=None, snow=False, gamma=GAMMA, missing=MISSING):
     """
     The effect of power below that of a module of this efficiency. [-]
@@ -104,6 +118,11 @@ EFFECT = Effect(
         "natural_convection",
         "an error of the irradiance sensor, which power measures, too",
     ),
+    source="power per area",
     make=below,
     prepare=of_record,
 )
+BY_PLANT = replace(
+    EFFECT, terms=unused, parameters={"share": Parameter(0.0, 0.0, 0.5, "-")}
+)
+EFFECT = replace(EFFECT, variants=(EFFECT, *by_power(BY_PLANT, "light_unused")))

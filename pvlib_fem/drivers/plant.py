@@ -1,0 +1,146 @@
+"""What a plant's power says of the light on its modules and on the sensor."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.drivers.memory import dated
+from pvlib_fem.power import days_of, fitted
+from pvlib_fem.record.columns import known_values
+
+LEAST = 50.0  # W/m², below which irradiance and power say little of each other
+NONE = 0.02  # of the usual power per irradiance, below which there is none
+MISSING = 0.15  # of irradiance, from which power and irradiance differ
+SPREADS = 4.0  # of the relation, from which they do: as rare as 6 in 100,000
+#: °C, below which precipitation may be snow: 95 % of stations have equal parts of rain
+#: and snow below it (Jennings et al., 2018, doi:10.1038/s41467-018-03629-7)
+FROST = 2.4
+THAW = 10.0  # °C, in which no snow stays on a module by day
+BEFORE = "24h"  # in which frost before an hour counts
+PAUSE = 3.0 * 86400.0  # s without light or values, over which a stretch does not go on
+
+
+def frost_past_day(temp_air, inputs):
+    """Whether snow may lie on the module: air below 2.4 °C within the past day. [-]"""
+    times = pd.to_timedelta(inputs.seconds, unit="s")
+    coldest = pd.Series(temp_air, times).rolling(BEFORE).min().to_numpy()
+    return np.where(np.isnan(temp_air), np.nan, coldest < FROST)
+
+
+def power_off(poa_global, temp_air, frost_past_day, power, inputs, *, scale=np.nan):
+    """
+    Whether a plant gives no power, for another reason than snow. [-]
+
+    In light above 50 W/m² without 2 % of the usual power, ``scale`` [W per W/m²]. A
+    stretch of such rows, over nights, is no snow where air has 10 °C in it, or there
+    is no frost before and during it.
+    """
+    if np.isnan(scale):
+        scale = usual_scale(poa_global, power)
+    known = known_values("power_dc", power, poa_global) & np.isfinite(poa_global)
+    light = np.flatnonzero(known & (poa_global > LEAST) & np.isfinite(temp_air))
+    none = power[light] < NONE * scale * poa_global[light]
+    seconds = inputs.seconds[light]
+    breaks = np.diff(none, prepend=True) | (np.diff(seconds, prepend=0.0) > PAUSE)
+    stretch = np.cumsum(breaks)
+    off = np.zeros(len(poa_global))
+    if len(light):
+        size = stretch[-1] + 1
+        warm, icy = np.full(size, -np.inf), np.zeros(size)
+        np.maximum.at(warm, stretch, temp_air[light])
+        np.maximum.at(icy, stretch, frost_past_day[light])
+        snow = (warm < THAW) & (icy > 0.0)
+        off[light] = none & ~snow[stretch]
+    return np.where(known & np.isfinite(temp_air), off, np.nan)
+
+
+def usual_scale(poa_global, power):
+    """Power per irradiance that a quarter of the bright rows have at least."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = (power / poa_global)[poa_global > 2.0 * LEAST]
+    ratio = ratio[np.isfinite(ratio)]
+    return float(np.quantile(ratio, 0.75)) if len(ratio) else np.inf
+
+
+def light_shown(relation, poa_global, temp_module, power, day):
+    """Irradiance that power shows, at least that of the sensor at the limit. [W/m²]"""
+    shown = relation.light(power, temp_module, day)
+    at_limit = power >= (1.0 - NONE) * relation.limit
+    return np.where(at_limit, np.fmax(shown, poa_global), shown)
+
+
+def lights(poa_global, temp_base, power, inputs, relation):
+    """
+    Irradiance by the sensor and by power, the same where they agree. [W/m²]
+
+    They agree where both are within 50 W/m², 15 % or four spreads of the relation, at
+    the limit of the plant, and in the dark.
+    """
+    index = dated(inputs, "what a plant should give")
+    day = days_of(index)
+    if relation is None:
+        relation = fitted(poa_global, temp_base, power, day)
+    shown = light_shown(relation, poa_global, temp_base, power, day)
+    dark = known_values("power_dc", power, poa_global) & np.isnan(power)
+    shown = np.where(dark, poa_global, shown)
+    return poa_global, np.where(
+        agree(poa_global, shown, relation.spread), poa_global, shown
+    )
+
+
+def agree(seen, shown, spread):
+    """Whether irradiances by the sensor and by power agree."""
+    most = max(MISSING, SPREADS * spread) * np.fmax(seen, shown)
+    return np.abs(shown - seen) <= np.maximum(most, LEAST)
+
+
+def lost(seen, shown):
+    r"""
+    Irradiance that modules lose, where power shows less than the sensor sees. [W/m²]
+
+    Of the share :math:`p` of the power that is left, :math:`\sqrt p` of the light is.
+    """
+    left = np.sqrt(np.clip(shown / np.maximum(seen, LEAST), 0.0, 1.0))
+    return np.where(shown >= seen, 0.0, seen * (1.0 - left))
+
+
+def light_lost(poa_global, temp_base, power, power_off, inputs, *, relation=None):
+    r"""
+    Irradiance that covered modules lose, by their power. [W/m²]
+
+    Power falls faster than light where a part of a string is covered: of the share
+    :math:`p` of the power that is left, :math:`\sqrt p` of the light is. Where all
+    modules are covered alike, it is up to twice as much.
+    """
+    seen, shown = lights(poa_global, temp_base, power, inputs, relation)
+    return lost(seen, shown) * (1.0 - power_off)
+
+
+def light_unseen(poa_global, temp_base, power, inputs, *, relation=None):
+    """Irradiance that power shows beyond that of the sensor. [W/m²]"""
+    seen, shown = lights(poa_global, temp_base, power, inputs, relation)
+    return np.maximum(shown - seen, 0.0)
+
+
+def light_unused(
+    poa_global, temp_base, frost_past_day, power, power_off, inputs, *, relation=None
+):
+    """
+    Irradiance of which power is not taken, as by curtailment. [W/m²]
+
+    None where there is no power at all, and where snow may lie.
+    """
+    seen, shown = lights(poa_global, temp_base, power, inputs, relation)
+    return np.maximum(seen - shown, 0.0) * (1.0 - power_off) * (1.0 - frost_past_day)
+
+
+def of_column(power):
+    """The drivers that follow a column of power, by name."""
+    kind = power.removeprefix("power")  # _dc or _ac
+    usual = ("poa_global", "temp_base")
+    off = f"power_off{kind}"
+    return {
+        off: (("poa_global", "temp_air", "frost_past_day", power), power_off),
+        f"light_lost{kind}": ((*usual, power, off), light_lost),
+        f"light_unseen{kind}": ((*usual, power), light_unseen),
+        f"light_unused{kind}": ((*usual, "frost_past_day", power, off), light_unused),
+    }

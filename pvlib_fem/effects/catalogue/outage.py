@@ -1,0 +1,40 @@
+"""Hours without power, whose electrical share heats the module."""
+
+from dataclasses import replace
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects.plant import by_power
+
+
+def terms(poa_global, power_off_dc, *, share):
+    r"""
+    Heat that leaves as electricity, and stays while a plant is off [1]_.
+
+    .. math::
+
+        \mathrm{heat} = \mathrm{share} \cdot \mathrm{power\_off\_dc}
+        \cdot \mathrm{poa\_global}
+
+    or with the driver ``power_off_ac``. ``share`` is the efficiency over the share of
+    irradiance that is heat with power on: 0.2 to 0.3 of silicon.
+
+    References
+    ----------
+    .. [1] The balance of :func:`pvlib.temperature.pvsyst_cell`, where irradiance
+       heats by absorption · (1 - efficiency).
+    """
+    return Terms(heat=share * power_off_dc * poa_global)
+
+
+EFFECT = Effect(
+    "outage",
+    terms,
+    {"share": Parameter(0.0, 0.0, 0.5, "-")},
+    decided_by="the inverter's log of outages",
+    confused_with=(
+        "modules_covered",
+        "electrical_output",
+        "a logger of power that is off while the plant is not",
+    ),
+)
+EFFECT = replace(EFFECT, variants=by_power(EFFECT, "poa_global", "power_off"))

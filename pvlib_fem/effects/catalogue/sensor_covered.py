@@ -1,0 +1,38 @@
+"""Snow, leaves or shade on the irradiance sensor, which the plant's power shows."""
+
+from dataclasses import replace
+
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects.plant import by_power
+
+
+def terms(light_unseen_dc, *, share):
+    r"""
+    Sunlight that heats the modules and that a covered sensor does not see [1]_.
+
+    .. math:: \mathrm{heat} = \mathrm{share} \cdot \mathrm{light\_unseen\_dc}
+
+    or with the driver ``light_unseen_ac``. ``share`` is 1 where the measured module
+    has the light of the others.
+
+    References
+    ----------
+    .. [1] The relation of power to irradiance of PVWatts, solved for irradiance:
+       A. P. Dobos, "PVWatts Version 5 Manual", NREL/TP-6A20-62641 (2014).
+    """
+    return Terms(heat=share * light_unseen_dc)
+
+
+EFFECT = Effect(
+    "sensor_covered",
+    terms,
+    {"share": Parameter(0.0, 0.0, 1.5, "-")},
+    decided_by="a second irradiance sensor, or a camera",
+    confused_with=(
+        "sensitivity_episode",
+        "soiling",
+        "shading",
+        "power of a plant that has been extended",
+    ),
+)
+EFFECT = replace(EFFECT, variants=by_power(EFFECT, "light_unseen"))

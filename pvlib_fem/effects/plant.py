@@ -1,0 +1,68 @@
+"""Effects that follow a plant's power: one form for DC power, one for AC power."""
+
+from dataclasses import replace
+from functools import partial
+
+from pvlib_fem.drivers import Driver, constants
+from pvlib_fem.power import PowerRelation, fitted
+from pvlib_fem.record.columns import PLANT_POWER
+
+USED = ("poa_global", "temp_base")
+
+
+def by_power(effect, *columns):
+    """
+    The forms of an effect by the column of power that is there, the best first.
+
+    Parameters
+    ----------
+    effect : Effect
+    *columns : str
+        Its drivers, those that follow power without the kind of power.
+
+    Returns
+    -------
+    tuple of Effect
+        Of the loop's record each takes the relation of power to irradiance.
+    """
+    return tuple(form(effect, power, columns) for power in PLANT_POWER)
+
+
+def form(effect, power, columns):
+    """The form of one column of power."""
+    kind = power.removeprefix("power")
+    names = tuple(n if n in USED else f"{n}{kind}" for n in columns)
+    found = replace(
+        effect, columns=names, source=power, settings={"source": power}, variants=()
+    )
+    return replace(
+        found,
+        make=partial(of_relation, found),
+        prepare=partial(of_record, found),
+    )
+
+
+def of_relation(effect, relation=None):
+    """The effect by a relation that is known, as :class:`pvlib_fem.power` has it."""
+    if relation is None:
+        return effect
+    if not isinstance(relation, PowerRelation):
+        relation = PowerRelation.stored(relation)
+    given = {"relation": relation, "scale": relation.usual}
+    drivers = []
+    for name in effect.drivers:
+        taken = {k: v for k, v in given.items() if k in constants(name)}
+        drivers.append(Driver(name, **taken) if taken else name)
+    return replace(
+        effect,
+        columns=tuple(drivers),
+        settings={"source": effect.source, "relation": relation.content()},
+        prepare=None,
+        make=partial(of_relation, effect),
+    )
+
+
+def of_record(effect, columns, rows):
+    """The effect by the relation of a record's own rows."""
+    used = [columns[name][rows] for name in (*USED, effect.source, "day")]
+    return of_relation(effect, fitted(*used))
