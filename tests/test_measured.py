@@ -14,6 +14,7 @@ from study_measured import told
 
 import pvlib_fem as fem
 from pvlib_fem.findings import Opinion, Verdict
+from pvlib_fem.loop.events import BY_POWER
 
 ROOT = Path(__file__).parents[1]
 
@@ -74,10 +75,14 @@ def test_at_bolzano_other_weeks_say_the_same(at_bolzano):
     }
 
 
+def drift_of(loop):
+    return next(f for f in loop.findings if f.effect == "sensitivity_drift")
+
+
 def test_at_golden_the_irradiance_sensor_is_named(at_golden):
     """By 1.5 to 2.1 % a year: power, a clear sky and a modelled irradiance agree."""
-    first = at_golden.findings[0]
-    assert first.effect == "sensitivity_drift" and first.verdict is Verdict.NAMED
+    first = drift_of(at_golden)
+    assert first.verdict is Verdict.NAMED
     (rate,) = first.coefficients.values()
     assert 0.015 < rate < 0.021
     agreeing = {o.column for o in first.witnesses if o.opinion is Opinion.AGREES}
@@ -142,7 +147,7 @@ def test_the_page_of_bolzano_has_the_numbers_of_the_loop(at_bolzano, bolzano):
 
 def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
     text = question("17_a_pyranometer_that_fades")
-    first = at_golden.findings[0]
+    first = drift_of(at_golden)
     (rate,), (error,) = first.coefficients.values(), first.stderr.values()
     assert f"{100 * rate:.1f} ± {100 * error:.1f} % a year" in text
     drifts = {
@@ -246,9 +251,35 @@ def test_the_page_of_a_loss_rate_has_the_numbers_that_it_makes(golden):
     assert read == pytest.approx(0.75, abs=0.02)
 
 
-def test_at_golden_the_correction_is_the_same_without_power(at_golden, golden):
-    """So that a loss rate of the plant does not rest on its own power."""
+def test_at_golden_the_drift_is_the_same_without_power(at_golden, golden):
+    """A loss rate of the plant need not rest on its own power."""
     loop = closed(golden.drop(columns="power_ac"))
     (one,) = (f for f in loop.findings if f.added)
     assert one.effect == "sensitivity_drift" and one.verdict is Verdict.NAMED
-    assert one.coefficients == at_golden.findings[0].coefficients
+    (rate,), (other,) = (f.coefficients.values() for f in (one, drift_of(at_golden)))
+    (error,) = one.stderr.values()
+    assert abs(rate - other) < 2.0 * error
+
+
+def test_at_golden_power_shows_snow_and_outages(at_golden):
+    """Snow, by its dates in cold air; the outage of spring 2013, by its own."""
+    snow, off = (
+        at_golden.events[at_golden.events["effect"] == kind]
+        for kind in ("modules_covered", "outage")
+    )
+    assert (snow["temp_air"] < 5.0).mean() > 0.8 and (snow["size"] < 0.0).all()
+    days = {f"{start:%Y-%m-%d}" for start in snow["start"]}
+    assert {"2012-02-23", "2014-02-03", "2012-11-11", "2014-12-15"} <= days
+    stood = off[(off["start"] >= "2013-04-14") & (off["end"] <= "2013-05-22")]
+    assert stood["hours"].sum() > 300
+    assert len(snow) > 80
+    found = next(f for f in at_golden.findings if f.effect == "modules_covered")
+    assert found.added and 0.5 < found.coefficients["modules_covered.share"] < 1.0
+
+
+def test_at_bolzano_few_events_leave_the_loop_as_it_was(at_bolzano, bolzano):
+    assert not {*BY_POWER} & {*at_bolzano.effects}
+    assert len(at_bolzano.events) < 2 * 8  # years
+    without = closed(bolzano.drop(columns=["power_dc", "power_ac"]))
+    before, after = (loop.table["rmse_test"].iloc[-1] for loop in (without, at_bolzano))
+    assert after == pytest.approx(before, abs=0.02)

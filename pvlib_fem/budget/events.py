@@ -137,7 +137,11 @@ def kind_of(hours, some, less, more, noise, shares):
     if more[some].any():
         hot = makes("sensor_covered", more)
         return "sensor_covered" if hot > sure and size > 0.5 * hot else ""
-    none = hours.power[some].sum() < NONE * hours.expected[some].sum()
+    expected, dead = (
+        hours.expected[some],
+        hours.power[some] < NONE * hours.expected[some],
+    )
+    none = expected[dead].sum() > 0.5 * expected.sum()  # at its ends it may be half
     cold = -makes("modules_covered", less)
     warm = makes("outage", hours.seen) if none else 0.0
     if warm - cold > sure:
@@ -213,27 +217,31 @@ def event_table(rows, extra=()):
 
 
 def event_rows(table):
-    """The same for a file."""
-    times = {name: [one.isoformat() for one in table[name]] for name in TIMES}
-    return table.assign(**times).to_dict(orient="records")
+    """The same for a file: instants in UTC, and the zone of the record."""
+    rows = table.to_dict(orient="records")
+    for row in rows:
+        row["zone"] = str(row["start"].tz or "")
+        row |= {name: as_utc(row[name]).isoformat() for name in TIMES}
+    return rows
+
+
+def as_utc(time):
+    return time if time.tz is None else time.tz_convert("UTC")
 
 
 def events_from(parts):
     """Events of parts of a file."""
-    extra = [name for part in parts for name in part.content]
-    return event_table(
-        [
-            {
-                "effect": part.text("effect"),
-                **{name: pd.Timestamp(part.text(name)) for name in TIMES},
-                "hours": part.count("hours"),
-                **{
-                    name: part.number(name, unknown=True)
-                    for name in part.content
-                    if name not in COLUMNS[:4]
-                },
-            }
-            for part in parts
-        ],
-        dict.fromkeys(extra),
-    )
+    extra = dict.fromkeys(name for part in parts for name in part.content)
+    extra = [name for name in extra if name not in (*COLUMNS, "zone")]
+    return event_table([event_from(part, extra) for part in parts], extra)
+
+
+def event_from(part, extra):
+    """One event of a file."""
+    zone = part.text("zone")
+    times = {name: pd.Timestamp(part.text(name)) for name in TIMES}
+    if zone:
+        times = {name: time.tz_convert(zone) for name, time in times.items()}
+    numbers = {n: part.number(n, unknown=True) for n in (*COLUMNS[4:], *extra)}
+    counts = {"effect": part.text("effect"), "hours": part.count("hours")}
+    return {**counts, **times, **numbers}

@@ -9,7 +9,7 @@ from pvlib_fem.effects import CHANGES, EFFECTS
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import spaced
 from pvlib_fem.reasons import Reason
-from pvlib_fem.report import advice, budget
+from pvlib_fem.report import advice, budget, events
 from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.document import (
     document,
@@ -33,6 +33,7 @@ from pvlib_fem.report.parts import (
 from pvlib_fem.report.pictures import picture_of_ceiling, pictures
 from pvlib_fem.scores import GAMMA
 
+MOST_EVENTS = 10  # of a kind that a page has
 NOT_SHOWN = "smaller than this record can show"
 TO_DO = "Worth: what the finding takes off the error, as the root of a mean square."
 WITHOUT_CAUSE = "no effect and no column follows it"
@@ -357,6 +358,9 @@ def in_time(loop):
     if len(loop.episodes):
         days = "Days that stand out of those around them; the site's log may know why:"
         body += [paragraph(days), listed(budget.dates(loop, most=None))]
+    for name, rows in events.by_kind(loop).items():
+        said = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
+        body += [paragraph(said), event_page(rows)]
     head = ("part", "#K²", "#K", "#%", "weeks")
     words = (
         "What the steps took and what is left add up to the steady model's mean "
@@ -366,6 +370,25 @@ def in_time(loop):
         "weeks, and decide nothing."
     )
     return "\n".join([*body, table(head, budget.cells(loop), words)])
+
+
+def event_page(rows):
+    """A table of events, the largest first."""
+    head = ("from", "to", "#h", "#K", "#% of the error", "#% of the power", "#air, °C")
+    cells = (
+        (
+            f"{row['start']:%Y-%m-%d %H:%M}",
+            f"{row['end']:%Y-%m-%d %H:%M}",
+            str(row["hours"]),
+            f"{row['size']:.1f}",
+            f"{100 * row['share']:.2f}",
+            f"{100 * row['power']:.0f}",
+            f"{row['temp_air']:.1f}",
+        )
+        for row in rows.head(MOST_EVENTS).to_dict("records")
+    )
+    more = len(rows) - MOST_EVENTS
+    return table(head, cells, f"{more} more are in loop.events." if more > 0 else "")
 
 
 def beside(finding):

@@ -6,7 +6,7 @@ import numpy as np
 
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import step_name
-from pvlib_fem.report import budget
+from pvlib_fem.report import budget, events
 from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.document import rounded, spanned, with_error
 from pvlib_fem.report.page import by_reason
@@ -103,6 +103,10 @@ def told(loop):
         yield "see the site's log", f"{days}: {words}"
     if words := budget.more(loop):
         yield "", words
+    for name, rows in events.by_kind(loop).items():
+        happened = events.WORDS[name][1]
+        words = f"{happened}, {events.all_of(rows)}; {events.largest(rows)}"
+        yield "power shows", words
     for finding in loop.unexplained:
         yield "left", finding.why
     if loop.known_ceiling is not None:

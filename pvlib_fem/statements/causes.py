@@ -295,6 +295,30 @@ def snow(effect, numbers):
     return Clause(MODULES, words, "Check the modules on days after snow")
 
 
+def modules_covered(effect, numbers):
+    words = (
+        "snow, leaves or shade cover the modules for hours, and power and temperature "
+        "are both low"
+    )
+    action = "Look up the hours of loop.events in the site's log"
+    return Clause(MODULES, words, action, **sized(effect, numbers))
+
+
+def sensor_covered(effect, numbers):
+    words = (
+        "snow, leaves or shade cover the irradiance sensor for hours, and power and "
+        "temperature are both high for what it reads"
+    )
+    action = "Clean the irradiance sensor, and look for what shades it"
+    return Clause("irradiance sensor", words, action, **sized(effect, numbers))
+
+
+def outage(effect, numbers):
+    words = "the modules are warmer for hours in which the plant gives no power"
+    action = "Look up the hours of loop.events in the inverter's log"
+    return Clause("plant", words, action, **sized(effect, numbers))
+
+
 #: causes whose words have a direction of their own
 SPECIAL = {
     "mounting": mounting,
@@ -303,4 +327,7 @@ SPECIAL = {
     "poa_misalignment": poa_misalignment,
     "temperature_gain": temperature_gain,
     "snow": snow,
+    "modules_covered": modules_covered,
+    "sensor_covered": sensor_covered,
+    "outage": outage,
 }

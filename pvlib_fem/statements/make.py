@@ -5,7 +5,7 @@ import numpy as np
 from pvlib_fem.effects import find
 from pvlib_fem.effects.effect import deciding
 from pvlib_fem.findings import LEAST, OUTSIDE, OUTSIDE_WORDS, Kind, Opinion, Verdict
-from pvlib_fem.report import budget
+from pvlib_fem.report import budget, events
 from pvlib_fem.statements.causes import MODULES, clause_of
 from pvlib_fem.statements.clocks import clock_statement
 from pvlib_fem.statements.statement import Statement
@@ -25,8 +25,8 @@ def statements_of(loop):
     Returns
     -------
     list of Statement
-        Clocks, causes in the model by what they take off the error, unexplained
-        patterns, days that stand out, hints.
+        Clocks, causes in the model by what they take off the error, events that
+        power shows, unexplained patterns, days that stand out, hints.
     """
     findings = [f for f in loop.findings if f.kind is not Kind.STRUCTURE]
     findings.sort(key=lambda finding: -finding.gain)
@@ -37,6 +37,7 @@ def statements_of(loop):
     return [
         *map(clock_statement, loop.corrections),
         *causes,
+        *event_statements(loop),
         *map(pattern_statement, loop.unexplained),
         *date_statements(loop),
         *hints,
@@ -176,6 +177,26 @@ def pattern_statement(finding):
         value=mean,
         unit="K",
     )
+
+
+def event_statements(loop):
+    """Events of each kind as a statement."""
+    for name, rows in events.by_kind(loop).items():
+        device, happened = events.WORDS[name]
+        first, last = rows["start"].min(), rows["end"].max()
+        log = "the inverter's log" if name == "outage" else "the site's log"
+        yield Statement(
+            cause=name,
+            device=device,
+            verdict="event",
+            text=(
+                f"{happened[:1].upper()}{happened[1:]} ({events.all_of(rows)}), most "
+                f"from {events.told(rows.iloc[0])}"
+            ),
+            action=f"Look up these hours, in loop.events, in {log}",
+            since=f"{first:%Y-%m-%d}",
+            until=f"{last:%Y-%m-%d}",
+        )
 
 
 def date_statements(loop):

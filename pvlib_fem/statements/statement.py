@@ -19,7 +19,8 @@ class Statement:
         The instrument, or ``"modules"``, ``"mounting"``, ``"model"``.
     verdict : str
         ``"named"``, ``"class"`` (ambiguous), ``"suggestive"`` (a hint that is not in
-        the model) or ``"unknown"``; of a clock ``"corrected"`` or ``"not corrected"``.
+        the model), ``"event"`` or ``"unknown"``; of a clock ``"corrected"`` or
+        ``"not corrected"``.
     text : str
         The finding in a sentence: device, direction, size and dates.
     action : str

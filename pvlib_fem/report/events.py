@@ -1,0 +1,57 @@
+"""Events that power shows, in words."""
+
+import numpy as np
+
+#: what happened to which device, and what would tell more
+WORDS = {
+    "modules_covered": ("modules", "the modules were covered"),
+    "sensor_covered": ("irradiance sensor", "the irradiance sensor was covered"),
+    "outage": ("plant", "the plant gave no power"),
+}
+MOST = 3  # events of a kind that are told one by one
+
+
+def by_kind(loop):
+    """Events of each kind, the largest first; kinds by their share."""
+    if not len(loop.events):
+        return {}
+    kinds = loop.events.groupby("effect", sort=False)
+    shares = kinds["share"].sum().sort_values(ascending=False, kind="stable")
+    return {name: kinds.get_group(name) for name in shares.index}
+
+
+def all_of(events):
+    """How many there are, and what share of the error they have."""
+    count, hours = len(events), int(events["hours"].sum())
+    return (
+        f"{count} event{'s' * (count > 1)}, {hours:,} h of light, "
+        f"{events['share'].sum():.1%} of the squared error"
+    )
+
+
+def told(row):
+    """One event: when, how much, and what else the record says."""
+    way = "warmer" if row["size"] > 0 else "colder"
+    parts = [f"{abs(row['size']):.1f} K {way} than modelled"]
+    if np.isfinite(row["power"]):
+        parts.append(f"{max(row['power'], 0.0):.0%} of the expected power")
+    if np.isfinite(row.get("temp_air", np.nan)):
+        parts.append(f"air at {row['temp_air']:.0f} °C")
+    if np.isfinite(row.get("snow_depth", np.nan)):
+        parts.append(f"{row['snow_depth']:.0f} cm of snow")
+    return f"{span(row)}: {', '.join(parts)}"
+
+
+def span(row):
+    """From and to of an event."""
+    start, end = row["start"], row["end"]
+    until = f"{end:%H:%M}" if start.date() == end.date() else f"{end:%Y-%m-%d %H:%M}"
+    return f"{start:%Y-%m-%d %H:%M} to {until}"
+
+
+def largest(events, most=MOST):
+    """The largest events in words, and how many more there are."""
+    rows = events.to_dict("records")
+    parts = [told(row) for row in rows[:most]]
+    more = len(rows) - len(parts)
+    return "; ".join([*parts, *([f"{more} more in loop.events"] if more else [])])
