@@ -2,6 +2,7 @@
 
 from . import (
     datasets as datasets,
+    detect as detect,
     drivers as drivers,
     effects as effects,
     fleet as fleet,

@@ -43,6 +43,7 @@ ORDER = (
     "paper",
     "fit",
     "sensors",
+    "detect",
     "recovery",
     "fleet",
     "cli",

@@ -1,0 +1,80 @@
+"""The middle of each day's light, of irradiance or power with gaps by night."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.detect.series import seconds_of
+from pvlib_fem.quality.hours import days_of
+from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.noon import due, middles, universal
+from pvlib_fem.quality.onset import DAY, night
+from pvlib_fem.record.checks import usual_step
+
+BEST = 0.995  # quantile that stands for full light
+FULL = 1000.0  # W/m², at full light
+
+
+def noons(values, index, location, plane=(None, None), label="left"):
+    """
+    How much later than due the middle of each day's light is.
+
+    Parameters
+    ----------
+    values : array
+        Irradiance or power, in any unit.
+    index : DatetimeIndex
+    location : pvlib.location.Location
+    plane : tuple, default (None, None)
+        Tilt and azimuth. [°]
+    label : str, default "left"
+        Where the time of a row is in the interval of which it is the mean.
+
+    Returns
+    -------
+    Series
+        By the day. [min]
+    """
+    limits, step = Limits(), usual_step(index)
+    seconds, values = regular(seconds_of(index), values, step)
+    full = np.nanquantile(values, BEST) if np.isfinite(values).any() else 0.0
+    if not full > 0.0:
+        return pd.Series(dtype=float)
+    light = values * (FULL / full)
+    dark = night(seconds, light)
+    light = with_dark_nights(seconds - dark, light, limits)
+    middle_of_row = {"left": step / 2.0, "center": 0.0, "right": -step / 2.0}[label]
+    day, middle = middles(seconds - dark + middle_of_row, light, step, limits)
+    origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
+    late = middle - due(origin, day, location, *plane, limits)
+    late = (late + DAY / 2) % DAY - DAY / 2
+    known = np.isfinite(late)
+    dates = days_of(index[0], dark + day[known] * DAY)
+    late = pd.Series(late[known] / 60.0, dates.tz_localize(None))
+    return late[~late.index.duplicated()]
+
+
+def regular(seconds, values, step):
+    """The same with NaN in rows that lack, at the times of a regular record."""
+    place = np.round(seconds / step).astype(int)
+    if (np.diff(place) == 1).all():
+        return seconds, values
+    times = np.arange(place[-1] + 1) * step
+    found = np.full(len(times), np.nan)
+    times[place], found[place] = seconds, values
+    return times, found
+
+
+def with_dark_nights(seconds, light, limits):
+    """
+    The same with 0 for what lacks by night.
+
+    Rows next to the first and the last light stay as they are: where they lack, the
+    edge of that day's light is not known.
+    """
+    day, row = np.floor(seconds / DAY).astype(int), np.arange(len(light))
+    lit = np.flatnonzero(light > limits.light)
+    first, last = np.full(day.max() + 1, -1), np.full(day.max() + 1, len(light))
+    first[day[lit[::-1]]] = lit[::-1]
+    last[day[lit]] = lit
+    outside = (row < first[day] - 1) | (row > last[day] + 1)
+    return np.where(outside & np.isnan(light), 0.0, light)
