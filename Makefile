@@ -1,11 +1,13 @@
 # A virtual environment with the package and all that its tests need.
 PYTHON ?= python3
 VENV ?= .venv
+# a clone of https://github.com/kperrynrel/time-shift-validation-hub
+HUB ?= time-shift-validation-hub
 ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet gate ceiling oracle sweep coverage parameters periods episodes figure clean
+.PHONY: fleet gate ceiling detectors oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -85,6 +87,10 @@ study-measured: $(VENV)/.installed
 # how much of these records trees on their own columns explain that know no cause
 ceiling: $(VENV)/.installed
 	$(BIN)/python tests/study_ceiling.py --out docs/ceiling.md
+
+# single checks on the benchmarks of others
+detectors: $(VENV)/.installed
+	$(BIN)/python tests/study_detectors.py --hub $(HUB) --out docs/detectors.md
 
 # what would be found at the two measured plants; it goes on where it was interrupted
 recovery: $(VENV)/.installed
