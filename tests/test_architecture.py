@@ -1,6 +1,7 @@
 """Imports go down only; outside libraries stay where they belong."""
 
 import ast
+import re
 from functools import cache
 from pathlib import Path
 
@@ -151,3 +152,25 @@ def test_outside_libraries_have_one_place_each():
     for name in FILES:
         for outside, _ in imports(name):
             assert places.get(outside.split(".")[0], room(name)) == room(name)
+
+
+DESIGN = Path(__file__).parents[1] / "docs" / "design.md"
+
+
+def first_cells(head):
+    """Names in the first column of a table of the page of the design."""
+    page = DESIGN.read_text("utf-8")
+    table = page.split(f"| {head} | content |\n")[1].split("\n\n")[0].splitlines()[1:]
+    return [
+        name for row in table for name in re.findall(r"`(\S+?)`", row.split("|")[1])
+    ]
+
+
+def test_packages_stand_in_the_order_of_their_imports():
+    packages = [name.rstrip("/") for name in first_cells("package")]
+    assert packages == [name for name in ORDER if name != "__main__"]
+
+
+def test_files_of_the_loop_are_those_that_there_are():
+    there = {path.name for path in (PACKAGE / "loop").glob("*.py")}
+    assert {*first_cells("file")} == there - {"__init__.py"}
