@@ -249,7 +249,8 @@ def test_the_loop_transposes_and_predicts_alike(level, tmp_path):
     loop.to_json(tmp_path / "loop.json")
     again = fem.Loop.from_json(tmp_path / "loop.json")
     pd.testing.assert_series_equal(again.predict(data), predicted)
-    assert loop.corrected(data).data["poa_global"].equals(made["poa_global"])
+    # nothing is corrected, so that nothing else is in the record
+    assert [*loop.corrected(data).data] == [*data, "corrected"]
     with pytest.raises(ValueError, match="data lack poa_global, and ghi"):
         loop.predict(data.drop(columns="ghi"))
     measured = fem.close_loop(whole, **how, transposition="perez")
@@ -326,15 +327,19 @@ def test_another_source_fills_gaps_at_the_level_of_the_first(airport):
     assert not {*names} & {*found}
     pd.testing.assert_frame_equal(found[~gap], airport.loc[~gap, [*data][:4]])
     hourly = gap & (airport.index.minute == 0)
-    assert found.loc[gap & ~hourly, ["temp_air", "wind_speed"]].isna().all(axis=None)
+    between = found["temp_air"].where(hourly | ~gap)
+    straight = between.interpolate("time")
+    last = gap & ~hourly & (airport.index.hour < 23)
+    np.testing.assert_allclose(found["temp_air"][last], straight[last], atol=1e-9)
     off = (found - airport)[hourly]
     assert abs(off["temp_air"].mean()) < 0.2
     ratio = found["wind_speed"][hourly].mean() / airport["wind_speed"][hourly].mean()
     assert ratio == pytest.approx(1.0, abs=0.15)
     words = " ".join(found.attrs["notes"])
-    assert "temp_air_airport stands in for temp_air in 72 rows, with 1.5 K" in words
+    assert "temp_air_airport stands in for temp_air in 432 rows, with 1.5 K" in words
+    assert "on straight lines between values 60 min apart" in words
     assert "wind_speed holds the fill value -999 in 432 rows" in words
-    assert "wind_speed_airport stands in for wind_speed in 72 rows, times 0.5" in words
+    assert "wind_speed_airport stands in for wind_speed in 432 rows, times 0.5" in words
 
 
 def test_a_loop_with_another_source_predicts_alike(airport, tmp_path):
@@ -476,3 +481,29 @@ def test_rear_irradiance_is_no_second_sensor_of_the_front(tmp_path):
     data.set_axis(headers, axis=1).tz_localize(None).to_csv(tmp_path / "rear.csv")
     line = proposed(call("loop", tmp_path / "rear.csv"))
     assert "poa_rear=POA rear (W/m2)" in line and "poa_global=POA (W/m2)" in line
+
+
+def test_wind_that_never_moves_is_none_to_a_model_without_it(calm, loop):
+    still = calm.assign(wind_speed=0.0)
+    found = fem.close_loop(still, model="ross")
+    assert found.notes[0] == "wind_speed never moves: it is taken as not measured"
+    pd.testing.assert_frame_equal(found.table, loop.table)
+    with pytest.raises(ValueError, match="model='ross', which needs no wind"):
+        fem.close_loop(still)
+
+
+def test_a_late_clock_is_refused_wherever_light_is_transposed(level, tmp_path):
+    data = level[0].set_axis(level[0].index + pd.Timedelta("2h"))
+    with pytest.raises(ValueError, match="ghi cannot be transposed"):
+        fem.transpose_record(data, *PLACE)
+    data.tz_localize(None).to_csv(tmp_path / "late.csv", index_label="time")
+    words = ("--lat", 35, "--lon", -106, "--tilt", 35, "--azimuth", 180)
+    done = call("fit", tmp_path / "late.csv", "--transposition", "perez", *words)
+    assert done.exit_code == 1 and "ghi cannot be transposed" in done.output
+
+
+def test_air_in_another_unit_does_not_stand_in(airport):
+    data = airport.assign(temp_air_2=1.8 * airport["temp_air"] + 32.0)
+    data.loc["2023-06-12", "temp_air"] = np.nan
+    with pytest.raises(ValueError, match=r"temp_air_2 changes by 1\.8 for each K"):
+        fem.fill_record(data, "temp_air_2")

@@ -11,6 +11,7 @@ from pvlib_fem.drivers.transposition import (
     is_split,
 )
 from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.quality.screen import screen_record
 from pvlib_fem.record.columns import numeric, with_aliases
 from pvlib_fem.record.ranges import possible
@@ -53,7 +54,8 @@ def transpose_record(
     Raises
     ------
     ValueError
-        If ``poa_global`` is there, ``ghi`` is not, or the plane is not given.
+        If ``poa_global`` is there, ``ghi`` is not, the plane is not given, or the times
+        do not fit the sun.
 
     Notes
     -----
@@ -94,7 +96,15 @@ def transpose_record(
     return data
 
 
-def with_plane(columns, index, place, transposition, limits=None, check_units=True):
+def with_plane(
+    columns,
+    index,
+    place,
+    transposition,
+    limits=None,
+    check_units=True,
+    check_clock=True,
+):
     """
     Columns with ``poa_global``, which is transposed where it lacks, and notes.
 
@@ -107,6 +117,8 @@ def with_plane(columns, index, place, transposition, limits=None, check_units=Tr
     transposition : str
     limits : Limits, optional
     check_units : bool, default True
+    check_clock : bool, default True
+        Refuse times that do not fit the sun.
 
     Returns
     -------
@@ -128,9 +140,19 @@ def with_plane(columns, index, place, transposition, limits=None, check_units=Tr
     for name in parts:
         light[name], more = cleaned(name, columns, limits, check_units)
         notes += more
+    if check_clock:
+        horizontal = (light["ghi"].to_numpy(), index, place["location"], 0.0, 180.0)
+        refuse_clock(solar_noon_shift(*horizontal, limits).faults)
     return {**columns, **light, LIGHT: in_plane(light, index, place, transposition)}, (
         *notes,
     )
+
+
+def refuse_clock(faults):
+    """Refuse times that do not fit the sun, at which no plane can be told."""
+    if faults:
+        why = "; ".join(faults[name] for name in sorted(faults))
+        raise ValueError(f"ghi cannot be transposed: {why}")
 
 
 def again(columns, index, place, transposition):
@@ -168,10 +190,11 @@ def cleaned(name, columns, limits, check_units):
             argument("check_units", False),
         )
     beside = {n: columns[n] for n in ("temp_air",) if n in numeric(columns)}
-    # the rules for light in the plane are those for light
-    found = screen_record(pd.DataFrame({LIGHT: column, **beside}), limits)
-    lines = [line for line in found.notes if line.startswith(LIGHT)]
-    return found.cleaned[LIGHT], [line.replace(LIGHT, name, 1) for line in lines]
+    # the rules for light in the plane are those for all light, but beam comes at once
+    called = LIGHT if name == "ghi" else name
+    found = screen_record(pd.DataFrame({called: column, **beside}), limits)
+    lines = [line for line in found.notes if line.startswith(called)]
+    return found.cleaned[called], [line.replace(called, name, 1) for line in lines]
 
 
 def words_of(columns, transposition):

@@ -14,12 +14,18 @@ from pvlib_fem.record.columns import numeric, twin_of, with_aliases
 #: what another source can stand in for, and its unit
 SERVED = {"temp_air": "K", "wind_speed": "m/s"}
 FEWEST = 500  # rows that both have, by which the level of the other is found
+NEAR = 1.5  # usual times between values, beyond which one lacks
+LONGEST = 3.0 * 3600.0  # s between values, beyond which weather is not straight
+ALIKE = 0.8, 1.25  # K of one air temperature for each of another
 
 
 @dataclass(frozen=True)
 class StandIn:
     """
     A column that stands in for a usual one, ``factor * column + offset``.
+
+    Where its values are further apart than the rows, rows between two of them are on
+    the straight line.
 
     Attributes
     ----------
@@ -28,18 +34,22 @@ class StandIn:
         Of wind, the ratio of the means where both were measured. [-]
     offset : float
         Of air, the mean difference where both were measured. [K]
+    every : float
+        Usual time between its values; 0 where each row has one. [s]
     """
 
     usual: str
     column: str
     factor: float = 1.0
     offset: float = 0.0
+    every: float = 0.0
 
     def into(self, columns):
         """Columns with the gaps of the usual one filled, as far as the other goes."""
         if self.column not in columns:
             return columns
-        other = self.factor * columns[self.column] + self.offset
+        other = between(columns[self.column], self.every)
+        other = self.factor * other + self.offset
         known = columns.get(self.usual)
         found = other if known is None else known.where(known.notna(), other)
         return {**columns, self.usual: found}
@@ -47,6 +57,35 @@ class StandIn:
     def content(self):
         """The same for a file."""
         return asdict(self)
+
+
+def between(column, every):
+    """A column with straight lines between values that are usually so far apart. [s]"""
+    known = column.dropna()
+    if not every or len(known) < 2:
+        return column
+    at, times = seconds_of(known.index), seconds_of(column.index)
+    values = np.interp(times, at, known.to_numpy())
+    after = np.clip(np.searchsorted(at, times), 1, len(at) - 1)
+    near = np.diff(at)[after - 1] <= NEAR * every
+    inside = (times >= at[0]) & (times <= at[-1]) & near
+    return column.where(column.notna(), pd.Series(values, column.index).where(inside))
+
+
+def seconds_of(index):
+    """Times as seconds."""
+    return index.as_unit("ns").asi8 / 1e9
+
+
+def spacing(column):
+    """Usual time between values, where the rows are closer together; 0 else. [s]"""
+    known = column.dropna().index
+    if len(known) < 2:
+        return 0.0
+    step, every = (
+        float(np.median(np.diff(seconds_of(i)))) for i in (column.index, known)
+    )
+    return every if NEAR * step < every <= LONGEST else 0.0
 
 
 def fill_record(
@@ -83,7 +122,8 @@ def fill_record(
     Where there is no usual column, the other takes its place as it is. Else its gaps,
     and what a sensor cannot have measured, are filled by the other: its air temperature
     plus the mean difference of the rows that both have, its wind times the ratio of
-    their means there.
+    their means there. Hourly values, or others up to 3 h apart, are joined by straight
+    lines.
 
     Examples
     --------
@@ -158,33 +198,49 @@ def with_stand_ins(columns, names, limits=None):
     return columns, tuple(found), tuple(notes)
 
 
+def refuse_unlike(known, other):
+    """Refuse an air temperature that is in another unit, or none."""
+    slope = float(np.polyfit(known, other, 1)[0])
+    if not ALIKE[0] < slope < ALIKE[1]:
+        raise ValueError(
+            f"{other.name} changes by {slope:.2g} for each K of {known.name}; look at "
+            "its unit, which has to be °C, and at where it is measured"
+        )
+
+
 def cleaned(column, name, usual, limits):
     """A column without what was not measured, and what that was."""
     found = screen_record(pd.DataFrame({usual: column}), limits)
     lines = [line for line in found.notes if line.startswith(usual)]
-    return found.cleaned[usual], [line.replace(usual, name, 1) for line in lines]
+    return found.cleaned[usual].rename(name), [
+        line.replace(usual, name, 1) for line in lines
+    ]
 
 
 def level_of(columns, usual, name):
     """How a column stands in for a usual one, in how many rows, and words for it."""
     other, known = columns[name], columns.get(usual)
+    every = spacing(other)
+    lines = f", on straight lines between values {every / 60:.3g} min apart"
+    lines *= every > 0.0
     if known is None or known.isna().all():
-        words = f"there is no {usual}: {name} stands in for it"
-        return StandIn(usual, name), len(other), words
-    lacks = int((known.isna() & other.notna()).sum())
+        words = f"there is no {usual}: {name} stands in for it{lines}"
+        return StandIn(usual, name, every=every), len(other), words
+    lacks = int((known.isna() & between(other, every).notna()).sum())
     both = known.notna() & other.notna()
     if both.sum() < FEWEST:
         raise ValueError(
             f"{name} and {usual} have {int(both.sum()):,} rows in common, too few for "
             f"{name} to stand in, of {FEWEST}; give one of them alone"
         )
-    one, how = StandIn(usual, name), ""
     if usual == "wind_speed":
         factor = float(known[both].mean() / max(other[both].mean(), 1e-9))
-        one, how = StandIn(usual, name, factor=factor), f"times {factor:.3g}"
+        one, how = StandIn(usual, name, factor, 0.0, every), f"times {factor:.3g}"
     else:
+        refuse_unlike(known[both], other[both])
         offset = float((known - other)[both].mean())
-        one, how = StandIn(usual, name, offset=offset), f"with {offset:.2g} K added"
+        one = StandIn(usual, name, 1.0, offset, every)
+        how = f"with {offset:.2g} K added"
     if not lacks:
         return one, 0, f"{usual} has no gap in which {name} could stand in"
     left = known[both] - (one.factor * other + one.offset)[both]
@@ -193,8 +249,8 @@ def level_of(columns, usual, name):
         one,
         lacks,
         (
-            f"{name} stands in for {usual} in {lacks:,} rows, {how}; where both are "
-            f"there they then differ by {rms:.2g} {SERVED[usual]} (root mean square of "
-            f"{int(both.sum()):,} rows)"
+            f"{name} stands in for {usual} in {lacks:,} rows, {how}{lines}; where both "
+            f"are there they then differ by {rms:.2g} {SERVED[usual]} (root mean "
+            f"square of {int(both.sum()):,} rows)"
         ),
     )

@@ -172,22 +172,23 @@ def close_loop(
     how |= {"fixed": fixed, "criteria": criteria}
     if transposition:
         check_transposition(transposition, dict(zip(PLACE, place)))
-    if transposition or stand_ins:
-        how["instead"] = Instead.of_arguments(transposition, stand_ins)
+    calm = not steady_model(model).takes_wind
+    if transposition or stand_ins or calm:
+        how["instead"] = Instead.of_arguments(transposition, stand_ins, calm)
     return searched(data, model, place, progress, **how)[1]
 
 
 def searched(data, model, place, progress, **how):
     """A search that is done, and the loop that came of it."""
     site = checked_place(*place)
-    given = {name: said_of(value) for name, value in how.items()}
+    given = {n: said_of(value) for n, value in told_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:
         own, steady = None, steady_model(model)
         plain = ThermalModel(steady, "balance")
         if is_data_set(data):
-            if "instead" in how:
+            if transposes_or_fills(how.get("instead")):
                 raise ValueError(
                     "transposition and stand_ins do not go with files that are read in "
                     "blocks; write the columns into them with transpose_record or "
@@ -212,6 +213,20 @@ def searched(data, model, place, progress, **how):
     sky = how["instead"].transposition if case.transposed else ""
     stood = {"transposition": sky, "stand_ins": case.standing}
     return search, replace(found, given=given, times=times, **stood)
+
+
+def told_of(how):
+    """The arguments of a call, with what stands in the place of columns by its name."""
+    instead = how.get("instead") or Instead()
+    told = {name: value for name, value in how.items() if name != "instead"}
+    if instead.transposition:
+        told["transposition"] = instead.transposition
+    return told | ({"stand_ins": instead.stand_ins} if instead.stand_ins else {})
+
+
+def transposes_or_fills(instead):
+    """Whether columns are made that files do not have."""
+    return instead is not None and bool(instead.transposition or instead.stand_ins)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,26 +23,33 @@ class Instead:
         Model of the sky by which ``poa_global`` is made of ``ghi``; "" without.
     stand_ins : tuple of str
         Second sources of air and wind that fill the first.
+    calm : bool
+        Whether wind that never moves is taken as not measured, which no model needs.
     """
 
     transposition: str = ""
     stand_ins: tuple = ()
+    calm: bool = False
 
     @classmethod
-    def of_arguments(cls, transposition, stand_ins):
+    def of_arguments(cls, transposition, stand_ins, calm=False):
         """The same, where no transposition is None."""
-        return cls(transposition or "", tuple(chosen(stand_ins).values()))
+        return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
 
-    def of(self, data, needed, site, limits, check_units):
+    def of(self, data, needed, site, limits, check_units, check_clock=True):
         """The columns of a frame with what stands in, and what that is."""
-        if not self.transposition and not self.stand_ins:
-            return Filled(with_aliases(data, needed))
         columns, standing, said, horizontal = with_aliases(data, ()), (), (), None
+        if self.calm and "wind_speed" in columns:
+            columns, said = without_still_wind(columns)
+        if not (self.transposition or self.stand_ins or said):
+            return Filled(with_aliases(data, needed))
         if self.stand_ins:
-            columns, standing, said = with_stand_ins(columns, self.stand_ins, limits)
+            found = with_stand_ins(columns, self.stand_ins, limits)
+            columns, standing, said = found[0], found[1], (*said, *found[2])
         if self.transposition:
             measured = "poa_global" in columns
-            how = (data.index, site, self.transposition, limits, check_units)
+            how = (data.index, site, self.transposition, limits)
+            how = (*how, check_units, check_clock)
             columns, more = with_plane(columns, *how)
             said = (*said, *more)
             if not measured:
@@ -51,6 +58,16 @@ class Instead:
                 horizontal = light["ghi"].to_numpy()
         frame = data.drop(columns=list(data)).assign(**columns)
         return Filled(with_aliases(frame, needed), said, horizontal, standing)
+
+
+def without_still_wind(columns):
+    """Columns without wind that never moves, and a word on that."""
+    wind = columns["wind_speed"]
+    if wind.nunique() > 1:
+        return columns, ()
+    rest = {name: column for name, column in columns.items() if name != "wind_speed"}
+    words = "wind_speed never moves: it is taken as not measured"
+    return rest, (words,)
 
 
 @dataclass(frozen=True, eq=False)

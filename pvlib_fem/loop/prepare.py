@@ -9,6 +9,7 @@ from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers.solar import standard_time
 from pvlib_fem.effects.candidates import candidates
 from pvlib_fem.findings import Check, Correction
+from pvlib_fem.fitting.horizontal import refuse_clock
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
 from pvlib_fem.loop.instead import Filled, Instead
 from pvlib_fem.loop.weeks import Part, parts
@@ -86,9 +87,8 @@ def prepared(
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
         corrections += (shifted(faults["file_shift"], late, zone),)
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
-    if off and look.filled.horizontal is not None:
-        why = "; ".join(faults[name] for name in sorted(off))
-        raise ValueError(f"ghi cannot be transposed: {why}")
+    if look.filled.horizontal is not None:
+        refuse_clock({name: faults[name] for name in off})
     plane = None if off else estimated(look, site)
     if plane is not None:
         site = site | plane.angles
@@ -164,7 +164,8 @@ def late_of(look):
 def looked(data, holdout, site, criteria, check_units, instead):
     """A frame divided and screened, and what its sensors and clocks show."""
     limits = criteria.limits
-    filled = instead.of(data, ALWAYS, site, limits, check_units)
+    # clocks are looked at below, and may be corrected
+    filled = instead.of(data, ALWAYS, site, limits, check_units, check_clock=False)
     columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)

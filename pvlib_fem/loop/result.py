@@ -433,7 +433,14 @@ class Loop:
         missing. A row gets NaN where a value that its correction needs is missing.
         Values that :func:`pvlib_fem.screen_record` finds stay as they are.
         """
-        return corrected_record(self, self.whole(data), resolve)
+        found = corrected_record(self, self.whole(data), resolve)
+        # what stood in and was not corrected is as it came
+        made = {*(one.usual for one in self.stand_ins), "poa_global"} & {*found.data}
+        for name in made - {*found.actions["column"][found.actions["applied"]]}:
+            found.data.pop(name)
+            if name in data:
+                found.data[name] = data[name].to_numpy()
+        return found
 
     def filled(self, data: pd.DataFrame, place: dict) -> dict[str, pd.Series]:
         """The columns of ``data`` with what stood in for others in this loop."""
@@ -686,9 +693,8 @@ class Loop:
 def stand_in_of(stored):
     """A stand-in of a part of a file."""
     words = {name: stored.text(name) for name in ("usual", "column")}
-    return StandIn(
-        **words, factor=stored.number("factor"), offset=stored.number("offset")
-    )
+    numbers = (stored.number(name) for name in ("factor", "offset", "every"))
+    return StandIn(words["usual"], words["column"], *numbers)
 
 
 def untimed(found, index, known):

@@ -10,6 +10,7 @@ from pvlib_fem.record.clean import (
     covered,
 )
 from pvlib_fem.relaxation import relax
+from pvlib_fem.spelling import argument, refusal
 
 
 @dataclass(frozen=True, eq=False)
@@ -406,11 +407,12 @@ def refuse_frozen(record, frozen):
 
 def frozen_error(name, lines):
     """The error of sensors that never move, of which ``name`` is one."""
-    return ValueError(
-        "; ".join(lines)
-        + ", so no row is left; look at sensor and logger, or name the column of a "
-        f"sensor that moves as {name}"
+    words = (
+        f"{'; '.join(lines)}, so no row is left; look at sensor and logger, or name "
+        f"the column of a sensor that moves as {name}"
     )
+    calm = (", or give ", argument("model", "ross"), ", which needs no wind")
+    return refusal(words, *(calm if name == "wind_speed" else ()))
 
 
 def stuck_line(record, frozen):

@@ -14,7 +14,7 @@ NAMES = {
         r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)",
     ),
     "poa_global": (
-        r"poa|gti|gpoa|tilt|inclin|plane|modulebene",
+        r"poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front",
         r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung",
     ),
     "temp_module": (

@@ -135,8 +135,11 @@ def shared(record, fits):
     left = {name: fit.residual.to_numpy() for name, fit in fits.items()}
     rows = np.isfinite(sum(left.values())) & (record["poa_global"] > SUNNY)
     found = {}
+    pair = len(left) == 2
     for name, own in left.items():
-        others = np.median([left[n][rows] for n in left if n != name], axis=0)
+        # two have in common what they are in the mean
+        others = [left[n][rows] for n in left if pair or n != name]
+        others = np.median(others, axis=0)
         found[name] = {
             "left": rmse(own[rows], 0.0),
             "common": rmse(others, 0.0),

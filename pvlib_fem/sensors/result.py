@@ -31,7 +31,8 @@ class ModuleComparison:
         ``step``: date from which its share is another, "" where none is found;
         ``change``, ``stderr``: by how much, as a share [-];
         ``left``: what its own fit leaves, root mean square in sun [K];
-        ``common``: the part of it that the others' fits leave, too, their median [K];
+        ``common``: the part of it that the others' fits leave, too, their median, and
+        of two sensors the mean of both [K];
         ``own``: the rest [K];
         ``rows``: number of its values;
         ``used``: whether it counts among the others;
