@@ -2,12 +2,12 @@
 Eight years at Bolzano
 ======================
 
-What does the loop find in a measured record of which nobody told it anything? A plant
-at Bolzano, 2011 to 2019, by the hour. The file keeps summer time, which is corrected.
-On 29 March 2012 something changed: from then on over-temperature per irradiance is
-higher by a fifth, at the same power, so that it is not the irradiance sensor. That,
-the sky and reflection at low sun take the error on test weeks from 1.49 K to 1.15 K.
-What was done to module or sensor, the record does not say.
+What does the loop find in a measured record without any prior knowledge? The record is
+a plant at Bolzano, 2011 to 2019, with hourly means. Its file keeps summer time, which
+is corrected. On 29 March 2012 over-temperature per irradiance rises by a fifth, at the
+same power. So the irradiance sensor did not change. This step, the sky and reflection
+at low sun reduce the error on test weeks from 1.49 K to 1.15 K. The record does not
+show what was done to the module or its sensor.
 """
 
 import matplotlib.pyplot as plt
@@ -34,9 +34,9 @@ except (OSError, ValueError, ImportError) as error:
 # %%
 # As it came
 # ----------
-# No model of ours yet: measured over-temperature, as a share of what pvlib's
-# :py:func:`~pvlib.temperature.faiman` makes of the same hour with its default
-# coefficients, so that sun and wind are taken out roughly. Medians by the month.
+# Measured over-temperature is divided by that of pvlib's
+# :py:func:`~pvlib.temperature.faiman` with default coefficients, so that irradiance and
+# wind are roughly removed. The points are monthly medians.
 
 if data is not None:
     sunny = data[data["poa_global"] > 300.0]
@@ -51,14 +51,14 @@ if data is not None:
         print(f"{first} to {last}: {share[first:last].median():.3f}")
 
 # %%
-# *Measured over-temperature in sun over that of pvlib's default coefficients, by the
-# month.* Fourteen months are near 0.86, the year from April 2012 on is near 1.04. It
-# stays so for years, and falls by some per cent towards the end.
+# *Measured over-temperature in sun, divided by that of pvlib's default coefficients,
+# monthly.* Fourteen months are near 0.86, the year from April 2012 on is near 1.04. The
+# ratio stays there for years, and falls by some per cent towards the end.
 #
 # The clock
 # ---------
-# The loop is given the record, the site and its zone. First it looks at the clock: the
-# middle of the day's light has to follow the sun.
+# The loop gets the record, the site and its zone. First it checks the clock: the middle
+# of the day's irradiance has to follow the sun.
 
 if data is not None:
     site = [data.attrs[name] for name in ("latitude", "longitude", "tz")]
@@ -67,7 +67,7 @@ if data is not None:
 
 
 def middle_of_light(poa_global):
-    """Hour of the day around which irradiance lies, by the week."""
+    """Hour of the day around which irradiance lies, per week."""
     light = poa_global.clip(lower=0.0)
     hours = pd.Series(light.index.hour + 0.5, light.index)
     whole = light.resample("D").sum()
@@ -91,16 +91,15 @@ if data is not None:
     figure.legend(loc="outside upper right", ncols=2, frameon=False)
 
 # %%
-# *Where the day's light lies by the clock, by the week.* The file jumps by an hour each
-# March and October. In June 2018 irradiance and module temperature are an hour late for
-# ten days. What is left within a year comes back each year: the equation of time, what
-# stands before the sun, and the side that the sensor faces.
+# *The middle of the day's irradiance by the clock, weekly.* The file jumps by an hour
+# each March and October. In June 2018 irradiance and module temperature are an hour
+# late for ten days. The rest repeats each year: the equation of time, obstacles, and
+# the side that the sensor faces.
 #
 # Coefficients through time
 # -------------------------
-# A fit without any change, and its coefficients by the month:
-# :py:meth:`~pvlib_fem.FemFit.through_time` has them from the sums of the fit. The date
-# is the loop's.
+# :py:meth:`~pvlib_fem.FemFit.through_time` gives the monthly coefficients of a fit
+# without any change, from the sums of the fit. The date is from the loop.
 
 if data is not None:
     names = ("poa_global", "temp_air", "wind_speed", "temp_module")
@@ -120,32 +119,31 @@ if data is not None:
     print(pd.DataFrame(columns).to_string())
 
 # %%
-# *Coefficients by the month with intervals of 95 %;* ``r_eq`` *is the over-temperature
-# per irradiance at the mean wind.* It steps up at the date. Short winter days, with
-# little sun, tell less; there ``u0`` and ``u1`` err against each other. By the year
-# both are lower after the date than before. If only the anemometer read otherwise,
-# ``u0``, the loss in calm air, would be as it was.
+# *Monthly coefficients with intervals of 95 %;* ``r_eq`` *is the over-temperature per
+# irradiance at the mean wind.* It steps up at the date. Short winter days with little
+# sun determine less; there the errors of ``u0`` and ``u1`` are opposite. Yearly, both
+# are lower after the date than before. If only the anemometer had changed, ``u0``, the
+# loss in calm air, would have stayed.
 #
-# What the loop says
-# ------------------
+# The findings
+# ------------
 
 if data is not None:
     print(loop)
 
 # %%
-# The step is a *class*: causes that the loop cannot tell apart by these columns. Its
-# coefficient is the share of the over-temperature that was there before, nights and all
-# seasons in it. Two causes that are as natural were struck out: a pyranometer
-# that reads less, since power and the light of clear days would have to rise about as
-# much per irradiance, and did not; and an anemometer that reads more, since the wind
-# is as it was.
+# The step is *ambiguous*: these columns do not separate its causes. Its coefficient is
+# the change relative to the over-temperature before, of all seasons, by day and by
+# night. Cross-checks exclude two other causes. If the pyranometer read less, power and
+# clear-sky irradiance would have to rise by about as much per irradiance, and they did
+# not. If the anemometer read more, the mean wind would have risen, and it did not.
 #
-# The witnesses
-# -------------
+# The cross-checks
+# ----------------
 
 
 def relative(column):
-    """By the month, over the mean of the year before the change."""
+    """Monthly, relative to the mean of the year before the change."""
     months = column.resample("MS").median()
     return 100.0 * (months / months["2011-04":"2012-03"].mean() - 1.0)
 
@@ -185,14 +183,14 @@ if data is not None:
     print(*(one for finding in loop.findings for one in finding.witnesses), sep="\n")
 
 # %%
-# *What changed and what did not, against the year before. Above over-temperature, in
-# the middle power, both per irradiance; below the module against air by night.* Power
-# stays within some per cent. In the winters of 2012 and 2013 both rise and come back,
-# as with an irradiance sensor that reads low for a time; the loop names nothing of that
-# kind. From 2014 on power falls, slowly and for years.
+# *Change relative to the year before. Above: over-temperature, in the middle power,
+# both per irradiance; below: module minus air temperature at night.* Power stays within
+# some per cent. In the winters of 2012 and 2013 both rise and return, as with an
+# irradiance sensor that reads low for a time; the loop identifies no such cause. From
+# 2014 on power falls, slowly and for years.
 #
-# With a sensor that sits closer, or a mounting with less air, the 2 K by which the
-# module is colder than the air should be larger by a fifth, too. The mean did not move:
+# With a closer sensor contact, or a mounting with less air, the module should also be
+# colder than the air at night by a fifth more than 2 K. Its mean did not change:
 
 if data is not None:
     seasons = (night.index - pd.DateOffset(months=3)).year
@@ -200,12 +198,11 @@ if data is not None:
     print(by_year.rename_axis("April to March from").round(2).to_string())
 
 # %%
-# But the nights spread more in each later year, as a sensor with better contact and
-# another offset of its own would have it. With one year before the change, and without
-# longwave irradiance, that stays open.
+# But the nights spread more in each later year, as with a sensor of better contact and
+# another offset. With one year before the change, and without longwave irradiance, this
+# stays open.
 #
-# And the wind? An anemometer that reads otherwise would also show in windy hours and
-# not in calm ones.
+# An anemometer that reads differently would change windy hours and not calm ones.
 
 if data is not None:
     bright = sunny[sunny["poa_global"] > 500.0]
@@ -218,11 +215,11 @@ if data is not None:
     print((after / before).rename("year after over year before").round(2).to_string())
 
 # %%
-# It is a fifth to a quarter at any wind. That speaks for the module's side, contact or
-# mounting, and against the anemometer, as the mean wind does.
+# The step is a fifth to a quarter at any wind. That supports a change of contact or
+# mounting, and contradicts a change of the anemometer, as the mean wind does.
 #
-# What that was worth
-# -------------------
+# Error before and after
+# ----------------------
 
 if data is not None:
     test = loop.weeks == "test"
@@ -244,14 +241,14 @@ if data is not None:
     print(loop.table[["rmse_test", "rmse_test_day", "rmse_test_night"]].round(2))
 
 # %%
-# *Errors on test weeks, every fifth week, at which no decision looked. Left by step of
-# the loop, right by the quarter: measured minus modelled in sun, before anything was
-# added and after.* By day the step counts most, by night the sky, for which clear days
-# had to tell the plane of the sensor first. 2013 and 2014 are still warmer than the
-# years after them, by about 1 K: something with a calendar that no effect took.
+# *Errors on test weeks: every fifth week, used in no decision. Left: by step of the
+# loop. Right: quarterly measured minus modelled temperature in sun, before and after
+# the effects.* By day the step has the largest gain, by night the sky, which needs the
+# plane of the sensor from clear days. 2013 and 2014 are still about 1 K warmer than the
+# years after them: a pattern with the calendar that no effect explains.
 #
-# What remains
-# ------------
+# The remaining error
+# -------------------
 
 if data is not None:
     wind = [pd.Series(kept[n], kept.index) for n in ("wind_speed", "wind_direction")]
@@ -266,15 +263,15 @@ if data is not None:
     plt.show()
 
 # %%
-# *Mean residual by wind before and after, and by hour and month after.* Direction is
-# taken up in part. A line along the morning is left, which follows the sunrise through
-# the year, and noons of winter that are too warm: the module's sun comes later than the
-# sensor's, or its hours are stamped otherwise. The file states neither tilt nor
-# azimuth; the loop takes both from clear days, and looks for no obstacle beside an
-# estimate. Nor has it humidity or longwave, so that the sky is told by clouds alone.
+# *Mean residual by wind direction before and after, and by hour and month after.* The
+# model explains the direction in part. Two patterns remain: a line along the morning,
+# which follows the sunrise through the year, and noons of winter that are too warm. The
+# module's irradiance comes later than the sensor's, or its hours have another stamp.
+# The file states neither tilt nor azimuth. The loop estimates both from clear days, and
+# then tests no obstacle. There is no humidity and no longwave irradiance, so that the
+# sky follows from clouds alone.
 #
-# What cannot be known from here: no log of the site is published. That something
-# changed, when, by how much, and that it is not the irradiance sensor is what the
-# record shows. The sensor at the back, or how the module is mounted, is where to look
-# in the log of the last days of March 2012. :doc:`/study_measured` has what the loop
-# says when other weeks are left out.
+# No log of the site is published. So the record shows that something changed, when, by
+# how much, and that it was not the irradiance sensor. Its cause is to be found in the
+# log of the last days of March 2012: the sensor at the back, or the mounting of the
+# module. :doc:`/study_measured` repeats the loop with other test weeks.

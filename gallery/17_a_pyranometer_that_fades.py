@@ -2,13 +2,13 @@
 A pyranometer that fades
 ========================
 
-A module gets warmer from year to year: is it the module, its mounting, or what measures
-the sun? At Golden, 2009 to 2018, by the hour, over-temperature per irradiance rises.
-The loop names a drift of the irradiance sensor, 1.9 ± 0.1 % a year. What it did not use
-to find that parts from the sensor, too: a clear sky by 2.0 % a year, power by 1.6, a
-modelled irradiance by 1.5 and a second plane by 1.4 % a year. Most of the error was
-elsewhere: power shows snow on the modules. Both take the error from 3.24 K to 2.91 K on
-test weeks.
+A module gets warmer from year to year: is it the module, its mounting, or the
+irradiance sensor? At Golden, 2009 to 2018, over-temperature per irradiance rises. The
+loop identifies a drift of the irradiance sensor, 1.9 ± 0.1 % a year. Other irradiances
+deviate from the sensor, too: a clear sky by 2.0 % a year, power by 1.6, a
+modelled irradiance by 1.5 and a second plane by 1.4 % a year. Most of the error has
+another cause: power shows snow on the modules. Both findings reduce the error on test
+weeks from 3.24 K to 2.91 K.
 """
 
 import matplotlib.pyplot as plt
@@ -36,9 +36,8 @@ except (OSError, ValueError, ImportError) as error:
 # %%
 # As it came
 # ----------
-# Measured over-temperature as a share of what pvlib's
-# :py:func:`~pvlib.temperature.faiman` makes of the same hour with its default
-# coefficients. Medians by the month.
+# Measured over-temperature is divided by that of pvlib's
+# :py:func:`~pvlib.temperature.faiman` with its default coefficients. Monthly medians.
 
 if data is not None:
     sunny = data[data["poa_global"] > 300.0]
@@ -59,16 +58,16 @@ if data is not None:
         ax.annotate(words, (part.index[-1], 1.0), xytext=(4, -10), **top)
     ax.set_ylabel("over-temperature, measured\nover pvlib's default [-]")
     ratio = stood.median() / np.mean(others)
-    print(f"while the plant stood still, over those days a year off: {ratio:.2f}")
+    print(f"with the plant off, relative to the same days of other years: {ratio:.2f}")
 
 # %%
-# *Measured over-temperature in sun over that of pvlib's default coefficients, by the
-# month.* It rises from 1.1 to 1.2. From 14 April to 20 May 2013 the plant fed next to
-# nothing: what is not taken off as power heats the modules, by about a sixth. The loop
+# *Measured over-temperature in sun, divided by that of pvlib's default coefficients,
+# monthly.* It rises from 1.1 to 1.2. From 14 April to 20 May 2013 the plant fed next to
+# nothing. Power that is not taken off heats the modules, by about a sixth. The loop
 # lists those days among its events, see below.
 #
-# In May 2017 the anemometer says 0.0 m/s for three weeks. An hour without wind is
-# possible, three weeks are not: the loop says so, and leaves those rows out.
+# In May 2017 the anemometer reads 0.0 m/s for three weeks. An hour without wind is
+# possible, three weeks are not. The loop reports this and leaves those rows out.
 #
 # The clock
 # ---------
@@ -79,14 +78,14 @@ if data is not None:
     print(*loop.corrections, sep="\n")
 
 # %%
-# Also here the file's clock was set, and here the loop says that it cannot put all of
-# it right: an hour in May and June 2015 is left as it is. So nothing is tried that
-# needs the sun's place. The sensor's fading needs no clock.
+# The clock of this file was set, too. The loop reports that it cannot correct all of
+# it: an hour in May and June 2015 stays. So no effect that needs the sun's position is
+# tested. The drift of the sensor needs no clock.
 #
 # Coefficients through time
 # -------------------------
-# A fit without any change, and its over-temperature per irradiance at the mean wind by
-# the quarter, with one coefficient that varies.
+# A fit without any change has one coefficient that varies. It gives the
+# over-temperature per irradiance at the mean wind, quarterly.
 
 if data is not None:
     names = ("poa_global", "temp_air", "wind_speed", "temp_module")
@@ -95,11 +94,11 @@ if data is not None:
     fem.plotting.plot_through_time(quarters)
 
 # %%
-# *By the quarter, with intervals of 95 %.* The over-temperature per irradiance rises,
-# and not evenly: most of it in the second half of 2012 and again in 2017.
+# *Quarterly, with intervals of 95 %.* The over-temperature per irradiance rises, most
+# of it in the second half of 2012 and again in 2017.
 #
-# What the loop says
-# ------------------
+# The findings
+# ------------
 
 if data is not None:
     print(loop)
@@ -109,9 +108,9 @@ if data is not None:
 # -------------------
 # The area of the plant is not stated, and need not be: what it should give is a
 # relation to irradiance and module temperature that most of its own hours follow
-# (:py:func:`pvlib_fem.power.expected_power`). Where power and over-temperature are both
-# low, the modules were covered; without power and as warm as usual, or warmer, the
-# plant was off.
+# (:py:func:`pvlib_fem.power.expected_power`). If power and over-temperature are both
+# low, the modules were covered. If power is missing and the module is as warm as usual,
+# or warmer, the plant was off.
 
 if data is not None:
     print(loop.events.groupby("effect")[["hours", "share"]].sum().round(3).to_string())
@@ -119,21 +118,21 @@ if data is not None:
 
 # %%
 # A third of the squared error is in the hours with covered modules, in air around 0 °C:
-# snow, of which no column tells. The outage of spring 2013 is there by its dates.
+# snow, which no column records. The list has the outage of spring 2013 with its dates.
 #
 # The sensor
 # ----------
-# One instrument along one course: ``poa_global`` reads less from year to year. That it
-# is the irradiance sensor and not the mounting, the contact or the anemometer, and that
-# a drift fits better than a step, is what the witnesses are for. One of them needs no
-# column: the light of clear days beside a clear sky.
+# One sensor has a trend: ``poa_global`` reads less from year to year. Cross-checks show
+# that it is the irradiance sensor and not the mounting, the contact or the anemometer,
+# and that a trend fits better than a step. One of them needs no column: irradiance of
+# clear days is compared with a clear sky.
 #
-# The witnesses
-# -------------
+# The cross-checks
+# ----------------
 
 
 def over_2011(ratio):
-    """By the month, without what comes back each year, over the mean of 2011. [%]"""
+    """Monthly, without the yearly cycle, relative to the mean of 2011. [%]"""
     months = ratio["2010-09":"2016-10"].resample("MS").median()
     whole = months["2011":"2015"]
     season = whole.groupby(whole.index.month).mean()
@@ -174,16 +173,16 @@ if data is not None:
     print(*drift.witnesses, sep="\n")
 
 # %%
-# *Four columns per* ``poa_global`` *by the month, without what comes back each year,
-# while the clock was one: September 2010 to October 2016. Above each is its own slope,
-# dashed the drift that the loop found.* Were the mounting, the contact or the
-# anemometer the cause, power, second plane and modelled irradiance per ``poa_global``
-# would be level. All three rise. The course is no straight line: power does nearly all
-# of it before 2014, the over-temperature much of it in 2012; the drift that the loop
-# names is the mean of that.
+# *Four columns per* ``poa_global``, *monthly, without the yearly cycle, while the clock
+# was the same: September 2010 to October 2016. The title has the slope of each, the
+# dashed line is the drift that the loop found.* If the mounting, the contact or the
+# anemometer were the cause, power, second plane and modelled irradiance per
+# ``poa_global`` would be constant. All three rise. The time profile is no straight
+# line: power has nearly all of it before 2014, the over-temperature much of it in 2012.
+# The drift that the loop identifies is the mean.
 #
-# And the modules themselves? Power over the *other* irradiances is free of the sensor
-# that fades:
+# Power relative to the *other* irradiances is free of the drifting sensor. It shows the
+# modules:
 
 if data is not None:
     for name in ("poa_global", "poa_global_2", "poa_modelled"):
@@ -191,13 +190,13 @@ if data is not None:
         print(f"power per {name:<13} {slope:+.2f} ± {error:.2f} % a year")
 
 # %%
-# By ``poa_global`` alone the plant seems to get better by 2 % a year, which none does.
-# By the others it loses 0.3 % a year, with an error of 0.2 to 0.3 %: a usual
-# degradation, or none. One of the two is modelled by the source of the data, the other
-# looks at another part of the sky, and inverters are in it.
+# Relative to ``poa_global`` the plant seems to improve by 2 % a year, which no plant
+# does. Relative to the others it loses 0.3 % a year, with an error of 0.2 to 0.3 %: a
+# usual degradation, or none. One of the two irradiances is modelled by the source of
+# the data, the other sees another part of the sky, and the ratio includes inverters.
 #
-# What that was worth
-# -------------------
+# Error before and after
+# ----------------------
 
 if data is not None:
     kept = loop.fit.record
@@ -220,13 +219,13 @@ if data is not None:
     print(loop.table[["rmse_test", "rmse_test_day", "rmse_test_night"]].round(2))
 
 # %%
-# *Errors on test weeks. Left by step of the loop, right by the quarter: measured minus
-# modelled in sun, before and after.* The trend is gone; it was a small part of the
-# error. Some winters are colder than modelled, in the test weeks of early 2015 by
-# almost 5 K.
+# *Errors on test weeks. Left: by step of the loop. Right: quarterly measured minus
+# modelled temperature in sun, before and after.* The trend is gone; it was a small part
+# of the error. Some winters are colder than modelled, in the test weeks of early 2015
+# by almost 5 K.
 #
-# What remains
-# ------------
+# The remaining error
+# -------------------
 
 if data is not None:
     squares = loop.fit.residual**2
@@ -242,13 +241,12 @@ if data is not None:
     plt.show()
 
 # %%
-# *What is left, by date and by hour and month.* 2 K in summer and 3 to 7 K in winter,
-# much of it on single days, as snow on the modules would leave it; the file has no snow
-# depth. Mornings are colder and forenoons of summer warmer than modelled, as where the
-# sensor's sun and the module's are not the same. Tilt and azimuth are not stated, and
-# the clock of the file leaves the sun's place open.
+# *Residual by date, and by hour and month.* It is 2 K in summer and 3 to 7 K in winter,
+# much of it on single days, as with snow on the modules; the file has no snow depth.
+# Mornings are colder and forenoons of summer warmer than modelled, as where irradiance
+# at sensor and module differ. Tilt and azimuth are not stated, and the clock of the
+# file leaves the sun's position open.
 #
-# What cannot be known from here: no log of the site is published, so that nobody can
-# say when the pyranometer was cleaned, exchanged or calibrated. That it is
-# ``poa_global`` that fades, and not the module, is what four columns say together.
-# :doc:`/study_measured` has what the loop says when other weeks are left out.
+# No log of the site is published, so nobody can say when the pyranometer was cleaned,
+# exchanged or calibrated. Four columns together show that ``poa_global`` drifts, and
+# not the module. :doc:`/study_measured` repeats the loop with other test weeks.
