@@ -7,7 +7,7 @@ ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
 .PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
-.PHONY: fleet gate ceiling detectors oracle sweep coverage parameters periods episodes figure clean
+.PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -95,6 +95,10 @@ detectors: $(VENV)/.installed
 # what would be found at the two measured plants; it goes on where it was interrupted
 recovery: $(VENV)/.installed
 	$(BIN)/python tests/study_recovery.py --draws 1 --out docs/study_recovery.md
+
+# how much is found at both, and how often a name is false; it goes on, too
+reliability: $(VENV)/.installed
+	$(BIN)/python tests/study_reliability.py --trials 20 --out docs/study_reliability.md
 
 # what each criterion of the loop does, halved and doubled
 sweep: $(VENV)/.installed

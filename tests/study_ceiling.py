@@ -22,10 +22,11 @@ YEARS = ("eurac_bolzano", "nrel_stf")
 INTRO = """\
 # How much could still be explained
 
-Written by `tests/study_ceiling.py` on {day}, pvlib_fem {version}, scikit-learn
-{sklearn}, numpy {numpy}, Python {python}; `make ceiling` makes it again. The records
-are those of {{doc}}`guide/public_records`, each with its location and nothing else. All
-errors are RMSE [K] on every fifth week, which no fit, no decision and no tree has seen.
+Written by `tests/study_ceiling.py` on {day}, pvlib_fem {version},
+scikit-learn {sklearn}, numpy {numpy}, Python {python}; `make ceiling` makes it again.
+The records are those of {{doc}}`guide/public_records`, each with its location and
+nothing else. All errors are RMSE [K] on every fifth week, which no fit, no decision and
+no tree has seen.
 
 Trees are boosted trees on the same columns, with past values, hour and season, the
 sun's position and the date; {{py:meth}}`loop.ceiling <pvlib_fem.Loop.ceiling>` has how

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem.ceiling import trees as room
-from pvlib_fem.ceiling.columns import features, past_of
+from pvlib_fem.ceiling.columns import features, group_of, past_of
 from pvlib_fem.ceiling.result import Ceiling
 from pvlib_fem.ceiling.trees import left_out
 from pvlib_fem.record.inputs import as_record
@@ -30,11 +30,11 @@ def simulated(days=150, **hidden):
 
 @pytest.fixture(scope="module")
 def record():
-    """More heat whenever an inverter is off."""
+    """A sensor of irradiance in the shade by chance, and a second one in the sun."""
     data = simulated()
-    off = np.random.default_rng(2).uniform(size=len(data)) < 0.2
-    data["power_ac"] = data["poa_global"] * np.where(off, 0.0, 0.15)
-    data["temp_module"] += np.where(off, 6.0 * data["poa_global"] / 1000.0, 0.0)
+    shaded = np.random.default_rng(2).uniform(size=len(data)) < 0.2
+    data["poa_global_2"] = data["poa_global"]
+    data["poa_global"] *= np.where(shaded, 0.7, 1.0)
     return data
 
 
@@ -49,11 +49,17 @@ def ceiling(loop):
 
 
 def test_trees_follow_what_no_effect_of_the_loop_does(ceiling):
-    """Power vouches for instruments, and drives nothing."""
+    """A second sensor is a cross-check, and drives nothing."""
     assert ceiling.trees < 0.6 * ceiling.loop and ceiling.closed < 0.2
     lost = {name: error - ceiling.trees for name, error in ceiling.without.items()}
-    assert ceiling.most == max(lost, key=lost.get) == "power"
-    assert {*lost} == {"power", "wind", "past values", "hour and season", "date"}
+    assert ceiling.most == max(lost, key=lost.get) == "other columns"
+    assert {*lost} == {
+        "other columns",
+        "wind",
+        "past values",
+        "hour and season",
+        "date",
+    }
 
 
 def test_they_follow_a_timetable_by_the_hour():
@@ -92,6 +98,16 @@ def test_what_is_made_from_the_answer_is_no_column_of_the_trees(record, ceiling)
     assert (again.trees, again.without) == (ceiling.trees, ceiling.without)
 
 
+def test_columns_have_a_group_by_their_name():
+    names = {
+        "power": ["power_ac", "p_dc_per_area", "p_mp"],
+        "wind": ["wind_speed", "wind_direction", "wind_speed_mast"],
+        "other columns": ["relative_humidity", "temp_air_2", "fan"],
+    }
+    found = {group: [group_of(name) for name in own] for group, own in names.items()}
+    assert found == {group: [group] * len(own) for group, own in names.items()}
+
+
 def test_a_column_that_nobody_measured_is_none():
     data = simulated(days=60).drop(columns="wind_speed")
     found = fem.close_loop(data, model="ross").ceiling()
@@ -100,10 +116,10 @@ def test_a_column_that_nobody_measured_is_none():
 
 def test_a_loop_that_sees_all_leaves_trees_little(record):
     """The same cause as a column, which a loop names."""
-    data = record.drop(columns="power_ac")
-    data["unused"] = record["poa_global"] - record["power_ac"] / 0.15
+    data = record.drop(columns="poa_global_2")
+    data["unseen"] = record["poa_global_2"] - record["poa_global"]
     loop = fem.close_loop(data)
-    assert "driver:unused" in loop.effects
+    assert "driver:unseen" in loop.effects
     found = loop.ceiling()
     assert found.closed > 0.8 and "other columns" in found.without
 

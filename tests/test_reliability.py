@@ -15,7 +15,9 @@ from pvlib_fem import simulator
 from pvlib_fem.findings import Verdict
 from pvlib_fem.loop.close import close_loop, searched
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.recovery.draw import Injection
 from pvlib_fem.recovery.inject import Injector
+from pvlib_fem.recovery.judge import Outcome
 from pvlib_fem.recovery.recover import plan
 from pvlib_fem.recovery.result import Recovery
 from pvlib_fem.recovery.scramble import Scrambler, alike
@@ -222,6 +224,19 @@ def test_reliability_is_the_share_of_trials_without_a_false_name():
     low, high = ends
     share = f"75% ({1 - high:.0%} to {1 - low:.0%})"
     assert f"names, 1 that could be false: {share} are true" in text
+
+
+def test_completeness_is_of_clear_sizes_as_they_are_rounded():
+    sizes = [(0.7 * 0.0314157, False), (1.49999e-3, True), (2e-3, False)]
+    put_in = (
+        Outcome(Injection("rain", 0, {}, {}, size, predicted, 0.0), found=found)
+        for (size, found), predicted in zip(sizes, (0.0314157, 1e-3, 1e-3))
+    )
+    found = Recovery({}, "0", "a", outcomes=tuple(put_in), planned=3).reliability
+    row = found.loc["rain"]
+    assert (row["found"], row["injections"], row["completeness"]) == (1, 2, 0.5)
+    assert (row["complete_from"], row["complete_to"]) == share_between(1, 2)
+    assert row["trials"] == 0 and np.isnan(row["reliability"])
 
 
 @pytest.mark.parametrize("of", [10, 20])

@@ -56,6 +56,11 @@ class Injection:
         return json.dumps(plain([self.effect, self.settings, self.coefficients]))
 
     @property
+    def multiple(self) -> float:
+        """Size over predicted size, both of which are rounded; NaN without one."""
+        return round(self.size / self.predicted, 4)
+
+    @property
     def dates(self) -> str:
         """Its dates in words."""
         return told(self.settings)

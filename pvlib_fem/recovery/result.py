@@ -88,7 +88,7 @@ class Recovery:
             injection, row = outcome.injection, vars(outcome).copy()
             del row["injection"]
             own = {**vars(injection), "dates": injection.dates}
-            own["multiple"] = round(injection.size / injection.predicted, 4)
+            own["multiple"] = injection.multiple
             rows.append({**own, **row})
         names = [*Outcome.__dataclass_fields__][1:]
         head = ["effect", "draw", "dates", "coefficients", "size", "predicted"]

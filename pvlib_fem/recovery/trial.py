@@ -102,8 +102,7 @@ def rates(outcomes, trials, baseline):
         clear = [
             one.found
             for one in outcomes
-            if one.injection.effect == name
-            and one.injection.size >= (CLEARLY - 1e-9) * one.injection.predicted
+            if one.injection.effect == name and one.injection.multiple >= CLEARLY
         ]
         mine = [trial for trial in told if name in trial.lost]
         false = sum(name in trial.named for trial in mine)
