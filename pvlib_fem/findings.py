@@ -20,6 +20,19 @@ class Verdict(StrEnum):
     SUGGESTIVE = "suggestive"
     UNKNOWN = "unknown"
 
+    @property
+    def words(self) -> str:
+        """The verdict as a report has it."""
+        return WORDS[self]
+
+
+WORDS = {
+    Verdict.NAMED: "identified",
+    Verdict.CLASS: "ambiguous",
+    Verdict.SUGGESTIVE: "hint",
+    Verdict.UNKNOWN: "unexplained",
+}
+
 
 OUTSIDE = "outside"  # among probabilities: none of the catalogue
 OUTSIDE_WORDS = "a cause outside the catalogue"
@@ -34,7 +47,7 @@ class Kind(Enum):
     EFFECT = "an effect of the catalogue"
     OWN = "an effect of the user's own"
     COLUMN = "a column of the user's own"
-    STRUCTURE = "structure of unknown cause"
+    STRUCTURE = "an unexplained pattern"
 
     @classmethod
     def of(cls, effect: Effect) -> "Kind":
@@ -52,7 +65,7 @@ class Check:
     Attributes
     ----------
     name : str
-        What is asked, in words.
+        What is checked, in words.
     criterion : str
         The field of :class:`pvlib_fem.Criteria` that is the threshold, "" where the
         rule has none.
@@ -101,7 +114,7 @@ class Check:
 
 
 class Opinion(StrEnum):
-    """What a witness makes of a finding."""
+    """What a cross-check makes of a finding."""
 
     AGREES = "agrees"
     CONTRADICTS = "contradicts"
@@ -111,7 +124,7 @@ class Opinion(StrEnum):
 VERBS = {
     Opinion.AGREES: "agrees with",
     Opinion.CONTRADICTS: "contradicts",
-    Opinion.CANNOT_TELL: "cannot tell of",
+    Opinion.CANNOT_TELL: "neither confirms nor rules out",
 }
 
 
@@ -126,12 +139,12 @@ class Witness:
         A column of the record, or ``"clear sky"`` for the irradiance sensor and
         ``"usual wind"`` for the anemometer.
     effect : str
-        The candidate that it was asked about.
+        The candidate that it checks.
     size, stderr : float
-        By how much it parts from the instrument along the course, and its standard
-        error.
+        By how much it deviates from the instrument along the time profile, and the
+        standard error.
     expected : float
-        The same if that candidate is the cause. Of another cause the size is about 0.
+        The size if that candidate is the cause. With another cause it is about 0.
     opinion : Opinion
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
@@ -147,7 +160,7 @@ class Witness:
 
     @classmethod
     def stored(cls, content: Stored) -> Self:
-        """The witness of a part of a file."""
+        """The cross-check of a part of a file."""
         return cls(
             column=content.text("column"),
             effect=content.text("effect"),
@@ -166,8 +179,8 @@ class Witness:
         )
         verb = VERBS[self.opinion]
         return (
-            f"{self.column} {verb} {self.effect}: the two part by {size} ± {error} "
-            f"{unit}, and it would need {needed} {unit}"
+            f"{self.column} {verb} {self.effect}: it deviates by {size} ± {error} "
+            f"{unit} from the sensor; {needed} {unit} are expected"
         )
 
 
@@ -219,7 +232,7 @@ class Finding:
         What it takes off the error: root of the fall of the mean square, over
         fitting weeks left out in turn. [K]
     coefficients, stderr : dict
-        Those of the last fit where it was added, else of the ranking.
+        From the last fit if it was added, else from the ranking.
     because : Because
         The reason for the verdict.
     checks : tuple of Check
@@ -231,7 +244,7 @@ class Finding:
     place : str
         Of unknown structure where it lives, of a change its dates, in words.
     witnesses : tuple of Witness
-        Of a change of an instrument: what other columns say of it.
+        Cross-checks of a change of an instrument by other columns.
     ranges : dict
         From and to of each coefficient that was fitted: its scatter, ``stderr``, with
         the error of its law and how it differs under other conditions.
@@ -274,7 +287,7 @@ class Finding:
 
     @property
     def heard(self) -> tuple:
-        """The witnesses that have an opinion."""
+        """The cross-checks with a result."""
         return tuple(
             one for one in self.witnesses if one.opinion is not Opinion.CANNOT_TELL
         )
@@ -290,7 +303,7 @@ class Finding:
         return self.verdict in ADDED
 
     def content(self) -> dict:
-        """The same for a file."""
+        """The content for a file."""
         checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
         return {
             **asdict(self),
@@ -327,7 +340,7 @@ class Finding:
         )
 
     def __str__(self):
-        head = f"{' | '.join(self.candidates)}: {self.verdict}, {self.gain:.2f} K"
+        head = f"{' | '.join(self.candidates)}: {self.verdict.words}, {self.gain:.2f} K"
         shares = [f"probabilities: {self.shares}"] if self.shares else []
         parts = [self.why, *shares, *self.checks, *self.witnesses]
         return "\n".join([head, *(f"  {part}" for part in parts)])
@@ -345,7 +358,7 @@ class Correction:
         ``"file_shift"``, ``"file_dst"`` or ``"file_jump"`` of the whole file; several
         of one clock are joined by ``+``.
     columns : tuple of str
-        Those that were re-timed; all of them where the whole file was.
+        Columns that were re-timed; ``all`` if the whole file was.
     values, stderr : dict
         What the clock is out by: ``late`` [min], ``drift`` [s/day], ``summer``
         [min]; by a date, how far it was set then [min].
@@ -376,7 +389,7 @@ class Correction:
         return str(self.because)
 
     def content(self) -> dict:
-        """The same for a file."""
+        """The content for a file."""
         checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
         return {**asdict(self), "because": self.because.content(), "checks": checks}
 

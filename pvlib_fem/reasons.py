@@ -29,11 +29,11 @@ class Reason(Enum):
     # an effect that could not be weighed, or not be seen
     LACKS = "no {columns}"
     LACKS_ALL = "no {columns: or }"
-    FEW_FITTING_DAYS = "{days} fitting days are too few to leave any out, of {least}"
-    FEW_DAYS = "{days} days are too few to leave any out, of {least}"
+    FEW_FITTING_DAYS = "at least {least} fitting days are needed (here {days})"
+    FEW_DAYS = "at least {least} days are needed (here {days})"
     COARSE_CLOCK = (
-        "rows are so far apart that a clock of the module's logger which is off by "
-        "less than {minutes:.2g} min does not show"
+        "with rows this far apart, clock offsets of the module's logger below "
+        "{minutes:.2g} min cannot be detected"
     )
     OFF_THE_SUN = "the clock of the file does not fit the sun at the location"
     ESTIMATED = "the angles of the plane are estimated: give them"
@@ -43,31 +43,27 @@ class Reason(Enum):
     )
     ADDS_NOTHING = "it adds nothing in this record's weather"
     COLLINEAR = "the record cannot tell it from the fitted coefficients"
-    NOT_A_NUMBER = "it is not a number in all rows whose columns are there"
+    NOT_A_NUMBER = "it is not a number in all rows with its columns"
     BROKEN = "{error}"
-    NO_DATE = "what is left changes with it at no date"
-    NO_WINDOW = "what is left follows no obstacle before the sun"
-    STAND_IN = "no {columns: or }: only what follows the usual inputs was tried"
-    DETECTABLE = "this record shows it from {gain:.2g} K only"
+    NO_DATE = "the remaining error shows no date at which it begins"
+    NO_WINDOW = "the remaining error follows no obstacle in front of the sun"
+    STAND_IN = "no {columns: or }: only an estimate from the usual inputs was tried"
+    DETECTABLE = "this record shows it only from {gain:.2g} K on"
     ANOTHER_CONFOUNDER = (
-        "it would explain something, but not with a size that it can have: another "
-        "cause that follows the same columns"
+        "its fitted size is physically impossible: another cause follows the same "
+        "columns"
     )
-    SUSPECT_SENSOR = (
-        "it would explain something, but not with a size that it can have: suspect its "
-        "sensor"
-    )
+    SUSPECT_SENSOR = "its fitted size is physically impossible: check its sensor"
     SUSPECT_IRRADIANCE = (
-        "it would explain something, but not with a size that it can have: suspect the "
-        "irradiance sensor"
+        "its fitted size is physically impossible: check the irradiance sensor"
     )
     SOURCE = "from {source}"
 
     # a finding
-    GAINED = "{gain:.2f} K of the error on fitting weeks left out in turn"
+    GAINED = "reduces the cross-validated error by {gain:.2f} K"
     CORROBORATED = "{columns: and } deviate from the sensor along the same time profile"
     WOULD_DECIDE = "{measurements:; or } would decide"
-    TOO_SHORT = "{days} days are too few for a name, of {least}"
+    TOO_SHORT = "at least {least} days are needed to identify a cause (here {days})"
     AT_BOUND = "fitted with all others, {coefficient} ends at the bound of its range"
     UNSURE = "fitted with all others, {coefficient} is {value:.2g} ± {error:.2g}"
     CONTRADICTED = (
@@ -82,10 +78,10 @@ class Reason(Enum):
         "on the record's own steps it takes {gain:.2f} K off the error, {means:.2f} K "
         "in means"
     )
-    NOT_SURE = "there with a probability of {chance:.0%} only; a name needs {least:.0%}"
-    NOT_MATERIAL = "not enough for a name: material is {least:.2f} K"
+    NOT_SURE = "its probability is {chance:.0%}, and {least:.0%} is required"
+    NOT_MATERIAL = "below the {least:.2f} K that are material"
     UNEXPLAINED = (
-        "{gain:.2f} K of the error is {where}; no effect and no column follows it"
+        "{gain:.2f} K of the error is {where}; no effect and no column explains it"
     )
 
     # a correction
@@ -125,7 +121,7 @@ class Because:
         return (self, *(one for more in self.also for one in more.all))
 
     def content(self):
-        """The same for a file."""
+        """The reason for a file."""
         return [
             {"reason": one.reason.name, **one.values, "words": one.sentence()}
             for one in self.all
@@ -133,7 +129,7 @@ class Because:
 
     @classmethod
     def stored(cls, contents):
-        """The same from :meth:`content`."""
+        """Read a reason from :meth:`content`."""
         unknown = {None: float("nan"), "inf": float("inf"), "-inf": -float("inf")}
         reasons = []
         for one in contents:

@@ -87,9 +87,11 @@ def test_a_covered_week_is_told_by_its_dates(covered):
 
 def test_an_error_above_one_kelvin_has_a_line_on_its_time(covered):
     assert covered.table["rmse_test"][covered.last] > 1.0
-    (line,) = (x for x in covered.report().splitlines() if x.startswith("left in time"))
+    (line,) = (
+        x for x in covered.report().splitlines() if x.startswith("remaining error")
+    )
     left = covered.budget["mean_square"]["left"]
-    assert f"{left:.2f} K² ({np.sqrt(left):.2f} K) of" in line
+    assert f"{np.sqrt(left):.2f} K remain ({left:.2f} of" in line
 
 
 def test_snow_on_days_nobody_logged_is_told_by_day():
@@ -120,7 +122,7 @@ def test_they_come_back_from_a_file_to_the_bit(covered, tmp_path):
 def test_a_record_of_days_without_test_weeks_has_one_too():
     loop = fem.close_loop(world(days=1), effects=[])
     assert loop.fit.test_days == 0 and loop.episodes.empty
-    assert "too few days to tell which stand out, of 30" in " ".join(
+    assert "at least 30 days are needed to find days that stand out" in " ".join(
         loop.report().split()
     )
     assert adds_up(loop.budget) and set(loop.budget["weeks"]) == {"fitting"}
@@ -223,7 +225,7 @@ def test_few_days_and_no_residual_tell_nothing():
 def test_eight_measured_years_say_where_in_time_it_lives(bolzano):
     loop = fem.close_loop(bolzano, effects=["wind_direction"])
     assert loop.table["rmse_test"][loop.last] > 1.0 and adds_up(loop.budget)
-    assert "left in time" in loop.report()
+    assert "remaining error" in loop.report()
 
 
 def test_days_that_stand_out_at_golden_are_of_winter(golden):

@@ -115,7 +115,7 @@ def test_an_impossible_coefficient_is_said_to_be(plant, noise):
     row = table.loc["electrical_output"]
     assert row["gain"] > 0.1
     assert not row["physical"]
-    assert "not with a size that it can have: suspect the irr" in row["note"]
+    assert "physically impossible: check the irr" in row["note"]
     assert table["physical"].dropna().astype(bool).is_monotonic_decreasing
 
 
@@ -170,17 +170,15 @@ def test_a_short_record_is_suggestive_at_best(plant, noise):
     data = record_with(plant, noise, "wind_direction").iloc[: 288 * 20]
     table = fem.rank_effects(base_fit(data), data)
     assert (
-        table.loc["wind_direction", "note"] == "20 days are too few for a name, of 60"
+        table.loc["wind_direction", "note"]
+        == "at least 60 days are needed to identify a cause (here 20)"
     )
 
 
 def test_a_day_holds_nothing_out(day):
     fit = fem.fit_fem(*(day[n] for n in COLUMNS), model="faiman", dynamics="balance")
     table = fem.rank_effects(fit, day[[*COLUMNS, "wind_direction"]])
-    assert (
-        table.loc["wind_direction", "note"]
-        == "1 days are too few to leave any out, of 5"
-    )
+    assert table.loc["wind_direction", "note"] == "at least 5 days are needed (here 1)"
     assert table["gain"].isna().all()
 
 
@@ -280,7 +278,7 @@ def test_in_a_world_without_effects_nothing_is_material(outdoors):
     assert (table["gain"][table["physical"].eq(True)] < 0.15).all()
     power = table.loc["electrical_output"]
     assert power["gain"] > 0.15 and not power["physical"]
-    assert "suspect the irradiance sensor" in power["note"]
+    assert "check the irradiance sensor" in power["note"]
 
 
 def test_a_column_that_an_effect_of_the_fit_needs_is_asked_for_by_name(plant, noise):

@@ -112,7 +112,9 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     before, after = share["2011-04":"2012-03"], share["2012-04":"2013-03"]
     assert after.median() / before.median() == pytest.approx(1.2, abs=0.02)
     (witness,) = (one for one in step.witnesses if one.column == "power_dc")
-    size, needed = re.findall(r"by (.+? %), and it would need (.+? %)", str(witness))[0]
+    size, needed = re.findall(r"by (.+? %) from the sensor; (.+? %) are", str(witness))[
+        0
+    ]
     assert f"irradiance deviate by {size} where it would need {needed}." in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
     assert step.verdict is Verdict.CLASS

@@ -106,7 +106,7 @@ def test_other_loops_come_back(days, late, tmp_path):
     again = fem.Loop.from_json(tmp_path / "loop.json")
     assert again.to_json() == text and str(again) == str(loop)
     assert again.corrections == loop.corrections and again.place == loop.place
-    alone = "The corrected clock alone leaves" in again.to_html()
+    alone = "Correcting the clock alone gives" in again.to_html()
     assert alone == ("clock corrected" in loop.table.index) == (late > 0)
     pd.testing.assert_frame_equal(again.ranking, loop.ranking, check_exact=True)
 

@@ -40,7 +40,7 @@ from pvlib_fem.report.text import lines, never
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.statements.make import statements_of
 from pvlib_fem.statements.statement import as_table
-from pvlib_fem.statements.summary import summary
+from pvlib_fem.statements.summary import conclusion, summary
 from pvlib_fem.stored import Stored, opened, saved, written
 from pvlib_fem.thermal.stored import content_of, model_of
 from pvlib_fem.types import FilePath
@@ -675,6 +675,11 @@ class Loop:
             ``until``, ``probability`` and ``alternatives``.
         """
         return as_table(statements_of(self))
+
+    @property
+    def conclusion(self) -> tuple[str, ...]:
+        """The error before and after, and what was found, in sentences."""
+        return tuple(conclusion(self, statements_of(self)))
 
     def report(self) -> str:
         """

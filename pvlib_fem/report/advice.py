@@ -6,7 +6,7 @@ from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.report import budget
 
-#: what is lacking where the sun's place is
+#: what to give where the position of the sun is unknown
 PLACE = "location, surface_tilt and surface_azimuth (to give, not to measure)"
 CLOCK = "the clock of the file, set right (to mend, not to measure)"
 

@@ -1,57 +1,60 @@
-"""Where in time what is left lives, in words."""
+"""The remaining error by time scale, in words."""
 
 import numpy as np
 
 from pvlib_fem.budget.days import FEWEST
 from pvlib_fem.report.document import number
 
-MOST = 3  # episodes that are told one by one
+MOST = 3  # episodes that are reported one by one
 SMALL = 0.005  # K or K²: nothing in two decimals
 #: rows of the budget by their kind
 PARTS = {
     "start": "{} model",
-    "taken": "taken by {}",
-    "left": "what is left",
-    "episodes": "left {}",
-    "scale": "left {}",
+    "taken": "removed by {}",
+    "left": "remaining error",
+    "episodes": "remaining {}",
+    "scale": "remaining {}",
     "of which": "of which {}",
 }
 #: what is known to change so
 CAUSES = {
-    "from week to week": "has a slow cause, such as a season, soiling, what grows "
-    "around, an instrument that drifts",
+    "from week to week": "has a slow cause, such as a season, soiling, growing "
+    "plants or an instrument that drifts",
     "from day to day": "has a cause with a calendar, such as rain, snow or work on the "
     "site, or comes with the weather of whole days",
     "within the day": "comes and goes with the hour, the sun, wind or clouds",
     "on days that stand out": "should be in the site's log",
     "within the hour": "is as fast as clouds and gusts",
-    "from row to row": "is noise of sensors and loggers, which no model takes",
+    "from row to row": "is noise of sensors and loggers, which no model explains",
 }
 
 
 def scales(loop):
-    """Mean squares of what is left in time, the largest first."""
+    """Mean squares of the remaining error by time scale, the largest first."""
     budget = loop.budget
     parts = budget.loc[budget["kind"].isin(["episodes", "scale"]), "mean_square"]
     return parts.sort_values(ascending=False, kind="stable")
 
 
 def in_time(loop):
-    """A sentence on the time scales of what is left; none where nothing is known."""
+    """A sentence on the time scales of the remaining error; "" if none is known."""
     budget, parts = loop.budget, scales(loop)
     left = budget["mean_square"][budget["kind"] == "left"].iloc[0]
     if not left > 0.0:
         return ""
     of = budget["mean_square"].iloc[0]
     sizes = (f"{square:.2f} K² {name}" for name, square in parts.items())
-    told = [words for words, size in zip(sizes, parts) if size >= SMALL]
-    words = f"{left:.2f} K² ({np.sqrt(left):.2f} K) of {of:.2f} K² is left"
-    if told:
-        words += f": {', '.join(told)}"
+    known = [words for words, size in zip(sizes, parts) if size >= SMALL]
+    words = (
+        f"{np.sqrt(left):.2f} K remain ({left:.2f} of {of:.2f} K², {left / of:.0%} of "
+        "the squared error)"
+    )
+    if known:
+        words += f": {', '.join(known)}"
     if parts.iloc[0] > 0.5 * left:
         words += f"; most of it {CAUSES[parts.index[0]]}"
     if loop.fit.summary.days < FEWEST:
-        return f"{words}; too few days to tell which stand out, of {FEWEST}"
+        return f"{words}; at least {FEWEST} days are needed to find days that stand out"
     return words + ("" if len(loop.episodes) else "; no days stand out by date")
 
 

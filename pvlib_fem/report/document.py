@@ -59,7 +59,7 @@ a { color: var(--after); }
 
 def document(title, parts):
     """
-    One HTML file that needs nothing beside it and runs no script.
+    One self-contained HTML file that runs no script.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def paragraph(text, kind=""):
 
 
 def listed(items, ordered=False):
-    """A list of pairs: what is told apart, and what is said of it."""
+    """A list of pairs: a name, and the text on it."""
     rows = (
         f"<li><strong>{escaped(name)}</strong>: {escaped(words)}</li>"
         for name, words in items

@@ -51,12 +51,15 @@ def fit_page(fit, title="", gamma=GAMMA):
     parts = [
         heading(f"Module temperature: {words}", title),
         paragraph(about(fit), "soft"),
-        section("Errors by step", errors(fit)),
-        section("In energy", in_energy(fit, {"this fit": fit.residual}, gamma)),
-        section("Pictures", figures(pictures_of_fit(fit)) if drawn else NO_ROWS),
-        section("Coefficients", coefficients(fit)),
-        section("The state of the data", health(record, fit.notes)),
-        section("How to reproduce it", f"{made_by(fit, call(fit))}\n{printed(fit)}"),
+        section("Error by step", errors(fit)),
+        section("Energy", in_energy(fit, {"this fit": fit.residual}, gamma)),
+        section("Evidence", figures(pictures_of_fit(fit)) if drawn else NO_ROWS),
+        section("Data quality", health(record, fit.notes)),
+        section("Annex: coefficients", coefficients(fit)),
+        section(
+            "Annex: how to reproduce this report",
+            f"{made_by(fit, call(fit))}\n{printed(fit)}",
+        ),
     ]
     return document(" · ".join(filter(None, [title, words])), parts)
 
@@ -68,7 +71,7 @@ def brief(fit):
 
 
 def part(fit):
-    """The days that are told, and their column's ending."""
+    """The days of the reported errors, and the ending of their columns."""
     return ("held-out", "test") if fit.test_days else ("fitted", "train")
 
 

@@ -5,7 +5,7 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.effects import CHANGES, EFFECTS
+from pvlib_fem.effects import CHANGES
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import spaced
 from pvlib_fem.reasons import Reason
@@ -35,8 +35,30 @@ from pvlib_fem.scores import GAMMA
 
 MOST_EVENTS = 10  # of a kind that a page has
 NOT_SHOWN = "smaller than this record can show"
-TO_DO = "Worth: what the finding takes off the error, as the root of a mean square."
-WITHOUT_CAUSE = "no effect and no column follows it"
+TO_DO = "Worth: how much the finding reduces the error, as the root of a mean square."
+#: words of the page
+TERMS = (
+    ("identified (named)", "one cause has a probability of 95 % or more"),
+    (
+        "ambiguous (class)",
+        "the listed causes together have a probability of 95 %; these data cannot "
+        "distinguish them",
+    ),
+    ("hint (suggestive)", "seen, and not added to the model, for the stated reason"),
+    (
+        "unexplained pattern",
+        "a part of the error that comes again, and that follows no known cause",
+    ),
+    (
+        "cross-check",
+        "what another column, a clear sky or the usual wind shows of the same sensor",
+    ),
+    ("test weeks", "weeks that no fit and no decision has used"),
+    ("range", "holds the coefficient with a probability of 90 %"),
+    ("RMSE, MBE", "root mean square error; mean of measured minus modelled"),
+    ("steady, fem, balance", "no memory; the paper's form; heat balance"),
+)
+WITHOUT_CAUSE = "no effect and no column explains it"
 STEPS = {
     "steady": "no memory",
     "fem": "the paper's form",
@@ -44,8 +66,8 @@ STEPS = {
     "+radiative_loss": "longwave exchange, which every module has",
 }
 VERDICTS = {
-    "named": "no other candidate explains it",
-    "class": "one of several that this record cannot tell apart",
+    "named": "no other tested cause explains it",
+    "class": "one of several causes that this record cannot distinguish",
     "alone": "or a cause outside the catalogue that follows the same columns",
     "suggestive": "a hint, not added to the model",
     "unknown": "no effect of the catalogue follows it",
@@ -78,21 +100,24 @@ def page(loop, never=(), title=None, gamma=GAMMA):
     drawn = fit.record is not None
     parts = [
         heading(f"Module temperature: {headline(loop)}", title, loop.corrections),
-        verdict(loop),
+        conclusion(loop),
         section("What to do", to_do(loop.statements)),
-        section("Errors by step", errors(loop, gamma)),
-        section("In energy", in_energy(fit, residuals(loop), gamma)),
+        section("Error by step", errors(loop, gamma)),
+        section("Energy", in_energy(fit, residuals(loop), gamma)),
         *could_be(loop),
-        section("Pictures", figures(pictures(loop)) if drawn else NO_ROWS),
-        section("Coefficients", coefficients(fit, loop.corrections, ranges(loop))),
-        section("What the record cannot tell", undecided(loop)),
-        section("What is left unexplained", unexplained(loop)),
-        section("Where in time it lives", in_time(loop)),
-        section("Which rules decided", rules(loop)),
+        section("Evidence", figures(pictures(loop)) if drawn else NO_ROWS),
+        section("Data quality", health(record, [*loop.notes, *fit.notes])),
+        section("Unexplained patterns", unexplained(loop)),
+        section("Remaining error by time scale", in_time(loop)),
         section("What to measure next", next_measurements(loop)),
         section("Not testable", untestable(loop, never)),
-        section("The state of the data", health(record, [*loop.notes, *fit.notes])),
-        section("How to reproduce it", reproduce(loop)),
+        section(
+            "Annex: coefficients", coefficients(fit, loop.corrections, ranges(loop))
+        ),
+        section("Annex: ambiguous findings and hints", undecided(loop)),
+        section("Annex: checks", rules(loop)),
+        section("Annex: terms", listed(TERMS)),
+        section("Annex: how to reproduce this report", reproduce(loop)),
     ]
     return document(" · ".join(filter(None, [title, headline(loop)])), parts)
 
@@ -146,7 +171,7 @@ def brief(loop):
 
 
 def residuals(loop):
-    """What the model leaves before and after, by a name of the step."""
+    """Residuals before and after the effects, by the name of the step."""
     last = {"after": loop.fit.residual}
     return last if loop.last == loop.base else {"before": loop.residual_before, **last}
 
@@ -173,57 +198,45 @@ def headline(loop):
     return f"{before:.2f} K before, {after:.2f} K after"
 
 
-def verdict(loop):
-    """What was found, first of all and in plain words."""
+def conclusion(loop):
+    """How good the model was and is, what was found, and what remains."""
     fit, record = loop.fit, loop.fit.summary
     days = record.days
-    count = f"{fit.test_days} test days, which no fit and no decision has seen"
-    body = [
-        paragraph(
-            f"Error (RMSE) on {count if fit.test_days else 'the fitted days'}. "
-            f"{days} day{'s' * (days > 1)} from {record.start:%Y-%m-%d} to "
-            f"{record.end:%Y-%m-%d}, {record.rows:,} rows; model {fit.model}, dynamics "
-            f"{fit.dynamics}.",
-            "soft",
-        ),
-        paragraph(beginning(loop), "soft"),
-    ]
-    if found := added(loop):
-        some = "One effect" if len(found) == 1 else f"{len(found)} effects"
-        body.append(paragraph(f"{some} that the model lacks, in the order found:"))
-        body.append(listed((said(f), gained(f)) for f in found))
-    elif short(loop):
-        body.append(paragraph("The record is too short to weigh any effect."))
-    else:
+    body = [paragraph(sentence) for sentence in loop.conclusion]
+    if loop.weighed and not added(loop):
         body.append(
             paragraph(
-                f"Nothing in the record asks for a further effect: none that was "
-                f"weighed gains "
-                f"{loop.criteria.min_gain:.2f} K on days left out, beyond chance and "
-                "within what is possible."
+                "No effect of the catalogue and no column reduces the error by "
+                f"{loop.criteria.min_gain:.2f} K or more, beyond chance and with a "
+                "possible size."
             )
         )
-    if hints := [f for f in loop.findings if f.verdict is Verdict.SUGGESTIVE]:
-        names = "; ".join(said(f) for f in hints)
-        body.append(paragraph(f"Hints that were not added: {names}."))
-    if left := loop.unexplained:
-        body.append(paragraph(f"Of unknown cause: {'; '.join(map(lives, left))}."))
-    if days := [f"{span} ({words})" for span, words in budget.dates(loop)]:
-        body.append(paragraph(f"Days to look up in the site's log: {'; '.join(days)}."))
+    if words := budget.in_time(loop):
+        body.append(paragraph(f"Remaining error: {words}."))
+    seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
+    body.append(
+        paragraph(
+            f"{seen}{days} day{'s' * (days > 1)} from {record.start:%Y-%m-%d} to "
+            f"{record.end:%Y-%m-%d}, {record.rows:,} rows; model {fit.model}, dynamics "
+            f"{fit.dynamics}. {beginning(loop)}",
+            "soft",
+        )
+    )
     return "\n".join(body)
 
 
 def beginning(loop):
-    """What the first number of the headline is of."""
+    """The model that the first number of the headline is of."""
     error = loop.table[f"rmse_{part(loop)[1]}"]
-    steady, clock = error["steady"], ""
-    if CORRECTED in error:
-        clock = f" The corrected clock alone leaves {error[CORRECTED]:.2f} K of it."
-    which = "Before" if loop.last != loop.base else "The number"
-    return (
-        f"{which} is the model without effects, fitted to this record and dynamic "
-        f"already ({STEPS[loop.base]}); fitted steady it leaves {steady:.2f} K.{clock}"
+    which = "The first error" if loop.last != loop.base else "The error"
+    words = (
+        f"{which} is that of the model without effects, fitted to this record with "
+        f"dynamics ({STEPS[loop.base]}); without dynamics it is {error['steady']:.2f} "
+        "K."
     )
+    if CORRECTED in error:
+        words += f" Correcting the clock alone gives {error[CORRECTED]:.2f} K."
+    return words
 
 
 def said(finding):
@@ -240,25 +253,7 @@ def lives(finding):
 def worth(finding):
     """Its verdict in words."""
     alone = finding.verdict is Verdict.CLASS and len(finding.candidates) == 1
-    return f"{finding.verdict}, {VERDICTS['alone' if alone else finding.verdict]}"
-
-
-def gained(finding):
-    what = meaning(finding.effect) or f"{finding.why}. "
-    since = f"From {finding.place}. " if finding.place else ""
-    gain = f"{finding.gain:.2f} K of the error on days left out"
-    heard = "".join(f"; {witness}" for witness in finding.heard)
-    shares = f" ({finding.shares})" if finding.shares else ""
-    return f"{what}{since}{gain}; {worth(finding)}{shares}{heard}"
-
-
-def meaning(name):
-    """The first line of what the effect says of itself."""
-    if name not in EFFECTS:
-        return ""
-    words = EFFECTS[name].terms.__doc__ or ""
-    line = words.strip().split("\n", 1)[0].replace(" [1]_", "").rstrip(".")
-    return f"{line[:1].lower()}{line[1:]}. " if line else ""
+    return f"{finding.verdict.words}: {VERDICTS['alone' if alone else finding.verdict]}"
 
 
 def errors(loop, gamma=GAMMA):
@@ -269,7 +264,7 @@ def errors(loop, gamma=GAMMA):
     which, end = part(loop)
     keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
     keys += ["energy_error_test", "rmse_train"]
-    verdicts = {f"+{f.effect}": f.verdict for f in loop.findings}
+    verdicts = {f"+{f.effect}": f.verdict.words for f in loop.findings}
     rows = [
         (
             spaced(name),
@@ -278,13 +273,22 @@ def errors(loop, gamma=GAMMA):
         )
         for name, row in shown.iterrows()
     ]
-    head = ("step", "#RMSE", "#day", "#night", "#MBE", "#PR", "#fitted", "verdict")
+    head = (
+        "step",
+        "#RMSE [K]",
+        "#day [K]",
+        "#night [K]",
+        "#MBE [K]",
+        "#PR [points]",
+        "#fitted [K]",
+        "verdict",
+    )
     return table(
         head,
         rows,
         f"K on the {which} days; MBE is measured − modelled; PR is the error of the "
-        f"performance ratio, without signs, in points at {100 * gamma:g} %/K; fitted "
-        "is the RMSE on the fitted days.",
+        f"performance ratio, as absolute values, in points at {100 * gamma:g} %/K; "
+        "fitted is the RMSE on the fitted days.",
     )
 
 
@@ -305,7 +309,7 @@ def undecided(loop):
 
 
 def rules(loop):
-    """Every finding with the rules that it was asked, the one that decided last."""
+    """Every finding with its checks, the deciding one last."""
     rows = [
         (
             finding.effect,
@@ -320,11 +324,11 @@ def rules(loop):
         for check in finding.checks
     ]
     if not rows:
-        return paragraph("Nothing was found of which a rule could be asked.")
+        return paragraph("Nothing was found that could be checked.")
     weeks = loop.week_rows
     days = ", ".join(f"{rows:,} rows of {name} weeks" for name, rows in weeks.items())
     return table(
-        ("finding", "rule", "", "#statistic", "asked", "unit", "criterion"),
+        ("finding", "check", "", "#statistic", "required", "unit", "criterion"),
         rows,
         f"{days}. Each criterion is a field of Criteria.",
     )
@@ -340,7 +344,7 @@ def numbers(finding):
 
 
 def unexplained(loop):
-    """Structure without a name, and where it is."""
+    """Patterns without a cause, and where they are."""
     left = loop.unexplained
     if not left and short(loop):
         return paragraph("Not looked for: there are too few days to leave any out.")
@@ -349,11 +353,11 @@ def unexplained(loop):
             f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, "
             "months or the columns of the record."
         )
-    return listed((lives(f), f"{beside(f)}; {WITHOUT_CAUSE}") for f in left)
+    return listed((lives(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in left)
 
 
 def in_time(loop):
-    """Time scales of what is left, days that stand out, and the budget."""
+    """Time scales of the remaining error, days that stand out, and the budget."""
     body = [paragraph(f"{words}.")] if (words := budget.in_time(loop)) else []
     if len(loop.episodes):
         days = "Days that stand out of those around them; the site's log may know why:"
@@ -363,11 +367,11 @@ def in_time(loop):
         body += [paragraph(said), event_page(rows)]
     head = ("part", "#K²", "#K", "#%", "weeks")
     words = (
-        "What the steps took and what is left add up to the steady model's mean "
-        "square; days that stand out and the time scales of all others add up to what "
-        "is left. Tables of unknown structure are contained in that, by what they take "
-        "off fitting weeks left out in turn. Days that stand out are looked for in all "
-        "weeks, and decide nothing."
+        "The parts that the steps remove and the remaining error add up to the steady "
+        "model's mean square. The days that stand out and the time scales of all other "
+        "days add up to the remaining error. Unexplained patterns are parts of it, as "
+        "they reduce the error of fitting weeks that are held out in turn. Days that "
+        "stand out are taken from all weeks, and decide nothing."
     )
     return "\n".join([*body, table(head, budget.cells(loop), words)])
 
@@ -391,8 +395,8 @@ def event_page(rows):
     return table(head, cells, f"{more} more are in loop.events." if more > 0 else "")
 
 
-def beside(finding):
-    """Which way unknown structure goes."""
+def direction(finding):
+    """Whether the modules are warmer or colder than modelled."""
     mean = finding.coefficients["mean"]
     way = "warmer" if mean > 0 else "colder"
     return f"the module is {abs(mean):.2f} K {way} then than modelled, in the mean"
@@ -432,7 +436,9 @@ def untestable(loop, never):
     else:
         body.append(paragraph("All effects of the catalogue could be tested."))
     if never:
-        body.append(paragraph("Never from these columns: " + "; ".join(never) + "."))
+        body.append(
+            paragraph("Not identifiable from these columns: " + "; ".join(never) + ".")
+        )
     return "\n".join(body)
 
 

@@ -51,11 +51,11 @@ def coefficients(fit, corrections=(), ranges=None):
             rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", "", what))
     head = ["coefficient", "#value", "#± error", "unit", "range", "possible", ""]
     words = (
-        "Errors from leaving out each fitted day in turn, with what lasts from day to "
-        "day."
+        "Standard errors from leaving out each fitted day in turn, with errors that "
+        "last from day to day."
     )
     if ranges:
-        words += " The range holds 90 %: it adds the error of the effect's law."
+        words += " A range holds 90 %: it adds the error of the effect's law."
     else:
         del head[4]
         rows = [(*row[:4], *row[5:]) for row in rows]
@@ -79,14 +79,21 @@ def in_energy(fit, residuals, gamma):
         parts = (error.total, error.over_estimate, error.under_estimate, error.net)
         share = 100.0 * error.total / sun if sun else np.nan
         lines.append((name, number(share), *map(number, parts)))
-    head = ("", "#% of yield", "#kWh/kWp", "#too much", "#too little", "#net")
+    head = (
+        "model",
+        "#% of yield",
+        "#absolute [kWh/kWp]",
+        "#too much [kWh/kWp]",
+        "#too little [kWh/kWp]",
+        "#net [kWh/kWp]",
+    )
     return table(
         head,
         lines,
-        f"Error of the modelled DC energy that comes of the temperature, at a "
+        f"Error of the modelled DC energy that results from the temperature, at a "
         f"temperature coefficient of {100 * gamma:g} %/K, on the {which} days with "
-        f"{sun:,.0f} kWh/m² in the plane of the modules. Too much: modelled too cold; "
-        "both without signs are the kWh/kWp, and its share is of the yield at 25 °C.",
+        f"{sun:,.0f} kWh/m² in the plane of the modules. Too much: modelled too cold. "
+        "The first column is the absolute error as a share of the yield at 25 °C.",
     )
 
 

@@ -31,7 +31,7 @@ def pictures(loop):
         An ``svg`` element, and its caption.
     """
     which = "test" if loop.fit.test_days else "fitted"
-    # rows of a sensor that stands still have no residual
+    # rows of a stuck sensor have no residual
     known = loop.fit.residual.notna()
     before, after = loop.residual_before[known], loop.fit.residual[known]
     changed = loop.last != loop.base
@@ -45,8 +45,8 @@ def pictures(loop):
         draw(
             "budget",
             lambda ax: plotting.plot_budget(loop, ax),
-            "Mean square of the steady model: what each step took of it, what is left, "
-            "and on which time scales that lives",
+            "Mean square error of the steady model: the part that each step removes, "
+            "and the remaining error by time scale",
             size=(4.8, 0.7 + 0.27 * len(loop.budget)),
         ),
         draw(
@@ -122,7 +122,7 @@ def by_month(fit):
     names = ("at", "start", "end")
     dates = [dates[name] for dates in given for name in names if name in dates]
     words = (
-        "Coefficients by the month, from its fitted days, with 95 % intervals; the "
+        "Monthly coefficients, from its fitted days, with 95 % intervals; the "
         "line is the whole fit, r_eq the over-temperature per irradiance at the mean "
         "wind"
     )
@@ -136,7 +136,7 @@ def by_month(fit):
 
 
 def by_wind(fit, both, last, known):
-    """What is left by irradiance and wind, and a rose where its direction is known."""
+    """Residual by irradiance and wind, and a rose where its direction is known."""
     (after,) = last.values()
     changed, record = "After" in last, fit.record
     columns = {
@@ -171,7 +171,7 @@ def draw(name, picture, words, projection=None, **size):
 
 
 def on_one_scale(kind, residuals, means, plot, words, projection=None):
-    """The same picture of each residual, with the scale of the largest of them."""
+    """One picture of each residual, with the scale of the largest of them."""
     limit = largest(*map(means, residuals.values()))
     for name, residual in residuals.items():
 

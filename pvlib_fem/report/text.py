@@ -11,13 +11,15 @@ from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.document import rounded, spanned, with_error
 from pvlib_fem.report.page import by_reason
 
-OF_WIND = "sensor height, mean shelter: both are the wind's coefficient"
+OF_WIND = (
+    "height of the anemometer, mean shelter: both change the wind coefficient alone"
+)
 NEVER = (
-    "absorptance, irradiance gain, mean rear irradiance: all are k",
+    "absorptance, irradiance gain, mean rear irradiance: all change k alone",
     OF_WIND,
-    "offsets of either thermometer, mean sky: all are the bias",
-    "a change of irradiance gain, contact at the back or mounting: power or a second "
-    "sensor tells which",
+    "offsets of either thermometer, mean sky: all change the bias alone",
+    "a change of irradiance gain, sensor contact or mounting: power or a second sensor "
+    "distinguishes them",
 )
 
 
@@ -32,7 +34,7 @@ LATE = {
 
 #: what is in the base model, and no finding
 STEPS = {"+radiative_loss": "longwave exchange, which every module has"}
-TITLES = {Verdict.CLASS: "cannot tell", Verdict.SUGGESTIVE: "suggestive"}
+OPEN = (Verdict.CLASS, Verdict.SUGGESTIVE)
 
 
 def never(fit):
@@ -51,7 +53,7 @@ def lines(loop):
         f"{record.rows:,} rows "
         f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
     )
-    for head, words in (*clocks(loop), *rows(loop), *told(loop)):
+    for head, words in (*clocks(loop), *rows(loop), *remaining(loop)):
         yield from folded(head, words)
 
 
@@ -69,9 +71,9 @@ def folded(head, words):
 
 
 def clocks(loop):
-    """What stands first: a clock that is off, by which all else may be wrong."""
+    """Clock faults come first, since all else may be wrong by them."""
     for one in loop.corrections:
-        yield "corrected" if one.applied else "CLOCK IS OFF", one.why
+        yield "corrected" if one.applied else "CLOCK FAULT", one.why
 
 
 def rows(loop):
@@ -95,12 +97,12 @@ def rows(loop):
         yield f"{title:<{WIDE}}{cells}    ", words
 
 
-def told(loop):
-    """What is left, open, not testable and never to be had, and the notes."""
+def remaining(loop):
+    """Remaining error, ambiguous findings, what is not testable, and the notes."""
     if words := budget.in_time(loop):
-        yield "left in time", words
+        yield "remaining error", words
     for days, words in budget.dates(loop):
-        yield "see the site's log", f"{days}: {words}"
+        yield "check the site's log", f"{days}: {words}"
     if words := budget.more(loop):
         yield "", words
     for name, rows in events.by_kind(loop).items():
@@ -108,25 +110,25 @@ def told(loop):
         words = f"{happened}, {events.all_of(rows)}; {events.largest(rows)}"
         yield "power shows", words
     for finding in loop.unexplained:
-        yield "left", finding.why
+        yield "unexplained pattern", finding.why
     if loop.known_ceiling is not None:
         yield "could be explained", sentence(loop.known_ceiling)
     for finding in loop.findings:
-        if finding.verdict in TITLES:
+        if finding.verdict in OPEN:
             names = " | ".join(finding.candidates)
             if finding.shares and finding.verdict is Verdict.CLASS:
                 names = finding.shares
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
-            yield TITLES[finding.verdict], f"{words}{rule}"
+            yield finding.verdict.words, f"{words}{rule}"
     for finding in loop.findings:
-        yield from (("witness", str(witness)) for witness in finding.heard)
+        yield from (("cross-check", str(one)) for one in finding.heard)
     for why, names in by_reason(loop.untestable).items():
         yield "not testable", f"{', '.join(names)} ({why})"
     for i, words in enumerate(never(loop.fit)):
-        yield "" if i else "never from these columns", words
+        yield "" if i else "not identifiable", words
     if not loop.fit.test_days:
-        yield "note", "no test days: these are errors of the fitted days"
+        yield "note", "no test days: these are errors on the fitted days"
     yield from (("note", note) for note in loop.notes)
 
 
@@ -148,7 +150,7 @@ def verdict(finding, loop):
         if key in finding.ranges:
             unit += f" (range {spanned(*finding.ranges[key])})"
         parts.append(f"{name}{number}{unit}")
-    words = f"{finding.verdict}  {', '.join(parts)}"
+    words = f"{finding.verdict.words}  {', '.join(parts)}"
     return words + (f", from {effect.source}" if effect.source else "")
 
 

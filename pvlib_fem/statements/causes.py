@@ -102,7 +102,7 @@ def clause_of(effect, numbers, coefficients, first, last):
     numbers : Finding or Member
         Coefficients, standard errors and ranges.
     coefficients : dict
-        Those of the fit, by which a loss becomes a wind speed.
+        Coefficients of the fit, by which a loss becomes a wind speed.
     first, last : str
         Days of the record.
 
@@ -198,7 +198,7 @@ def spoken(found):
 
 
 def of_model(effect, numbers):
-    """An effect that the model lacks."""
+    """An effect that is missing from the model."""
     words = f"{effect.title or effect.name} is missing from the model"
     return Clause(MODEL, words, **sized(effect, numbers))
 

@@ -27,7 +27,8 @@ def summary(loop):
         At most 25, none wider than 100 signs.
     """
     found = statements_of(loop)
-    head = [*heading(loop), *conclusion(loop, found), "", *steps(loop), ""]
+    said = [line for words in conclusion(loop, found) for line in wrapped(words)]
+    head = [*heading(loop), *said, "", *steps(loop), ""]
     room = LINES - len(head) - 2
     body = findings(found, room) if found else ["Nothing more was found."]
     return [*head, *body, MORE]
@@ -74,12 +75,11 @@ def conclusion(loop, found):
         words = f"{before:.2f} → {after:.2f} K"
     if np.isfinite(energy[loop.last]):
         both = dict.fromkeys(f"{energy[n]:.2f}" for n in (loop.base, loop.last))
-        words += f"; energy error, without signs: {' → '.join(both)} %"
-    words = f"Error (RMSE) on {which}: {words}."
-    yield from wrapped(words)
-    yield from wrapped(counted(loop, found))
+        words += f"; absolute energy error: {' → '.join(both)} %"
+    yield f"Error (RMSE) on {which}: {words}."
+    yield counted(loop, found)
     if loop.known_ceiling is not None:
-        yield from wrapped(sentence(loop.known_ceiling))
+        yield sentence(loop.known_ceiling)
 
 
 def counted(loop, found):
