@@ -309,37 +309,36 @@ def misses(table):
 
 METHOD = """\
 Each record comes from `pvlib_fem.simulator` (but those of the exact null, which are
-the fitted form itself), at a site and in a weather of its own, by laws drawn for it
-from rivals in the literature: obstacles, cleaning, vapour, diffuse share and
-transposition, emissivity of the sky, convection, snow. Those of the second generator
-are pvlib's `fuentes` in the same weather. The loop sees the columns that a user would
-have, the site's coordinates and the module's angles.
+the fitted form itself). Each has its own site, weather and laws, drawn from rivals in
+the literature: obstacles, cleaning, vapour, diffuse share and transposition, emissivity
+of the sky, convection, snow. The second generator is pvlib's `fuentes` in the same
+weather. The loop gets the columns that a user would have, the site's coordinates and
+the module's angles.
 
-*Size* of an effect: what its own terms of the catalogue take off the error of test
-weeks in a refit of the same base, less what they take off in the same weather without
-the effect, as mean squares. *Smallest detectable*: {floor} K, or what the loop's
-ranking calls detectable in the record without the effect, whichever is larger. An
-effect has to be found from {clearly:g} times that. A *refit with the truth*
-has the true effects' terms of the catalogue, the same fitting rows and the same
-test ones.
+*Size* of an effect: its terms of the catalogue reduce the mean square error on test
+weeks in a refit of the same model. The reduction in the same weather without the effect
+is subtracted. *Smallest detectable*: {floor} K, or the minimum detectable gain of
+the loop's ranking in the record without the effect, whichever is larger. An effect
+has to be found from {clearly:g} times that. A *refit with the truth* has
+the terms of the true effects, and the same fitting and test rows.
 
-Causes that are in no catalogue are of {unknown} kinds. {closed} of them are closed:
-only the worlds of {{doc}}`gate` have them, and nobody looks at what the loop says of
-them before the gate is measured.
+Causes outside the catalogue are of {unknown} kinds. {closed} of them are closed: only
+the worlds of {{doc}}`gate` have them, and nobody sees the findings for them before the
+gate is measured.
 
 The thresholds were set on the worlds of shift 3010000 and on the records of instruments
 of seeds 31000 to 31060. `tests/test_study.py` takes a part of the worlds of shift 0. On
 other seeds nothing was set.
 
-A confounder counts as found when it is a candidate of any class;
-physics itself leaves such classes, so a class is no false name, and only `named` is.
+A confounder counts as found when it is a candidate of any ambiguous finding. Physics
+itself leaves such findings, so only a `named` finding can be a false name.
 
-The coefficient of shade is beside the share of the beam that the drawn obstacle takes.
-The effect knows the beam by Erbs from irradiance in the plane alone: where a world has
-another law, a refit with the true windows misses that share, too.
+The coefficient of shade is compared with the share of the beam that the drawn obstacle
+blocks. The effect estimates the beam by Erbs from irradiance in the plane alone. If a
+world has another law, a refit with the true windows misses that share, too.
 
-A bar counts the records that it can judge: effects that are large enough, loops that
-came to an end, records of {days} days and more where effects can be added.
+A requirement counts the records that it can judge: effects that are large enough, loops
+that came to an end, and records of {days} days and more where effects can be added.
 """
 
 
@@ -421,11 +420,11 @@ def beyond(table):
 
     misled = sum(len(listed(names)) > 0 for names in table["class_wrong"])
     yield (
-        f"No bar is set for these. Unknown structure is told in "
+        f"These have no requirement. An unexplained pattern is reported in "
         f"{share(null, 'unknown')} exact nulls and a class in {share(null, 'class')}; "
         f"of the physics alone in {share(physics, 'unknown')} and "
         f"{share(physics, 'class')}. A class none of whose candidates is there, in "
-        f"physics or as a switch, is told in {misled} records."
+        f"physics or as a switch, is reported in {misled} records."
     )
     yield ""
 
@@ -434,9 +433,9 @@ def by_size(one):
     """Every effect and size: how large it was, and whether it was found."""
     yield (
         "*Size* and *smallest* detectable size as above, negative where the terms do "
-        "more without the effect than with it; *first* finding; *coefficient* over its "
-        "truth; *found*: yes, no, or small, from which nothing is asked. Each effect "
-        "is in several weathers."
+        "more without the effect than with it; *first* finding; *coefficient* divided "
+        "by its truth; *found*: yes, no, or too small to be required. Each effect is "
+        "in several weathers."
     )
     yield ""
     head = ("effect × size", "size [K]", "smallest", "first", "coefficient", "found")

@@ -25,12 +25,13 @@ INTRO = """\
 Written by `tests/study_ceiling.py` on {day}, pvlib_fem {version},
 scikit-learn {sklearn}, numpy {numpy}, Python {python}; `make ceiling` makes it again.
 The records are those of {{doc}}`guide/public_records`, each with its location and
-nothing else. All errors are RMSE [K] on every fifth week, which no fit, no decision and
-no tree has seen.
+nothing else. All errors are RMSE [K] on every fifth week, which no fit, decision or
+tree used.
 
-Trees are boosted trees on the same columns, with past values, hour and season, the
-sun's position and the date; {{py:meth}}`loop.ceiling <pvlib_fem.Loop.ceiling>` has how
-they are grown. The *share closed* is that of the squared error which the trees close.
+The trees are boosted trees on the same columns, with past values, hour and season, the
+sun's position and the date; {{py:meth}}`loop.ceiling <pvlib_fem.Loop.ceiling>`
+describes their training. The *share closed* refers to the squared error that the trees
+explain.
 
 | record | paper's form | the loop | trees | rows | share closed |
 |---|---|---|---|---|---|
@@ -38,9 +39,9 @@ they are grown. The *share closed* is that of the squared error which the trees 
 WITHOUT = """
 ## What the trees follow
 
-Without a group of columns trees leave more. The group that they lose most without is
-where the rest may have its cause. It is no proof: groups share what they know, and the
-date stands for whatever lasts for weeks.
+Without one group of columns the trees have a larger error. The group with the largest
+increase may have the cause of the rest. This is no proof: groups share information, and
+the date represents all that lasts for weeks.
 
 | record | {groups} |
 |---|{rules}|

@@ -146,14 +146,14 @@ lowest of the {cells} of a table is near {tail:.1f} %.
 LASTING = """\
 ## An error that lasts for days
 
-The same, but half of the sensor's error of {noise:g} K is left after a day, or after a
-week. The models are `faiman` with `ewm` and `wm1` with `balance`. The first column of
-the bias has the intervals of `fit_fem`. The second has those of errors by the day
-alone, which take days as independent; `statistics/lasting.py` has the difference. If
-that at least doubles an error, and the residual lasts for longer than a tenth of the
-fitted days, a note of the fit says that the days are too few to tell how long. The last
-column is the share of fits with that note. Shares are in percent, of {records} records
-and two models: if one is 95 %, 19 of 20 are within {spread:.1f} points of it.
+Half of the sensor's error of {noise:g} K remains after a day, or after a week. The
+models are `faiman` with `ewm` and `wm1` with `balance`. The first column of the bias
+has the intervals of `fit_fem`. The second has intervals from daily errors alone, which
+take days as independent; `statistics/lasting.py` has the difference. If that at least
+doubles an error, and the residual lasts for longer than a tenth of the fitted days, a
+note of the fit says that the days are too few to tell how long. The last column is the
+share of fits with that note. Shares are in percent, of {records} records and two
+models: if one is 95 %, 19 of 20 are within {spread:.1f} points of it.
 """
 
 

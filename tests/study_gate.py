@@ -27,15 +27,15 @@ HARDLY = 0.005  # K by which a median error may be above that by the rules
 INTRO = """\
 # Gate
 
-Does a cause that is stated with a probability of 90 % turn out to be the cause in nine
-cases of ten? Records are simulated with known causes, on seeds on which no threshold
-was set: {study} of the study, and {instruments} of instruments that change.
-A finding is right if its set holds a cause that is there: one that was put in, or
-physics that every module of the generator has. A cause outside the catalogue is right
-where one was put in.
+If the loop states a cause with a probability of 90 %, is it right in nine cases of ten?
+The records are simulated with known causes, on seeds on which no threshold was set:
+{study} of the study, and {instruments} with a sensor or mounting that changes.
+A finding is right if its set has a true cause: one that was added, or physics that
+every module of the generator has. A cause outside the catalogue is right if one was
+added.
 
-The simulator has {kinds} kinds of causes that are in no catalogue.
-{open} are open, and {closed} are closed: nobody looks at what the loop says of these
+The simulator has {kinds} kinds of causes outside the catalogue.
+{open} are open, and {closed} are closed: nobody sees the findings for these
 before the gate is measured.
 
 Made by `make gate` on {day}.
@@ -46,26 +46,26 @@ The loop takes {seconds}.{rules}
 """
 
 RULES = """
-*The rules* are those by which the loop decided before it had a statistical model. Their
-rows are of the same records (`make oracle`)."""
+*The rules* decided before the loop had a statistical model. Their results are of the
+same records (`make oracle`)."""
 
 APART = """
-The same by the block of seeds, and by what made the module's temperature: nodes in
-W/m², pvlib's `fuentes`, or the fitted form itself with noise. Instruments are among
-nodes.
+The next table divides the records by block of seeds and by generator of the module
+temperature: nodes in W/m², pvlib's `fuentes`, or the fitted form itself with noise.
+Records of instruments are made by nodes.
 
 | records | count | wrong names | sets without the truth |
 |---|---|---|---|
 """
 
 OUTRO = """
-Where causes stated at 0.50 to 0.95 are right more often than is stated, the loop is
-more careful than it has to be: every set holds a cause outside the catalogue, and most
-records have none.
+Causes stated at 0.50 to 0.95 can be right more often than stated. The loop is then more
+careful than necessary: every set has a cause outside the catalogue, and most records
+have none.
 
-Ranges of few records say little by themselves; {doc}`study` and
-{doc}`study_instruments` have every coefficient. Whether measured records say the same
-when other weeks are left out is in {doc}`study_measured`.
+Shares of few records are uncertain. {doc}`study` and {doc}`study_instruments` have
+every coefficient. {doc}`study_measured` counts how often measured records give the same
+findings with other test weeks.
 """
 
 

@@ -226,38 +226,40 @@ def page(table, first):
     there = table[table["channel"] != "none"]
     none = table[table["channel"] == "none"]
     dates = [d for d in there["dates"] if d is not None]
-    yield "# Instruments that change, and what is said of them"
+    yield "# Findings for sensors and mountings that change"
     yield ""
     yield (
         f"Written by `tests/study_instruments.py` on {date.today()}: {len(table)} "
         f"simulated records of one or two years at 15 min from seed {first} on, with "
-        "full physics. One instrument changes at a date, slowly or for a while, or "
-        "none does. The change is made in the columns. Half have power. A change is "
-        "*clear* where its own terms take off the error of the test weeks twice what "
-        "is detectable in the same record without it, as in {doc}`study`."
+        "full physics. One sensor or mounting has a step, a trend or a temporary "
+        "change, or none does. The change is made in the columns. Half have power. A "
+        "change is *clear* if its own terms reduce the error of the test weeks by "
+        "twice the minimum that is detectable in the same record without it, as in "
+        "{doc}`study`."
     )
     yield ""
     yield "| what | share |"
     yield "|---|---|"
     seen = there[there["clear"]]
-    yield f"| the change named, or in its class | {share(there['found'])} |"
-    yield f"| the same of those that are clear | {share(seen['found'])} |"
-    yield f"| the same, first of all findings | {share(there['first'])} |"
+    yield f"| the change is identified, or a candidate | {share(there['found'])} |"
+    yield f"| clear changes that are so | {share(seen['found'])} |"
+    yield f"| changes that are the first finding | {share(there['first'])} |"
     wrong, misled = (table[name].map(bool) for name in ("wrong", "misled"))
     yield f"| wrong names of a change | {share(wrong)} |"
     other = share(table["other"].map(bool))
     yield f"| names of another effect that is not there | {other} |"
-    yield f"| classes of changes without the truth | {share(misled)} |"
+    yield f"| ambiguous changes without the true cause | {share(misled)} |"
     alarms = share((wrong | misled)[none.index])
-    yield f"| a change told where there is none | {alarms} |"
-    yield f"| the day within its interval | {share(pd.Series([d[0] for d in dates]))} |"
+    yield f"| a change reported where there is none | {alarms} |"
+    inside = share(pd.Series([d[0] for d in dates]))
+    yield f"| true date within the interval | {inside} |"
     yield ""
     yield from study_ranges.section(table)
     if dates:
         middle = np.median([d[1] for d in dates])
-        yield f"Half of the days are told within {middle:.1f} days."
+        yield f"Half of the dates are within {middle:.1f} days of the true date."
         yield ""
-    yield "| channel | course | records | found | first | named |"
+    yield "| device | time profile | records | found | first | named |"
     yield "|---|---|---|---|---|---|"
     for (channel, course), part in there.groupby(["channel", "course"]):
         named = (part["verdict"] == "named").sum()

@@ -113,14 +113,14 @@ INTRO = """\
 
 Written by `tests/study_measured.py` on {day}; `make study-measured` makes it again.
 The records are those of {{doc}}`guide/public_records`, each with its location and its
-zone and nothing else. No log of either plant is published, so that this page cannot
-say whether a name is *right*: it says whether the same record says the same again
-when other weeks are left out.
+zone and nothing else. No log of either plant is published, so this page cannot show
+whether a finding is *right*. It shows whether the same record gives the same findings
+again with other test weeks.
 
-The loop divides a record by the calendar, every fifth week for the test. Each draw
-takes a fifth of the weeks by chance in their place (`holdout=`). *The same* are names
-and classes that are whole the same: the same findings in the model, each with the same
-verdict and the same candidates. The bar is nine of ten.
+The loop divides a record by the calendar, with every fifth week for the test. Each draw
+replaces them by a random fifth of the weeks (`holdout=`). Findings are *the same* if
+the model has the same findings, each with the same verdict and candidates. The
+requirement is nine of ten draws.
 """
 
 
@@ -151,9 +151,9 @@ def record_page(name, usual, *draws):
     met = "met" if same >= BAR * len(draws) else "**missed**"
     first = sum(one.first == usual.first for one in draws)
     yield (
-        f"\nNames and classes are whole the same as of every fifth week in {same} of "
-        f"{len(draws)} draws: the bar is {met}.\nThe first finding is the same in "
-        f"{first}.\n"
+        f"\nThe findings are the same as with every fifth week in {same} of "
+        f"{len(draws)} draws: the requirement is {met}.\nThe first finding is the "
+        f"same in {first}.\n"
     )
     if name in KNOWN:
         yield KNOWN[name]
@@ -169,7 +169,7 @@ def record_page(name, usual, *draws):
         f"A loop took {np.median([one.seconds for one in draws]):.0f} s (median).\n"
     )
     if usual.witnesses:
-        yield "Of every fifth week the witnesses say:\n"
+        yield "Cross-checks, with every fifth week for the test:\n"
         yield from (f"* {words}" for words in usual.witnesses)
         yield ""
 

@@ -58,11 +58,12 @@ def section(table):
     yield "## Ranges of coefficients"
     yield ""
     yield (
-        f"Of each coefficient whose truth is known: how often its range holds the "
-        f"truth (the bar: {COVER:.0%}); half of its width, of the truth, in the "
-        f"median; how far {COVER:.0%} of the coefficients are off at most, which is "
-        f"the half-width that would do for all, and how many times that the median is "
-        f"(the bar: {WIDE:g}). Beside it the same of ± {SURE:g} standard errors."
+        "The coefficients have a known truth. *Held*: how often the range holds it "
+        f"(required: {COVER:.0%}). *Half-width*: half of the range, relative to the "
+        f"truth, in the median. *Would do*: the half-width that would hold "
+        f"{COVER:.0%} of the truths. *Times*: the half-width divided by that "
+        f"(at most {WIDE:g}). The last two columns are *held* and *half-width* of ± "
+        f"{SURE:g} standard errors."
     )
     yield ""
     head = ("records", "held", "half-width", "would do", "times", "± held", "± is")

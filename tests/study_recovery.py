@@ -44,11 +44,11 @@ should be found, each instrument along each course, at {draws}.
 | it is at most {wide:g} times as wide as would hold {cover:.0%}, in the median | \
 {times:.1f} times | {times_met} |
 
-Where half are found is told with an interval of 90 %, which four injections of an
-effect leave wide. A wrong name or a class without the truth is one that the record
-itself does not show.
-Both records have something of their own of most effects, which comes to light with a
-little more: of what a record hides no one knows the truth.
+The size at which half are found has an interval of 90 %, which is wide with four
+injections of each effect. A wrong name, or an ambiguous finding without the true cause,
+is one that the record itself does not show.
+Both records have small amounts of most effects themselves. With an injection these
+become large enough to be found, and nobody knows their true size.
 """
 
 

@@ -309,13 +309,13 @@ INTRO = """\
 Written by `make sweep` on {day}: every field of {{py:class}}`pvlib_fem.Criteria`
 halved and doubled alone (a share at most 0.99, a whole number at least 1), over {count}
 records of the study, seeds {low} to {high}; {minutes:.0f} min. By the usual criteria
-{found} of {asked} truths are found, with {wrong} wrong names and {misled} classes
-without a true member.
+{found} of {asked} truths are found, with {wrong} wrong names and {misled} ambiguous
+findings without the true cause.
 
-A cell has the change in truths *found*, names *wrong* and classes *misled*; in how many
-records the loop *says* other causes or *leaves* other structure, or, where it does
-neither, *tells* other hints, notes or ranks; and the mean change of the error on test
-weeks. A dot: nothing moves in these records.
+A cell has three changes: truths *found*, names *wrong* and ambiguous findings *misled*;
+the number of records in which the loop *says* other causes, *leaves* another
+unexplained pattern, or only *tells* other hints, notes or ranks; and the mean change of
+the error on test weeks. A dot means that nothing changes in these records.
 """
 
 
@@ -364,10 +364,10 @@ HEAD = "## Sensors and clocks"
 LIMITS = """
 {head}
 
-The same on {day} for every field of `quality.limits.Limits`, by what is checked before
-any fit, in {count} records: faults of clocks and loggers of the study, sound ones, and
-those with what the loop guards against. A cell has in how many other faults are said,
-or, where none is, in how many the same ones in other numbers.
+On {day} every field of `quality.limits.Limits` was halved and doubled for {count}
+records: faults of clocks and loggers of the study, sound records, and records with
+traps for the loop. The checks come before any fit. A cell has the number of records
+with other faults, or, if there are none, with the same faults in other numbers.
 """
 
 
