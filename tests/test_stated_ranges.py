@@ -15,7 +15,9 @@ NUMBER = r"-?\d+(?:\.\d+)?"
 RANGE = re.compile(
     rf"({NUMBER}) ± ({NUMBER})(?: [^\s±…]+){{0,3}}? \(range ({NUMBER}) … ({NUMBER})\)"
 )
-STEP = re.compile(rf"\+ (\w+)(?: {NUMBER}){{5}} % (?:named|class) ({RANGE.pattern})")
+STEP = re.compile(
+    rf"\+ (\w+)(?: {NUMBER}){{5}} % (?:identified|ambiguous) ({RANGE.pattern})"
+)
 ROW = re.compile(
     rf"^\| `(\w+)\.(\w+)` \| ({NUMBER}) ± {NUMBER} \| ({NUMBER}) – ({NUMBER}) \|", re.M
 )
