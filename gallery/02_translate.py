@@ -4,8 +4,8 @@ From PVsyst, SAPM or NOCT coefficients to WM1 and WM2
 
 Your project has coefficients for PVsyst, the Sandia model or a data sheet's NOCT, and
 no record to fit. Which coefficients of WM1 and WM2 are the same module? From the Sandia
-model WM1 is exact. Elsewhere the shapes differ, and up to 8.5 K at 1000 W/m² are left:
-the translation tells how much, so look before you use it.
+model WM1 is exact. Elsewhere the shapes differ by up to 8.5 K at 1000 W/m². The
+translation reports this error; check it before use.
 """
 
 import matplotlib.pyplot as plt

@@ -109,8 +109,8 @@ for ax in axes:
 
 # %%
 # *RMSE on the held-out days, step by step: the steady model, the filter, the
-# exponential weighted mean, the bias, and what is left.* The smoothing takes off 1.0 K
-# in the measured week by either method. The bias takes 0.9 K more by least squares,
+# exponential weighted mean, the bias, and the remaining error.* The smoothing gains 1.0
+# K in the measured week by either method. The bias takes 0.9 K more by least squares,
 # which fit it together with k, and 1.2 K by the recipe, whose k and k_W are of
 # over-temperature less its mean by night (``offset="night"``). The recipe's tau is no
 # measure of the module, see :ref:`sphx_glr_gallery_04_time_constant.py`.
@@ -123,6 +123,6 @@ plt.show()
 
 # %%
 # *The most variable held-out day: measured and modelled temperature above the
-# irradiance, and below what is left.* ``fit.coefficients`` unpack into
+# irradiance, and below the residual.* ``fit.coefficients`` unpack into
 # :py:func:`pvlib_fem.fem_temperature`, and ``fit.temperature_model()`` goes into a
 # ModelChain.

@@ -42,9 +42,9 @@ loop = fem.close_loop(week)
 print(loop)
 
 # %%
-# It declines. Below ten fitting days there is nothing to leave out in turn, and without
-# that no gain can be told from an accident; below sixty days nothing gets a name. What
-# the week does give is the model itself.
+# The loop adds no effect. Below ten fitting days there is no cross-validation, so a
+# gain cannot be distinguished from chance. Below sixty days no cause is identified. The
+# week gives the model itself.
 
 loop.plot()
 

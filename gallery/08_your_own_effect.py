@@ -91,10 +91,10 @@ own = fem.close_loop(data, effects=[*fem.effects.EFFECTS, CHILLER], **place)
 print(own)
 
 # %%
-# Nothing is left along the chiller. The coefficient counts in W/m² of irradiance, of
-# which a module keeps some three quarters as heat, so it stands above the simulator's
-# 100 W/m². ``radiative_loss`` and ``incidence_angle``, which are in every module, show
-# now, too.
+# The error no longer follows the chiller. The coefficient counts in W/m² of irradiance,
+# of which a module keeps some three quarters as heat, so it stands above the
+# simulator's 100 W/m². ``radiative_loss`` and ``incidence_angle``, which are in every
+# module, show now, too.
 
 runs = on & own.fit.holdout
 warm = data["temp_air"][runs].round()

@@ -39,13 +39,14 @@ for column, unit in [*units.items(), *others]:
     print(f"{column} in {unit}:", *said, sep="\n    ")
 
 # %%
-# Wind in mph passes with a word on its mean: it looks like that of a windier site, and
-# the coefficient of the wind becomes smaller by as much.
+# Wind in mph passes with a note about its mean: it looks like that of a windier site,
+# and the wind's coefficient becomes smaller by as much.
 #
 # Clock and frozen sensor
 # -----------------------
-# A module cannot answer before the sun asks, so where its answer begins tells how late
-# its logger is. That needs edges of clouds and steps of a minute or so, but no model.
+# A module cannot warm before the sun shines, so the beginning of its response shows the
+# timestamp offset of its logger. This needs cloud edges and steps of about a minute,
+# but no model.
 
 faults = {"clock_shift": 4.0, "stuck": 1.0}  # 4 min late, frozen for 12 h in 30 days
 faulty = simulator.record(effects=world | faults, days=60, start="2023-05-01")
@@ -76,15 +77,16 @@ for name, data in {**records, "back sensor, one year": loose.loc["2023"]}.items(
     print(f"{name:<24}{', '.join(loop.effects)}", f"{rate:+.3f} a year" if rate else "")
 
 # %%
-# The first is led by ``sensitivity_drift``, the second by ``contact_drift``: each
-# stands in a class with its like, and the signs differ. One year is too short: there a
-# drift cannot be told from the season.
+# The faulty pyranometer gives ``sensitivity_drift``, the faulty back sensor
+# ``contact_drift``. Both are ambiguous, and the signs differ. One year is too short: a
+# drift and the season cannot be distinguished there.
 #
 # The nights
 # ----------
-# At night a pyranometer has no say, but a sensor that is off shows less of what the sky
-# takes, too. So fit the sky without a drift, and see how much of the modelled excess
-# over the air was measured: by month, the second year over the first.
+# At night a pyranometer has no influence, while a loose sensor also shows less of the
+# cooling by the sky. So the sky is fitted without a drift. The measured share of the
+# modelled over-temperature is then compared, monthly, between the second and first
+# year.
 
 
 def second_over_first(data):
@@ -114,10 +116,10 @@ axes[0].set_ylabel(
 axes[0].legend(frameon=False)
 
 # %%
-# *What was measured of the modelled excess over air temperature, second year over
-# first. A pyranometer changes the days only, a loose back sensor both alike.*
+# *Measured share of the modelled over-temperature, second year divided by first. A
+# pyranometer changes the days only, a loose back sensor both alike.*
 #
-# What no fit can tell: a back sensor that was loose from the first day. It is a smaller
-# ``k`` or a larger ``u0``, as are dirt, absorptance and a pyranometer that reads high.
+# No fit can find a back sensor that was loose from the first day. It gives a smaller
+# ``k`` or a larger ``u0``, as do dirt, absorptance and a pyranometer that reads high.
 
 plt.show()

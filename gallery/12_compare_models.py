@@ -2,10 +2,11 @@
 Which model for my record?
 ==========================
 
-Five steady models, made dynamic step by step, beside four dynamic models of others, on
-one record and scored on days that none has seen. In a measured week the steady models
-leave 4.0 to 4.7 K; smoothing and a bias bring those that know the wind to 1.5 to 1.6 K.
-pvlib's own ``prilliman`` leaves 1.7 K there: the gain over it is 0.1 to 0.2 K.
+Five steady models, made dynamic step by step, are compared with four dynamic models of
+others on one record, and scored on days that none has used. In a measured week the
+steady models leave 4.0 to 4.7 K; smoothing and a bias bring those that know the wind to
+1.5 to 1.6 K. pvlib's own ``prilliman`` leaves 1.7 K there: the gain over it is 0.1 to
+0.2 K.
 """
 
 import os
@@ -57,7 +58,7 @@ plt.show()
 
 # %%
 # *RMSE on the held-out days over the step of the data: dynamic models in full, their
-# steady form dashed.* The steady models gain from longer steps, where less of the
-# module's memory is left to miss; the dynamic ones lose hardly anything on short ones.
+# steady form dashed.* The steady models gain from longer steps, where the module's
+# memory matters less; the dynamic ones lose hardly anything on short ones.
 # Prilliman's mean of the 20 min before has one sample at 15 min, the one before, and
 # none at 1 h, where it is the steady model with a bias.

@@ -6,7 +6,7 @@ A temperature-corrected performance ratio with RdTools
 expects of it at a cell temperature of your own. Here that temperature is steady,
 dynamic or measured, for a measured day of broken clouds. The scatter of the normalized
 energy falls from 4.5 to 4.1 % with a steady temperature and to 4.0 % with a dynamic one
-at 1 min, as far as with the measured one. At 15 min nothing is left of that difference.
+at 1 min, as far as with the measured one. At 15 min the difference vanishes.
 """
 
 import os
@@ -82,11 +82,11 @@ print("Scatter of the normalized energy in % of its mean, by cell temperature")
 print(table.round(2).to_string())
 
 # %%
-# What is left is not the cells' temperature: pyranometer and string do not see a
-# cloud's edge in the same second, and one sensor does not stand for all cells. For a
-# trend over years the steady temperature of hourly means is enough; where minutes are
-# compared, as in a search for faults, the dynamic one is worth its one coefficient
-# more.
+# The remaining scatter does not come from the cell temperature: pyranometer and string
+# do not see a cloud's edge in the same second, and one sensor does not represent all
+# cells. For a trend over years the steady temperature of hourly means is enough. If
+# minutes are compared, as in a search for faults, the dynamic one justifies its one
+# additional coefficient.
 
 noon = day.index[0].normalize() + pd.Timedelta("11h")
 at = slice(noon, noon + pd.Timedelta("1h"))
