@@ -24,6 +24,7 @@ from pvlib_fem.loop.instead import Instead
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.noise import with_outside
 from pvlib_fem.loop.outcome import outcome
+from pvlib_fem.loop.planes import ANGLES, plane_of_columns
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.references import apart, heard, said
@@ -35,7 +36,7 @@ from pvlib_fem.loop.times import Times
 from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.columns import with_aliases
+from pvlib_fem.record.columns import printable, with_aliases
 from pvlib_fem.record.parquet import ParquetRecord, is_data_set
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.model import ThermalModel
@@ -199,6 +200,9 @@ def searched(data, model, place, progress, **how):
             own = OwnSteps(screened)
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], data.index)
+        site, how["moving"] = plane_of_columns(data, site)
+        if angles := [label for label in data if printable(label) in ANGLES]:
+            data = data.drop(columns=angles)
         others = chosen(how["instead"].stand_ins) if "instead" in how else {}
         plain.refuse_without_wind({**with_aliases(data, ()), **others})
         tell("checking the record")

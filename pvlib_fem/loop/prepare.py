@@ -12,6 +12,7 @@ from pvlib_fem.findings import Check, Correction
 from pvlib_fem.fitting.horizontal import refuse_clock
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
 from pvlib_fem.loop.instead import Filled, Instead
+from pvlib_fem.loop.planes import ANGLES
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
@@ -76,6 +77,7 @@ def prepared(
     check_units=True,
     fixed=None,
     instead=None,
+    moving=None,
 ):
     """Everything checked that comes in, and divided before it is looked at."""
     how = (site, criteria, check_units, instead or Instead())
@@ -89,7 +91,9 @@ def prepared(
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
     if look.filled.horizontal is not None:
         refuse_clock({name: faults[name] for name in off})
-    plane = None if off else estimated(look, site)
+    if moving is not None:
+        refused = refused | dict.fromkeys(ANGLES, moving)
+    plane = None if off or moving is not None else estimated(look, site)
     if plane is not None:
         site = site | plane.angles
     sun = geometry(look.whole.index[:1], **site)  # what of it is known
