@@ -12,41 +12,41 @@ from pvlib_fem import drivers, effects
 from pvlib_fem.record.columns import GEOMETRY
 
 INTRO = """
-What the model can lack, one effect a page. All add to the columns of one equation,
-``capacity · dT/dt = heat − loss · (T − T_air)``, of which a sensor reads
-``measured = T + gain · (T − T_air) + offset``: ``heat`` [W/m²], ``loss`` [W/(m² K)],
-``capacity`` [J/(m² K)], ``offset`` [K], ``gain`` [-].
+The catalogue has one effect a page. All add to the columns of one equation,
+``capacity · dT/dt = heat − loss · (T − T_air)``. A sensor reads
+``measured = T + gain · (T − T_air) + offset``. The columns are ``heat`` [W/m²],
+``loss`` [W/(m² K)], ``capacity`` [J/(m² K)], ``offset`` [K] and ``gain`` [-].
 Names in the equations are those of the columns and the parameters. All parameters
-are 0 where a fit starts, and then an effect adds nothing; a fit does not leave their
-range. What their drivers are made of is in :doc:`effects/drivers`, how often each is
-found in :doc:`/study`, how to add one in :doc:`/adding_an_effect`.
+are 0 at the start of a fit, where an effect adds nothing. A fit keeps them in their
+range. :doc:`effects/drivers` has the drivers, :doc:`/study` how often each effect is
+found, and :doc:`/adding_an_effect` how to add one.
 """
 GROUPS = {
     "Drivers of their own": """
-Each follows what no other does: a column, the years, or one window of the sky. So the
-loop may name it, unless another explains as much.
+Each has a driver of its own: a column, the years, or one window of the sky. So the loop
+can identify it, unless another effect explains as much.
 """,
     "Confounders": """
 Functions of the usual inputs alone: irradiance, air temperature, wind, sun and date.
-Several look alike, so the loop reports them as a class, with the measurement that
+Several look alike, so the loop reports them as ambiguous, with the measurement that
 would decide.
 """,
 }
 CHANGES = """
-What happens to instruments and to the mounting: a channel along a course, as
-``contact_step`` or ``sensitivity_drift``. The loop finds the dates; with
-``{'name': 'contact_step', 'at': '2012-04-01'}`` they are given. Of constant size a
-channel would be in the coefficients of the steady model.
+Faults of sensors and mountings. Each has a time profile, such as ``contact_step`` or
+``sensitivity_drift``. The loop estimates the dates;
+``{'name': 'contact_step', 'at': '2012-04-01'}`` sets them. A fault of constant size is
+in the coefficients of the steady model.
 """
 DRIVERS = """
-What effects follow: columns that are measured, and what is computed from them.
+Inputs of effects: measured columns, and quantities computed from them.
 """
 MEASURED = """
-An effect asks for columns by these names. Irradiance, air temperature and wind speed
-are always there.
+Effects need columns with these names. Irradiance, air temperature and wind speed are
+always there.
 """
 DERIVED = """
-Computed from measured columns and the times where an effect asks for them.
+Computed from measured columns and times if an effect needs them.
 """
 SECTION = re.compile(r"\n+^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)
 
@@ -139,7 +139,7 @@ def table(header, rows, widths, kind="stacked"):
 
 
 def overview(chosen):
-    """Rows of effects that are told alike."""
+    """Rows of a table of effects."""
     for effect in chosen:
         lead = words(inspect.getmodule(forms(effect)[0]))[0].rstrip(".")
         best, *others = effect.forms
@@ -193,11 +193,11 @@ def drivers_of(effect):
     for variant in effect.forms:
         source = variant.source or "the columns alone"
         if variant.confounder and not effect.confounder:
-            source += " (told as a class)"
+            source += " (reported as ambiguous)"
         for name in variant.drivers:
             rows.append((source, to_driver(name), meaning(name), made_of(name)))
             source = ""
-    header = ("Source, the best first", "Driver", "What it is", "Made of")
+    header = ("Source, the best first", "Driver", "Meaning", "Computed from")
     if effect.variants:
         yield from table(header, rows, "20 22 33 25", "stacked made")
     else:
@@ -255,7 +255,7 @@ def driver_table():
 
 
 def sources(compute):
-    """Those of a driver, and of functions that are no driver and that it names."""
+    """Sources of a driver, and of functions that it names and that are no drivers."""
     own = words(compute)[2]
     for name in re.findall(r":func:`(\w+)`", inspect.getdoc(compute)):
         if name not in drivers.DERIVED:
@@ -276,15 +276,15 @@ def measured_table():
 def index():
     """Lines of the page that leads to all others."""
     chosen = effects.PHYSICS.values()
-    header = ("Effect", "What it is", "Needs besides the usual")
+    header = ("Effect", "Meaning", "Further columns")
     yield from titled("Effects", INTRO)
     for confounder, (group, text) in zip((False, True), GROUPS.items()):
         yield from titled(group, text, "-")
         alike = [effect for effect in chosen if effect.confounder == confounder]
         yield from table(header, overview(alike), "25 45 30", "stacked needs")
     yield from titled("Instruments and mountings", CHANGES, "-")
-    yield from table(("Channel", "What it is"), channels(), "25 75", "stacked needs")
-    yield from table(("Course", "What it is"), courses(), "25 75", "stacked needs")
+    yield from table(("Fault", "Meaning"), channels(), "25 75", "stacked needs")
+    yield from table(("Time profile", "Meaning"), courses(), "25 75", "stacked needs")
     yield from (".. toctree::", "   :hidden:", "")
     yield from (
         f"   effects/{name}"
@@ -314,9 +314,9 @@ def columns():
     """Lines of the page of what effects follow."""
     yield from titled("Columns and drivers", DRIVERS)
     yield from titled("Measured columns", MEASURED, "-")
-    yield from table(("Column", "What it is"), measured_table(), "30 70")
+    yield from table(("Column", "Meaning"), measured_table(), "30 70")
     yield from titled("Derived drivers", DERIVED, "-")
-    header = ("Driver", "What it is, and its source", "Made of")
+    header = ("Driver", "Meaning and source", "Computed from")
     yield from table(header, driver_table(), "24 48 28", "stacked made")
 
 
