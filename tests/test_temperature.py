@@ -289,7 +289,7 @@ def test_a_smoothed_temperature_can_be_carried_on(drivers, cut):
 
 @pytest.mark.parametrize("initial", [20.0, {"poa_global": 500.0}])
 def test_a_temperature_is_no_state_of_two_inputs(drivers, initial):
-    with pytest.raises(ValueError, match=r"does not tell|lacks wind_speed"):
+    with pytest.raises(ValueError, match=r"from a temperature|has no wind_speed"):
         fem.fem_temperature(*drivers, model="faiman", initial=initial)
 
 

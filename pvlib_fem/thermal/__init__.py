@@ -1,1 +1,1 @@
-"""The one equation: steady models, and the dynamics that answers them."""
+"""The heat balance: steady models, and the dynamics that solve it."""

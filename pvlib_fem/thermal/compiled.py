@@ -1,4 +1,4 @@
-"""A block of rows answered by compiled loops, where numba is there."""
+"""Solve a block of rows with compiled loops, if numba is installed."""
 
 from functools import cache, lru_cache
 from importlib.util import find_spec
@@ -8,14 +8,14 @@ import numpy as np
 from pvlib_fem.effects.effect import Known, is_there
 from pvlib_fem.thermal.steady import SCALES
 
-LONG = 1 << 15  # rows of a record from which loading the loops is worth it
-AT_ONCE = 1 << 18  # rows that the loops are given at a time
+LONG = 1 << 15  # rows of a record from which the loops save more time than they load
+AT_ONCE = 1 << 18  # rows that the loops get at a time
 MEMORIES = {"ewm": "tau", "balance": "capacity"}
-FAR = 8.0  # m/s, where a line in wind is taken beside its value at none
+FAR = 8.0  # m/s, second point of a line in wind; the first is calm air
 
 
 def fast(rows, effects, also=None):
-    """Whether a record's rows are answered by the loops, ``also`` by further terms."""
+    """Whether the loops can solve a record of so many rows, and the terms ``also``."""
     if rows < LONG or any(is_beyond_them(effect) for effect in effects):
         return False
     if also and any(is_there(one.capacity) for one in also.values()):
@@ -24,7 +24,7 @@ def fast(rows, effects, also=None):
 
 
 def is_beyond_them(effect):
-    """Whether a known effect adds to ``gain`` or ``capacity``, which no loop knows."""
+    """Whether a known effect adds to ``gain`` or ``capacity``, which no loop has."""
     terms = [effect.terms] if isinstance(effect, Known) else []
     terms += effect.units.values()
     return any(is_there(one.gain) or is_there(one.capacity) for one in terms)
@@ -32,7 +32,7 @@ def is_beyond_them(effect):
 
 @cache
 def loops():
-    """The compiled loops, or None without numba; loaded when first asked for."""
+    """The compiled loops, loaded at the first call; None without numba."""
     if find_spec("numba") is None:
         return None
     from pvlib_fem.thermal import kernels
@@ -41,7 +41,7 @@ def loops():
 
 
 def line_of(law, own):
-    """A steady model as a line in wind on its scale: its ends, clip, and slopes."""
+    """A steady model as a line in wind on its scale: the line, its clip, its slopes."""
     clip = own[law.clip] if law.clip else np.inf
     winds = np.array([0.0, min(FAR, clip) or FAR])
     r_eq, slopes = law.resistance(winds, **own), law.slopes(winds, **own)
@@ -52,7 +52,7 @@ def line_of(law, own):
 
 
 def of_terms(slopes, names, rows):
-    """Which of the slopes add to heat, to loss, to offset, and these side by side."""
+    """For heat, loss and offset: places of the slopes that add to it, and a table."""
     more = []
     for column in ("heat", "loss", "offset"):
         values = [getattr(slopes[name], column) for name in names]
@@ -65,17 +65,17 @@ def of_terms(slopes, names, rows):
 
 
 def of_rows(seen, rows):
-    """Which rows count, by default all, and what was measured there."""
+    """The mask of rows that count, by default all, and the measured values."""
     counts, measured = seen or (np.ones(rows, bool), np.nan)
     return counts, whole(measured)
 
 
 def whole(column):
-    """A column as the loops take it: all of its rows, or a number on some, as array."""
+    """A column as an array for the loops: of all rows, or of one tile if constant."""
     if np.ndim(column) == 0:
         column = constant(float(column))
     column = np.ascontiguousarray(column, dtype=float).view()
-    column.flags.writeable = False  # else numba compiles for what may be written, too
+    column.flags.writeable = False  # else numba compiles a version for writable arrays
     return column
 
 
@@ -88,28 +88,29 @@ def answered(
     model, inputs, coefficients, past, seen=None, edges=None, into=None, also=None
 ):
     """
-    Temperature of a block, and products of its slopes and of what is left.
+    Temperature of a block, and the products of its slopes and residuals.
 
     Parameters
     ----------
     model, inputs, coefficients, past
-        As :meth:`ThermalModel.answer` has them.
+        See :meth:`ThermalModel.answer`.
     seen : tuple of array, optional
-        Which rows count, by default all, and what was measured.
+        Mask of the rows that count, by default all, and the measured temperature.
     edges : array of int, optional
-        The first row of each part, from 0 on, and the end of the last; without it no
-        products are asked for.
+        The first row of each part, from 0 on, and the end of the last. Without it the
+        loops compute no products.
     into : array, optional
-        Where the temperature goes; without it none is asked for. It is of all rows
-        where products are asked for, else of those that count.
+        Array that the temperature is written to; without it the temperature is
+        dropped. It covers all rows if products are computed, else the rows that count.
     also : dict of Terms, optional
-        Slopes of terms to be answered along, in the place of products.
+        Slopes of further terms; the loops compute the responses to them instead of
+        products.
 
     Returns
     -------
     array or None
-        Products over each part, by the model's parameters in order, and what is left.
-        Or slopes by what is answered along, on all rows.
+        Products over each part, in the order of the model's parameters, the residual
+        last. Or the responses to ``also`` on all rows.
     """
     wanted, law = edges is not None, model.steady_model
     added, slopes = model.terms(inputs, coefficients, wanted, also)
@@ -124,7 +125,7 @@ def answered(
     if into is None:
         into = np.empty(kernels.TILE)
     total = np.zeros((len(edges) - 1 if wanted else 0, size, size))
-    told = np.empty((len(also or ()), rows))
+    responses = np.empty((len(also or ()), rows))
     memory = coefficients.get(MEMORIES.get(model.dynamics), 1.0) / inputs.unit
     more = of_terms(slopes, names, rows)
     leaky = is_there(added.loss) or len(more[1][0]) > 0
@@ -138,16 +139,16 @@ def answered(
         edges if wanted else np.array([0, rows]),
         past.state,
         total,
-        told,
+        responses,
     )
     if not wanted:
-        return told if also is not None else None
+        return responses if also is not None else None
     chain = chained(model, by, names)
     return chain.T @ total @ chain
 
 
 def chained(model, by, names):
-    """How the columns of the loops make slopes by each parameter, and what is left."""
+    """Matrix from the columns of the loops to slopes by parameter, and the residual."""
     parameters = list(model.parameters)
     chain = np.zeros((5 + len(names), len(parameters) + 1))
     chain[-1, -1] = 1.0

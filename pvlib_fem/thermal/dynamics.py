@@ -1,4 +1,4 @@
-"""The dynamics: how a block of rows answers what is known of the equation's columns."""
+"""The dynamics: the response of a block of rows to the columns of the equation."""
 
 import numpy as np
 
@@ -7,18 +7,18 @@ from pvlib_fem.thermal.response import Response
 
 
 def resistance(steady_model, own, wind, loss):
-    """Resistance with further losses, and the share that they leave of the model's."""
+    """Resistance with further losses, and its ratio to that of the steady model."""
     r_steady = steady_model.resistance(wind, **own)
     if not is_there(loss):
         return r_steady, 1.0
-    # 1/(1/r + loss); where a loss would be negative there is no temperature
+    # 1/(1/r + loss); where the total loss would be negative, the temperature is NaN
     share = 1.0 / (1.0 + loss * r_steady)
     share = np.where(share > 0, share, np.nan)
     return r_steady * share, share
 
 
 def resistance_slopes(steady_model, own, wind, r_eq, share):
-    """Slopes of a resistance: by the model's parameters and wind, by further losses."""
+    """Slopes of a resistance by the model's parameters and wind, and by the loss."""
     slopes = steady_model.slopes(wind, **own)
     if is_there(share - 1.0):
         slopes = {name: slope * share**2 for name, slope in slopes.items()}
@@ -44,7 +44,7 @@ def steady(steady_model, own, inputs, added, slopes):
 
 
 class Smooth:
-    """A column and the parts of it, smoothed with one time constant."""
+    """A column and its parts, smoothed with one time constant."""
 
     def __init__(self, name, whole, steps, tau, past, wanted):
         self.value, self.by_tau, self.whole = whole, 0.0, whole
@@ -56,13 +56,13 @@ class Smooth:
         smooth = answer.mean("value", there)
         self.value = answer.spread(smooth)
         if wanted:
-            # the logarithm of tau moves it by what is left to decay
+            # slope by the logarithm of tau: the distance that is still to decay
             source = answer.fall("value", smooth, there)
             source /= answer.tau
             self.by_tau = answer.spread(answer.solve("by_tau", source))
 
     def part(self, name, column):
-        """A part of the column, which has the gaps of the whole."""
+        """A part of the column, smoothed; its gaps are those of the whole column."""
         if np.ndim(column) == 0:
             return column
         if np.ndim(self.whole) == 0:
@@ -72,7 +72,7 @@ class Smooth:
 
 
 def smoothed(steady_model, own, inputs, added, slopes, tau, past):
-    """The paper's form: the steady model on smoothed heat and wind."""
+    """Temperature of the paper's form: the steady model on smoothed heat and wind."""
     given = inputs.steps, tau / inputs.unit, past, bool(slopes)
     heat = Smooth("heat", added.heat, *given)
     wind = Smooth("wind", inputs["wind_speed"], *given)
@@ -98,7 +98,7 @@ def smoothed(steady_model, own, inputs, added, slopes, tau, past):
 
 
 def balanced(steady_model, own, inputs, added, slopes, past):
-    """The exact heat balance, whose time constant is capacity·r_eq."""
+    """Temperature by the exact heat balance; its time constant is capacity·r_eq."""
     wind = inputs["wind_speed"]
     r_eq, share = resistance(steady_model, own, wind, added.loss)
     target = inputs["temp_air"] + added.heat * r_eq
@@ -113,7 +113,7 @@ def balanced(steady_model, own, inputs, added, slopes, past):
         steady_model, own, there(wind), r_eq, there(share)
     )
     fall = answer.fall("temperature", temperature, target)
-    by_r = answer.rise * there(added.heat) + fall / r_eq  # what r_eq moves, in all
+    by_r = answer.rise * there(added.heat) + fall / r_eq  # slope of the source by r_eq
 
     def solved(name, source):
         return answer.spread(answer.solve(name, source))

@@ -1,12 +1,12 @@
 """
-The dynamics tile by tile, compiled by numba: no temporaries but those of a tile.
+The dynamics tile by tile, compiled by numba: temporaries are as long as a tile.
 
-The same equations as in :mod:`pvlib_fem.thermal.dynamics`, which is their reference.
-Here a steady model is a straight line in wind on a scale of its own. Only what carries
-on from row to row goes row by row; all else is loops without branches over the rows of
-a tile, which the compiler does several rows at a time. So rows that do not count have
-slopes of nothing, in the place of being left out, but for those before the first and
-after the last of a tile.
+The equations are documented in :mod:`pvlib_fem.thermal.dynamics`, the reference that
+the tests compare with. Here a steady model is a straight line in wind on a scale of its
+own. Only the recursions run row by row. All else is loops without branches over the
+rows of a tile, which the compiler vectorizes. So rows that do not count have slopes of
+zero instead of being skipped. Only rows before the first and after the last that count
+in a tile are skipped.
 """
 
 from math import factorial
@@ -17,23 +17,23 @@ from numba import njit
 from pvlib_fem.relaxation import FADED, FORGOTTEN
 from pvlib_fem.thermal.steady import LOGARITHM, LOSS
 
-TILE = 1 << 9  # rows of which slopes and what they need stay in the cache
-APART = 8  # numbers between columns side by side, else all are of one set of the cache
-WORK = 10  # columns of a tile that are held beside its slopes
-SMALL = 0.5  # exponent up to which so many terms are as exact as the function
+TILE = 1 << 9  # rows, so that the slopes and their inputs stay in the cache
+APART = 8  # padding between columns; without it all map to one set of the cache
+WORK = 10  # columns of a tile that are held in addition to its slopes
+SMALL = 0.5  # exponent up to which the series below is as exact as the function
 SERIES = tuple(1.0 / factorial(k) for k in range(14, -1, -1))
 STEADY, EWM, BALANCE = range(3)  # dynamics, by their names in capitals
 
-unsigned = np.uint64  # of a row, or each index is asked whether it counts from the end
+unsigned = np.uint64  # type of row numbers; else numba tests each for a negative index
 
 inlined = njit(inline="always", error_model="numpy")
-# a product and its sum in one step, which each recursion waits for
+# fused multiply-add: each recursion waits for its product and sum
 compiled = njit(cache=True, error_model="numpy", fastmath={"contract"})
 
 
 @inlined
 def resistances(law, leaky, winds, losses, r_eq, by_line, shown):
-    """Resistances of some rows with further losses, and their slopes by the line."""
+    """Write resistances with further losses, and their slopes by the model's line."""
     scale, value, slope, clip = law
     first, last = shown
     for i in range(first, last):
@@ -54,14 +54,14 @@ def resistances(law, leaky, winds, losses, r_eq, by_line, shown):
 
 @inlined
 def fade(step, ratio, usual):
-    """Share of the past that is left after so many time constants; 0 after a gap."""
+    """Weight of the past after ``ratio`` time constants; 0 after a gap."""
     gap = ratio > FORGOTTEN and step > 2.0 * usual
     return 0.0 if gap else np.exp(-ratio)
 
 
 @inlined
 def decay_all(steps, ratios, usual, decays):
-    """The same of some rows; where all ratios are small, several at a time."""
+    """Write the weight of the past of some rows, by a series for small ratios."""
     small = True
     for i in range(len(ratios)):
         small &= ratios[i] <= SMALL
@@ -76,7 +76,7 @@ def decay_all(steps, ratios, usual, decays):
 
 @inlined
 def faded(step, tau, usual):
-    """The same of a step, and its slope by tau."""
+    """Weight of the past after a step, and its slope by tau."""
     decay = fade(step, step / tau, usual)
     return decay, decay * step / tau / tau
 
@@ -88,7 +88,7 @@ def keep(state, since, begun, value, by_memory):
 
 @inlined
 def follows(values, state):
-    """Whether all of a column is there, and so was what it follows."""
+    """Whether a column has no NaN, and the row before it had none."""
     whole = state[0] == 0.0 and state[1] == 1.0
     for i in range(len(values)):
         whole &= values[i] == values[i]
@@ -97,7 +97,7 @@ def follows(values, state):
 
 @inlined
 def even(steps):
-    """Whether all steps are the same."""
+    """Whether all steps are equal."""
     same = True
     for i in range(len(steps)):
         same &= steps[i] == steps[0]
@@ -106,7 +106,7 @@ def even(steps):
 
 @compiled
 def smooth(values, steps, tau, usual, state, means, by_tau, lefts):
-    """Rows of a smoothed column, its slopes, and what is left of the past in each."""
+    """Write a smoothed column, its slopes by tau, and the weight of the past."""
     since, begun, mean, slope = state[:4]
     last, fading = np.nan, (0.0, 0.0)
     for i in range(len(values)):
@@ -129,7 +129,7 @@ def smooth(values, steps, tau, usual, state, means, by_tau, lefts):
 
 @compiled
 def smooth_both(one, two, step, tau, usual, state, into, into_two):
-    """Two columns that are carried on: as each waits for itself, both in one's time."""
+    """Smooth two columns without gaps in one loop: their recursions run in parallel."""
     decay, growth = faded(step, tau, usual)
     (mean, slope), (mean_two, slope_two) = state[0, 2:4], state[1, 2:4]
     (means, slopes), (means_two, slopes_two) = into, into_two
@@ -146,7 +146,7 @@ def smooth_both(one, two, step, tau, usual, state, into, into_two):
 
 @inlined
 def leaves(kept, measured, temperature, slopes):
-    """What is left of the rows that count, the slope by a bias, and no others yet."""
+    """Write the residual and the slope by a bias; set the other slopes to zero."""
     counts, first, last = kept
     slopes[4:-1, first:last] = 0.0
     for i in range(first, last):
@@ -156,7 +156,7 @@ def leaves(kept, measured, temperature, slopes):
 
 @inlined
 def set_aside(kept, aside, by_offset, slopes):
-    """Add the slopes by what is added to the temperature itself."""
+    """Add the slopes by terms that add to the temperature itself."""
     counts, first, last = kept
     for k in range(len(aside)):
         for i in range(first, last):
@@ -255,7 +255,7 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
 
 @inlined
 def relax(targets, steps, offset, r_eq, memory, state, decays, falls, into):
-    """Temperature by targets and decays; falls by the memory; whether all are there."""
+    """Write temperature and slopes by the memory; return whether no row is missing."""
     capacity, usual, rows = memory[0], memory[2], len(targets)
     since, begun, module, by_memory = state[:4]
     whole = follows(targets, state)
@@ -339,7 +339,7 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def add_products(slopes, first, last, total):
-    """Add products of all columns with each other, from a first to a last row."""
+    """Add the products of all pairs of columns over some rows to ``total``."""
     for a in range(len(slopes)):
         for b in range(a + 1):
             product = 0.0
@@ -352,7 +352,7 @@ def add_products(slopes, first, last, total):
 
 @inlined
 def span(counts):
-    """The first row that counts, and the end of the last: there alone are slopes."""
+    """The first row that counts, and the row after the last that counts."""
     first, last = 0, len(counts)
     while first < last and not counts[first]:
         first += 1
@@ -363,7 +363,7 @@ def span(counts):
 
 @inlined
 def tile(column, first, last, rows):
-    """Rows of a column, or as many of one that is the same in all."""
+    """Rows of a column, or as many rows of a constant column."""
     return column[first:last] if len(column) == rows else column[: last - first]
 
 
@@ -391,7 +391,7 @@ def longest(dynamics, law, memory, losses):
 
 @inlined
 def sought(counts, steps, first, lasting):
-    """The next row that counts, or the end; and the one from where that remembers."""
+    """The next row that counts, or the end; and the first row that influences it."""
     ahead, rows = first, len(counts)
     while ahead < rows and not counts[ahead]:
         ahead += 1
@@ -403,20 +403,20 @@ def sought(counts, steps, first, lasting):
 
 
 @compiled
-def answer(dynamics, law, memory, columns, more, seen, edges, state, total, told):
+def answer(dynamics, law, memory, columns, more, seen, edges, state, total, responses):
     """
-    Temperature of rows that follow each other, and products over parts of them.
+    Temperature of consecutive rows, and products of their slopes over parts of them.
 
-    And slopes by all that is more, where these are to be ``told``. So few rows at a
-    time that their slopes stay in the innermost cache. A column of no more than these
-    is the same in all of them. Rows that no row that counts remembers are left out,
-    those of most nights and of days held out; but where both products and temperature
-    are asked for, that is of all rows.
+    It also writes the responses to the further terms of ``more`` to ``responses``, if
+    that has rows. The rows are solved in tiles whose slopes stay in the innermost
+    cache. A column as long as a tile is constant. Rows that influence no row that
+    counts are skipped: most nights and days held out. If both products and temperature
+    are wanted, no row is skipped.
     """
     steps, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     counts, measured = seen
-    wanted, end = len(total) + len(told) > 0, len(air)
+    wanted, end = len(total) + len(responses) > 0, len(air)
     slopes = np.zeros((state.shape[1], TILE + APART if wanted else 0))
     work = np.empty((WORK, TILE + APART))
     lasting, ahead, since = np.inf, -1, 0
@@ -469,5 +469,5 @@ def answer(dynamics, law, memory, columns, more, seen, edges, state, total, told
                 balance(*given)
             if len(total):
                 add_products(slopes, low, high, total[part])
-            for k in range(len(told)):
-                told[k, a:b] = slopes[4 + k, : b - a]
+            for k in range(len(responses)):
+                responses[k, a:b] = slopes[4 + k, : b - a]

@@ -1,4 +1,4 @@
-"""A thermal model: a steady model, effects, and the dynamics that answers them."""
+"""A thermal model: a steady model, effects, and the dynamics that solve it."""
 
 import warnings
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ from pvlib_fem.thermal.response import Past
 from pvlib_fem.thermal.steady import STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem.thermal.temperature import TAU, losing
 
-# rows that are answered at a time, with slopes or without: they stay in the cache
+# rows that are solved at a time, with slopes or without: they stay in the cache
 BLOCK, ALONE = 1 << 14, 1 << 16
 #: time constant that stands for a steady model: shorter than any logger's step
 INSTANT = 1e-9  # s
@@ -40,7 +40,7 @@ MEMORY = {
 
 
 def stand_in(name):
-    """How a second source is given in the place of the usual one."""
+    """The option by which a user replaces a driver by a second source, as text."""
     return Spelled(f"stand_ins={name!r}, or ", f"--stand-in {name}, or ")
 
 
@@ -59,10 +59,10 @@ class ThermalModel:
     dynamics : str
     effects : tuple of Effect
     base : dict, optional
-        Coefficients of the model without effects, with which it gives the effects
-        the temperature of the module, ``temp_base``, and its loss, ``loss_base``.
+        Coefficients of the model without effects. From them follow the temperature of
+        the module, ``temp_base``, and its loss, ``loss_base``, that effects use.
     held : dict
-        Coefficients that a fit leaves as they are.
+        Coefficients that a fit does not vary.
     """
 
     steady_model: SteadyModel
@@ -87,7 +87,7 @@ class ThermalModel:
 
     @property
     def constants(self):
-        """Constants of the steady model, as they are held or by default."""
+        """Constants of the steady model: held values, or defaults."""
         names = self.steady_model.constants
         held = {name: value for name, value in self.held.items() if name in names}
         return {**self.steady_model.fixed, **held}
@@ -99,12 +99,12 @@ class ThermalModel:
 
     @property
     def drivers(self):
-        """Measured columns that the effects need beside the usual three."""
+        """Measured columns that the effects need in addition to the usual three."""
         return needed_for(self.effect_drivers)
 
     @property
     def usual(self):
-        """Those of the usual three on which it depends: wind not by every model."""
+        """The usual drivers on which the model depends; wind is not always one."""
         takes = self.steady_model.takes_wind or WIND in behind(self.effect_drivers)
         return tuple(name for name in COLUMNS[:3] if takes or name != WIND)
 
@@ -114,7 +114,7 @@ class ThermalModel:
         return [name for effect in self.effects for name in effect.drivers]
 
     def with_drivers(self, inputs):
-        """The inputs with what is derived from them for the effects."""
+        """The inputs, completed by the derived columns that the effects need."""
         needed = {*MODELLED} & {*behind(self.effect_drivers)}
         if not needed <= {*inputs.columns}:
             inputs = self.with_base(inputs, needed)
@@ -122,10 +122,11 @@ class ThermalModel:
 
     def with_base(self, inputs, needed=MODELLED):
         """
-        The inputs with what the base says of the module, once.
+        The inputs, completed by columns of the base model, unless they are there.
 
-        Effects that grow with the module's own temperature take that without
-        effects, at fixed coefficients: so they stay linear in their parameters.
+        Effects that grow with the module's own temperature use the temperature of the
+        base model, whose coefficients are fixed. So they are linear in their
+        parameters.
         """
         if {*needed} <= {*inputs.columns}:
             return inputs
@@ -140,7 +141,7 @@ class ThermalModel:
         return self.based(inputs, temperature, needed)
 
     def based(self, inputs, temperature, needed=MODELLED):
-        """The inputs with a temperature of the module by the base, and its losses."""
+        """The inputs, completed by a temperature of the base model and its losses."""
         base = self.completed(self.base)
         wind, own = inputs["wind_speed"], self.own(base)
         loss = 1.0 / self.steady_model.resistance(wind, **own)
@@ -153,8 +154,8 @@ class ThermalModel:
         """
         Heat per K of warmer air, all else equal. [W/(m² K)]
 
-        This is the loss, less the part that effects of the base take back: the
-        longwave deficit of the sky grows with the air temperature.
+        This is the loss less a part that effects of the base compensate: the longwave
+        deficit of the sky grows with the air temperature.
         """
         air, over = inputs["temp_air"], inputs["temp_base"] - inputs["temp_air"]
         others = [name for name in inputs.columns if "temp_air" not in behind([name])]
@@ -178,11 +179,12 @@ class ThermalModel:
 
     def rebased(self, coefficients):
         """
-        The same with a base of its own coefficients, where a change is a share of that.
+        The model with these coefficients as its base, if a fault scales the base.
 
-        The fit without effects has a part of a change in it, so that a share of its
-        loss is told too small. Physics needs no more than the module's temperature,
-        which that fit knows best.
+        A fit without effects absorbs a part of the fault, so a share of its loss would
+        be too small. Physical effects need only the module's temperature, which the
+        fit without effects gives best, so a model without such faults is returned
+        as it is.
         """
         if not any(is_share(effect) for effect in self.effects):
             return self
@@ -191,12 +193,12 @@ class ThermalModel:
         return replace(self, base={name: coefficients[name] for name in names})
 
     def completed(self, coefficients):
-        """Coefficients with those that have a default."""
+        """The coefficients, completed by defaults."""
         tau = INSTANT if self.dynamics == "steady" else TAU
         return {**self.constants, "tau": tau, "bias": 0.0, **coefficients}
 
     def checked(self, coefficients):
-        """The same, if they are those of this model and can be."""
+        """The completed coefficients; ValueError if one is unknown or impossible."""
         complete = self.completed(coefficients)
         steady = self.steady_model
         needed = [*self.parameters, *steady.constants]
@@ -223,10 +225,10 @@ class ThermalModel:
 
     def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
         """
-        Module temperature; without a tau the default, without a bias none. [°C]
+        Module temperature; ``tau`` has its default, ``bias`` is 0 if missing. [°C]
 
-        What no sensor can have measured is missing, and negative irradiance is none,
-        as in a fit. ``wind_speed`` may be None where nothing depends on it.
+        Impossible values count as missing and negative irradiance as zero, as in a
+        fit. ``wind_speed`` may be None if nothing depends on it.
         """
         drivers = by_own_names(drivers)
         self.check_drivers(drivers)
@@ -245,14 +247,14 @@ class ThermalModel:
         inputs = based.with_drivers(inputs)
         losing(self.steady_model, inputs["wind_speed"], self.own(coefficients))
         found = self.temperature(inputs, coefficients)
-        # what follows from a gap in a driver may be a number, and is not known
+        # a response in a gap of a driver may be a number, but it is not known
         light = inputs["poa_global"]
         known = [known_values(name, inputs[name], light) for name in columns]
         known = np.all(known, axis=0)
         return inputs.restore(np.where(known, found, np.nan))
 
     def refuse_without_wind(self, columns):
-        """Refuse columns without wind where something depends on it."""
+        """Refuse columns without wind if something depends on it."""
         if WIND in columns or WIND not in self.usual:
             return
         there = f"they have {', '.join(columns)}"
@@ -270,7 +272,7 @@ class ThermalModel:
         )
 
     def check_drivers(self, given):
-        """Refuse drivers that lack, or that nothing uses."""
+        """Refuse missing drivers, and drivers that no effect uses."""
         if missing := [name for name in self.drivers if name not in given]:
             using = [
                 effect.name
@@ -293,7 +295,7 @@ class ThermalModel:
             )
 
     def temperature(self, inputs, coefficients):
-        """Module temperature of checked inputs, all coefficients given. [°C]"""
+        """Module temperature of checked inputs by a full set of coefficients. [°C]"""
         temperature = np.empty(len(inputs.index))
         found = self.in_blocks(inputs, coefficients)
         for block in blocks(len(temperature), ALONE):
@@ -302,9 +304,9 @@ class ThermalModel:
 
     def in_blocks(self, inputs, coefficients, counts=None):
         """
-        Temperature of so many rows at a time, each until the next is asked for.
+        Yield the temperature block by block; each block overwrites the one before.
 
-        Rows that do not count may hold anything.
+        The values of rows that do not count are undefined.
         """
         rows, past = len(inputs.index), self.past(inputs)
         model = self.knowing(inputs, coefficients, False)
@@ -324,21 +326,21 @@ class ThermalModel:
         """
         Module temperature and its slope by each parameter, where ``wanted``.
 
-        ``also`` holds slopes of terms by name, of effects that add nothing yet;
-        they are answered along. A record is answered in blocks of rows, whose
-        temporaries stay in the cache.
+        ``also`` holds slopes of terms by name, of effects that add nothing yet; the
+        responses to them are returned, too. The record is solved in blocks of rows,
+        whose temporaries stay in the cache.
         """
         rows = len(inputs.index)
         temperature, slopes = np.empty(rows), {}
         model, past = self.knowing(inputs, coefficients, wanted), self.past(inputs)
         if also is not None and not wanted and fast(rows, model.effects, also):
             given = inputs, coefficients, past
-            told = answered(model, *given, into=temperature, also=also)
+            responses = answered(model, *given, into=temperature, also=also)
             offset = model.terms(inputs, coefficients, wanted=False)[0].offset
             over = temperature - offset - inputs["temp_air"]
             return temperature, {
                 name: as_read(answer, Terms(gain=also[name].gain), 0.0, over)
-                for name, answer in zip(also, told)
+                for name, answer in zip(also, responses)
             }
         for block in blocks(rows):
             part, more = inputs.part(block), also and parts(also, block)
@@ -362,18 +364,18 @@ class ThermalModel:
         return float(np.nanmax(taus, initial=0.0))
 
     def knowing(self, inputs, coefficients, wanted=True):
-        """The model whose effects know their terms on the columns of a record."""
+        """The model with the terms of its effects computed on a record's columns."""
         given = inputs.columns, coefficients, wanted
         effects = tuple(known(effect, *given) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
     def on(self, rows):
-        """The model whose effects, known on a record, are those of a slice of it."""
+        """The model with the terms of its effects cut to a slice of the record."""
         effects = tuple(effect.on(rows) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
     def past(self, inputs):
-        """What is before the first row of a record."""
+        """The state before the first row of a record."""
         names = (*COLUMNS[:3], *self.drivers)
         if names not in inputs.known:
             columns = [*inputs.columns.only(names).given.values()]
@@ -382,25 +384,24 @@ class ThermalModel:
 
     def answer(self, inputs, coefficients, past, wanted=True, also=None):
         """
-        Temperature and slopes of a block of rows, carried on from those before it.
+        Temperature and slopes of a block of rows, continued from the block before.
 
-        Everything that is known adds to the five columns of the equation, and
-        so do the slopes of what is known: the dynamics answers both alike. The
-        slopes obey the recursion of the temperature itself, with another
-        right-hand side, so each costs one more solve.
+        Inputs and effects add to the five columns of the equation, and so do their
+        slopes. The dynamics solves both alike: a slope obeys the recursion of the
+        temperature with another right-hand side, so each costs one more solve.
 
         Parameters
         ----------
         inputs : Inputs
-            The block's; its first step is that from the last row before it.
+            Inputs of the block; its first step starts at the last row before it.
         coefficients : dict
-            All of them.
+            All coefficients of the model.
         past : Past
-            What the blocks before have left; it is brought to the end of this one.
+            State at the end of the block before; it is updated to the end of this one.
         wanted : bool
-            Whether slopes by the parameters are.
+            Whether slopes by the parameters are computed.
         also : dict of Terms, optional
-            Further slopes of terms to be answered along.
+            Slopes of further terms; the responses to them are computed, too.
         """
         added, slopes = self.terms(inputs, coefficients, wanted, also)
         law, own = self.steady_model, self.own(coefficients)
@@ -421,7 +422,7 @@ class ThermalModel:
         }
 
     def terms(self, inputs, coefficients, wanted=True, also=None):
-        """What is known of the equation's columns, and its slopes where ``wanted``."""
+        """The columns of the equation, and their slopes where ``wanted``."""
         added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
         slopes = {"bias": Terms(offset=1.0)} if wanted else {}
         slopes |= also or {}
@@ -432,12 +433,12 @@ class ThermalModel:
         return added, slopes
 
     def own(self, coefficients):
-        """Those coefficients that are the steady model's."""
+        """The coefficients of the steady model among some coefficients."""
         return {name: coefficients[name] for name in self.steady_model.coefficients}
 
 
 def blocks(rows, size=BLOCK):
-    """Slices of some rows, each small enough that its columns stay in the cache."""
+    """Slices of so many rows, each so short that its columns stay in the cache."""
     return [slice(start, min(start + size, rows)) for start in range(0, rows, size)]
 
 
@@ -447,7 +448,7 @@ def parts(terms, rows):
 
 
 def as_read(answer, slope, gain, over):
-    """What a sensor reads of the answer to a slope of the terms."""
+    """The reading of a sensor: the response to a slope, with gain and offset."""
     if is_there(gain):
         answer = answer + gain * answer
     if slope is not None:
@@ -458,13 +459,13 @@ def as_read(answer, slope, gain, over):
 
 
 def is_share(effect):
-    """Whether an effect is a share of the loss that the model has without it."""
+    """Whether an effect scales the loss of the model without effects."""
     shares = {"loss_base", "air_base"}
     return bool(effect.channel and shares & {*behind(effect.drivers)})
 
 
 def as_in_a_fit(inputs):
-    """Inputs as a fit takes them, with a warning of what cannot be."""
+    """Inputs as a fit takes them, with a warning of impossible values."""
     columns, said = dict(inputs.columns), []
     for name, values in inputs.columns.items():
         outside = out_of_range(name, values)
@@ -486,7 +487,7 @@ def as_in_a_fit(inputs):
 
 
 def thermal_model(model, dynamics, effects=(), base=None, held=None):
-    """The thermal model of that name, which a fit can take."""
+    """The thermal model with that steady model; ValueError for a callable."""
     if callable(model):
         raise ValueError(
             "a fit needs the slopes of the model, so it takes a name and no "

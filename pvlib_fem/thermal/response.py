@@ -1,4 +1,4 @@
-"""First-order responses of a block of rows, carried on from the rows before it."""
+"""First-order responses of a block of rows, continued from the rows before it."""
 
 from dataclasses import dataclass, field
 
@@ -9,20 +9,22 @@ from pvlib_fem.relaxation import across, banded, gap_limit, median_step, part, s
 
 @dataclass(eq=False)
 class Past:
-    """What the rows before a block leave to it: nothing, if it is the first."""
+    """State at the end of the rows before a block; empty before the first block."""
 
-    usual: float = np.nan  # median step of the whole record, in units; NaN: its block's
+    # median step of the whole record, in its unit; NaN takes the median of the block
+    usual: float = np.nan
     since: dict = field(default_factory=dict)  # time since each recursion's last row
-    last: dict = field(default_factory=dict)  # value of each of its columns there
-    state: np.ndarray | None = None  # the same of the compiled loops
+    last: dict = field(default_factory=dict)  # value of each column at that row
+    state: np.ndarray | None = None  # state of the compiled loops
 
 
 class Response:
     """
-    Responses that share their rows, steps and time constant, over one block.
+    Responses over one block that share their rows, steps and time constant.
 
-    ``whole`` is NaN where a row is missing: then the next counts for the whole step.
-    What is left at the end of the block goes to ``past``, under ``name``.
+    ``whole`` is NaN where a row is missing; the step of the next row then starts at
+    the last row that is not. The state at the end of the block is stored in ``past``,
+    under ``name``.
     """
 
     def __init__(self, name, whole, steps, tau, past):
@@ -53,11 +55,11 @@ class Response:
         self.band = banded(self.decay)
 
     def there(self, column):
-        """The rows of a column that are there, or the number that serves all."""
+        """A column without the missing rows; a number is returned as it is."""
         return column if self.valid is None else part(column, self.valid)
 
     def spread(self, column):
-        """Values of the rows that are there on all rows of the block."""
+        """Values on all rows of the block; missing rows are NaN."""
         if self.valid is None or np.ndim(column) == 0:
             return column
         result = np.full(self.rows, np.nan)
@@ -65,7 +67,7 @@ class Response:
         return result
 
     def solve(self, column, source):
-        """The response to a source in the rows that are there, in its place."""
+        """Response to a source on the rows that are not missing, computed in place."""
         key = self.name, column
         state = self.was[column] = self.past.last.get(key, 0.0)
         if self.count:
@@ -75,11 +77,11 @@ class Response:
         return source
 
     def mean(self, column, values):
-        """Response to values in the rows that are there."""
+        """Response to values on the rows that are not missing."""
         return self.solve(column, self.rise * values)
 
     def fall(self, column, values, target):
-        """Slope of each row's answer by the logarithm of the time constant."""
+        """Source of the slope by the logarithm of the time constant."""
         fall = np.empty(self.count)
         fall[:1] = self.was[column]
         fall[1:] = values[:-1]
@@ -90,14 +92,14 @@ class Response:
 
 
 def total(steps, rows):
-    """Time of the last of some rows, by their steps or the one that serves all."""
+    """Duration of the last rows, by their steps or one even step."""
     if np.ndim(steps) == 0:
         return float(steps * rows)
     return float(np.sum(steps[len(steps) - rows :]))
 
 
 def fading(steps, tau, rows, past):
-    """Share of the past left at each row: ``exp(-steps/tau)``, 0 after a gap."""
+    """Weight of the past at each row: ``exp(-steps/tau)``, 0 after a gap."""
     decay = np.exp(-steps / tau)
     if np.ndim(decay) == 0:
         return np.full(rows, decay)

@@ -1,9 +1,9 @@
 """
 The steady models, each as r_eq(wind_speed) = T_o / G: the paper's five, and pvlib's.
 
-They differ in nothing else: over-temperature is ``poa_global * r_eq``, and the
-loss of the heat balance is ``1 / r_eq``. Beside each resistance stand its
-slopes, by parameter and by wind speed, which the exact Jacobian of a fit needs.
+The over-temperature is ``poa_global * r_eq``, and the loss of the heat balance is
+``1 / r_eq``. Each model has the slopes of its resistance by parameter and by wind
+speed, which the exact Jacobian of a fit needs.
 """
 
 from collections.abc import Callable, Mapping
@@ -32,9 +32,9 @@ class SteadyModel:
     """
     A steady model: its resistance, its slopes and its parameter rows.
 
-    ``constants`` are rows of what a user may set and a fit leaves alone; their start
-    is the default, and NaN where there is none. ``defaults`` are those that pvlib's
-    function of that name has for the parameters.
+    ``constants`` are rows of coefficients that a user may set and a fit does not vary;
+    their start is the default, or NaN without one. ``defaults`` are the defaults of
+    the parameters in pvlib's function of that name.
     """
 
     name: str
@@ -43,23 +43,23 @@ class SteadyModel:
     parameters: Mapping[str, Parameter]
     constants: Mapping[str, Parameter] = field(default_factory=dict)
     defaults: Mapping[str, float] = field(default_factory=dict)
-    scale: int = 0  # on which it is a straight line in wind: a place in SCALES
-    clip: str = ""  # the coefficient that is the wind from which it stays
+    scale: int = 0  # place in SCALES on which r_eq is a straight line in wind
+    clip: str = ""  # coefficient: the wind speed from which r_eq is constant
     takes_wind: bool = True  # whether it depends on wind
 
     @property
     def coefficients(self):
-        """Names of all coefficients: those that are fitted, then the constants."""
+        """Names of all coefficients: first the fitted ones, then the constants."""
         return [*self.parameters, *self.constants]
 
     @property
     def fixed(self):
-        """The constants that have a default, by it."""
+        """Defaults of the constants that have one, by name."""
         rows = self.constants.items()
         return {name: row.start for name, row in rows if not np.isnan(row.start)}
 
     def complete(self, coefficients):
-        """Check the names and values of coefficients, and add the fixed ones."""
+        """Check the names and values of coefficients, and add the defaults."""
         names = self.coefficients
         if unknown := [name for name in coefficients if name not in names]:
             raise ValueError(
@@ -81,7 +81,7 @@ SHARES = ("module_efficiency", "alpha_absorption", "transmittance_absorptance")
 
 
 def check_values(name, coefficients):
-    """Refuse values at which a steady model is no longer one."""
+    """Refuse values at which a steady model has no physical meaning."""
     for key, value in coefficients.items():
         if not np.isscalar(value) or np.isnan(value):
             raise ValueError(f"{name}: {key} = {value!r} must be one number")
@@ -183,7 +183,7 @@ def noct_slopes(wind_speed, noct):
 
 
 def noct_sam_line(noct, module_efficiency, transmittance_absorptance):
-    """The same of SAM's model, whose wind cools by 0.4 where calm air does by 0.6."""
+    """SAM's loss as a line in wind: 0.6 of it in calm air, 0.4 grow with the wind."""
     heat = 1.0 - module_efficiency / transmittance_absorptance
     loss = 800.0 / (noct - 20.0) / heat
     return 0.6 * loss, 0.4 * SHELTER * loss
@@ -283,7 +283,7 @@ STEADY_MODELS = {
 
 
 def steady_model(model, given=()):
-    """The steady model of that name; Ross's has another where its NOCT is given."""
+    """The steady model of that name; ``"noct"`` for ``"ross"`` with a NOCT given."""
     if model == "ross" and "noct" in given:
         model = "noct"
     if not isinstance(model, str) or model not in STEADY_MODELS:

@@ -1,11 +1,11 @@
-"""A thermal model and its coefficients in a file."""
+"""Store a thermal model and its coefficients in a file, and read them."""
 
 from pvlib_fem.effects import find, several
 from pvlib_fem.thermal.model import thermal_model
 
 
 def content_of(model, coefficients):
-    """What :func:`model_of` makes the same of."""
+    """Content of a file from which :func:`model_of` makes an equal model."""
     return {
         "model": model.steady_model.name,
         "dynamics": model.dynamics,
@@ -24,7 +24,7 @@ def model_of(stored, own=()):
     ----------
     stored : Stored
     own : Effect or sequence of these, optional
-        Effects of the user's own, which the file knows by name and settings only.
+        The user's own effects, of which the file has only name and settings.
 
     Returns
     -------
@@ -33,7 +33,7 @@ def model_of(stored, own=()):
     Raises
     ------
     ValueError
-        If a coefficient lacks, is no finite number, is of no such model or cannot be.
+        If a coefficient is missing, not finite, not one of the model's, or impossible.
     """
     own = [find(effect) for effect in several(own)]
     specs = stored.of("effects", list, "a list")
@@ -41,7 +41,7 @@ def model_of(stored, own=()):
     names = stored.text("model"), stored.text("dynamics")
     base = None
     if stored["base"] is not None:
-        given = {*stored.part("base").content}  # of effects that changes take back, too
+        given = {*stored.part("base").content}  # with effects that faults may reverse
         those = [e for e in effects if not e.channel and {*e.rows()} & given]
         base = coefficients_of(stored, "base", thermal_model(*names, those))
     fixed = stored.numbers("fixed")
@@ -61,7 +61,7 @@ def model_of(stored, own=()):
 
 
 def effect_of(spec, own, stored):
-    """An effect by what the file says of it."""
+    """The effect that an entry of the file describes."""
     try:
         return find(spec, own)
     except (ValueError, TypeError) as error:
@@ -72,7 +72,7 @@ def effect_of(spec, own, stored):
 
 
 def coefficients_of(stored, key, model):
-    """Coefficients that are those of the model, one and all."""
+    """The coefficients of a file, checked to be the complete set of the model."""
     found = stored.numbers(key)
     least = {*model.parameters}
     most = {*least, *model.steady_model.fixed}
@@ -85,7 +85,7 @@ def coefficients_of(stored, key, model):
             f"{model.steady_model.name}, {model.dynamics}"
         )
     for name, row in model.parameters.items():
-        # a regression of the paper's knows no bounds, and gives nothing far from them
+        # the paper's regression has no bounds, but its results stay close to them
         span = row.upper - row.lower
         if not row.lower - span <= found[name] <= row.upper + span:
             raise ValueError(

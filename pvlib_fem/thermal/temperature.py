@@ -22,11 +22,9 @@ def wm1(
     poa_global: Numeric, temp_air: Numeric, wind_speed: Numeric, k: float, d: float
 ) -> Numeric:
     r"""
-    Steady module temperature by Wind Model 1.
+    Steady module temperature by Wind Model 1 [1]_.
 
     .. math:: T_m = T_a + k\,G\,e^{-WS/d}
-
-    as in [1]_.
 
     Parameters
     ----------
@@ -77,11 +75,9 @@ def wm2(
     wind_speed_max: float = CLIP,
 ) -> Numeric:
     r"""
-    Steady module temperature by Wind Model 2.
+    Steady module temperature by Wind Model 2 [1]_.
 
     .. math:: T_m = T_a + G\,(k - k_W \min(WS, WS_{max}))
-
-    as in [1]_.
 
     Parameters
     ----------
@@ -125,7 +121,7 @@ def wm2(
 
 
 def steady(steady_model, poa_global, temp_air, wind_speed, coefficients):
-    """Steady answer of a steady model: numbers, arrays or Series in, the same out."""
+    """Temperature by a steady model; numbers, arrays or Series give their own kind."""
     coefficients = steady_model.complete(coefficients)
     return temp_air + poa_global * steady_model.resistance(wind_speed, **coefficients)
 
@@ -178,10 +174,10 @@ def fem_temperature(
     adjust : bool, default False
         Start up as the paper's pandas listing does, see :func:`ewm`.
     initial : DataFrame or dict, optional
-        Where the piece before ended, to carry on from: its smoothed ``poa_global``
-        and ``wind_speed``, ``{"poa_global": ewm(poa, tau), "wind_speed": ewm(wind,
-        tau)}`` of that piece; each is taken as :func:`ewm` takes it. Without it the
-        module starts at its steady temperature.
+        State at the end of the record before, to continue from: its smoothed
+        ``poa_global`` and ``wind_speed``, ``{"poa_global": ewm(poa, tau),
+        "wind_speed": ewm(wind, tau)}``, each as in :func:`ewm`. Without it the module
+        starts at its steady temperature.
     **coefficients
         Coefficients of the model, by name: ``k`` or ``noct`` (ross), ``a``, ``b``
         (sapm), ``u0``, ``u1`` (faiman, by default pvlib's 25 and 6.84), ``k``, ``d``
@@ -193,8 +189,8 @@ def fem_temperature(
     Returns
     -------
     Series or array
-        Module temperature, or cell temperature where the model gives that. It
-        is NaN where an input is NaN, and only there. [°C]
+        Module temperature, or cell temperature if the model gives that. It is
+        NaN where an input is NaN, and only there. [°C]
 
     Raises
     ------
@@ -250,8 +246,8 @@ def heat_balance(
 
         C \frac{dT}{dt} = G - \frac{T - T_a}{r_{eq}(WS)}
 
-    is answered exactly over each step [1]_, on which the inputs are held
-    constant. Its time constant :math:`C\,r_{eq}` follows the wind.
+    The equation is solved exactly over each step [1]_, on which the inputs are
+    held constant. Its time constant :math:`C\,r_{eq}` follows the wind.
 
     Parameters
     ----------
@@ -262,8 +258,8 @@ def heat_balance(
     wind_speed : numeric
         Wind speed. [m/s]
     capacity : float
-        Heat capacity per area, counted per unit of incident irradiance as the
-        steady models count their losses: ``tau / r_eq``. [J/(m² K)]
+        Heat capacity per area, relative to incident irradiance like the losses
+        of the steady models: ``tau / r_eq``. [J/(m² K)]
     bias : float, default 0
         Mean of measured minus modelled temperature. It is added. [K]
     model : str, default "faiman"
@@ -273,7 +269,7 @@ def heat_balance(
     times : DatetimeIndex or array, optional
         Times, when the inputs are arrays.
     initial : float or Series, optional
-        Module temperature to carry on from, as in :func:`ewm`. Without it the
+        Module temperature to continue from, as in :func:`ewm`. Without it the
         module starts at its steady temperature. [°C]
     **coefficients
         Coefficients of the model, as in :func:`fem_temperature`.
@@ -336,7 +332,7 @@ def driver_inputs(poa_global, temp_air, wind_speed, step, times):
 
 
 def losing(chosen, wind, coefficients):
-    """Resistance of a steady model, which has to lose heat. [K m²/W]"""
+    """Resistance of a steady model; ValueError if it is not positive. [K m²/W]"""
     r_eq = chosen.resistance(wind, **coefficients)
     if not np.nanmin(np.asarray(r_eq), initial=np.inf) > 0:
         raise ValueError(
@@ -347,7 +343,7 @@ def losing(chosen, wind, coefficients):
 
 
 def named(temperature, like):
-    """pvlib's results carry no name of an input; neither do these."""
+    """The temperature without the name of an input, as pvlib's results."""
     return temperature.rename(None) if isinstance(like, pd.Series) else temperature
 
 
@@ -357,10 +353,10 @@ def state(initial, name):
         raise ValueError(
             "initial holds the smoothed irradiance and wind of the piece before, as "
             "{'poa_global': ewm(poa_global, tau), 'wind_speed': ewm(wind_speed, tau)}; "
-            "a temperature does not tell the two"
+            "they cannot be computed from a temperature"
         )
     if name not in initial:
-        raise ValueError(f"initial lacks {name}; it holds {', '.join(initial)}")
+        raise ValueError(f"initial has no {name}; it holds {', '.join(initial)}")
     return initial[name]
 
 
@@ -384,7 +380,7 @@ def as_function(model, coefficients):
     refuse_dynamic(model)
     try:
         signature = inspect.signature(model).parameters
-    except (TypeError, ValueError):  # a compiled function tells nothing
+    except (TypeError, ValueError):  # a compiled function has no signature
         return lambda poa, air, wind: model(poa, air, wind, **coefficients)
     drivers = ("poa_global", "temp_air", "wind_speed")
     calm = "wind_speed" not in signature and "poa_global" in signature
