@@ -32,7 +32,7 @@ class Layer:
     area : float, default 1
         Area that it covers, for its mass. [m²]
     is_film : bool, default False
-        Whether it is an air film, which the totals without air leave out.
+        Whether it is an air film; the totals without air do not count it.
     """
 
     name: str
@@ -78,7 +78,7 @@ def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
     Parameters
     ----------
     front, back : sequence of Layer
-        From the outside of either side to its cells.
+        Layers of a side, from its outside to the cells.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
     Raises
     ------
     ValueError
-        If a side has no layer beside air films.
+        If a side has no layer other than air films.
 
     References
     ----------
@@ -115,7 +115,7 @@ def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
         for name, side in (("front", front), ("back", back)):
             layers = [layer for layer in side if air or not layer.is_film]
             if not any(not layer.is_film for layer in layers):
-                raise ValueError(f"{name} has no layer beside its air film")
+                raise ValueError(f"{name} has no layer other than its air film")
             r = sum(layer.resistance for layer in layers)
             c = sum(layer.capacity for layer in layers)
             m = sum(layer.mass for layer in layers)
@@ -134,9 +134,7 @@ def glass_tedlar(
     back_film: float = 1.5e-3, frame: float = 2e-3
 ) -> tuple[tuple[Layer, ...], tuple[Layer, ...]]:
     """
-    The paper's representative glass-Tedlar module.
-
-    Its layers are those of [1]_.
+    The paper's representative glass-Tedlar module [1]_.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""First-order relaxation on uneven steps: the kernel of every dynamic answer.
+"""First-order relaxation on uneven steps: the kernel of every dynamic response.
 
 The exact response of a first-order system to an input held constant over each
 step is ``y[i] = decay[i]*y[i-1] + (1 - decay[i])*x[i]`` with
@@ -12,12 +12,12 @@ from scipy.linalg.blas import dtbsv
 from pvlib_fem.record.inputs import read
 from pvlib_fem.types import Numeric, Times
 
-# rows solved at a time: all arrays stay in the cache, and the matrix product below the
-# size at which BLAS starts threads, which cost more than they bring
+# rows solved at a time: all arrays stay in the cache, and the matrix product is smaller
+# than one for which BLAS starts threads, which would cost more time than they save
 BLOCK = 1 << 14
-WIDE = 16  # rows that one matrix product answers, where all steps are even
+WIDE = 16  # rows that one matrix product solves, where all steps are even
 FORGOTTEN = 5.0  # time constants after which a gap has erased the past
-FADED = 37.0  # time constants after which less is left than the last digit of a number
+FADED = 37.0  # time constants after which the past is below the rounding error
 
 
 def ewm(
@@ -50,13 +50,13 @@ def ewm(
     step : float, optional
         Even time step, instead of ``times``. [s]
     adjust : bool, default False
-        Divide by the sum of the weights seen so far, as
-        ``pandas.Series.ewm(alpha=1 - exp(-step/tau), adjust=True)`` does and
-        the listing in [1]_ uses. It differs at start-up only.
+        Divide by the sum of the weights so far, as
+        ``pandas.Series.ewm(alpha=1 - exp(-step/tau), adjust=True)`` and the listing
+        in [1]_ do. Only the start-up differs.
     initial : float or Series, optional
-        State to continue from: the output of the record before. A Series
-        brings its time; a number counts as one ``step`` before the first
-        sample. Without it the response starts at the first sample.
+        State to continue from: the output of the record before. A Series has
+        a time; a number counts as one ``step`` before the first sample. Without it
+        the response starts at the first sample.
 
     Returns
     -------
@@ -75,9 +75,9 @@ def ewm(
     -----
     Over a gap or a NaN the state relaxes towards the next sample by the true
     duration. After a gap longer than 5 ``tau`` it starts anew; a step counts
-    as a gap where it is longer than twice the median step of the record.
-    ``pandas.Series.ewm(times=...)`` weights samples and not durations, which
-    is not this response on uneven steps.
+    as a gap if it is longer than twice the median step of the record.
+    ``pandas.Series.ewm(times=...)`` weights samples and not durations, so it differs
+    from this response on uneven steps.
 
     References
     ----------
@@ -124,7 +124,7 @@ def time_constant(tau, rows, name="tau"):
 
 
 def over_nan(solve):
-    """Let a solver see the rows that are there, and the true steps between them."""
+    """Decorate a solver: it gets the rows without NaN and the steps between them."""
 
     def solved(target, steps, tau, *state):
         if not np.isnan(target.sum()):  # one fast pass; infinities are refused before
@@ -132,7 +132,7 @@ def over_nan(solve):
         valid = np.flatnonzero(~np.isnan(target))
         if not len(valid):
             return solve(target, steps, tau, *state)
-        # a step answers to the sample that ends it, and so to its tau
+        # the sample and the tau at the end of a step apply to the whole step
         steps, tau = across(steps, valid), part(tau, valid)
         found = solve(target[valid], steps, tau, *state)
         result = np.full((*found.shape[:-1], len(target)), np.nan)
@@ -145,7 +145,7 @@ def over_nan(solve):
 @over_nan
 def relax(target, steps, tau, state=None):
     """
-    Response to ``target``, row by row, whatever its steps, gaps and NaN.
+    Response to ``target`` on any steps, with gaps and NaN.
 
     ``steps`` is the time since the row before (one number if even) and ``tau``
     the time constant, both in the same unit; the first step counts from
@@ -176,7 +176,7 @@ def relax(target, steps, tau, state=None):
 
 
 def relax_even(target, decay, state):
-    """The same with one decay: sixteen rows at a time are one matrix product."""
+    """Response on even steps: one matrix product solves sixteen rows."""
     result = np.empty(len(target))
     age = np.arange(WIDE)[None, :] - np.arange(WIDE)[:, None]
     weights = np.where(age >= 0, (1.0 - decay) * decay ** np.abs(age), 0.0)
@@ -206,7 +206,7 @@ def respond(decay, source, state=0.0, band=None):
 
 
 def banded(decay, band=None):
-    """The system of :func:`respond` as BLAS has it; its diagonal is 1, unread."""
+    """The system of :func:`respond` in BLAS' band form; the diagonal of 1 is unread."""
     rows = len(decay)
     band = np.empty((2, rows), order="F") if band is None else band[:, :rows]
     np.negative(decay[1:], out=band[1, :-1])
@@ -220,14 +220,14 @@ def solve(band, source):
 
 @over_nan
 def weighted_mean(target, steps, tau):
-    """The mean by fading weights of all since the start, as pandas adjusts it."""
+    """Mean of all samples so far by exponential weights, as pandas' ``adjust=True``."""
     decay = decays(steps, tau, len(target))
     band = banded(decay)
     return solve(band, target.copy()) / solve(band, np.ones(len(target)))
 
 
 def decays(steps, tau, rows):
-    """Share of the past left at each row: ``exp(-steps/tau)``, 0 where it starts."""
+    """Weight of the past at each row: ``exp(-steps/tau)``, 0 at the start."""
     decay = np.exp(np.broadcast_to(-steps / tau, rows))
     limit = gap_limit(steps, tau)
     if limit is not None:
@@ -240,27 +240,27 @@ def gap_limit(steps, tau, usual=None):
     """
     Step beyond which the past is forgotten; None if no step is that long.
 
-    ``usual`` is the median step of the record, where these are a part of it.
+    ``usual`` is the median step of the record, if ``steps`` are a part of it.
     """
     limit = FORGOTTEN * tau
     if np.ndim(steps) == 0 or not (steps.max() > np.min(limit)):
         return None
-    # a record whose every step is that long has no gaps: it is merely slow
+    # a record in which every step is that long has no gaps, only a long step
     return np.maximum(limit, 2.0 * (median_step(steps) if usual is None else usual))
 
 
 def median_step(steps):
-    """Median of the steps between rows, of which the first has none before it."""
+    """Median of the steps between rows; the first row has no step before it."""
     return float(np.median(steps[1:])) if len(steps) > 1 else 0.0
 
 
 def usual_step(columns, steps):
-    """Median step between the rows of a record on which all of some columns are."""
+    """Median step between the rows on which none of the columns is missing."""
     if np.ndim(steps) == 0 and np.isfinite(sum(column.sum() for column in columns)):
         return float(steps)
     there = np.all([np.isfinite(column) for column in columns], axis=0)
     missing = len(there) - np.count_nonzero(there)
-    # where steps are even, more than half of the others have to end a gap to move it
+    # with even steps, more than half of the rows have to end a gap to change the median
     if np.ndim(steps) == 0 and missing <= len(there) / 3:
         return float(steps)
     if not missing:
@@ -269,7 +269,7 @@ def usual_step(columns, steps):
 
 
 def across(steps, valid):
-    """Steps between the ``valid`` rows, over those left out."""
+    """Steps between the ``valid`` rows, across the rows left out."""
     if np.ndim(steps) == 0 or not len(valid):
         return np.diff(valid, prepend=-1) * (steps if np.ndim(steps) == 0 else 0.0)
     first = np.concatenate(([0], valid[:-1] + 1))
@@ -277,5 +277,5 @@ def across(steps, valid):
 
 
 def part(values, rows):
-    """Those rows of an array, or the number that serves every row."""
+    """Some rows of an array; a number is returned as it is."""
     return values if np.ndim(values) == 0 else values[rows]

@@ -1,4 +1,4 @@
-"""How good a modelled temperature is: in K, in energy, and as a delayed sensor."""
+"""Errors of a modelled temperature: in K, in energy, and as a sensor's delay."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -75,7 +75,7 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
 
 @dataclass(eq=False)
 class Tally:
-    """Errors, measured less modelled, so far, of which scores are made."""
+    """Running sums of errors, measured minus modelled, for the scores."""
 
     rows: int = 0
     sums: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -86,11 +86,11 @@ class Tally:
             error = error[np.isfinite(error)]
             total = error.sum()
         self.rows += len(error)
-        # no product of BLAS, whose bits depend on its threads
+        # not by BLAS, whose last bits depend on the number of threads
         self.sums += np.einsum("i,i", error, error), np.abs(error).sum(), total
 
     def of(self, part):
-        """RMSE, MAE and MBE by name, each followed by the part of a record. [K]"""
+        """RMSE, MAE and MBE; the name of each ends with the part of a record. [K]"""
         with np.errstate(invalid="ignore"):
             square, size, mean = self.sums / (self.rows or np.nan)
         found = {"rmse": np.sqrt(square), "mae": size, "mbe": mean}
@@ -98,14 +98,14 @@ class Tally:
 
 
 def of(error, part):
-    """The three scores of some errors, each followed by the part of a record. [K]"""
+    """RMSE, MAE and MBE of some errors; each name ends with the part. [K]"""
     tally = Tally()
     tally.add(error)
     return tally.of(part)
 
 
 def tallying():
-    """Tallies of the errors of one model on the days that are fitted and on others."""
+    """Tallies for the errors of one model on training days and on test days."""
     return {"train": Tally(), "test": Tally()}
 
 
@@ -130,7 +130,7 @@ def difference(measured, modelled):
 
 
 def same_rows(columns):
-    """Refuse columns that numpy would pair in another way than row by row."""
+    """Refuse columns that numpy would not pair row by row."""
     for name, column in columns.items():
         if np.ndim(column) > 1:
             raise ValueError(
@@ -153,16 +153,16 @@ def mean_of(values):
 
 @dataclass(frozen=True)
 class EnergyError:
-    """What temperature errors do to the modelled energy of a record."""
+    """Error of the modelled energy that temperature errors cause."""
 
-    total: float  # sum of both without their signs [kWh/kWp]
+    total: float  # sum of the absolute errors [kWh/kWp]
     over_estimate: float  # modelled too cold, energy too high: >= 0 [kWh/kWp]
     under_estimate: float  # modelled too hot, energy too low: <= 0 [kWh/kWp]
     insolation: float  # in the plane of the array [kWh/m²]
 
     @property
     def net(self) -> float:
-        """What is left where both cancel. [kWh/kWp]"""
+        """Net error: over-estimate plus under-estimate. [kWh/kWp]"""
         return self.over_estimate + self.under_estimate
 
     @property
@@ -179,12 +179,12 @@ def energy_error(
     step: float | None = None,
 ) -> EnergyError:
     r"""
-    Energy error of a modelled temperature, to either side.
+    Energy error of a modelled temperature, in total and by sign [1]_.
 
     .. math:: \Delta E = \sum_i G_i\,(T_{model} - T_{meas})_i\,\gamma\,\Delta t
 
-    [1]_ over all samples (without signs), over those with :math:`T_{model} <
-    T_{meas}` (energy over-estimated) and over the others.
+    The total is the sum of absolute values over all samples. Samples with
+    :math:`T_{model} < T_{meas}` over-estimate the energy; the others under-estimate it.
 
     Parameters
     ----------
@@ -195,8 +195,8 @@ def energy_error(
     gamma : float, default -0.0035
         Temperature coefficient of power. [1/K]
     step : float, optional
-        Time step of arrays; a Series brings its own: each sample stands for
-        the step before it, at most twice the median one. [s]
+        Time step of arrays; a Series has its own. Each sample counts for the
+        step before it, at most twice the median step. [s]
 
     Returns
     -------
@@ -221,16 +221,16 @@ def energy_error(
 
 
 def kilowatt_hours(inputs):
-    """Energy of the light of each row. [kWh/m²]"""
+    """Irradiation of each row. [kWh/m²]"""
     seconds = inputs.step
-    if np.ndim(inputs.steps):  # the first row stands for a usual step
+    if np.ndim(inputs.steps):  # the first row counts for a usual step
         seconds = np.minimum(inputs.steps * inputs.unit, 2.0 * inputs.step)
         seconds[0] = inputs.step
     return inputs["poa_global"] / 1000.0 * seconds / HOUR
 
 
 def energy_of(kilowatt_hours, too_hot, gamma=GAMMA):
-    """The energy error of rows by their light and by how much they are too hot."""
+    """The energy error of rows by their irradiation and their temperature error."""
     error = kilowatt_hours * too_hot * gamma
     seen = np.isfinite(error)
     over = error[seen & (too_hot < 0)].sum()
@@ -249,9 +249,7 @@ def delayed_sensor(
     rows: pd.Series | None = None,
 ) -> pd.DataFrame:
     """
-    Error of a perfect sensor that is read late, as a yardstick for models.
-
-    The comparison is that of [1]_.
+    Error of a perfect sensor that is read late, as a yardstick for models [1]_.
 
     Parameters
     ----------
@@ -261,9 +259,9 @@ def delayed_sensor(
         Delays, in whole steps of the record; by default those of 1, 2, … 10 min, as in
         the paper, that are whole steps. [s]
     rows : Series of bool, optional
-        Rows to compare, by default all. For a yardstick these are the rows that the
-        model is scored on: by night little changes, so that all rows together make a
-        late sensor look better (5 min late 1.1 K in the measured week, 1.6 K by day).
+        Rows to compare, by default all. For a yardstick, give the rows on which the
+        model is scored: little changes at night, so all rows make a late sensor look
+        better (5 min late is 1.1 K in the measured week, and 1.6 K in daytime).
 
     Returns
     -------
@@ -274,8 +272,7 @@ def delayed_sensor(
     ------
     ValueError
         If ``measured`` has no DatetimeIndex or its times are not sorted, ``rows`` has
-        another one, or a delay is no whole number of steps, where the sensor would be
-        held against itself.
+        another index, or a delay is no whole number of steps.
 
     References
     ----------
@@ -306,7 +303,7 @@ def delayed_sensor(
 
 
 def whole_delays(delays, step):
-    """Delays that are whole steps; others are refused, of the paper's left out."""
+    """Delays in whole steps, by default the paper's; ValueError for other delays."""
     chosen = LATE if delays is None else list(delays)
     between = [d for d in chosen if not abs(d / step - np.rint(d / step)) < CLOSE]
     if delays is None:
@@ -314,7 +311,7 @@ def whole_delays(delays, step):
     if not chosen or (delays is not None and between):
         raise ValueError(
             f"delays of {', '.join(f'{d:g}' for d in between)} s are no whole steps of "
-            f"{step:g} s, and between two values the record knows none; give multiples "
-            f"of the step, as delays=[{step:g}, {2 * step:g}]"
+            f"{step:g} s, and the record has no values between its steps; give "
+            f"multiples of the step, as delays=[{step:g}, {2 * step:g}]"
         )
     return chosen

@@ -64,5 +64,5 @@ def test_a_layer_must_be_of_something():
         layers.Layer("glass", -1, 1.8, 3000, 500)
     film = layers.Layer("film", 1e-3, 0.023, 1.2, 1000, is_film=True)
     glass = layers.Layer("glass", 3e-3, 1.8, 3000, 500)
-    with pytest.raises(ValueError, match="front has no layer beside its air film"):
+    with pytest.raises(ValueError, match="front has no layer other than its air film"):
         layers.stack([film], [glass])
