@@ -87,10 +87,11 @@ def test_short_steps_have_no_note(dynamics):
 def test_a_lag_is_a_memory(step, share):
     seen = Lag(step, 0.0)
     memory = share * step
-    age = seen.seen(memory)
-    assert seen.told(age) == pytest.approx(memory, rel=1e-9)
+    age = seen.to_search(memory)
+    assert seen.from_search(age) == pytest.approx(memory, rel=1e-9)
     change = 1e-6 * age
-    slope = (seen.told(age + change) - seen.told(age - change)) / (2 * change)
+    above, below = seen.from_search(age + change), seen.from_search(age - change)
+    slope = (above - below) / (2 * change)
     assert seen.slope(age) == pytest.approx(slope, rel=1e-5)
     # a thousand steps with that memory hold a mean age of as much
     k = np.arange(10_000)

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import pvlib_fem as fem
 from pvlib_fem.cli import main
-from pvlib_fem.fitting.passes import Asked, first_pass, screened_for
+from pvlib_fem.fitting.passes import EvalRequest, first_pass, screened_for
 from pvlib_fem.fitting.rows import Rows, normal_sums
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record import parquet
@@ -66,7 +66,7 @@ def test_the_sums_of_files_are_those_of_memory(data, folder, dynamics):
     rows = Rows(record, np.array(counted(record.inputs.columns)))
     screened_files = screened_for(fem.open_parquet(folder), model)
     files = first_pass(screened_files, model, night=False)
-    asked = {"": Asked(model, found, "train")}
+    asked = {"": EvalRequest(model, found, "train")}
     one = normal_sums(model, found, rows, model.free)
     other = files.sums(asked, {"": model.free})[""]
     assert other.squares == pytest.approx(one.squares, rel=1e-12)
@@ -213,7 +213,7 @@ def test_readings_too_rare_for_a_mean_are_refused_by_name(tmp_path):
 
 def test_what_files_cannot_be_asked_is_said(data, folder):
     shade = {"name": "shading", "windows": [(90, 120, 0, 20)], "sensor": True}
-    with pytest.raises(ValueError, match="shading looks at the hours around each row"):
+    with pytest.raises(ValueError, match="shading uses the hours around each row"):
         fem.fit_fem(folder, effects=shade)
     with pytest.raises(ValueError, match="lacks p_dc_per_area"):
         fem.fit_fem(folder, effects="electrical_output")

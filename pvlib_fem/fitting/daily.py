@@ -1,4 +1,4 @@
-"""What a fit keeps of every day: sums about its minimum, of which errors are made."""
+"""Daily sums at the minimum of a fit, and the standard errors from them."""
 
 from dataclasses import dataclass
 
@@ -8,22 +8,22 @@ import pandas as pd
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums
 from pvlib_fem.statistics.lasting import lasting
 
-UNKNOWN = 1e-9  # share of the largest eigenvalue at which a direction is unknown
-TIED = 0.1  # of an unknown direction: what a coefficient has part in it
-SAID = 2.0  # times the error of independent days, from which on a note says so
+UNKNOWN = 1e-9  # share of the largest eigenvalue below which a direction is unknown
+TIED = 0.1  # component in an unknown direction above which a coefficient is unknown
+SAID = 2.0  # ratio to the error of independent days above which a note reports it
 
 
 @dataclass(frozen=True, eq=False)
 class DailySums:
-    """Products of a fit's tangents and its residual, by the day of its rows."""
+    """Daily sums of the products of a fit's tangents and its residual."""
 
     names: tuple  # coefficients, one for each tangent
     sums: ClusterSums
-    winds: tuple  # mean wind and its spread, where the sun is [m/s]
+    winds: tuple  # mean and spread of the wind, weighted by irradiance squared [m/s]
 
 
 def errors(target, daily, at_bound, notes):
-    """Standard errors by the day, NaN with a note where there are none."""
+    """Standard errors clustered by day; NaN, with a note, if they are unknown."""
     stderr = {
         **dict.fromkeys(target.parameters, np.nan),
         **{name: 0.0 for name in target.held if name in target.parameters},
@@ -41,7 +41,7 @@ def errors(target, daily, at_bound, notes):
             f"days, and there are {daily.sums.days}"
         )
         return stderr
-    # of what is nowhere to be seen, as snow that never stays, no other error depends
+    # a coefficient without any effect on the record changes no other error
     seen = np.flatnonzero(np.diag(daily.sums.whole)[:-1] > 0.0)
     names, sums = [daily.names[place] for place in seen], daily.sums.of(seen)
     if nothing := [name for name in daily.names if name not in names]:
@@ -58,13 +58,13 @@ def errors(target, daily, at_bound, notes):
 
 def correlation(daily, stderr):
     """
-    Correlations of the fitted coefficients, from leaving out each day in turn.
+    Correlations of the fitted coefficients by the jackknife over days.
 
     Parameters
     ----------
     daily : DailySums or None
     stderr : dict
-        Standard errors, as :func:`errors` has them.
+        Standard errors of :func:`errors`.
 
     Returns
     -------
@@ -80,12 +80,12 @@ def correlation(daily, stderr):
     found = found / np.outer(size, size)
     np.fill_diagonal(found, 1.0)
     named = [names[place] for place in known]
-    # both halves to the same bits
+    # symmetric to the last bit
     return pd.DataFrame((found + found.T) / 2.0, named, named)
 
 
 def lasting_notes(names, times, lasts):
-    """What the residual's memory from day to day makes of the errors, in a sentence."""
+    """A note on how much the autocorrelation between days enlarges the errors."""
     if not (more := [n for n, many in zip(names, times) if many >= SAID]):
         return
     note = (
@@ -106,7 +106,7 @@ def undetermined(names):
 
 
 def directions(normal):
-    """The inverse of a normal matrix, and the directions in which it has none."""
+    """The pseudo-inverse of a normal matrix, and its unknown directions."""
     size = np.sqrt(np.diag(normal))
     size = np.where(size == 0, 1.0, size)
     values, vectors = np.linalg.eigh(normal / np.outer(size, size))
@@ -117,5 +117,5 @@ def directions(normal):
 
 
 def tied_names(names, unknown):
-    """Those of which only a mixture is known."""
+    """Names of coefficients that the record determines only in combination."""
     return [n for n, row in zip(names, np.abs(unknown)) if (row > TIED).any()]

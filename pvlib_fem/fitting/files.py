@@ -1,4 +1,4 @@
-"""A fit of a record in files: its rows are read pass by pass and never held."""
+"""Fit a record in files: each pass reads its rows, and none is held in memory."""
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -30,15 +30,15 @@ from pvlib_fem.types import FilePath
 
 
 class NotHeldError(AttributeError, ValueError):
-    """What a fit of files does not hold in memory."""
+    """A fit of files does not hold this attribute in memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class FileFit(FemFit):
     """
-    A :class:`FemFit` of a record in files, of which no row is held in memory.
+    A :class:`FemFit` of a record in files that holds no row in memory.
 
-    ``record``, ``holdout`` and the pictures are of means over a minute or more;
+    ``record``, ``holdout`` and the pictures show means over a minute or more;
     :meth:`write_residual` writes the residual of all rows.
     """
 
@@ -78,14 +78,14 @@ class FileFit(FemFit):
         ----------
         path : str or path-like
             File to write, with the times as its index and the column ``residual`` [K].
-            It is there whole or not at all.
+            A failed write leaves no file.
         """
         model = self.thermal_model
         found = self.files.residuals(model, model.completed(self.coefficients))
         write_parquet(path, found, "residual")
 
     def on_means(self) -> FemFit:
-        """The same on means over a minute or more, as pictures have it."""
+        """This fit on means over a minute or more, for pictures."""
         own = {one.name: getattr(self, one.name) for one in own_fields()}
         model = self.thermal_model
         record: Any = self.record
@@ -97,13 +97,13 @@ class FileFit(FemFit):
         return fit
 
     def plot(self, ax: Any = None, when: str | slice | None = None) -> Any:
-        """As :meth:`FemFit.plot`, of means over a minute or more."""
+        """Plot means over a minute or more, see :meth:`FemFit.plot`."""
         return self.on_means().plot(ax, when)
 
     def to_html(
         self, path: FilePath | None = None, title: str = "", gamma: float = GAMMA
     ) -> str:
-        """As :meth:`FemFit.to_html`, with pictures of means over a minute or more."""
+        """HTML page with means over a minute or more, see :meth:`FemFit.to_html`."""
         return saved(fit_page(self.on_means(), title, gamma), path)
 
 
@@ -112,7 +112,7 @@ def own_fields():
 
 
 def in_files(data, model) -> ParquetRecord:
-    """A data set as a fit of a model takes it, which may be one without wind."""
+    """A data set as the source of a fit, without wind if the model needs none."""
     source = as_source(data)
     if "wind_speed" in {*source.columns, *source.partial}:
         return source
@@ -123,21 +123,19 @@ def in_files(data, model) -> ParquetRecord:
 def fit_files(
     source: ParquetRecord, target, holdout, night, limits, check_units
 ) -> FileFit:
-    """
-    The fit of a record in files, by least squares.
-    """
+    """Fit a record in files by least squares."""
     screened = screened_for(source, target, limits, check_units)
     files, notes = first_pass(screened, target, night), list(screened.notes)
     return fitted(files.without(dates_out(files, holdout, notes)), target, notes)
 
 
 def fitted(files, target, notes) -> FileFit:
-    """The fit of a record in files on the days that are not held out."""
+    """Fit a record in files on the days that are not held out."""
     return fit_source(InFiles(files), target, notes)
 
 
 def dates_out(files, holdout, notes):
-    """Dates of the days that are held out, as they are given or by default."""
+    """Dates of the held-out days: the given ones, or the default."""
     if holdout is None:
         out = files.dates[days_out(files.dates, files.rows)]
     else:
@@ -148,7 +146,7 @@ def dates_out(files, holdout, notes):
 
 
 def given_days(holdout):
-    """Dates of a user's choice of days."""
+    """Dates of the held-out days that a user chose."""
     wrong = not isinstance(holdout, pd.Series) or holdout.dtype != bool
     if wrong or not isinstance(holdout.index, pd.DatetimeIndex):
         raise ValueError(
@@ -167,10 +165,10 @@ def given_days(holdout):
 @dataclass(frozen=True, eq=False)
 class InFiles:
     """
-    The rows of files, as a fit asks for them.
+    The rows of files as the source of a fit.
 
-    All steps that can go side by side share each pass, and begin where the same fit
-    of means over a minute or more ends.
+    Steps that do not depend on each other share each pass. They begin at the minimum
+    of a fit to means over a minute or more.
     """
 
     files: Files
@@ -196,13 +194,13 @@ class InFiles:
         return self.files.wind
 
     def begun(self, target):
-        """Where the search of each step begins: at its minimum of means, if any."""
+        """Start of each step's search: the minimum on means, or the default start."""
         means, out = self.files.means, np.isin(self.files.means.dates, self.files.out)
         rows = np.array(counted(means.inputs.columns, self.night))
         rows &= means.known(target.drivers)
         try:
             stages = stages_of(Frame.of(means, rows, out, self.night), target)[1]
-        except ValueError:  # too few means count, where rows may do
+        except ValueError:  # too few means count, but rows may be enough
             stages = {}
         usual = {name: row.start for name, row in target.parameters.items()}
         return {
@@ -211,13 +209,13 @@ class InFiles:
         }
 
     def minima(self, steps, starts, final):
-        """Each of some steps of a fit, the last minimum, and where all steps begin."""
+        """Models and coefficients of some steps, the last minimum, and the starts."""
         found = minima(self.files, steps, starts, flatness(steps, final))
         stages = {n: (model, natural(model, found[n][1])[0]) for n, model, *_ in steps}
         return stages, found[steps[-1][0]][0], starts
 
     def ended(self, asked, last, names):
-        """Sums by the day of the last step, and what a result has of the rows."""
+        """Daily sums of the last step, and the attributes of a result from the rows."""
         files, means = self.files, self.files.means
         table, daily = files.ends(asked, last, names)
         out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
@@ -232,5 +230,5 @@ class InFiles:
         )
 
     def notes(self, target):
-        """What of the answers is of means, and not of the rows."""
+        """Notes on results that come from means instead of rows."""
         return means_note(target, self.files)

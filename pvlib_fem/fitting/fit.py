@@ -1,29 +1,29 @@
-"""One fit of a source of rows by least squares, whether they are held or read."""
+"""Fit a model by least squares to a source of rows, in memory or in files."""
 
 import numpy as np
 
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit, of_rows
-from pvlib_fem.fitting.rows import Asked
+from pvlib_fem.fitting.rows import EvalRequest
 from pvlib_fem.fitting.stages import last, public, stages_of
 
 
 def fit_source(source, target, notes):
     """
-    The fit of a model to a source of rows, by least squares.
+    Fit a model to a source of rows by least squares.
 
     Parameters
     ----------
     source : Frame or InFiles
     target : ThermalModel
     notes : list of str
-        What is known of the rows, to which those of the fit are added.
+        Notes on the rows; the notes on the fit are appended.
 
     Returns
     -------
     FemFit
-        Of the source's own kind.
+        An object of the source's ``kind``.
     """
     target, stages, minimum = stages_of(source, target)
     at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
@@ -46,23 +46,23 @@ def fit_source(source, target, notes):
 
 
 def asked(stages):
-    """The models of some steps as a source is asked for them, and the last's name."""
+    """Requests to a source for the models of some steps, and the last step's name."""
     final = list(stages)[-1]
     models = {
-        name: Asked(model, found, wanted=name == final)
+        name: EvalRequest(model, found, wanted=name == final)
         for name, (model, found) in stages.items()
     }
     return models, final
 
 
 def finished(target, record, temperature, parts, minimum, **how):
-    """The result of rows that are held, from the last temperature and minimum."""
+    """The result of a fit in memory, from its last temperature and minimum."""
     own = of_rows(record, temperature, *parts)
     return FemFit(**of_minimum(target, *minimum), **own, **how)
 
 
 def of_minimum(target, found, stderr, at_bound, converged):
-    """What a result has of the last minimum."""
+    """The attributes of a result that come from the last minimum."""
     coefficients = public(target, found)
     return dict(
         model=target.steady_model.name,

@@ -1,4 +1,4 @@
-"""A record that is held in memory, as a fit asks for its rows."""
+"""A record in memory as the source of a fit."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,35 +21,36 @@ ROUGHER = 1e-5  # relative fall of the cost that ends a search on a part of the 
 
 @dataclass(frozen=True, eq=False)
 class Frame(Rows):
-    """A record in memory, whose ``counts`` are the rows that are fitted."""
+    """A record in memory; its ``counts`` are the fitted rows."""
 
     test: np.ndarray = field(kw_only=True)  # rows that count and are held out
-    out: np.ndarray = field(kw_only=True)  # all that are held out
+    out: np.ndarray = field(kw_only=True)  # all rows that are held out
     night: bool = field(default=False, kw_only=True)
 
     kind = FemFit
 
     @classmethod
     def of(cls, record, counts, out, night=False):
-        """A record, which of its rows count, and which are held out."""
+        """The source of a record, by masks of rows that count and are held out."""
         return cls(record, counts & ~out, test=counts & out, out=out, night=night)
 
     @cached_property
     def kept(self):
-        """Booleans of the rows, by what they count for."""
+        """Masks of the rows, by purpose."""
         complete = np.isfinite(sum(self.record[name] for name in COLUMNS)) & ~self.out
         return {"train": self.counts, "test": self.test, "complete": complete}
 
     def begun(self, target):
-        """Where the search of the first step begins."""
+        """Start of the first step's search."""
         return {name: row.start for name, row in target.parameters.items()}
 
     def minima(self, steps, start, final):
         """
-        Each of some steps of a fit, the last minimum, and where a next one begins.
+        Models and coefficients of some steps, the last minimum, and the next start.
 
-        One begins where the other ends. What a step changes is nearly the same on a
-        part of the rows, on which the first are searched before.
+        Each step begins at the minimum before it. The shift from one step to the next
+        is nearly equal on a part of the rows, so steps without effects are searched on
+        a part first.
         """
         flat, whole = flatness(steps, final), self.known(steps[-1][1])
         stages, thin, some, before = {}, start, None, None
@@ -66,30 +67,30 @@ class Frame(Rows):
         return stages, minimum, start
 
     def thin(self, which):
-        """Some of the rows that count for something, or None of few."""
+        """A part of the rows that count for a purpose; None if they are few."""
         return Rows(self.record, self.kept[which]).thinned()
 
     def known(self, model):
-        """The same with all drivers of a model's effects."""
+        """This source, completed by the drivers of a model's effects."""
         if not model.effects:
             return self
         inputs = model.with_drivers(self.record.inputs)
         return replace(self, record=replace(self.record, inputs=inputs), divided={})
 
     def ended(self, asked, last, names):
-        """Sums by the day of the last step, and what a result has of the rows."""
+        """Daily sums of the last step, and the attributes of a result from the rows."""
         whole, temperature = self.known(asked[last].model), np.empty(len(self.counts))
         table, daily = whole.ends(asked, last, names, temperature)
         own = of_rows(whole.record, temperature, self.counts, self.test, self.out)
         return daily, {**own, "scores": table}
 
     def notes(self, target):
-        """What of the answers is not of the rows: nothing."""
+        """Notes on results that do not come from the rows: none."""
         return []
 
 
 def as_frame(columns, drivers, target, holdout, night, limits, check_units):
-    """A user's columns as a source of rows for a model, and notes on them."""
+    """A user's columns as the source of a fit, and notes on them."""
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     counts = counted(record.inputs.columns, night)
     counts &= record.known(target.drivers)

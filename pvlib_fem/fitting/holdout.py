@@ -1,4 +1,4 @@
-"""The days that a fit does not see."""
+"""The days that are held out of a fit."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ NONE_OUT = "no row that counts is held out: test scores are NaN"
 
 
 def held_out(record, filtered, holdout, notes):
-    """Boolean array of the rows that the fit does not see."""
+    """Mask of the held-out rows: the given ones, or the default."""
     if holdout is not None:
         out = record.rows(holdout)
     else:
@@ -20,7 +20,7 @@ def held_out(record, filtered, holdout, notes):
 
 
 def days_out(dates, rows):
-    """Which days are held out by default, of their dates and rows that count."""
+    """Mask of the days held out by default, by their dates and rows that count."""
     weekend = (dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
     weeks = calendar_weeks(dates)
     two = len(np.unique(weeks[weekend & (rows > 0)])) >= 2

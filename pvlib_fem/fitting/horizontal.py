@@ -1,4 +1,4 @@
-"""A record of horizontal irradiance, brought into the plane of the module."""
+"""Transpose a record of horizontal irradiance to the plane of the module."""
 
 import pandas as pd
 from pvlib.location import Location
@@ -19,7 +19,7 @@ from pvlib_fem.spelling import argument, refusal
 
 LIGHT = "poa_global"
 NAMES = {"perez": "Perez", "haydavies": "Hay and Davies"}
-KILOWATTS = 3.0  # W/m², below which no light of a whole record is
+KILOWATTS = 3.0  # W/m²; the largest irradiance of a record is never below
 
 
 def transpose_record(
@@ -31,37 +31,37 @@ def transpose_record(
     limits: Limits | None = None,
 ) -> pd.DataFrame:
     """
-    Add the irradiance in the plane of the module to a record that has it horizontal.
+    Add the irradiance in the plane of the module to a record of horizontal irradiance.
 
     Parameters
     ----------
     data : DataFrame
-        With a DatetimeIndex and ``ghi``, and perhaps ``dni`` and ``dhi``, which are
-        taken instead of Erbs' correlation [1]_ where both are there. [W/m²]
+        Record with a DatetimeIndex and ``ghi``. If it has ``dni`` and ``dhi``, they
+        replace Erbs' correlation [1]_. [W/m²]
     location : pvlib.location.Location
     surface_tilt, surface_azimuth : float
-        Of the module; azimuth from north, clockwise. [°]
+        Orientation of the module; azimuth from north, clockwise. [°]
     transposition : str, default "perez"
         Model of the sky: ``"perez"`` [2]_ or ``"haydavies"`` [3]_.
     limits : pvlib_fem.quality.limits.Limits, optional
-        Thresholds of the screening of ``ghi`` other than the usual.
+        Thresholds of the screening of ``ghi``.
 
     Returns
     -------
     DataFrame
-        ``data`` with ``poa_global`` [W/m²]. ``attrs["notes"]`` says what was done.
+        ``data`` with ``poa_global`` [W/m²]. ``attrs["notes"]`` describes the steps.
 
     Raises
     ------
     ValueError
-        If ``poa_global`` is there, ``ghi`` is not, the plane is not given, or the times
-        do not fit the sun.
+        If ``data`` has ``poa_global`` or no ``ghi``, the plane is not given, or the
+        times do not agree with the solar position.
 
     Notes
     -----
-    The sun is taken where it stands at the times of the rows. Where rows are means over
-    a long step, give the times of its middle. What that costs in accuracy is in
-    :doc:`/guide/fewer_sensors`.
+    The solar position is that at the times of the rows. If rows are means over a long
+    step, give the times of its middle. :doc:`/guide/fewer_sensors` has the loss of
+    accuracy.
 
     References
     ----------
@@ -89,7 +89,7 @@ def transpose_record(
     place = checked_place(location, surface_tilt, surface_azimuth)
     columns = with_aliases(data, ("ghi",))
     if LIGHT in columns:
-        raise ValueError(f"{LIGHT} is there, and needs no transposition; drop one")
+        raise ValueError(f"data have {LIGHT}, so no transposition is needed; drop one")
     found, notes = with_plane(columns, data.index, place, transposition, limits)
     data = data.assign(**{LIGHT: found[LIGHT]})
     data.attrs = {**data.attrs, "notes": notes}
@@ -106,7 +106,7 @@ def with_plane(
     check_clock=True,
 ):
     """
-    Columns with ``poa_global``, which is transposed where it lacks, and notes.
+    Columns with ``poa_global``, transposed from ``ghi`` if it is missing, and notes.
 
     Parameters
     ----------
@@ -149,14 +149,14 @@ def with_plane(
 
 
 def refuse_clock(faults):
-    """Refuse times that do not fit the sun, at which no plane can be told."""
+    """Refuse times that do not agree with the solar position."""
     if faults:
         why = "; ".join(faults[name] for name in sorted(faults))
         raise ValueError(f"ghi cannot be transposed: {why}")
 
 
 def again(columns, index, place, transposition):
-    """``poa_global`` of further data, as it was transposed; other columns stay."""
+    """Columns with ``poa_global`` for further data, transposed as in the fit."""
     if not transposition or LIGHT in columns:
         return columns
     if "ghi" not in columns:
@@ -171,13 +171,13 @@ def again(columns, index, place, transposition):
 
 
 def within(name, column):
-    """A column with NaN for what no sensor can have measured."""
+    """A column with NaN instead of impossible values."""
     low, high, _ = possible(name)
     return column.where((column >= low) & (column <= high))
 
 
 def cleaned(name, columns, limits, check_units):
-    """A column of irradiance without what was not measured, and what that was."""
+    """A column of irradiance without implausible values, and notes on these."""
     if name not in numeric(columns):
         raise ValueError(f"{name} is not numeric, or infinite; give it as numbers")
     column = columns[name]
@@ -189,16 +189,16 @@ def cleaned(name, columns, limits, check_units):
             f"{name}=kW/m²), or give ",
             argument("check_units", False),
         )
-    beside = {n: columns[n] for n in ("temp_air",) if n in numeric(columns)}
-    # the rules for light in the plane are those for all light, but beam comes at once
+    others = {n: columns[n] for n in ("temp_air",) if n in numeric(columns)}
+    # the rules for irradiance in the plane apply to ghi; beam may start abruptly
     called = LIGHT if name == "ghi" else name
-    found = screen_record(pd.DataFrame({called: column, **beside}), limits)
+    found = screen_record(pd.DataFrame({called: column, **others}), limits)
     lines = [line for line in found.notes if line.startswith(called)]
     return found.cleaned[called], [line.replace(called, name, 1) for line in lines]
 
 
 def words_of(columns, transposition):
-    """What was done, in words."""
+    """Description of the transposition."""
     split = "measured dni and dhi" if is_split(columns) else "Erbs' correlation"
     return (
         f"there is no {LIGHT}: it is transposed from ghi with {split} and the sky of "

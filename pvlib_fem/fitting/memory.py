@@ -1,4 +1,4 @@
-"""The memory of a model: how a search varies it, and what a record tells of it."""
+"""The time constant of a model: its search coordinate, and notes on its accuracy."""
 
 from dataclasses import dataclass
 
@@ -8,63 +8,65 @@ from scipy.stats import t as student
 from pvlib_fem.spelling import Spelled, refusal
 from pvlib_fem.thermal.model import MEMORY
 
-FAINT = 20.0  # time constants of a step after which nothing is left of the past
-FADED = 300.0  # the same, after which what is left is next to no number
+FAINT = 20.0  # time constants after which the past has no visible weight
+FADED = 300.0  # time constants after which the weight of the past is almost no float
 STEADY = Spelled("dynamics='steady'", "--dynamics steady")
-SPREAD = 60.0 / 379.0  # of the time constants of the paper's fixed mountings
+SPREAD = 60.0 / 379.0  # relative spread of tau over the paper's fixed mountings
 
 
 @dataclass(frozen=True)
 class AsItIs:
-    """A coefficient that the search varies as it is."""
+    """A coefficient that is its own search coordinate."""
 
     lower: float
 
-    def seen(self, value):
+    def to_search(self, value):
         return value
 
-    told = seen
+    from_search = to_search
 
-    def slope(self, seen):
+    def slope(self, value):
         return 1.0
 
 
 @dataclass(frozen=True)
 class Lag:
     """
-    A memory as the search varies it: the mean age of what a sample still holds.
+    Search coordinate of a time constant: the mean age of the past in a sample.
 
-    The answer is flat to all orders where a time constant is a small part of the
-    step, since ``exp(-step/tau)`` is: a search by ``tau`` that once came there would
-    stay. By the age, ``step / (exp(step/tau) - 1)``, it is nearly linear from none
-    on; where tau is many steps, the two are half a step apart.
+    If tau is much shorter than the step, ``exp(-step/tau)`` and all its derivatives
+    vanish, so a search in ``tau`` cannot leave that region. The temperature is nearly
+    linear in the age, ``step / (exp(step/tau) - 1)``, from 0 on. If tau is many steps,
+    it exceeds the age by half a step.
     """
 
-    step: float  # of the record, in the unit of the memory
+    step: float  # of the record, in the unit of the time constant or capacity
     lower: float
 
-    def seen(self, memory):
+    def to_search(self, memory):
+        """Mean age of a time constant or capacity."""
         return self.step / np.expm1(min(self.step / memory, FADED))
 
-    def told(self, age):
+    def from_search(self, age):
+        """Time constant or capacity of a mean age."""
         return self.step / np.log1p(self.step / age)
 
     def slope(self, age):
-        """Slope of the memory by its age."""
-        return self.told(age) ** 2 / (age * (age + self.step))
+        """Slope of the time constant or capacity by the age."""
+        return self.from_search(age) ** 2 / (age * (age + self.step))
 
 
 def lag(model, coefficients, step, wind):
-    """How a search varies the memory of a model that has one. [s, m/s]"""
+    """Search coordinate of a dynamic model's time constant. [s, m/s]"""
     ((name, row),) = MEMORY[model.dynamics].items()
-    if name == "capacity":  # whose time constant is that times the resistance
+    if name == "capacity":  # its time constant is capacity times resistance
         law = model.steady_model
         gain = float(law.resistance(wind, **model.own(coefficients)))
         if gain * row.upper * FADED <= step:
             raise refusal(
                 f"temp_module does not follow poa_global: in wind of {wind:.3g} m/s "
-                f"the fit is at {gain:.2g} K m²/W, at which steps of {step:g} s tell "
-                "nothing of a capacity; check that temp_module is the module's own "
+                f"the fit is at {gain:.2g} K m²/W, at which steps of {step:g} s do not "
+                "determine a capacity; check that temp_module is the module's own "
                 "sensor, and the units of both, or give ",
                 STEADY,
             )
@@ -73,18 +75,18 @@ def lag(model, coefficients, step, wind):
 
 
 def memory_notes(source, model, coefficients, stderr, at_bound, days):
-    """What the record's step leaves open of the fitted memory, in sentences."""
+    """Notes if the record's step does not determine the fitted time constant."""
     known = [n for n in MEMORY[model.dynamics] if n not in model.held]
     if not known:
         return
     (name,), seen = known, lag(model, coefficients, source.step, source.wind)
     value, unit = coefficients[name], model.parameters[name].unit
-    step, age = f"steps of {source.step:g} s", seen.seen(value)
+    step, age = f"steps of {source.step:g} s", seen.to_search(value)
     known = student.ppf(0.975, max(days - 1, 1)) * stderr[name] / seen.slope(age)
-    if name in at_bound and age < seen.seen(model.parameters[name].start):
+    if name in at_bound and age < seen.to_search(model.parameters[name].start):
         yield (
             f"{name} is not known from {step}: {value:.3g} {unit} is the least that "
-            "they can tell, and any less would fit as well; take a shorter step, or "
+            "they can resolve, and any less would fit as well; take a shorter step, or "
             f"hold it with fixed={{'{name}': ...}}"
         )
     elif known >= age:
@@ -94,7 +96,7 @@ def memory_notes(source, model, coefficients, stderr, at_bound, days):
             f"fixed={{'{name}': ...}}"
         )
     elif value > (1.0 + SPREAD) * age:
-        # means answer to means by their age, whatever the step
+        # for records of means, the age is the time constant at any step
         yield (
             f"{name} is that of samples at the end of {step}: if the columns are means "
             "over them, as most loggers store, the module's own is about "

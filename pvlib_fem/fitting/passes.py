@@ -1,4 +1,4 @@
-"""A record in files as a fit asks for it: several models answered in each pass."""
+"""A record in files as the source of a fit: each pass solves several models."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -8,7 +8,7 @@ import pandas as pd
 
 from pvlib_fem.drivers import is_modelled
 from pvlib_fem.fitting.pasts import MEANS, Held, with_a_past
-from pvlib_fem.fitting.rows import Asked, Part, Source, temperature_of
+from pvlib_fem.fitting.rows import EvalRequest, Part, Source, temperature_of
 from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.columns import COLUMNS
@@ -19,12 +19,12 @@ from pvlib_fem.thermal.compiled import AT_ONCE, fast
 from pvlib_fem.thermal.model import BLOCK, blocks
 from pvlib_fem.thermal.response import Past
 
-PRESENT = 0.5  # share of such a step that has to be there
+PRESENT = 0.5  # share of the rows of a longer step that must not be missing
 
 
 @dataclass(frozen=True, eq=False)
 class Files(Source):
-    """A record in files less what was not measured, and what one pass showed of it."""
+    """A screened record in files, and statistics from one pass over it."""
 
     screened: Screened
     night: bool
@@ -32,10 +32,10 @@ class Files(Source):
     wind: float  # mean [m/s]
     usual: dict  # median step between rows that have some columns, in units
     dates: np.ndarray  # of all days
-    rows: np.ndarray  # that count, of each day
-    light: np.ndarray  # their irradiance squared, times wind and its square, by the day
+    rows: np.ndarray  # rows that count, per day
+    light: np.ndarray  # daily sums of irradiance squared, also times wind and wind²
     means: Record  # on longer steps
-    seen: dict  # what is the same in every pass, by the first row of a block
+    seen: dict  # masks, dates and steps of a block, by its first row
     out: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # dates held out
 
     @property
@@ -66,17 +66,17 @@ class Files(Source):
             clipped=self.screened.clipped,
             sha256="",
         )
-        vars(found).pop("sha256")  # which takes passes of its own
+        vars(found).pop("sha256")  # computed on access: it takes passes of its own
         vars(found)["record"] = self.clean
         return found
 
     def without(self, dates):
-        """The same with some days held out."""
+        """This source with some days held out."""
         return replace(self, out=np.unique(dates))
 
     @cached_property
     def fitted(self):
-        """Booleans of the days that are not held out."""
+        """Mask of the days that are not held out."""
         return ~np.isin(self.dates, self.out)
 
     @property
@@ -86,14 +86,14 @@ class Files(Source):
 
     @property
     def winds(self):
-        """Mean wind and its spread over fitted rows, where the sun is. [m/s]"""
+        """Mean and spread of the wind over sunny fitted rows. [m/s]"""
         total, wind, squares = self.light[self.fitted].sum(axis=0)
         total = max(total, np.finfo(float).tiny)
         mean = wind / total
         return float(mean), float(np.sqrt(max(squares / total - mean**2, 0.0)))
 
     def past(self, model):
-        """What is before the first row of the record."""
+        """The state before the first row of the record."""
         return Past(self.usual[self.drivers if model.drivers else ()])
 
     def parts(self, asked):
@@ -103,7 +103,7 @@ class Files(Source):
         for start, inputs in self.inputs(asked.values()):
             rows, dates = self.kept(start, len(inputs.index))
             for piece in blocks(len(inputs.index), self.at_once):
-                here = bases.beside(inputs.part(piece))
+                here = bases.added_to(inputs.part(piece))
                 given = {}
                 for key, one in asked.items():
                     own = one.model.with_drivers(here), one.coefficients
@@ -114,15 +114,15 @@ class Files(Source):
 
     @property
     def at_once(self):
-        """Rows that are answered at a time."""
+        """Rows that are solved at a time."""
         return AT_ONCE if fast(len(self.clean), ()) else BLOCK
 
     def quick(self, model):
-        """Whether a model that is known on a part is answered by the compiled loops."""
+        """Whether the compiled loops can solve a model with known terms."""
         return fast(len(self.clean), model.effects)
 
     def held_out(self, dates):
-        """Booleans of rows that are held out, by their dates."""
+        """Mask of held-out rows, by their dates."""
         return self.days_out[dates - self.dates[0]]
 
     @cached_property
@@ -133,19 +133,20 @@ class Files(Source):
 
     def residuals(self, model, coefficients):
         """Times and residual of all rows, block by block."""
-        asked, past = Asked(model, coefficients), self.past(model)
+        asked, past = EvalRequest(model, coefficients), self.past(model)
         bases = Bases(self, [asked])
         for block in self.clean.blocks():
             inputs, found = even(block), []
             for part in blocks(len(block), self.at_once):
-                own = model.with_drivers(bases.beside(inputs.part(part))), coefficients
+                here = bases.added_to(inputs.part(part))
+                own = model.with_drivers(here), coefficients
                 known = model.knowing(*own, False)
                 given = (*own, past)
                 found.append(temperature_of(known, given, self.quick(known)))
             yield block.index, block["temp_module"] - np.concatenate(found)
 
     def inputs(self, asked):
-        """First row and inputs of all blocks; of their times what is needed."""
+        """First row and inputs of all blocks, without times if nothing needs them."""
         sparse = all(seen.steps is not None for seen in self.seen.values())
         if not sparse or any(one.model.effects for one in asked):
             for block in self.clean.blocks():
@@ -158,7 +159,7 @@ class Files(Source):
             yield start, Inputs(columns, steps, unit, pd.RangeIndex(rows), True)
 
     def kept(self, start, rows):
-        """Booleans of the rows of a block by what they are for, and their dates."""
+        """Masks of the rows of a block by purpose, and their dates."""
         complete, counts, dates = self.seen[start].on(rows)
         fitted = ~self.held_out(dates)
         kept = {"complete": complete & fitted, "train": counts & fitted}
@@ -166,7 +167,7 @@ class Files(Source):
 
 
 class FileSummary(Summary):
-    """A summary of which the hash is made where it is asked for."""
+    """A summary that computes its hash on access."""
 
     @cached_property
     def sha256(self):
@@ -174,7 +175,7 @@ class FileSummary(Summary):
 
 
 class Bases:
-    """The temperature of the module without effects, carried on from part to part."""
+    """The temperature of the base model, continued from part to part."""
 
     def __init__(self, files, asked):
         models = (one.model for one in asked)
@@ -184,8 +185,8 @@ class Bases:
             self.plain = replace(self.model, effects=(), base=None)
             self.past = files.past(self.plain)
 
-    def beside(self, inputs):
-        """The inputs with what effects know of the module by its base."""
+    def added_to(self, inputs):
+        """The inputs, completed by the columns of the base model."""
         if self.model is None:
             return inputs
         base = self.model.completed(self.model.base)
@@ -195,12 +196,12 @@ class Bases:
 
 def screened_for(source, target, limits=None, check_units=True):
     """
-    A record in files as a fit takes it, screened.
+    The screened record of a fit in files.
 
     Raises
     ------
     ValueError
-        If a column lacks, an effect looks at the hours around a row, or the record
+        If a column is missing, an effect uses the hours around a row, or the record
         is unusable.
     """
     refuse_memory(target)
@@ -209,7 +210,7 @@ def screened_for(source, target, limits=None, check_units=True):
 
 
 def first_pass(screened, target, night):
-    """A screened record in files with what one more pass shows of it."""
+    """A screened record in files with statistics from one more pass."""
     drivers = tuple(target.drivers)
     usual = screened.look.step if len(screened.record) > 1 else MEANS
     step = max(MEANS, 2.0 * usual)
@@ -252,11 +253,11 @@ def first_pass(screened, target, night):
 
 
 def refuse_memory(target):
-    """Refuse effects whose terms look at the hours around."""
+    """Refuse effects whose terms use the hours around a row."""
     for effect in target.effects:
         if "elapsed" in effect.drivers:
             raise ValueError(
-                f"{effect.name} looks at the hours around each row, which are not in "
-                "the rows that are read at a time; fit it to a DataFrame, such as of "
-                "means over longer steps"
+                f"{effect.name} uses the hours around each row, and a block of a file "
+                "may not have them; fit it to a DataFrame, for example of means over "
+                "longer steps"
             )

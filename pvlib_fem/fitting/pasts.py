@@ -1,4 +1,4 @@
-"""What drivers remember, for a record of which one block is known at a time."""
+"""Lagged drivers of a record that is read block by block."""
 
 from dataclasses import dataclass, field
 
@@ -16,13 +16,13 @@ from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.inputs import Inputs
 from pvlib_fem.record.trailing import Trailing
 
-MEANS = 60.0  # s of the shortest steps of which all are held
-FORGOTTEN = 20.0  # memories after which less than a millionth is left
+MEANS = 60.0  # s, shortest step of a record whose rows are all held
+FORGOTTEN = 20.0  # time constants after which the weight is below a millionth
 
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """Some columns of all rows, where these are no more than means would be."""
+    """Some columns of all rows, for records with steps of a minute or more."""
 
     names: tuple
     index: list = field(default_factory=list)
@@ -30,7 +30,7 @@ class Held:
 
     @classmethod
     def of(cls, drivers, usual):
-        """Those behind drivers that remember, if the usual step is no shorter."""
+        """The columns that lagged drivers need; none if the usual step is shorter."""
         return cls(tuple(behind(of_means(drivers))) if usual >= MEANS else ())
 
     def add(self, block):
@@ -40,7 +40,7 @@ class Held:
             self.columns.append([block[name] for name in self.names])
 
     def inputs(self):
-        """The columns of all rows; None without any."""
+        """The columns of all rows; None if no columns are held."""
         if not self.names:
             return None
         index = self.index[0].append(self.index[1:])
@@ -50,7 +50,7 @@ class Held:
 
 
 def with_a_past(inputs, drivers):
-    """Drivers that remember, of the rows as they are read where they soon forget."""
+    """Lagged drivers: short ones from the rows, long ones from ``inputs``."""
     names = remembered(drivers)
     if short := [name for name in names if short_memory(name)]:
         reach = FORGOTTEN * max(map(short_memory, short))
@@ -61,14 +61,14 @@ def with_a_past(inputs, drivers):
 
 
 def of_means(drivers):
-    """Drivers that remember for so long that they are of means of short steps."""
+    """Lagged drivers with a memory so long that means of short steps suffice."""
     return [name for name in remembered(drivers) if not short_memory(name)]
 
 
 def means_note(target, files):
-    """What the drivers that remember are of, where that is not the rows."""
+    """A note on lagged drivers that are computed from means instead of rows."""
     if files.step >= MEANS or not of_means(target.effect_drivers):
         return []
     effects = ", ".join(e.name for e in target.effects if of_means(e.drivers))
     step = files.means.inputs.step
-    return [f"what happened hours before is of means over {step:g} s, for {effects}"]
+    return [f"the hours before each row are means over {step:g} s, for {effects}"]

@@ -1,4 +1,4 @@
-"""The result of a fit: finished, and it prints itself."""
+"""The result of a fit."""
 
 import warnings
 from collections.abc import Iterable
@@ -34,58 +34,58 @@ CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 @dataclass(frozen=True, eq=False)
 class FemFit:
     """
-    Fitted coefficients of a module, and what they are worth.
+    Fitted coefficients of a module, their errors and scores.
 
     ``print(fit)`` is the report. ``coefficients`` unpack into
-    :func:`pvlib_fem.fem_temperature` (``ewm``, and ``steady``, whose ``tau`` is
-    an instant) or :func:`pvlib_fem.heat_balance` (``balance``).
+    :func:`pvlib_fem.fem_temperature` (``ewm``, and ``steady`` with a ``tau`` near 0)
+    or :func:`pvlib_fem.heat_balance` (``balance``).
 
     Attributes
     ----------
     model, dynamics, method : str
-        As given to :func:`fit_fem`.
+        Arguments of :func:`fit_fem`.
     effects : tuple of Effect
-        Physical effects that were fitted beside the model.
+        Physical effects that were fitted in addition to the model.
     coefficients : dict
-        Those of the model, ``tau`` [s] or ``capacity`` [J/(m² K)], and ``bias``
-        [K].
+        Coefficients of the model and its effects, ``tau`` [s] or ``capacity``
+        [J/(m² K)], and ``bias`` [K].
     stderr : dict
-        Their standard errors from the spread between training days, and from how
-        long the residual lasts; NaN where there is none, see ``notes``.
+        Standard errors of the coefficients, from the spread between training days and
+        the autocorrelation of the residual; NaN if unknown, see ``notes``.
     scores : DataFrame
-        What each step bought, in K on daytime rows: ``standard`` (steady,
-        fitted to all rows), ``filter`` (steady, fitted to the filtered rows),
-        ``ewm`` (with the dynamics) and ``fem`` (with the bias), then a row for
-        each effect; the last row is this fit.
+        Errors after each step on daytime rows: ``standard`` (steady, fitted to all
+        rows), ``filter`` (steady, fitted to the filtered rows), ``ewm`` (with the
+        dynamics) and ``fem`` (with the bias), then a row for each effect; the last
+        row is this fit. [K]
     residual : Series or None
-        Measured minus modelled temperature on all rows. None, as ``holdout`` and
-        ``record``, in a fit that was read from a file, which holds no rows. [K]
+        Measured minus modelled temperature on all rows. A fit that was read from a file
+        holds no rows: ``residual``, ``holdout`` and ``record`` are None. [K]
     at_bound : tuple of str
         Coefficients that ended at a bound of their range.
     converged : bool
         Whether the search ended at a minimum.
     notes : tuple of str
-        What the reader of the numbers has to know.
+        Warnings and explanations for the reader of the numbers.
     train_days, test_days : int
         Days with daytime rows in either part.
     holdout : Series
-        Boolean, the rows held out.
+        Boolean mask of the held-out rows.
     record : Record
-        The record as it was checked.
+        The checked record.
     night : bool
         Whether night rows count, too.
     base : dict or None
-        Coefficients of the step before the effects, by which effects know the
-        temperature of the module and its loss, or the fit's own where an effect is a
-        share of that; None without effects.
+        Coefficients that give the effects the temperature of the module and its loss:
+        of the step before the effects, or of this fit if an effect scales the loss;
+        None without effects.
     fixed : dict
         Coefficients that were held and not fitted; their error is 0.
     cell : dict
-        ``deltaT`` or ``k_bs_c`` from the back of the module to its cells, as
-        :meth:`to_json` was given them; empty where nothing is known of it.
+        ``deltaT`` or ``k_bs_c`` from the back of the module to its cells, as given to
+        :meth:`to_json`; empty if unknown.
     daily : DailySums or None
-        Sums by the day, of which :meth:`through_time` makes its table; None where
-        there are none, as in a fit that was read from a file.
+        Daily sums, from which :meth:`through_time` makes its table; None for a fit
+        that was read from a file or has ``method="paper"``.
     """
 
     model: str
@@ -116,7 +116,7 @@ class FemFit:
 
     @cached_property
     def correlation(self) -> pd.DataFrame:
-        """Correlations of fitted coefficients, from leaving out each day in turn."""
+        """Correlations of fitted coefficients, by the jackknife over days."""
         return correlation(self.daily, self.stderr)
 
     @property
@@ -124,8 +124,8 @@ class FemFit:
         """
         Covariance of the fitted coefficients.
 
-        Its diagonal holds the squares of ``stderr``, its correlations are from leaving
-        out each day in turn. Empty where the fit has no errors.
+        Its diagonal holds the squares of ``stderr``; its correlations are from the
+        jackknife over days. It is empty if the fit has no errors.
         """
         error = pd.Series(self.stderr)[self.correlation.index]
         return self.correlation.mul(error, axis=0).mul(error, axis=1)
@@ -137,7 +137,7 @@ class FemFit:
 
     @property
     def wind(self) -> float:
-        """Mean wind speed of the record; 0 where nobody measured it. [m/s]"""
+        """Mean wind speed of the record; 0 without a wind column. [m/s]"""
         return float(np.nanmean(self.record["wind_speed"]))  # type: ignore[index]
 
     @property
@@ -160,13 +160,13 @@ class FemFit:
         Parameters
         ----------
         poa_global : Series or DataFrame
-            [W/m²]; or a frame of weather, of whose columns those are taken that
-            the model needs.
+            Irradiance [W/m²]; or a frame of weather with the columns that the model
+            needs.
         temp_air, wind_speed : Series, optional
-            [°C], [m/s]; not beside a frame. A model without wind needs no
+            [°C], [m/s]; omit them with a frame. A model without wind needs no
             ``wind_speed``.
         **drivers : Series
-            Those of the effects.
+            Drivers of the effects.
 
         Returns
         -------
@@ -176,7 +176,7 @@ class FemFit:
         Raises
         ------
         ValueError
-            If a column lacks that the model needs.
+            If a column that the model needs is missing.
         """
         usual = [poa_global, temp_air, wind_speed]
         if isinstance(poa_global, pd.DataFrame):
@@ -214,10 +214,10 @@ class FemFit:
         self, freq: str = "MS", coefficients: str | Iterable[str] | None = None
     ) -> pd.DataFrame:
         """
-        Each coefficient by the month or any other period, with its error.
+        Each coefficient per month or any other period, with its error.
 
-        From the sums by the day that the errors of the fit are made of, with no
-        further pass over the record. Only fitted rows count.
+        The table is computed from the daily sums of the fit, without a further pass
+        over the record. Only fitted rows count.
 
         Parameters
         ----------
@@ -225,10 +225,10 @@ class FemFit:
             Periods, as an offset of pandas that is a day or longer: ``"MS"`` months,
             ``"QS"`` quarters, ``"W-MON"`` weeks, ``"14D"``.
         coefficients : str or sequence of str, optional
-            Which of the fitted coefficients vary from period to period; the others
-            keep the value of the whole fit. By default all of the model vary, and
-            those of effects keep theirs. One by one they have smaller errors,
-            which are right only where the others do not change.
+            Fitted coefficients that vary from period to period; the others keep the
+            value of the whole fit. By default all coefficients of the model vary, and
+            coefficients of effects do not. A single varying coefficient has a smaller
+            error, which is right only if the others do not change.
 
         Returns
         -------
@@ -236,11 +236,12 @@ class FemFit:
             A row for each ``coefficient`` and ``start`` of a period, which are its
             index: ``value``, its ``stderr``, ``lower`` and ``upper`` of the 95 %
             interval (Student's t over the days or weeks), all in ``unit``; ``days``,
-            the fitted ones; and ``why``, empty unless a number is NaN. Below 5 days,
-            or where a period does not determine a coefficient, it has none. Beside
-            the coefficients, where one of the steady model varies, stands ``r_eq``
+            the number of fitted days; and ``why``, empty unless a number is NaN. A
+            number is NaN below 5 days, or if the period does not determine it. If a
+            coefficient of the steady model varies, the table also has ``r_eq``
             [K m²/W], the over-temperature per irradiance at the mean wind of sunny
-            hours: u0 and u1, or k and d, err against each other, and it does not.
+            hours. The errors of u0 and u1, or of k and d, are correlated; ``r_eq`` is
+            better determined.
 
         Raises
         ------
@@ -250,16 +251,16 @@ class FemFit:
 
         Notes
         -----
-        Each period is linear about the fit, not in the coefficients but in the
-        resistance at each wind, in the bias and in the age of the memory; those of
-        effects are linear as they are. So the size of a gain does no harm: without
-        noise, an over-temperature that steps by -20 to 20 % comes out with u0 and u1
-        (or k, d) within 0.2 %, tau within 0.1 %, a capacity within 1.1 % at 15 min, and
-        by 50 % within 0.4, 0.1 and 5 %; a u1 that falls by 40 % alone within 2 %.
+        Each period is linearised about the fit: in the resistance at each wind, the
+        bias, the mean age of the past and the coefficients of effects. So large gains
+        are found, too. Without noise, for an over-temperature that steps by -20 to
+        20 %, u0 and u1 (or k, d) are within 0.2 %, tau within 0.1 %, and a capacity
+        within 1.1 % at 15 min. For a step of 50 % they are within 0.4, 0.1 and 5 %. A
+        u1 that alone falls by 40 % is within 2 %.
 
-        Errors leave out days in turn (CR3, as those of the fit), or weeks where a
-        period has 8 of them. What lasts for longer than a day is not in them: the
-        guide has how often the intervals hold the truth.
+        Errors are from the jackknife over days (CR3, as in the fit), or over weeks if
+        a period has 8 of them. They do not include disturbances that last longer. The
+        guide has the measured coverage of the intervals.
 
         Examples
         --------
@@ -295,36 +296,36 @@ class FemFit:
         ----------
         data : DataFrame, optional
             The record, with the columns of the fit; by default the fit's own. A fit
-            that was read from a file holds no record. Without one these rows have no
-            value: ``nmot`` by IEC 61853-2, ``prilliman``, ``held-out error``, ``T98``,
-            time constants of means, and models without wind (``ross``, ``pvsyst, no
-            wind``). [W/m²], [°C], [m/s]
+            that was read from a file holds no record. Without a record, these rows have
+            no value: ``nmot`` by IEC 61853-2, ``prilliman``, ``held-out error``,
+            ``T98``, time constants of means, and models without wind (``ross``,
+            ``pvsyst, no wind``). [W/m²], [°C], [m/s]
         holdout : Series of bool, optional
-            Rows of ``data`` that the fit did not see; by default those of
-            :func:`fit_fem`. The unit mass is fitted to the others.
+            Held-out rows of ``data``; by default the default of :func:`fit_fem`. The
+            unit mass is fitted to the other rows.
         typical_year : DataFrame, optional
             Weather of a year for T98: ``poa_global`` [W/m²] in the plane of the
             modules, ``temp_air`` [°C], ``wind_speed`` [m/s] at the height of the
             anemometer, and the drivers of the fit's effects.
         wind_height : float, optional
-            Of the anemometer above ground; rows for wind at 10 m need it. [m]
+            Height of the anemometer above ground; rows for wind at 10 m need it. [m]
         exponent : float, default 1/7
-            Of the power law ``WS(10 m) = WS (10 m / wind_height)**exponent``.
+            Exponent of ``WS(10 m) = WS (10 m / wind_height)**exponent``.
         surface_tilt : float, optional
-            Of the module, for the conditions. [°]
+            Tilt of the module, for the conditions. [°]
         module_efficiency : float, default 0.2
-            Of the module, a fraction, for the parameters of PVsyst and SAM.
+            Efficiency of the module, for the parameters of PVsyst and SAM. [-]
         absorptance : float, default 0.9
-            Of the module, a fraction: PVsyst's ``alpha_absorption`` and SAM's
-            ``transmittance_absorptance``.
+            Absorptance of the module: PVsyst's ``alpha_absorption`` and SAM's
+            ``transmittance_absorptance``. [-]
         deltaT : float, optional
             Cell minus back temperature at 1000 W/m². By default the value in the
             fit's file, or 0 with a note. [K]
         with_bias : bool, default True
             Whether the fit's bias is part of the module's temperature. Other tools
             have no bias, so it is added to the over-temperature at 800 W/m². False
-            ignores it, as an offset of the thermometer. What is measured, such as T98
-            of the record, includes it either way.
+            ignores it as an offset of the thermometer. Measured numbers, such as T98
+            of the record, always include it.
 
         Returns
         -------
@@ -347,10 +348,10 @@ class FemFit:
 
         Notes
         -----
-        Other tools have no effects. With a record, their mean over its fitted rows,
-        weighted with the square of irradiance, is added as the bias is; without one
-        they are left out. ``conditions`` name them. No ``unit_mass`` of 20 kg/m² or
-        more is given: there Prilliman's rate is zero or negative in still air.
+        Other tools have no effects. With a record, the mean effect over fitted rows,
+        weighted by irradiance squared, is added like the bias; without a record effects
+        are omitted. ``conditions`` name them. A ``unit_mass`` of 20 kg/m² or more is
+        NaN: there Prilliman's rate is zero or negative in still air.
 
         Examples
         --------
@@ -389,12 +390,12 @@ class FemFit:
         Parameters
         ----------
         weather : DataFrame, optional
-            Of the run, with the columns that the effects need.
+            Weather of the run, with the columns that the effects need.
         **options
             ``deltaT`` or ``k_bs_c`` from the back of the module to its cells, and
-            drivers by name, see :class:`DynamicCellTemperature`. Without one of
-            the first two, here or in the file of the fit, a cell is taken to be
-            as warm as the place that was measured, which is said by a warning.
+            drivers by name, see :class:`DynamicCellTemperature`. Without ``deltaT`` or
+            ``k_bs_c``, here or in the file of the fit, cells have the temperature at
+            the sensor, and a warning says so.
 
         Returns
         -------
@@ -406,7 +407,7 @@ class FemFit:
             warnings.warn(
                 "deltaT = 0 K is taken: the cells as warm as the place where the "
                 "sensor was. Behind an open rack they are some 3 K warmer at 1000 "
-                "W/m², deltaT=3.0; give deltaT=0.0 where the sensor told of the cells",
+                "W/m², deltaT=3.0; give deltaT=0.0 if the sensor measured the cells",
                 stacklevel=2,
             )
         if weather is not None:
@@ -447,16 +448,16 @@ class FemFit:
         self, path: FilePath | None = None, title: str = "", gamma: float = GAMMA
     ) -> str:
         """
-        The fit with pictures as one HTML file, which needs nothing beside it.
+        The fit with pictures as one self-contained HTML file.
 
         Parameters
         ----------
         path : str or path-like, optional
             File to write.
         title : str, optional
-            Of the plant or the file.
+            Title of the page.
         gamma : float, default -0.0035
-            Temperature coefficient of power, by which K become yield. [1/K]
+            Temperature coefficient of power, to convert K to yield. [1/K]
 
         Returns
         -------
@@ -469,10 +470,10 @@ class FemFit:
 
     def to_json(self, path: FilePath | None = None, **cell: float) -> str:
         """
-        The fit as JSON, of which :meth:`from_json` makes the same again.
+        The fit as JSON, which :meth:`from_json` reads.
 
-        All numbers keep their bits. The rows of the record are not in it, nor their
-        sums by the day, so keep the table of :meth:`through_time` beside it.
+        All numbers keep their bits. The file has neither the rows of the record nor
+        their daily sums, so store the table of :meth:`through_time` separately.
 
         Parameters
         ----------
@@ -480,7 +481,7 @@ class FemFit:
             File to write.
         **cell
             ``deltaT`` [K] or ``k_bs_c`` [K m²/W] from the back of the module to
-            its cells, to be kept beside the coefficients, see
+            its cells, to store with the coefficients, see
             :class:`DynamicCellTemperature`.
 
         Returns
@@ -490,7 +491,7 @@ class FemFit:
         return written(FIT, self.content(**cell), path)
 
     def content(self, **cell: float) -> dict:
-        """What is in a file of the fit."""
+        """Content of a file of the fit."""
         if unknown := [name for name in cell if name not in CELL]:
             raise TypeError(f"to_json keeps {' and '.join(CELL)}, no {unknown[0]}")
         return {
@@ -519,9 +520,9 @@ class FemFit:
         Parameters
         ----------
         path : str or path-like
-            Of a fit, or of a loop, whose fit is taken.
+            File of a fit, or of a loop, whose fit is taken.
         effects : Effect or sequence of these, optional
-            Those of one's own, which the file knows by name and settings only.
+            Your own effects, of which the file has only name and settings.
 
         Returns
         -------
@@ -532,8 +533,8 @@ class FemFit:
         Raises
         ------
         ValueError
-            If the file is of another kind or version, or a number lacks or is none;
-            the message names the key.
+            If the file is of another kind or version, or a number is missing or
+            invalid; the message names the key.
         """
         with opened(path, FITS) as stored:
             return cls.stored(fit_in(stored), effects)
@@ -567,7 +568,7 @@ class FemFit:
             fixed=dict(model.held),
             cell=content.numbers("cell"),
         )
-        # what else it would take from the rows
+        # attributes that are computed from the rows otherwise
         vars(fit)["summary"] = summary_from(content.part("record"))
         vars(fit)["correlation"] = correlation_of(content, fit.stderr)
         return fit
@@ -577,7 +578,7 @@ class FemFit:
 
 
 def correlation_of(content, stderr):
-    """The correlations of a part of a file, if they are such."""
+    """The correlations of a part of a file; ValueError if they are not valid."""
     rows = content.part("correlation")
     found = {name: rows.numbers(name) for name in rows.content}
     known = {name for name, error in stderr.items() if error > 0.0}
@@ -600,12 +601,12 @@ def correlation_of(content, stderr):
 
 
 def out_of(record, counts, holdout):
-    """Rows that are held out, as they are given or by default."""
+    """Mask of the held-out rows: the given ones, or the default."""
     return held_out(record, counts, holdout, [])
 
 
 def of_rows(record, temperature, train, test, out):
-    """What a result has of rows that are held, and of their temperature."""
+    """The attributes of a result from rows in memory and their temperature."""
     residual = record["temp_module"] - temperature
     return dict(
         residual=pd.Series(residual, record.index, name="residual"),
@@ -617,7 +618,7 @@ def of_rows(record, temperature, train, test, out):
 
 
 def report(fit):
-    """Lines of the printed report."""
+    """Yield the lines of the printed report."""
     record = fit.summary
     days = f"{fit.train_days} day{'s' * (fit.train_days != 1)}"
     added = "".join(f" + {effect.name}" for effect in fit.effects)
@@ -635,7 +636,7 @@ def report(fit):
         bound = "   at its bound" if name in fit.at_bound else ""
         yield f"{name:<{wide}}{value:>12}{error:>12}   {row.unit}{bound}"
     yield ""
-    yield f"what each step bought, {'day and night' if fit.night else 'daytime'} [K]"
+    yield f"error after each step, {'day and night' if fit.night else 'daytime'} [K]"
     wide = wide if fit.effects else 10
     yield f"{'':<{wide}}{'fitted days':^24}  {'held-out days':^24}".rstrip()
     yield f"{'step':<{wide}}" + "  ".join(

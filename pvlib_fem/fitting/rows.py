@@ -1,4 +1,4 @@
-"""The rows of a record that a search looks at, answered block by block."""
+"""Sources of rows for a fit: a model is solved on them block by block."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -19,39 +19,39 @@ from pvlib_fem.statistics.leastsquares import Normal, products
 from pvlib_fem.thermal.compiled import AT_ONCE, answered, fast
 from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
 
-EVERY, FEWEST = 8, 4  # a search begins on each eighth block, where there are four
+EVERY, FEWEST = 8, 4  # a search begins on every eighth block, if that makes four
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a model says of some rows that count, one after the other."""
+    """Temperature and slopes of a model on the rows of a block that count."""
 
     measured: np.ndarray  # [°C]
     temperature: np.ndarray  # [°C]
     slopes: Mapping  # by parameter
     dates: np.ndarray  # day of each row, from 1970-01-01
-    whole: np.ndarray  # temperature of the other rows, too
+    whole: np.ndarray  # temperature of all rows
 
     def columns(self, names):
-        """Some of the slopes, and what is left, side by side."""
+        """Some of the slopes, then the residual."""
         slopes = (self.slopes[name] for name in names)
         rows = len(self.measured)
         columns = (np.broadcast_to(slope, rows) for slope in slopes)
         return [*columns, self.measured - self.temperature]
 
     def products(self, names):
-        """Products of some of the slopes, and of what is left, over all rows."""
+        """Sums of products of some of the slopes and the residual over all rows."""
         return products(self.columns(names))
 
     def by_day(self, names, into=None):
-        """The dates, and the same products over each; where it goes, temperature."""
+        """Dates and daily sums of products; ``into`` takes the temperature."""
         if into is not None:
             into[:] = self.whole
         return products_by_day(self.columns(names), self.dates)
 
 
 def answer_of(temperature, slopes, counts, measured, dates):
-    """What a model says of all rows of a block, of those that count."""
+    """The answer on the rows that count, from that on all rows of a block."""
     rows = np.flatnonzero(counts)
     slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
     return Answer(measured[rows], temperature[rows], slopes, dates[rows], temperature)
@@ -59,16 +59,16 @@ def answer_of(temperature, slopes, counts, measured, dates):
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """The same, asked for in products alone and answered by the compiled loops."""
+    """Products of slopes and residual on a block, from the compiled loops."""
 
     model: ThermalModel
     given: tuple  # inputs, coefficients and past
     counts: np.ndarray
     measured: np.ndarray  # of all rows of the block
-    dates: np.ndarray  # of all rows, too
+    dates: np.ndarray  # of all rows of the block
 
     def summed(self, names, firsts=(), into=None):
-        """Products over parts that begin at some rows; where it goes, temperature."""
+        """Products over parts that start at 0 and ``firsts``; ``into``: temperature."""
         edges = np.array([0, *firsts, len(self.counts)], dtype=np.int64)
         seen = self.counts, self.measured
         total = answered(self.model, *self.given, seen, edges, into)
@@ -88,25 +88,25 @@ class Compiled:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
-    """A model that is to be answered in a pass, and over which rows."""
+class EvalRequest:
+    """A model to solve in a pass over a source, and the rows to sum over."""
 
     model: ThermalModel
     coefficients: dict
-    rows: str = "train"  # of those that a source has
-    wanted: bool = True  # whether slopes are
+    rows: str = "train"  # key of a mask of the source
+    wanted: bool = True  # whether slopes are computed
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Rows that follow each other, and which of them count for what."""
+    """Consecutive rows, and masks of the rows that count for each purpose."""
 
     measured: np.ndarray
     dates: np.ndarray
-    counts: Mapping  # booleans of the rows, by what they count for
+    counts: Mapping  # masks of the rows, by purpose
 
     def answered(self, model, given, which, quick):
-        """What a model says of those of the rows that count."""
+        """Temperature and slopes of a model on the rows that count."""
         counts = self.counts[which]
         if quick:
             return Compiled(model, given, counts, self.measured, self.dates)
@@ -115,11 +115,10 @@ class Part:
 
 class Source:
     """
-    Rows that a fit asks for part by part, one pass over all of them at a time.
+    Rows of a fit, in memory or in files, that a pass yields part by part.
 
-    Whether they are held in memory or read from files, of a source are known
-    ``count``, the rows that are fitted, ``step`` and ``wind`` of the record and
-    ``winds`` of the fitted rows, :meth:`quick` and :meth:`parts`.
+    A source has ``count``, the number of fitted rows, ``step`` and ``wind`` of the
+    record, ``winds`` of the fitted rows, :meth:`quick` and :meth:`parts`.
     """
 
     count: int
@@ -128,21 +127,22 @@ class Source:
     winds: tuple
 
     def quick(self, model):
-        """Whether the compiled loops answer a model that is known on a part."""
+        """Whether the compiled loops can solve a model with known terms."""
         raise NotImplementedError
 
     def parts(self, asked):
         """
-        Parts of the rows, one after the other, with what models are given there.
+        Consecutive parts of the rows, with the input of each requested model.
 
         Parameters
         ----------
-        asked : dict of Asked
+        asked : dict of EvalRequest
 
         Yields
         ------
         Part, dict
-            Of model, and of inputs, coefficients and what was before, by who asked.
+            The model, and a tuple of inputs, coefficients and past, by the request's
+            key.
         """
         raise NotImplementedError
 
@@ -157,17 +157,17 @@ class Source:
 
     def ends(self, asked, last, names, temperature=None):
         """
-        Scores of several models, and sums by the day of the last of them.
+        Scores of several models, and daily sums of one of them.
 
         Parameters
         ----------
-        asked : dict of Asked
+        asked : dict of EvalRequest
         last : hashable
-            The one of the sums.
+            Key of the model of the daily sums.
         names : tuple of str
-            Its coefficients that vary.
+            Coefficients of that model that vary.
         temperature : array, optional
-            Takes that of all rows by the last model. [°C]
+            Takes the temperature of all rows by that model. [°C]
 
         Returns
         -------
@@ -196,7 +196,7 @@ class Source:
 
 
 def temperature_of(model, given, quick, counts=None):
-    """Temperature of a part's rows, or of those that count, from those before. [°C]"""
+    """Temperature of a part, continued from the part before. [°C]"""
     if not quick:
         return model.answer(*given, wanted=False)[0]
     found = np.zeros(len(given[0].index))
@@ -206,10 +206,10 @@ def temperature_of(model, given, quick, counts=None):
 
 @dataclass(frozen=True, eq=False)
 class Rows(Source):
-    """Rows that count of a record that is held in memory."""
+    """A record in memory, and a mask of the rows that count."""
 
     record: Record
-    counts: np.ndarray  # booleans
+    counts: np.ndarray  # mask
     divided: dict = field(default_factory=dict, repr=False)  # by the size of a part
 
     @cached_property
@@ -229,21 +229,21 @@ class Rows(Source):
 
     @cached_property
     def winds(self):
-        """Mean wind and its spread over rows that count, where the sun is. [m/s]"""
+        """Mean and spread of the wind over sunny rows that count. [m/s]"""
         wind = self.record["wind_speed"][self.counts]
         weight = self.record["poa_global"][self.counts] ** 2
         total = max(weight.sum(), np.finfo(float).tiny)
-        # no products of BLAS, whose bits depend on its threads
+        # not by BLAS, whose last bits depend on the number of threads
         mean = (weight * wind).sum() / total
         return float(mean), float(np.sqrt((weight * (wind - mean) ** 2).sum() / total))
 
     @property
     def kept(self):
-        """Booleans of the rows, by what they count for."""
+        """Masks of the rows, by purpose."""
         return {"train": self.counts}
 
     def quick(self, model):
-        """Whether the compiled loops answer a model that is known on a part."""
+        """Whether the compiled loops can solve a model with known terms."""
         return fast(len(self.record.index), model.effects)
 
     def parts(self, asked):
@@ -258,7 +258,7 @@ class Rows(Source):
         if not all(map(self.quick, known.values())):
             size = BLOCK
         elif len(asked) > 1 or inputs.columns.narrow or known_effects(known):
-            size = AT_ONCE  # but for terms and columns to be widened, all at once
+            size = AT_ONCE  # terms and widened columns would take too much memory
         for block, part in self.in_blocks(size):
             given = {
                 key: (known[key].on(block), (part, one.coefficients, pasts[key]))
@@ -269,9 +269,9 @@ class Rows(Source):
 
     def thinned(self):
         """
-        Some of the blocks, where a search of many may begin, or None of few.
+        Every eighth block, for the start of a search; None if there are few.
 
-        One after the other, as of a record with gaps.
+        The blocks are joined to a record with gaps.
         """
         rows = np.arange(len(self.record.index))
         parts = [rows[part] for part in blocks(len(rows))[::EVERY]]
@@ -285,7 +285,7 @@ class Rows(Source):
         return Rows(replace(self.record, inputs=inputs), counts)
 
     def in_blocks(self, size):
-        """The blocks of a size with their inputs, which are the same in every pass."""
+        """The blocks of a size with their inputs, cached for all passes."""
         if size not in self.divided:
             places = blocks(len(self.record.index), size)
             self.divided[size] = [(p, self.record.inputs.part(p)) for p in places]
@@ -297,19 +297,19 @@ def known_effects(models):
 
 
 def normal_sums(model, coefficients, source, names) -> Normal:
-    """Squares and products of slopes and residual, from one pass over a source."""
-    return source.sums({"": Asked(model, coefficients)}, {"": names})[""]
+    """Sums of products of slopes and residual, from one pass over a source."""
+    return source.sums({"": EvalRequest(model, coefficients)}, {"": names})[""]
 
 
 def daily_sums(model, coefficients, source, at_bound, into=None) -> DailySums:
     """
-    The sums of a minimum by the day, from one pass over a source.
+    Daily sums at a minimum, from one pass over a source.
 
-    Where it is given, ``into`` takes the temperature of all rows.
+    ``into`` is an optional array that takes the temperature of all rows.
     """
     names = tuple(name for name in model.free if name not in at_bound)
     found, end = [], 0
-    for part, given in source.parts({"": Asked(model, coefficients)}):
+    for part, given in source.parts({"": EvalRequest(model, coefficients)}):
         first, end = end, end + len(part.dates)
         known, own = given[""]
         answer = part.answered(known, own, "train", source.quick(known))

@@ -10,16 +10,16 @@ from pvlib_fem.spelling import FIXED, Spelled, refusal
 from pvlib_fem.statistics.leastsquares import descent
 from pvlib_fem.thermal.model import MEMORY
 
-TURNS = 3  # of a search whose bounds move with what it finds
+TURNS = 3  # searches at most, if the bounds depend on the minimum
 
 
 def holding(model, fixed):
-    """The model with coefficients that are held, if they are its own and can be."""
+    """The model with held coefficients; ValueError if one is unknown or impossible."""
     return replace(model, held=possible(model, fixed))
 
 
 def possible(model, fixed):
-    """The coefficients to hold, if they are the model's and can be."""
+    """The coefficients to hold, checked by name and range."""
     constants = model.steady_model.constants
     rows = {**model.parameters, **constants}
     if unknown := [name for name in fixed if name not in rows]:
@@ -40,10 +40,10 @@ def possible(model, fixed):
                 f"{row.upper * whole:g}",
             )
     known = model.steady_model.fixed | held
-    if lacking := [name for name in constants if name not in known]:
+    if missing := [name for name in constants if name not in known]:
         raise refusal(
-            f"{model.steady_model.name} needs {', '.join(lacking)}; give it as ",
-            Spelled(f"fixed={{'{lacking[0]}': ...}}", f"--fix {lacking[0]}=NUMBER"),
+            f"{model.steady_model.name} needs {', '.join(missing)}; give it as ",
+            Spelled(f"fixed={{'{missing[0]}': ...}}", f"--fix {missing[0]}=NUMBER"),
         )
     if not set(model.parameters) - set(held):
         raise refusal(FIXED, " holds all coefficients; leave one to fit")
@@ -52,27 +52,27 @@ def possible(model, fixed):
 
 def searching(model, source, start, biased, flat):
     """
-    Least squares of one stage, over its parameters as the search sees them.
+    Least squares of one stage, in search coordinates.
 
     A generator: it yields coefficients and the names of those that vary.
 
-    It is sent :class:`~pvlib_fem.statistics.leastsquares.Normal` of their slopes, and
-    ends with the minimum and the coefficients as the search sees them. Of ``source`` it
-    asks for no more than ``step`` and ``wind``.
+    The caller sends :class:`~pvlib_fem.statistics.leastsquares.Normal` of their slopes.
+    The generator returns the minimum and the coefficients, with shares as the search
+    varies them. It uses only ``step`` and ``wind`` of ``source``.
     """
     names = [name for name in model.free if biased or name != "bias"]
     places = [list(model.parameters).index(name) for name in names]
     views = [view(model, source, start, name) for name in names]
 
     def searched(x):
-        told = (one.told(value) for one, value in zip(views, x.tolist()))
-        return {**start, **dict(zip(names, told))}
+        values = (one.from_search(value) for one, value in zip(views, x.tolist()))
+        return {**start, **dict(zip(names, values))}
 
     for _ in range(TURNS):
         search = descent(
-            [one.seen(max(start[name], one.lower)) for name, one in zip(names, views)],
-            [one.seen(one.lower) for one in views],
-            [one.seen(model.parameters[n].upper) for n, one in zip(names, views)],
+            [one.to_search(max(start[n], one.lower)) for n, one in zip(names, views)],
+            [one.to_search(one.lower) for one in views],
+            [one.to_search(model.parameters[n].upper) for n, one in zip(names, views)],
             flat=flat,
         )
         try:
@@ -81,12 +81,12 @@ def searching(model, source, start, biased, flat):
                 coefficients, chain = natural(model, searched(x))
                 chain[:, places] *= [one.slope(value) for one, value in zip(views, x)]
                 sums = yield coefficients, names
-                # a share moves with the whole that it is of, a memory with its lag
+                # chain rule: a share moves with its whole, a time constant with its age
                 x = search.send(sums.by(chain[np.ix_(places, places)]))
         except StopIteration as end:
             minimum = end.value
         found = searched(minimum.x)
-        # the least memory that a step shows is one of the resistance, which has moved
+        # the least capacity that a step resolves depends on the fitted resistance
         again = [view(model, source, found, name) for name in names]
         if not any(
             stays and one.lower < found[name]
@@ -98,7 +98,7 @@ def searching(model, source, start, biased, flat):
 
 
 def view(model, source, start, name):
-    """How the search varies a coefficient, and the least that it can be."""
+    """Search coordinate and lower bound of a coefficient."""
     lower = max(model.parameters[name].lower, least(model, name))
     if name not in MEMORY[model.dynamics]:
         return AsItIs(lower)
@@ -106,7 +106,7 @@ def view(model, source, start, name):
 
 
 def least(model, name):
-    """The least that a coefficient can be beside a share of it that is held."""
+    """Lower bound of a coefficient, given a held share of it."""
     return max(
         (
             model.held[part] / row.upper
@@ -118,17 +118,17 @@ def least(model, name):
 
 
 def tables(effects, record):
-    """The effects by their slopes on a record, where those say all."""
+    """The effects, with linear ones replaced by their slopes on a record."""
     return tuple(tabled(effect, record.inputs.columns) for effect in effects)
 
 
 def with_tables(model, record):
-    """The model with its effects by their slopes on a record."""
+    """The model, with linear effects replaced by their slopes on a record."""
     return replace(model, effects=tables(model.effects, record))
 
 
 def natural(model, searched):
-    """Coefficients from what the search varies, and the slopes of that map."""
+    """Coefficients from those with shares, and the Jacobian of that map."""
     names = list(model.parameters)
     values = {**{name: searched[name] for name in names}, **held(model)}
     chain = np.eye(len(names))
@@ -142,7 +142,7 @@ def natural(model, searched):
 
 
 def as_searched(model, coefficients):
-    """What the search varies, from coefficients as they are."""
+    """Coefficients with shares of others as the search varies them."""
     return {
         name: coefficients[name] / (coefficients[row.share_of] if row.share_of else 1.0)
         for name, row in model.parameters.items()
@@ -150,5 +150,5 @@ def as_searched(model, coefficients):
 
 
 def held(model):
-    """Those coefficients of a model that are held; it may yet lack the others."""
+    """Held coefficients of a model, without its constants."""
     return {n: value for n, value in model.held.items() if n in model.parameters}

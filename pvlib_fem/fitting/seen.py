@@ -1,4 +1,4 @@
-"""What is kept of a record in files from pass to pass, and what is added up in one."""
+"""Masks and steps of blocks that serve all passes over files, and sums of one pass."""
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
@@ -9,18 +9,18 @@ from pvlib_fem.quality.look import count_steps, median
 from pvlib_fem.record.filters import counted
 from pvlib_fem.relaxation import across
 
-OTHERS = 0.02  # share of a block's steps up to which those unlike the usual are kept
+OTHERS = 0.02  # largest share of unusual steps in a block that is stored sparsely
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What every pass needs to know of a block, in little room."""
+    """Masks, dates and steps of a block, packed, for every pass."""
 
     complete: np.ndarray  # rows with all four columns, as bits
     counts: np.ndarray  # rows whose residual counts, as bits
     days: np.ndarray
-    rows: np.ndarray  # of each day, where it changes
-    steps: tuple | None  # the usual, and where others are; None where most are others
+    rows: np.ndarray  # number of rows per day
+    steps: tuple | None  # usual step, places and values of others; None if too many
 
     @classmethod
     def of(cls, complete, counts, dates, steps):
@@ -34,7 +34,7 @@ class Seen:
         return cls(np.packbits(complete), np.packbits(counts), days, rows, sparse)
 
     def steps_of(self, rows):
-        """Steps of the rows, or the one that serves all."""
+        """Steps of the rows, or one even step."""
         usual, others, values = self.steps
         if not len(others):
             return usual
@@ -43,14 +43,14 @@ class Seen:
         return steps
 
     def on(self, rows):
-        """Booleans of the rows, twice, and their dates."""
+        """Masks of complete rows and of rows that count, and the dates of the rows."""
         bits = (np.unpackbits(b, count=rows) for b in (self.complete, self.counts))
         return *(b.view(bool) for b in bits), np.repeat(self.days, self.rows)
 
 
 @dataclass(eq=False)
 class Gaps:
-    """How often which time is between rows that have some columns, so far."""
+    """Running histogram of the steps between rows that have some columns."""
 
     steps: Counter = field(default_factory=Counter)
     since: float = 0.0
@@ -73,7 +73,7 @@ class Gaps:
 
 
 def rows_that_count(block, night, drivers):
-    """Booleans of the rows whose residual counts."""
+    """Mask of the rows whose residual counts."""
     rows = np.array(counted(block.inputs.columns, night))
     for name in drivers:
         rows &= np.isfinite(block[name])
@@ -81,7 +81,7 @@ def rows_that_count(block, night, drivers):
 
 
 def by_day(table, dates, rows, light, wind):
-    """Add rows that count, and their wind where the sun is, to those of their days."""
+    """Add rows that count, and sums of their irradiance and wind, to daily totals."""
     place, size = dates - dates[0], int(dates[-1] - dates[0]) + 1
     there = np.bincount(place, minlength=size)
     place, light, wind = place[rows], light[rows], wind[rows]
@@ -93,10 +93,10 @@ def by_day(table, dates, rows, light, wind):
 
 
 def even(block):
-    """A block's inputs, whose steps are one number where they are all alike."""
+    """A block's inputs; equal steps become one number."""
     steps = block.inputs.steps.astype(float)
     if block.start == 0 and len(steps) > 1:
-        steps[0] = steps[1]  # nothing is before it
+        steps[0] = steps[1]  # the first row has no row before it
     if len(steps) and steps.min() == steps.max() and steps[0] > 0:
         return replace(block.inputs, steps=float(steps[0]))
     return replace(block.inputs, steps=steps)

@@ -1,4 +1,4 @@
-"""Where a shift along the tangents of a fit leads, also where it is large."""
+"""Coefficients from a shift along the tangents of a fit, also from a large one."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,19 +8,19 @@ from scipy.optimize import root
 
 from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
-R_EQ = "r_eq"  # at the mean wind: what of a steady model is known best
-CLOSE = 1e-9  # share of a resistance within which coefficients have it
+R_EQ = "r_eq"  # resistance at the mean wind: the best known quantity of a steady model
+CLOSE = 1e-9  # relative error of the resistance at which coefficients are accepted
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where a fit ended, and which of its coefficients vary from there."""
+    """The minimum of a fit, and the coefficients that vary from there."""
 
     model: ThermalModel
     coefficients: dict
     daily: Any  # DailySums
     names: list
-    lag: Any  # how the memory is seen, None without one
+    lag: Any  # search coordinate of the time constant; None without one
     step: float  # [s]
 
     @property
@@ -36,7 +36,7 @@ class Minimum:
         return [self.names.index(name) for name in names]
 
     @property
-    def told(self):
+    def units(self):
         """Names and units of the table."""
         units = {name: self.model.parameters[name].unit for name in self.names}
         return ({R_EQ: "K m²/W"} if self.steady else {}) | units
@@ -46,8 +46,8 @@ def moved(minimum, shift):
     """
     Numbers of the table by shifts along the tangents, their slopes, and the gain.
 
-    What is linear in the temperature is not the coefficients but the resistance at
-    each wind. The memory is still in the form of :func:`in_age`.
+    The temperature is linear in the resistance at each wind, not in the coefficients.
+    The time constant is still an age, see :func:`in_age`.
     """
     own = np.array([minimum.coefficients[name] for name in minimum.names])
     value, slopes, gain = own + shift, np.eye(len(shift)), 1.0
@@ -67,7 +67,7 @@ def moved(minimum, shift):
 
 
 def resistances(minimum, values, winds):
-    """Resistance of the steady model at some winds, and its slopes, a row for each."""
+    """Resistance of the steady model at some winds, and a row of slopes for each."""
     law, winds = minimum.model.steady_model, np.asarray(winds)
     own = {name: minimum.coefficients[name] for name in law.coefficients}
     own |= dict(zip(minimum.steady, values))
@@ -80,8 +80,8 @@ def in_resistance(minimum, shift):
     """
     Coefficients of the steady model by a shift, and their slopes by it.
 
-    They are those that have the resistance of the tangents at as many winds as there
-    are coefficients, so that a gain of any size is found exactly.
+    The coefficients reproduce the resistance along the tangents at as many winds as
+    there are coefficients. So a gain of any size is found exactly.
     """
     mean, spread = minimum.daily.winds
     size = len(shift)
@@ -97,7 +97,7 @@ def in_resistance(minimum, shift):
                 start,
                 jac=lambda x: resistances(minimum, x, winds)[1] / wanted[:, None],
             )
-        # it may be there and say that it gets no further
+        # scipy may report no success although the root is found
         if (np.abs(found.fun) < CLOSE).all():
             slopes = resistances(minimum, found.x, winds)[1]
             return found.x, np.linalg.pinv(slopes) @ by_shift
@@ -106,15 +106,15 @@ def in_resistance(minimum, shift):
 
 def in_age(minimum, name, shift, gain):
     """
-    Age of what a sample still holds, and its slope by the shift of the memory.
+    Mean age of the past in a sample, and its slope by the shift of the time constant.
 
-    The temperature is linear in that age where it is a small part of the step, and
-    in its logarithm where it is many steps.
+    The temperature is linear in the age if it is a small part of the step, and in its
+    logarithm if it is many steps.
     """
     before = minimum.coefficients[name]
-    start = minimum.lag.seen(before)
+    start = minimum.lag.to_search(before)
     whole = start + minimum.lag.step
-    # a gain of the resistance is one of the time constant of a capacity
+    # the time constant of a capacity scales with the resistance
     shift = shift + before * (gain_of_age(name, gain) - 1.0)
     by_shift = 1.0 / (minimum.lag.slope(start) * gain * whole)
     grown = whole * np.exp(shift * by_shift)
@@ -126,13 +126,13 @@ def gain_of_age(name, gain):
 
 
 def in_time(minimum, age, error, low, high, gain):
-    """The memory of an age with its error and interval, which may reach to none."""
+    """The time constant of an age, with its error and an interval from 0 on."""
     (name,), seen = minimum.memory, minimum.lag
     own = gain_of_age(name, gain)
     if np.isnan(age) or not gain > 0:
         return (np.nan,) * 4
     value, lower, upper = (
-        seen.told(a) / own if a > 0 else 0.0 for a in (age, low, high)
+        seen.from_search(a) / own if a > 0 else 0.0 for a in (age, low, high)
     )
     error = seen.slope(age) * error / own if low > 0 else np.nan
     value = max(value, seen.lower)

@@ -1,13 +1,13 @@
-"""The steps of a fit, one after the other."""
+"""The steps of a fit, from the steady model to the last effect."""
 
 from dataclasses import replace
 
-from pvlib_fem.fitting.rows import Asked
+from pvlib_fem.fitting.rows import EvalRequest
 from pvlib_fem.fitting.search import searching
 from pvlib_fem.statistics.leastsquares import FLAT, minima_of
 from pvlib_fem.thermal.model import INSTANT
 
-ROUGH = 1e-8  # relative fall of the cost that ends a step before the last
+ROUGH = 1e-8  # relative decrease of the cost at which all steps but the last end
 
 
 def needed(step, rows, parameters):
@@ -20,7 +20,7 @@ def needed(step, rows, parameters):
 
 
 def planned(target):
-    """The steps of a fit: name, model, the rows that count, and whether with a bias."""
+    """The steps of a fit: name, model, purpose of the rows, and whether with a bias."""
     plain = replace(target, effects=())
     steady = replace(plain, dynamics="steady")
     steps = [
@@ -36,7 +36,7 @@ def planned(target):
 
 
 def planned_effects(target):
-    """Those of the steps that add an effect."""
+    """The steps of a fit that add an effect."""
     return [step for step in planned(target) if step[1].effects]
 
 
@@ -47,7 +47,7 @@ def stages_of(source, target):
     Parameters
     ----------
     source : Frame or InFiles
-        The rows, which find the minima of some steps on them, one from another.
+        The rows; the source finds the minima of some steps on them.
     target : ThermalModel
     """
     needed("least squares", source.count, len(target.free))
@@ -65,18 +65,18 @@ def stages_of(source, target):
 
 
 def flatness(steps, final):
-    """How flat the cost is to be at the end of each step: most at the last of all."""
+    """Relative decrease of the cost at which each step ends; smallest for the last."""
     last_step = steps[-1][0] if final else None
     return {name: FLAT if name == last_step else ROUGH for name, *_ in steps}
 
 
 def with_effects(target, stages, fit):
     """
-    The model by its base, and what ``fit`` makes of it.
+    The model with its base, and the result of ``fit`` for it.
 
-    The base is the last of the steps without effects, or the model's own where an
-    effect is a share of that: then it is fitted once more. The first thing that
-    ``fit`` gives are the steps.
+    The base is the last step without effects. If an effect scales the base, the base
+    has the model's own coefficients, and the model is fitted once more. The first item
+    that ``fit`` returns are the steps.
     """
     target = replace(target, base=public(*last(stages)))
     found = fit(target)
@@ -86,15 +86,15 @@ def with_effects(target, stages, fit):
 
 def minima(source, steps, starts, flat):
     """
-    Minimum and coefficients as the search sees them, of steps that share their passes.
+    Minima and searched coefficients of steps that share their passes.
 
     Parameters
     ----------
     source : Source
     steps : sequence
-        As :func:`planned` has them.
+        Steps of :func:`planned`.
     starts, flat : dict
-        By the name of a step, where its search begins and how flat it ends.
+        Start and flatness of each step's search, by the name of the step.
     """
     models = {name: (model, rows) for name, model, rows, _ in steps}
     searches = {
@@ -104,7 +104,7 @@ def minima(source, steps, starts, flat):
 
     def sums(points):
         asked = {
-            name: Asked(models[name][0], coefficients, models[name][1])
+            name: EvalRequest(models[name][0], coefficients, models[name][1])
             for name, (coefficients, _) in points.items()
         }
         return source.sums(asked, {name: own for name, (_, own) in points.items()})
@@ -119,7 +119,7 @@ def minimise(model, source, start, biased, flat):
 
 
 def last(stages):
-    """What the last step came to."""
+    """Model and coefficients of the last step."""
     return list(stages.values())[-1]
 
 

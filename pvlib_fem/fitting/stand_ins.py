@@ -1,4 +1,4 @@
-"""A second source of air temperature or wind in the place of the usual one."""
+"""Use a second source of air temperature or wind instead of the usual one."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
@@ -11,12 +11,12 @@ from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.screen import screen_record
 from pvlib_fem.record.columns import numeric, twin_of, with_aliases
 
-#: what another source can stand in for, and its unit
+#: columns that another source can replace, and their units
 SERVED = {"temp_air": "K", "wind_speed": "m/s"}
-FEWEST = 500  # rows that both have, by which the level of the other is found
-NEAR = 1.5  # usual times between values, beyond which one lacks
-LONGEST = 3.0 * 3600.0  # s between values, beyond which weather is not straight
-ALIKE = 0.8, 1.25  # K of one air temperature for each of another
+FEWEST = 500  # common rows that the level of the second source needs
+NEAR = 1.5  # a longer time between values, in usual ones, is a gap
+LONGEST = 3.0 * 3600.0  # s, longest time between values for linear interpolation
+ALIKE = 0.8, 1.25  # range of the slope of one air temperature over another
 
 
 @dataclass(frozen=True)
@@ -24,18 +24,17 @@ class StandIn:
     """
     A column that stands in for a usual one, ``factor * column + offset``.
 
-    Where its values are further apart than the rows, rows between two of them are on
-    the straight line.
+    If its values are further apart than the rows, rows between them are interpolated.
 
     Attributes
     ----------
     usual, column : str
     factor : float
-        Of wind, the ratio of the means where both were measured. [-]
+        Ratio of the mean wind speeds of rows with both. [-]
     offset : float
-        Of air, the mean difference where both were measured. [K]
+        Mean difference of the air temperatures of rows with both. [K]
     every : float
-        Usual time between its values; 0 where each row has one. [s]
+        Usual time between its values; 0 if each row has a value. [s]
     """
 
     usual: str
@@ -45,7 +44,7 @@ class StandIn:
     every: float = 0.0
 
     def into(self, columns):
-        """Columns with the gaps of the usual one filled, as far as the other goes."""
+        """Columns with the gaps of the usual column filled from the other."""
         if self.column not in columns:
             return columns
         other = between(columns[self.column], self.every)
@@ -55,12 +54,12 @@ class StandIn:
         return {**columns, self.usual: found}
 
     def content(self):
-        """The same for a file."""
+        """The attributes, for a file."""
         return asdict(self)
 
 
 def between(column, every):
-    """A column with straight lines between values that are usually so far apart. [s]"""
+    """A column, interpolated between values that are usually ``every`` s apart."""
     known = column.dropna()
     if not every or len(known) < 2:
         return column
@@ -78,7 +77,7 @@ def seconds_of(index):
 
 
 def spacing(column):
-    """Usual time between values, where the rows are closer together; 0 else. [s]"""
+    """Usual time between values, if it exceeds the step of the rows; else 0. [s]"""
     known = column.dropna().index
     if len(known) < 2:
         return 0.0
@@ -94,36 +93,35 @@ def fill_record(
     limits: Limits | None = None,
 ) -> pd.DataFrame:
     """
-    Take a second source of air temperature or wind where the usual one lacks.
+    Fill gaps in air temperature or wind speed from a second source.
 
     Parameters
     ----------
     data : DataFrame
-        With a DatetimeIndex.
+        Record with a DatetimeIndex.
     stand_ins : str or sequence of str
         Columns such as ``temp_air_2`` [°C] or ``wind_speed_airport`` [m/s], which stand
         in for the column that their names begin with.
     limits : pvlib_fem.quality.limits.Limits, optional
-        Thresholds of the screening other than the usual.
+        Thresholds of the screening.
 
     Returns
     -------
     DataFrame
-        ``data`` without the second sources. ``attrs["notes"]`` says what was done.
+        ``data`` without the second sources. ``attrs["notes"]`` describes the steps.
 
     Raises
     ------
     ValueError
-        If a column is not there or stands in for nothing, or both have less than 500
+        If a column is missing or stands in for nothing, or both have fewer than 500
         rows in common.
 
     Notes
     -----
-    Where there is no usual column, the other takes its place as it is. Else its gaps,
-    and what a sensor cannot have measured, are filled by the other: its air temperature
-    plus the mean difference of the rows that both have, its wind times the ratio of
-    their means there. Hourly values, or others up to 3 h apart, are joined by straight
-    lines.
+    Without the usual column, the other is used as it is. Otherwise the other fills gaps
+    and implausible values of the usual column. Its air temperature is shifted by the
+    mean difference over common rows, and its wind is scaled by the ratio of the means.
+    Hourly values, or values up to 3 h apart, are interpolated.
 
     Examples
     --------
@@ -165,7 +163,7 @@ def chosen(names):
 
 def with_stand_ins(columns, names, limits=None):
     """
-    Columns in which others stand in, those that do, and what was done.
+    Columns with gaps filled from others, the stand-ins, and notes.
 
     Parameters
     ----------
@@ -189,9 +187,9 @@ def with_stand_ins(columns, names, limits=None):
         for one in there:
             clean[one], more = cleaned(columns[one], one, usual, limits)
             notes += more
-        one, lacks, said = level_of(clean, usual, name)
+        one, filled, said = level_of(clean, usual, name)
         columns = one.into({**columns, **clean})
-        if lacks:  # what fills a column says nothing of it
+        if filled:  # a column that fills another cannot cross-check it
             columns.pop(name)
         notes.append(said)
         found.append(one)
@@ -199,17 +197,17 @@ def with_stand_ins(columns, names, limits=None):
 
 
 def refuse_unlike(known, other):
-    """Refuse an air temperature that is in another unit, or none."""
+    """Refuse a column that is in another unit, or no air temperature."""
     slope = float(np.polyfit(known, other, 1)[0])
     if not ALIKE[0] < slope < ALIKE[1]:
         raise ValueError(
-            f"{other.name} changes by {slope:.2g} for each K of {known.name}; look at "
-            "its unit, which has to be °C, and at where it is measured"
+            f"{other.name} changes by {slope:.2g} for each K of {known.name}; check "
+            "its unit, which has to be °C, and where it is measured"
         )
 
 
 def cleaned(column, name, usual, limits):
-    """A column without what was not measured, and what that was."""
+    """A column without implausible values, and notes on these."""
     found = screen_record(pd.DataFrame({usual: column}), limits)
     lines = [line for line in found.notes if line.startswith(usual)]
     return found.cleaned[usual].rename(name), [
@@ -218,7 +216,7 @@ def cleaned(column, name, usual, limits):
 
 
 def level_of(columns, usual, name):
-    """How a column stands in for a usual one, in how many rows, and words for it."""
+    """The stand-in of a column, the number of rows it fills, and a note."""
     other, known = columns[name], columns.get(usual)
     every = spacing(other)
     lines = f", on straight lines between values {every / 60:.3g} min apart"
@@ -226,7 +224,7 @@ def level_of(columns, usual, name):
     if known is None or known.isna().all():
         words = f"there is no {usual}: {name} stands in for it{lines}"
         return StandIn(usual, name, every=every), len(other), words
-    lacks = int((known.isna() & between(other, every).notna()).sum())
+    filled = int((known.isna() & between(other, every).notna()).sum())
     both = known.notna() & other.notna()
     if both.sum() < FEWEST:
         raise ValueError(
@@ -241,16 +239,16 @@ def level_of(columns, usual, name):
         offset = float((known - other)[both].mean())
         one = StandIn(usual, name, 1.0, offset, every)
         how = f"with {offset:.2g} K added"
-    if not lacks:
+    if not filled:
         return one, 0, f"{usual} has no gap in which {name} could stand in"
-    left = known[both] - (one.factor * other + one.offset)[both]
-    rms = float(np.sqrt((left**2).mean()))
+    residual = known[both] - (one.factor * other + one.offset)[both]
+    rms = float(np.sqrt((residual**2).mean()))
     return (
         one,
-        lacks,
+        filled,
         (
-            f"{name} stands in for {usual} in {lacks:,} rows, {how}{lines}; where both "
-            f"are there they then differ by {rms:.2g} {SERVED[usual]} (root mean "
+            f"{name} stands in for {usual} in {filled:,} rows, {how}{lines}; where "
+            f"both are there they then differ by {rms:.2g} {SERVED[usual]} (root mean "
             f"square of {int(both.sum()):,} rows)"
         ),
     )

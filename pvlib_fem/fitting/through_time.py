@@ -1,4 +1,4 @@
-"""Coefficients by the month or any other period, from what a fit keeps of its days."""
+"""Coefficients per month or any other period, from the daily sums of a fit."""
 
 import numpy as np
 import pandas as pd
@@ -24,8 +24,8 @@ def through_time(fit, freq, coefficients):
         (start, in_period(minimum, days))
         for start, days in periods(minimum.daily.sums.dates, freq, zone)
     ]
-    names, starts = list(minimum.told), [start for start, _ in parts]
-    # in the order of a fit, which is not that of letters
+    names, starts = list(minimum.units), [start for start, _ in parts]
+    # in the order of the fit, not sorted by name
     index = pd.MultiIndex(
         levels=[names, starts],
         codes=np.indices((len(names), len(starts))).reshape(2, -1),
@@ -36,13 +36,13 @@ def through_time(fit, freq, coefficients):
 
 
 def minimum_of(fit, coefficients):
-    """What a fit keeps, if it keeps it, and what is asked of it."""
+    """The minimum of a fit with daily sums, and the coefficients that vary."""
     if fit.daily is None:
         why = "was read from a file, which holds none"
         if fit.method == "paper":
             why = "is by the paper's recipe, which makes none"
         raise ValueError(
-            "coefficients through time need a fit's sums by the day, and this fit "
+            "coefficients through time need the daily sums of a fit, and this fit "
             f"{why}; fit the record with method='least_squares'"
         )
     model, daily = fit.thermal_model, fit.daily
@@ -58,7 +58,7 @@ def minimum_of(fit, coefficients):
 
 
 def names_of(model, fitted, wanted):
-    """The coefficients that vary: those of the model without effects, or as asked."""
+    """The coefficients that vary: by default those of the model without effects."""
     if wanted is None:
         own = [*model.steady_model.parameters, *MEMORY[model.dynamics], "bias"]
         names = [name for name in fitted if name in own]
@@ -66,20 +66,20 @@ def names_of(model, fitted, wanted):
         wanted = list(several(wanted))
         if unknown := [name for name in wanted if name not in fitted]:
             raise ValueError(
-                f"{', '.join(map(str, unknown))} was not fitted and has no course; "
+                f"{', '.join(map(str, unknown))} was not fitted and cannot vary; "
                 f"there are {', '.join(fitted) or 'none'}"
             )
         names = [name for name in fitted if name in wanted]
     if not names:
         raise ValueError(
-            "no coefficient is left that varies: those of the model are held or at a "
-            f"bound, and there are {', '.join(fitted) or 'no others'}"
+            "no coefficient varies: those of the model are held or at a bound, and "
+            f"there are {', '.join(fitted) or 'no others'}"
         )
     return names
 
 
 def periods(dates, freq, zone):
-    """Start of each period from the first day to the last, and its days' places."""
+    """Start of each period from the first day to the last, and places of its days."""
     first = pd.Timestamp(2001, 1, 1)
     try:
         offset = pd.tseries.frequencies.to_offset(freq)
@@ -96,14 +96,14 @@ def periods(dates, freq, zone):
     days = pd.DatetimeIndex(dates.astype("datetime64[D]").astype("datetime64[ns]"))
     places = pd.Series(np.arange(len(days)), days)
     for start, part in places.resample(offset, closed="left", label="left"):
-        # midnight may be lacking, or be there twice, where the clock changes
+        # a clock change may skip or repeat midnight
         there = dict(ambiguous=True, nonexistent="shift_forward")
         yield start.tz_localize(zone, **there) if zone else start, part.to_numpy()
 
 
 def in_period(minimum, days):
-    """What each coefficient is by some days alone, or why that is not known."""
-    units = minimum.told
+    """Each coefficient from the days of a period, or why it is not known."""
+    units = minimum.units
     numbers, tied = np.full((4, len(units)), np.nan), []
     if len(days) >= FEWEST_DAYS:
         numbers, tied = estimates(minimum, days)
@@ -119,7 +119,7 @@ def in_period(minimum, days):
 
 
 def reason(minimum, days, tied, numbers):
-    """Why a number lacks; empty where none does."""
+    """Why a number is NaN; empty if none is."""
     value, error, *_ = numbers
     if days < FEWEST_DAYS:
         return f"fitted days: {days}, and an error needs {FEWEST_DAYS}"
@@ -128,26 +128,26 @@ def reason(minimum, days, tied, numbers):
     if np.isnan(value):
         return "so far from the whole fit that no coefficients have it"
     if np.isnan(error):
-        return f"steps of {minimum.step:g} s do not tell it from none in this period"
+        return f"steps of {minimum.step:g} s do not tell it from 0 in this period"
     return ""
 
 
 def estimates(minimum, days):
-    """Values, errors and intervals of a period, and which of them it leaves open."""
+    """Values, errors and intervals of a period, and the undetermined names."""
     shift, covariance, clusters, tied = solution(minimum, days)
     value, slopes, gain = moved(minimum, shift)
     error = np.sqrt(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))
     reach = student.ppf(0.5 + LEVEL / 2, clusters - 1) * error
     numbers = np.stack([value, error, value - reach, value + reach])
     for name in minimum.memory:
-        place = list(minimum.told).index(name)
+        place = list(minimum.units).index(name)
         numbers[:, place] = in_time(minimum, *numbers[:, place], gain)
-    lost = np.array([name in tied for name in minimum.told])
+    lost = np.array([name in tied for name in minimum.units])
     return np.where(lost, np.nan, numbers), tied
 
 
 def solution(minimum, days):
-    """Shifts from the fit's minimum, their covariance (CR3), and what is unknown."""
+    """Shifts from the fit's minimum, their covariance (CR3), and unknown names."""
     kept = [minimum.daily.names.index(name) for name in minimum.names]
     daily = minimum.daily.sums.on(days)
     clusters, scale = daily.by_cluster, daily.scale[kept]
