@@ -115,7 +115,7 @@ def test_they_come_back_from_a_file_to_the_bit(covered, tmp_path):
     assert again.to_json() == text and str(again) == str(covered)
     without = {k: v for k, v in json.loads(text).items() if k != "budget"}
     (tmp_path / "old.json").write_text(json.dumps(without), encoding="utf-8")
-    with pytest.raises(ValueError, match="lacks budget"):
+    with pytest.raises(ValueError, match="has no budget"):
         fem.Loop.from_json(tmp_path / "old.json")
 
 

@@ -1,1 +1,1 @@
-"""Where the error of a model is: what steps took of it, time scales, single days."""
+"""Error budget of a model: reductions by steps, time scales, unusual days."""

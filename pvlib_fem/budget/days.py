@@ -1,33 +1,33 @@
-"""Days that stand out of what a residual usually is: a cover, snow, work on site."""
+"""Find unusual days of a residual: a cover, snow, work on site."""
 
 import numpy as np
 from scipy.ndimage import median_filter
 
-AROUND = 28  # days on either side, whose median is usual
-LENGTHS = (1, 2, 4, 8)  # days of the stretches that are weighed; longer ones grow
-FEWEST = 30  # days, below which none is usual
-PRESENT = 0.5  # of the usual rows, from which a day counts
-HALF = 0.5  # of a stretch's mean, from which a day at its edge is part of it
-GAP = 3  # days between two that are of one stretch
-TINY = 1e-12  # K, of a residual that is none
-MOST = 50  # stretches of a series at once, and times that it is looked at
-#: exponents of a tail that falls as exp(−x^k): exponential, and normal between the
+AROUND = 28  # days on either side for the moving median
+LENGTHS = (1, 2, 4, 8)  # days of the tested stretches; longer ones grow from these
+FEWEST = 30  # a shorter series has no usual level
+PRESENT = 0.5  # least share of the usual rows of a day
+HALF = 0.5  # share of a stretch's mean above which a day at its edge belongs to it
+GAP = 3  # days; two days closer than this belong to one stretch
+TINY = 1e-12  # K, a residual below is zero
+MOST = 50  # largest number of stretches per search, and of searches
+#: exponents k of a tail exp(−x^k): 1 is exponential, 1.345 is normal between the
 #: median and the 90 % quantile
 TAILS = (1.0, 1.345)
 
 
 def episodes(residual, dates, sunny, chance):
     """
-    Stretches of days on which a residual is not what it is around them.
+    Stretches of days with an unusual residual.
 
-    Means by day and means by night are each taken about their moving median of eight
-    weeks, so that a season and a step at a date are none, and in units of their usual
-    size in those weeks. Sums of 1, 2, 4 and 8 days in turn are held against what is
-    usual for that many days in this record, whatever memory it has: against a tail
-    through the median and the 90 % quantile of single days, as heavy as an exponential
-    one at most, at a chance that counts all sums. A stretch then grows as far as days
-    have half of its mean. The days that are left are looked at anew, until they show
-    none: where there are many, they hide each other. That chance is of the first look.
+    Daily means of daytime and of night rows are tested separately. The moving median of
+    eight weeks is subtracted, so a season or a step is no stretch, and the means are
+    divided by their usual size in those weeks. Sums over 1, 2, 4 and 8 days are
+    compared with the distribution of such sums in this record. Its tail runs through
+    the median and the 90 % quantile of single days and is exponential at most. The
+    threshold accounts for the number of sums. A stretch grows as long as adjacent days
+    have half of its mean. The search repeats on the other days until it finds nothing,
+    because many stretches hide each other; ``chance`` holds for the first search.
 
     Parameters
     ----------
@@ -36,14 +36,14 @@ def episodes(residual, dates, sunny, chance):
     dates : array of int
         Calendar day of each row, from 1970-01-01.
     sunny : array of bool
-        Rows by day.
+        Daytime rows.
     chance : float
-        That noise shows any.
+        Probability that noise alone shows a stretch.
 
     Returns
     -------
     list of (int, int)
-        First and last day, in order.
+        First and last day of each stretch, in order.
     """
     found = []
     for rows in (sunny, ~sunny):
@@ -72,17 +72,17 @@ def stretches(values, days, chance):
         if not new:
             break
         found += [(int(left[start]), int(left[end - 1]) + 1) for start, end in new]
-        # what is usual is so of the other days, which are looked at anew
+        # the usual level changes without these days, so the others are searched again
         gone = np.concatenate([np.arange(start, end) for start, end in new])
         left = np.delete(left, gone)
     return found
 
 
 def at_once(values, days, chance):
-    """Stretches beside what is usual of all these days."""
+    """Stretches that one search finds, given the usual level of all days."""
     around = {"size": 2 * AROUND + 1, "mode": "reflect"}
     apart = values - median_filter(values, **around)
-    # some weeks of the year have more weather than others
+    # the weather is more variable in some weeks of the year
     size = np.abs(apart)
     apart /= np.maximum(median_filter(size, **around), max(np.median(size), TINY))
     limits, found = usual(apart, days, chance), []
@@ -97,7 +97,7 @@ def at_once(values, days, chance):
 
 
 def sums_of(values, days, length):
-    """Sums of so many days, 0 where a gap is between them."""
+    """Sums over so many days; 0 if a gap is between them."""
     total = np.concatenate(([0.0], np.cumsum(values)))
     sums = total[length:] - total[:-length]
     span = days[length - 1 :] - days[: len(days) - length + 1]
@@ -105,7 +105,7 @@ def sums_of(values, days, length):
 
 
 def usual(apart, days, chance):
-    """Size of the sum of so many days, by length, that noise has at that chance."""
+    """Threshold of a sum of days, by number of days, that noise exceeds by chance."""
     half, most = np.quantile(np.abs(apart), [0.5, 0.9])
     if not half > 0.0:
         return {}
@@ -116,13 +116,13 @@ def usual(apart, days, chance):
     limits, before = {}, 1
     for length in LENGTHS:
         own = np.median(np.abs(sums_of(apart, days, length)))
-        half = max(own, half * np.sqrt(length / before))  # as without memory, or more
+        half = max(own, half * np.sqrt(length / before))  # at least as uncorrelated
         limits[length], before = half * far, length
     return limits
 
 
 def strongest(apart, days, limits):
-    """The stretch that is furthest beyond its limit, or None."""
+    """The stretch that exceeds its threshold most, or None."""
     best, found = 1.0, None
     for length, limit in limits.items():
         beyond = np.abs(sums_of(apart, days, length)) / limit
@@ -133,7 +133,7 @@ def strongest(apart, days, limits):
 
 
 def grown(apart, days, start, end):
-    """The stretch without usual days at its edges, and with further ones like it."""
+    """The stretch, trimmed by usual days at its edges and extended by similar days."""
     mean = apart[start:end].mean()
     strong = np.flatnonzero(apart * np.sign(mean) >= HALF * abs(mean))
     inside = strong[(strong >= start) & (strong < end)]
@@ -148,7 +148,7 @@ def grown(apart, days, start, end):
 
 
 def joined(ends):
-    """Stretches that touch or overlap as one."""
+    """Merge stretches that touch or overlap."""
     found = []
     for first, last in ends:
         if found and first <= found[-1][1] + 1:

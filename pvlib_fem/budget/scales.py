@@ -1,13 +1,13 @@
-"""On which time scales a residual lives: means of weeks, days and hours, nested."""
+"""Split a residual by time scale: nested means of weeks, days and hours."""
 
 import numpy as np
 
 from pvlib_fem.statistics.clusters import calendar_weeks
 
 HOURS = 24
-#: longest distance of neighbours, in usual steps
+#: largest distance between neighbours, in usual steps
 NEAR = 1.5
-#: parts of a mean square from the slowest to the fastest, by what they change with
+#: parts of a mean square, from the slowest to the fastest
 WEEKS, DAYS, HOURLY, MINUTES, WHITE = SCALES = (
     "from week to week",
     "from day to day",
@@ -19,12 +19,13 @@ WEEKS, DAYS, HOURLY, MINUTES, WHITE = SCALES = (
 
 def by_scale(residual, dates, hours, seconds, step):
     """
-    Mean square of a residual by time scale, which adds up exactly.
+    Mean square of a residual by time scale; the parts add up exactly.
 
-    Means of calendar weeks, of days about their week's, of hours about their day's
-    and rows about their hour's are orthogonal, each by the rows that it has, so that
-    gaps do no harm. White noise is in all of them, by their numbers of means: that
-    much of each is told as what changes from row to row.
+    The parts are means of calendar weeks, of days minus their week's mean, of hours
+    minus their day's mean, and of rows minus their hour's mean. They are weighted by
+    their rows, so they are orthogonal also with gaps. White noise contributes to each
+    part in proportion to its number of means. These contributions are moved to the part
+    that changes from row to row.
 
     Parameters
     ----------
@@ -42,9 +43,9 @@ def by_scale(residual, dates, hours, seconds, step):
     Returns
     -------
     dict
-        Scale, from the slowest to the fastest, to mean square. [K²] The first holds
-        the mean and what is slower than two weeks, for which a mean of seven days
-        stands by half and more.
+        Mean square [K²] by scale, from the slowest to the fastest. The first scale
+        holds the mean and periods longer than two weeks, of which a mean over seven
+        days keeps at least half.
     """
     rows = len(residual)
     if rows == 0:
@@ -69,16 +70,16 @@ def blocked(values, block):
 
 
 def white_noise(values, seconds, step):
-    """Mean square of what has no memory from one row to the next."""
+    """Mean square of the part without autocorrelation."""
     square = values @ values / len(values)
     one, two = (lagged(values, seconds, step, lag) for lag in (1, 2))
-    # what is remembered falls by a constant share from row to row
+    # the autocovariance falls by a constant factor from row to row
     kept = one**2 / two if one > two > 0.0 else one
     return float(square - np.clip(kept, 0.0, square))
 
 
 def lagged(values, seconds, step, lag):
-    """Mean product of neighbours so many rows apart."""
+    """Mean product of values so many rows apart."""
     near = seconds[lag:] - seconds[:-lag] <= NEAR * step * lag
     if not near.any():
         return 0.0

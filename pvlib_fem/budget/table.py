@@ -1,4 +1,4 @@
-"""Where the error went, and where in time the rest of it lives."""
+"""The error budget: reductions by steps, and the remaining error in time."""
 
 import numpy as np
 import pandas as pd
@@ -16,9 +16,9 @@ NUMBERS = ["day", "night", "share"]
 
 def episodes_of(case, step):
     """
-    Days on which a step's residual is not what it is around them, as rows.
+    Stretches of days with an unusual residual of a step, as a table.
 
-    All weeks are looked at: episodes are told, and decide nothing.
+    All weeks are searched, because episodes are only reported and decide nothing.
     """
     residual = step.measured - step.temperature
     rows = case.seen & np.isfinite(residual)
@@ -50,7 +50,7 @@ def written(date):
 
 
 def episode_table(rows):
-    """Episodes of a record or a file as a table."""
+    """Episodes as a table."""
     names = ["start", "end", "days", *NUMBERS]
     table = pd.DataFrame(rows, columns=names)
     dates = {name: pd.to_datetime(table[name]) for name in names[:2]}
@@ -59,13 +59,13 @@ def episode_table(rows):
 
 
 def episode_rows(table):
-    """The same for a file."""
+    """The table of episodes as rows of a file."""
     dates = {name: table[name].dt.strftime("%Y-%m-%d") for name in ("start", "end")}
     return table.assign(**dates).to_dict(orient="records")
 
 
 def episodes_from(parts):
-    """Episodes of parts of a file."""
+    """The table of episodes from parts of a file."""
     return episode_table(
         [
             {
@@ -80,13 +80,13 @@ def episodes_from(parts):
 
 def budget_of(case, steps, path, table, findings, stretches):
     """
-    Mean square of the steady model: what steps took of it, and what is left in time.
+    Error budget: mean square of the steady model, reductions, and the remainder.
 
-    Of the test weeks, on the rows that all steps know; of the fitting weeks where
-    there are no test weeks. What the steps of the path took, what is on days that
-    stand out, and the time scales of all other days add up.
+    The budget is of the test weeks, or of the fitting weeks without test weeks, on rows
+    that all steps know. It adds up: the reductions by the steps of the path, unusual
+    days, and the time scales of all other days.
     """
-    weeks, residual, rows = told_rows(case, steps, steps[path[-1]])
+    weeks, residual, rows = budget_weeks(case, steps, steps[path[-1]])
     squares = table.loc[path, ENDINGS[weeks]] ** 2
     out = rows & within(case.whole.dates, stretches)
     apart = residual[out] @ residual[out] / max(rows.sum(), 1)
@@ -118,8 +118,8 @@ def budget_of(case, steps, path, table, findings, stretches):
     )
 
 
-def told_rows(case, steps, last):
-    """The weeks that are told, the last residual, and the rows of both."""
+def budget_weeks(case, steps, last):
+    """The weeks of the budget, the last residual, and the mask of their rows."""
     everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
     residual = last.measured - last.temperature
     everywhere &= np.isfinite(residual)
@@ -132,14 +132,14 @@ def told_rows(case, steps, last):
 
 
 def left_by_scale(record, residual, rows):
-    """Mean square of what is left, by time scale."""
+    """Mean square of the residual on some rows, by time scale."""
     hours = record.index[rows].hour.to_numpy()
     times = record.inputs.seconds[rows], record.inputs.step
     return by_scale(residual[rows], record.dates[rows], hours, *times)
 
 
 def within(dates, stretches):
-    """Rows of some days."""
+    """Mask of the rows of some stretches of days."""
     held = np.zeros(len(dates), dtype=bool)
     for start, end in zip(stretches["start"], stretches["end"]):
         first, last = (np.datetime64(day, "D").astype(int) for day in (start, end))
@@ -148,7 +148,7 @@ def within(dates, stretches):
 
 
 def budget_table(rows):
-    """A budget of a record or a file as a table."""
+    """An error budget as a table."""
     table = pd.DataFrame(rows).set_index("part")
     square = table["mean_square"]
     error = np.sign(square) * np.sqrt(square.abs())
@@ -156,12 +156,12 @@ def budget_table(rows):
 
 
 def budget_rows(table):
-    """The same for a file; what follows from it is made again."""
+    """The budget as rows of a file, without derived columns."""
     return table[["kind", "mean_square", "weeks"]].reset_index().to_dict("records")
 
 
 def budget_from(parts):
-    """The budget of parts of a file."""
+    """The budget from parts of a file."""
     texts = ("part", "kind", "weeks")
     return budget_table(
         [

@@ -1,1 +1,1 @@
-"""Least squares, errors by clusters, tables of what is left."""
+"""Least squares, cluster-robust errors, and random effects of the residual."""

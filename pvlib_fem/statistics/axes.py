@@ -1,4 +1,4 @@
-"""Ways to sort rows: by clock, by calendar and by columns."""
+"""Axes along which rows are binned: clock, calendar and columns."""
 
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -7,19 +7,19 @@ import numpy as np
 
 from pvlib_fem.record.columns import UNITS
 
-WEEKEND_DAYS = 14  # below which weekends are not told from the week: two of each
-DARK = 1.0  # W/m², up to which rows are in the night's own bin
-DRIVER_BINS = 10  # of a driver, with equal numbers of rows
-#: of the sun's position, and from where on it is in one bin [°]
+WEEKEND_DAYS = 14  # a record of fewer days has no weekend axis: it needs two of each
+DARK = 1.0  # W/m², rows up to this irradiance have a bin of their own
+DRIVER_BINS = 10  # bins of a driver, with equal numbers of rows
+#: bin widths of the solar position, and the value from which one bin holds all [°]
 WIDTHS = {"solar_azimuth": (12.0, 359.9), "solar_zenith": (6.0, 90.0)}
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
-#: names that are not a column's
+#: names of axes that are not columns
 CLOCK = ("hour", "weekend", "month")
 MONTHS = (
     *("January", "February", "March", "April", "May", "June"),
     *("July", "August", "September", "October", "November", "December"),
 )
-OF_COLUMN = "column "  # before a column's name that could be taken for one of those
+OF_COLUMN = "column "  # prefix of a column whose name is one of CLOCK
 
 
 def month_words(name, start, end):
@@ -28,7 +28,7 @@ def month_words(name, start, end):
 
 
 def column_words(name, start, end):
-    """Words for a part of a column's range; rows without it come after all others."""
+    """Words for a part of a column's range; missing values are in the last bin."""
     if start == "missing":
         return f"where {name} is missing"
     if name == "wind_direction":
@@ -54,18 +54,18 @@ CLOCK_WORDS = {
 @dataclass(frozen=True, eq=False)
 class Axis:
     """
-    One way to sort rows: a bin for each, and what the bins are called.
+    An axis along which rows are binned: the bin of each row, and labels of the bins.
 
     Attributes
     ----------
     name : str
-        As it is told; that of a column is never that of a clock.
+        Name in reports; a column never has the name of a clock axis.
     bins : array of int
-        Of each row.
+        Bin of each row.
     labels : tuple
         From and to of each bin.
     column : str
-        The column that it sorts by; none where that is clock or calendar.
+        The binned column; empty for clock or calendar.
     cyclic : bool
         Whether the first bin follows the last.
     """
@@ -77,11 +77,11 @@ class Axis:
     cyclic: bool = False
 
     def of(self, rows):
-        """The same for some of the rows."""
+        """This axis for some of the rows."""
         return self if rows.all() else replace(self, bins=self.bins[rows])
 
     def strongest(self, squares, share):
-        """Shortest run of bins that holds a share of the squares, in order."""
+        """Shortest run of adjacent bins that holds a share of the squares."""
         count, whole = len(squares), squares.sum()
         for length in range(1, count):
             starts = np.arange(count if self.cyclic else count - length + 1)
@@ -100,30 +100,30 @@ class Axis:
         return words(self.name, start, end)
 
     def place(self, bins, rows):
-        """The place that some bins are, of as many rows in each."""
+        """The range of some bins; ``rows`` are the numbers of rows in all bins."""
         share = float(rows[bins].sum() / rows.sum())
         ends = self.labels[bins[0]][0], self.labels[bins[-1]][1]
-        told = self.words(bins, share)
-        return Place(self.name, self.column, *ends, share, told)
+        words = self.words(bins, share)
+        return Place(self.name, self.column, *ends, share, words)
 
 
 @dataclass(frozen=True)
 class Place:
     """
-    Where along one axis a residual lives.
+    The range of an axis in which a residual is large.
 
     Attributes
     ----------
     driver : str
-        The axis.
+        Name of the axis.
     column : str
-        The column that it is made of; none where that is clock or calendar.
+        The binned column; empty for clock or calendar.
     start, end : float or str
         Labels of the bins: hours, months, the driver's unit, compass points.
     share : float
-        Of all rows that lie there. [-]
+        Share of all rows in the range. [-]
     words : str
-        The same to be read; empty where it is everywhere along the axis.
+        The range in words; empty if it is the whole axis.
     """
 
     driver: str
@@ -136,14 +136,14 @@ class Place:
 
 def axes(places, dates):
     """
-    All ways to sort values by clock, calendar and columns.
+    Yield all axes of clock, calendar and columns.
 
     Parameters
     ----------
     places : dict of array
-        ``hour``, ``month``, ``weekend``, and columns by their names: those with few
-        values get a bin for each, the sun's position bins of equal width, the others
-        bins with equal numbers of values.
+        ``hour``, ``month``, ``weekend``, and columns by their names. The solar position
+        gets bins of equal width, other columns bins with equal numbers of values. A
+        column of few values gets a bin for each.
     dates : array of int
         Day of each value, from 1970-01-01.
     """
@@ -164,7 +164,7 @@ def axes(places, dates):
 
 
 def sorted_by(name, values):
-    """Bins of one driver, or nothing where it does not vary."""
+    """Axis of one driver; None if it does not vary."""
     known = np.isfinite(values)
     if name == "wind_direction":
         count = len(SECTORS)
@@ -203,7 +203,7 @@ def of_width(name, values, width):
 
 
 def with_missing(bins, labels, known):
-    """Bins and labels with one more for rows in which the driver lacks."""
+    """Bins and labels with one more bin for rows where the driver is missing."""
     if known.all():
         return bins, labels
     return np.where(known, bins, len(labels)), (*labels, ("missing",) * 2)

@@ -1,9 +1,9 @@
 """
 Least squares of any columns from one pass over a record.
 
-The products of all columns are summed by the day. Subsets of columns, folds of
-days left out, errors by the week and what one column adds to others are then
-sums of small matrices.
+The products of all columns are summed per day. From these small matrices follow
+solutions for subsets of columns, cross-validation over folds of days, and errors
+clustered by week.
 """
 
 from dataclasses import dataclass, replace
@@ -17,18 +17,18 @@ from pvlib_fem.statistics.leastsquares import BLOCK, products
 
 FOLDS = 5
 WEEK = 7  # days that stay together in a fold
-FEWEST_CLUSTERS = 8  # weeks, below which errors are clustered by the day
-FEWEST_DAYS = 5  # below this the spread between days is no error
-AT_ONCE = 1 << 12  # rows of short days whose products are made together
-RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
+FEWEST_CLUSTERS = 8  # with fewer weeks, errors are clustered by day
+FEWEST_DAYS = 5  # with fewer days, the spread between days gives no error
+AT_ONCE = 1 << 12  # rows of short days whose products are computed together
+RIDGE = 1e-9  # of a column's square: an undetermined coefficient stays 0
 
 
 @dataclass(frozen=True, eq=False)
 class ClusterSums:
     """
-    Products of columns, and of the residual as the last of them, by the day.
+    Daily sums of products of columns; the last column is the residual.
 
-    Columns are scaled to a mean square of 1; ``scale`` leads back.
+    Columns are scaled to a mean square of 1; ``scale`` reverses that.
     """
 
     sums: np.ndarray  # days, columns + 1, columns + 1
@@ -54,28 +54,28 @@ class ClusterSums:
 
     @cached_property
     def clusters(self):
-        """First day of each week, whose weather is shared; each day where few weeks."""
+        """First day of each cluster: a week with its weather, or a day if few weeks."""
         weeks, first = np.unique(self.weeks, return_index=True)
         return np.arange(self.days) if len(weeks) < self.fewest else first
 
     @cached_property
     def by_cluster(self):
-        """Sums by the cluster."""
+        """Sums per cluster."""
         if len(self.clusters) == self.days:
             return self.sums
-        # thrice as fast as to reduce along the days
+        # three times as fast as np.add.reduceat
         ends, days = np.append(self.clusters, self.days), np.arange(self.days)
         weeks = csr_array((np.ones(self.days), days, ends))
         found = weeks @ self.sums.reshape(self.days, -1)
         return found.reshape(-1, *self.sums.shape[1:])
 
     def of(self, kept):
-        """Those of some columns alone."""
+        """Sums of some columns and the residual."""
         sums = those(self.sums, [*kept, self.sums.shape[1] - 1])
         return replace(self, sums=sums, scale=self.scale[kept])
 
     def on(self, days):
-        """Those of some days alone, by their places."""
+        """Sums of some days, by their places."""
         picked = {name: getattr(self, name)[days] for name in ("folds", "weeks")}
         return replace(self, sums=self.sums[days], **picked)
 
@@ -85,18 +85,18 @@ class ClusterSums:
 
     @cached_property
     def lefts(self):
-        """What is left by the columns that are kept, of those asked for so far."""
+        """Cache of :meth:`left`, by the kept columns."""
         return {}
 
     def left(self, kept):
-        """Mean square that the kept columns leave on days that did not solve them."""
+        """Cross-validated mean square of the residual with the kept columns."""
         kept = tuple(kept)
-        if kept not in self.lefts:  # each of many rivals asks for what is beside it
+        if kept not in self.lefts:  # many candidates share the same other columns
             self.lefts[kept] = self.losses(list(kept), self.by_fold) / self.rows
         return self.lefts[kept]
 
     def losses(self, kept, parts):
-        """Sum of squares left in the parts, each by a solution without it."""
+        """Residual sum of squares over the parts, each by a solution of the others."""
         parts = those(parts, [*kept, -1])
         rest = those(self.whole[None], [*kept, -1]) - parts
         found = ridged(rest[:, :-1, :-1], rest[:, :-1, -1])
@@ -105,7 +105,7 @@ class ClusterSums:
         return float((parts[:, -1, -1] - 2.0 * crossed + inner).sum())
 
     def covariance(self, kept):
-        """Covariance of the solution from leaving out each week in turn (CR3)."""
+        """Covariance of the solution by the jackknife over weeks (CR3)."""
         sums = self.by_cluster
         normals = those(sums, kept)
         whole = normals.sum(axis=0)
@@ -114,7 +114,7 @@ class ClusterSums:
         return days_left_out(normals, scores, inverse)
 
     def by_day(self):
-        """Covariance of a minimum of all columns from leaving out each day in turn."""
+        """Covariance at a minimum of all columns by the jackknife over days."""
         normals, scores = self.sums[:, :-1, :-1], self.sums[:, :-1, -1]
         inverse = np.linalg.inv(normals.sum(axis=0))
         covariance = days_left_out(normals, scores, inverse)
@@ -122,7 +122,7 @@ class ClusterSums:
 
 
 def those(sums, columns):
-    """Products of some columns, in their order, as an array of their own."""
+    """Copy of the products of some columns, in the given order."""
     columns = np.asarray(columns) % sums.shape[-1]
     places = columns[:, None] * sums.shape[-1] + columns
     return sums.reshape(len(sums), -1).take(places, axis=1)
@@ -130,9 +130,9 @@ def those(sums, columns):
 
 def root(square):
     """
-    Root of a fall of the mean square; of a rise less than nothing. [K]
+    Root of a decrease of the mean square; negative for an increase. [K]
 
-    Below a µK is rounding, which is not to choose among what is alike.
+    It is rounded to 1 µK, so that rounding errors do not decide between equal values.
     """
     return round(float(np.sign(square) * np.sqrt(abs(square))), 6)
 
@@ -141,15 +141,15 @@ def cluster_sums(columns, residual, dates, folds=FOLDS, fewest=FEWEST_CLUSTERS):
     """
     Sum the products of columns over each date, in order.
 
-    ``columns`` are arrays of the rows; they are put side by side a day at a time,
-    so that a long record needs no second copy of them.
+    ``columns`` are arrays of the rows. They are stacked a day at a time, so a long
+    record needs no second copy of them.
     """
     by_day = products_by_day([*columns, residual], dates)
     return cluster_sums_of(*by_day, len(residual), folds, fewest)
 
 
 def cluster_sums_of(days, sums, rows, folds=FOLDS, fewest=FEWEST_CLUSTERS):
-    """The same from the products of columns over each day, of some rows in all."""
+    """:class:`ClusterSums` from daily products of columns over ``rows`` rows in all."""
     scale = np.sqrt(np.einsum("dii->i", sums)[:-1] / rows)
     scale[scale == 0] = 1.0
     scales = np.append(scale, 1.0)
@@ -159,11 +159,11 @@ def cluster_sums_of(days, sums, rows, folds=FOLDS, fewest=FEWEST_CLUSTERS):
 
 
 def products_by_day(columns, dates):
-    """The dates of some rows, and products of columns over each."""
+    """The dates of some rows, and products of columns over each date."""
     first, ends = starts(dates)
     size, rows = len(columns), np.diff(first, append=len(dates))
     found = np.empty((len(first), size, size))
-    # days of as many rows that follow each other go together, where they are short
+    # consecutive short days with equal numbers of rows are computed together
     edges = np.flatnonzero(np.diff(rows, prepend=0, append=0))
     for start, end in pairwise(edges):
         length = rows[start]
@@ -178,14 +178,14 @@ def products_by_day(columns, dates):
 
 
 def of_days(columns, rows, length):
-    """Products of columns over each day of a length, to the bits of each by itself."""
+    """Products of columns over days of equal length, with the bits of single days."""
     table = np.stack([column[rows] for column in columns])
     days = table.reshape(len(columns), -1, length).transpose(1, 0, 2)
     return np.ascontiguousarray(days) @ np.ascontiguousarray(days.transpose(0, 2, 1))
 
 
 def joined(parts):
-    """The dates and products of blocks that follow each other, each date once."""
+    """Dates and products of consecutive blocks, with each date once."""
     days, sums = zip(*parts)
     days, sums = np.concatenate(days), np.concatenate(sums)
     first, _ = starts(days)
@@ -193,7 +193,7 @@ def joined(parts):
 
 
 def days_of_folds(dates, folds=FOLDS):
-    """Fold of each date: whole weeks in turn, or days where there are few weeks."""
+    """Fold of each date: whole weeks in turn, or days if there are few weeks."""
     grouped = calendar_weeks(dates) if np.ptp(dates) >= folds * WEEK else dates
     return np.unique(grouped, return_inverse=True)[1] % folds
 
@@ -202,7 +202,7 @@ def starts(dates):
     """First row of each date, and the row after its last."""
     if not len(dates):
         return np.zeros(0, int), []
-    # an hour that comes twice at midnight stays with the day that has begun
+    # a repeated hour at midnight stays with the day that has begun
     first = np.flatnonzero(np.diff(dates, prepend=dates[0] - 1) > 0)
     return first, [*first[1:], len(dates)]
 
@@ -214,10 +214,10 @@ def calendar_weeks(dates):
 
 def days_left_out(normals, scores, inverse):
     """
-    Covariance of a solution from its spread when each day in turn is left out.
+    Covariance of a solution by the jackknife over clusters, CR3 [1]_.
 
-    To first order, from the normal matrices and scores of the days and the
-    inverse of the whole normal matrix: the jackknife over clusters, CR3 [1]_.
+    To first order, it follows from the normal matrices and scores of the clusters
+    and the inverse of the whole normal matrix.
 
     References
     ----------
@@ -231,19 +231,19 @@ def days_left_out(normals, scores, inverse):
 
 
 def day_errors(columns, residual, days):
-    """Covariance of a minimum that survives autocorrelation within a day."""
+    """Covariance at a minimum, robust to autocorrelation within a day."""
     return cluster_sums(columns, residual, days).by_day()
 
 
 def ridged(normal, right):
-    """Solution of normal equations, or of a stack of them."""
+    """Solution of one or more systems of normal equations."""
     if right.shape[-1] == 0:
         return right
     return np.linalg.solve(normal + ridge(normal), right[..., None])[..., 0]
 
 
 def ridge(normal):
-    """Small enough not to matter, and there where a column is not."""
+    """A small ridge that keeps the system regular if a column is zero."""
     size, count = np.diagonal(normal, axis1=-2, axis2=-1), normal.shape[-1]
     size = RIDGE * (size + size.sum(axis=-1, keepdims=True) / count)
     return size[..., None] * identity(count)

@@ -1,22 +1,21 @@
-"""The largest of many, and how sure it is."""
+"""The largest of many gains, and Student's t as a normal deviate."""
 
 import numpy as np
 from scipy.special import ndtri, stdtr
 
-ALIKE = 1e-9  # of a gain, by which no other is larger
+ALIKE = 1e-9  # relative difference up to which two gains count as equal
 
 
 def as_normal(statistic, draws):
-    """Standard errors of the normal law with the chance of Student's by few draws."""
+    """Normal deviate with the tail probability of Student's t with few draws."""
     return float(-ndtri(stdtr(draws, -statistic)))
 
 
 def largest(gains):
     """
-    Place of the first gain that is as large as any but for rounding.
+    Place of the first gain that equals the largest within rounding errors.
 
-    Where nothing was to be seen an edge may stand anywhere, and the last bits of a sum
-    are not to say where.
+    Without data an edge may be anywhere, and rounding errors must not choose the place.
     """
     gains = np.ravel(gains)
     most = gains.max()

@@ -1,4 +1,4 @@
-"""The variance that an error which lasts for days adds to errors by the day."""
+"""The variance that correlation between days adds to errors clustered by day."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,16 @@ from scipy.signal import lfilter
 from pvlib_fem.statistics.clusters import ClusterSums
 
 LONGEST = 0.5  # share of the days; a longer memory looks like a constant
-KNOWN = 0.1  # share of the days, up to which a memory can be estimated
+KNOWN = 0.1  # longest memory that can be estimated, as a share of the days
 
 
 @dataclass(frozen=True, eq=False)
 class Lasting:
-    """The variance to add to each coefficient, and how long the error lasts."""
+    """The variance to add to each coefficient, and the duration of the error."""
 
     variance: np.ndarray
-    memory: float  # days after which 1/e of the error is left
-    days: int  # from which the memory is estimated
+    memory: float  # days after which the correlation has fallen to 1/e
+    days: int  # number of days from which the memory is estimated
 
     @property
     def known(self):
@@ -27,7 +27,7 @@ class Lasting:
 
 def lasting(sums: ClusterSums) -> Lasting:
     r"""
-    Estimate the variance that the correlation between days adds to errors by the day.
+    Estimate the variance that correlation between days adds to daily clustered errors.
 
     Part of the residual is an error :math:`u_t` of one coefficient on day :math:`t`,
     such as an offset of the sensor that comes and goes. Two days have the correlation
@@ -47,7 +47,7 @@ def lasting(sums: ClusterSums) -> Lasting:
     Parameters
     ----------
     sums : ClusterSums
-        About a minimum.
+        Sums about a minimum.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def lasting(sums: ClusterSums) -> Lasting:
     """
     normals, scores = sums.sums[:, :-1, :-1], sums.sums[:, :-1, -1]
     days, inverse = len(scores), np.linalg.inv(normals.sum(axis=0))
-    squared = np.einsum("dii->di", normals)  # each column, by the day
+    squared = np.einsum("dii->di", normals)  # per day and column
     size = np.sqrt(squared)
     along = np.divide(scores, size, out=np.zeros_like(scores), where=size > 0.0)
     squares = np.maximum((along**2).sum(axis=0), np.finfo(float).tiny)
@@ -79,6 +79,6 @@ def lasting(sums: ClusterSums) -> Lasting:
 
 
 def between(columns, memory):
-    """Sum of the products of all pairs of days, each by the memory between them."""
+    """Sum of products of all pairs of days, weighted by their correlation."""
     carried = lfilter([1.0], [1.0, -memory], columns, axis=0)
     return (columns * (2.0 * carried - columns)).sum(axis=0)

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import lsq_linear
 
-STEPS = 60  # Gauss-Newton steps before it gives up
+STEPS = 60  # Gauss-Newton steps before the search gives up
 HALVINGS = 12
-BESIDE = 8  # blocks of columns that are put side by side at a time
-BLOCK = 200_000  # multiplications of a product below which BLAS has one thread
-DONE = 1e-9  # relative step that ends it
-FLAT = 1e-13  # relative fall of the cost that ends it: seven digits of x, or more
-NEXT = 1e-1  # of a rougher end: what the step after an unseen one may promise
+STACKED = 8  # blocks of columns that are stacked at a time
+BLOCK = 200_000  # multiplications of a product below which BLAS uses one thread
+DONE = 1e-9  # relative step that ends the search
+FLAT = 1e-13  # relative decrease of the cost that ends it: seven digits of x, or more
+NEXT = 1e-1  # share of ``flat`` that the step after a last unevaluated one may promise
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where the sum of squares is least, and how the search ended."""
+    """Place of the least sum of squares, and the state at the end of the search."""
 
     x: np.ndarray
     converged: bool
@@ -25,7 +25,7 @@ class Minimum:
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """Sums about a place of a search, of J the slopes and r what is left."""
+    """Sums at a place of a search; J is the Jacobian and r the residual."""
 
     squares: float  # r'r
     normal: np.ndarray  # J'J
@@ -33,35 +33,35 @@ class Normal:
 
     @classmethod
     def of(cls, total):
-        """From the products of all slopes, and of what is left as the last."""
+        """From the products of all slopes and, last, the residual."""
         return cls(float(total[-1, -1]), total[:-1, :-1], total[:-1, -1])
 
     def by(self, chain):
-        """The same by other variables, whose slopes are mixed by a matrix."""
+        """The sums for other variables, by the matrix of the chain rule."""
         normal = chain.T @ self.normal @ chain
         return Normal(self.squares, normal, chain.T @ self.gradient)
 
     def fall(self, step):
-        """What the sum of squares loses by a step, were the slopes to stay."""
+        """Decrease of the sum of squares by a step, to first order."""
         return float(2.0 * self.gradient @ step - step @ self.normal @ step)
 
 
 def normal(residual, jacobian):
-    """Those sums of a residual and the matrix of its slopes."""
+    """The sums of a residual and the matrix of its slopes."""
     return Normal.of(products([*jacobian.T, residual]))
 
 
 def minimum_of(search, evaluate):
-    """What a search ends with that is sent what ``evaluate`` makes of its points."""
+    """Run a search to its end; ``evaluate`` answers its points."""
     return minima_of({"": search}, lambda asked: {"": evaluate(asked[""])})[""]
 
 
 def minima_of(searches, evaluate):
     """
-    What each of several searches ends with, by its name.
+    Run several searches to their ends; returns their results by name.
 
-    Those that have not ended are answered together: ``evaluate`` takes their points by
-    name, and gives what each is sent.
+    ``evaluate`` takes the points of all searches that have not ended, by name, and
+    returns the answers to send.
     """
     found, asked = {}, {}
     answers = dict.fromkeys(searches)
@@ -78,18 +78,18 @@ def minima_of(searches, evaluate):
 
 def descent(start, lower, upper, steps=STEPS, flat=FLAT):
     """
-    A search for the least sum of squares, as a generator.
+    Search for the least sum of squares, as a generator.
 
-    It yields each place and is sent its :class:`Normal`, so that several searches can
-    share a pass; :func:`minimum_of` runs one. Every step solves the bounded linear
-    problem on the square root of the small normal matrix, so a long record costs one
-    pass a step. The residual is measured minus modelled; the slopes are those of the
-    model. ``flat`` is the relative fall of the cost that ends the search: a last step
-    that promises no more than that is taken unseen.
+    It yields each place, and the caller sends its :class:`Normal`. So several searches
+    can share a pass; :func:`minimum_of` runs one. Every step solves the bounded linear
+    problem on the square root of the small normal matrix, so a step costs one pass over
+    the record. The residual is measured minus modelled; the slopes are those of the
+    model. ``flat`` is the relative decrease of the cost that ends the search. A last
+    step that promises no more than that is taken without evaluation.
     """
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
-    converged = not len(x)  # with nothing to vary it is there
+    converged = not len(x)  # nothing varies
     at = None if converged else (yield x)
     before, enough = np.inf, NEXT * flat if flat > FLAT else 0.0
     for _ in range(0 if converged else steps):
@@ -106,7 +106,7 @@ def descent(start, lower, upper, steps=STEPS, flat=FLAT):
             if there.squares <= at.squares:
                 break
         else:
-            # no shorter step is better either: at a minimum only rounding is left
+            # no shorter step is better: at a minimum the difference is rounding
             converged = there.squares <= at.squares * (1.0 + DONE)
             break
         small = np.abs(new - x) <= DONE * (np.abs(x) + 1e-3 * (upper - lower))
@@ -125,14 +125,14 @@ def bounded_step(at, lower, upper):
     nothing = scale == 0
     scale[nothing] = 1.0
     values, vectors = np.linalg.eigh(at.normal / np.outer(scale, scale))
-    # directions that the record does not determine are left where they are
+    # the step has no component in undetermined directions
     known = values > 1e-12 * values[-1]
     root = np.sqrt(values[known])
     matrix = root[:, None] * vectors[:, known].T
     right = vectors[:, known].T @ (at.gradient / scale) / root
     low, high = lower * scale, upper * scale
     step = vectors[:, known] @ (right / root)
-    step[nothing] = 0.0  # and no rounding
+    step[nothing] = 0.0  # exactly
     if ((low <= step) & (step <= high)).all():
         return step / scale
     free = high > low
@@ -145,18 +145,18 @@ def bounded_step(at, lower, upper):
 
 def products(columns, rows=slice(None)):
     """
-    Products of all columns with each other: the same bits on any number of cores.
+    Products of all pairs of columns, with the same bits on any number of cores.
 
-    Block by block, each too small for BLAS to start threads, which would cost more
-    than they bring on matrices this narrow, and far more on a busy machine.
+    The blocks are so small that BLAS starts no threads. On such narrow matrices threads
+    would cost more time than they save, most of all on a busy machine.
     """
     start, end, _ = rows.indices(len(columns[0]))
     size = len(columns)
     total, block = np.zeros((size, size)), max(BLOCK // size**2, 8)
-    for first in range(start, end, BESIDE * block):
-        part = slice(first, min(first + BESIDE * block, end))
+    for first in range(start, end, STACKED * block):
+        part = slice(first, min(first + STACKED * block, end))
         table = np.concatenate([column[part] for column in columns]).reshape(size, -1)
         for one in np.split(table, range(block, table.shape[1], block), axis=1):
-            # a product with a copy, since BLAS threads that of a matrix with itself
+            # multiply by a copy: BLAS uses threads for a matrix times itself
             total += one @ np.ascontiguousarray(one.T)
     return total

@@ -6,15 +6,15 @@ from scipy.special import betaincinv, gammaincinv
 
 def share_between(count, of, tail=0.05):
     """
-    Ends of the interval of a share, by Jeffreys' prior [1]_; 0 to 1 of none.
+    Ends of the interval of a proportion, by Jeffreys' prior [1]_.
 
     Parameters
     ----------
     count, of : int
-        How many of how many.
+        Number of successes and of trials; with no trial the interval is 0 to 1.
     tail : float, default 0.05
-        Probability beyond either end. The end is 0 where the count is 0, and 1 where
-        it is all, as in [1]_.
+        Probability beyond either end. The lower end is 0 without a success, and the
+        upper end is 1 without a failure, as in [1]_.
 
     References
     ----------
@@ -29,9 +29,10 @@ def share_between(count, of, tail=0.05):
 
 def rate_between(count, of, tail=0.05):
     """
-    Ends of the interval of a mean count in each of some records, by Jeffreys' prior.
+    Ends of the interval of a mean count per record, by Jeffreys' prior.
 
-    Parameters and result as in :func:`share_between`; from 0 on where the count is 0.
+    Parameters and result as in :func:`share_between`; the lower end is 0 for a count
+    of 0.
     """
     if not of:
         return 0.0, np.inf

@@ -1,9 +1,9 @@
 """
-Tables of the remaining error as random effects: what is unexplained but repeatable.
+Tables of the remaining error as random effects: unexplained but repeatable patterns.
 
-Each cell of a table, such as an hour of a month, has a mean of its own. Its variance
-is estimated by the products of what different weeks have in the same cell, so that
-what weeks do not share has no part in it.
+Each cell of a table, such as an hour of a month, has a mean of its own. The variance
+between cells is estimated from products of different weeks in the same cell, so an
+error of one week alone does not contribute.
 """
 
 from dataclasses import dataclass, field
@@ -12,10 +12,10 @@ from itertools import combinations
 
 import numpy as np
 
-PAIR_GAIN = 1.2  # times the variance of one axis, that a table of two has to have
-SURE = 3.0  # standard errors that a variance has to be from nothing
-STRONG_CELL = 0.5  # of the largest mean, from which a cell is part of the place
-PLACE_SHARE = 0.92  # of those cells' squares, that the reported range holds
+PAIR_GAIN = 1.2  # least ratio of the variance of a table of two axes to one of one
+SURE = 3.0  # least ratio of a variance to its standard error
+STRONG_CELL = 0.5  # share of the largest mean above which a cell is strong
+PLACE_SHARE = 0.92  # share of the squares of strong cells in the reported range
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,16 +26,15 @@ class Table:
     Attributes
     ----------
     axes : tuple of Axis
-        One, or two.
+        One or two axes.
     groups : array of int
-        Cell of the table of each value.
+        Cell of each value.
     variance : float
-        Between the cells of the table. [K²]
+        Variance between the cells of the table. [K²]
     errors : float
-        By how many standard errors that differs from nothing.
+        Ratio of the variance to its standard error. [-]
     means, shares, rows : array
-        Of each cell: mean [K], share of it that is its own and not noise, and number
-        of rows.
+        Per cell: mean [K], shrinkage factor of the mean [-], and number of rows.
     """
 
     axes: tuple
@@ -57,7 +56,7 @@ class Table:
         rest : array
             Remaining error, in order of time. [K]
         rows : array
-            Number of rows of which each value is the mean.
+            Number of rows behind each value, which is their mean.
         weeks : array of int
             Week of each value, from 0 on.
 
@@ -72,7 +71,7 @@ class Table:
         sums = np.bincount(place, rest * rows, size).reshape(-1, count)
         held = np.bincount(place, rows, size).reshape(-1, count)
         whole, number = sums.sum(axis=0), held.sum(axis=0)
-        # of each cell the mean product of two weeks, by its part of all rows
+        # mean product of two weeks per cell, weighted by the cell's share of rows
         alike = number**2 - np.square(held).sum(axis=0)
         weight = number / number.sum() / np.where(alike > 0, alike, np.inf)
         shared = (sums * weight) @ sums.T
@@ -95,17 +94,17 @@ class Table:
 
     @property
     def free(self):
-        """Share of the mean of each cell that whitening takes away."""
+        """Share of the mean of each cell that whitening removes."""
         return 1.0 - np.sqrt(1.0 - self.shares)
 
     @property
     def gain(self):
-        """What it would take off the error. [K]"""
+        """Standard deviation between cells: the error that the table explains. [K]"""
         return float(np.sqrt(self.variance))
 
     @cached_property
     def top(self):
-        """Cells of the strongest sign."""
+        """Mask of the strong cells that have the prevailing sign."""
         means, rows = self.shares * self.means, self.rows
         strong = np.abs(means) >= STRONG_CELL * np.abs(means).max()
         squares = np.where(strong, means**2 * rows, 0.0)
@@ -119,8 +118,8 @@ class Table:
 
     @cached_property
     def places(self):
-        """Place of the strongest cells along each axis."""
-        # what happens part of the time leaves some of the other sign elsewhere
+        """Range of the strongest cells along each axis."""
+        # a temporary error leaves a residual of the other sign elsewhere
         means = self.shares * self.means
         squares = np.where(self.top, means**2 * self.rows, 0.0)
         shape, found = [len(axis.labels) for axis in self.axes], []
@@ -152,7 +151,7 @@ class Table:
 
 
 def joined(axes):
-    """One number for each value's cell of one or two axes, and how many there are."""
+    """Number of each value's cell on one or two axes, and the number of cells."""
     if len(axes) == 1:
         return axes[0].bins, len(axes[0].labels)
     one, two = axes
@@ -161,16 +160,17 @@ def joined(axes):
 
 
 def ways(axes):
-    """Each axis, and each two that are not of a kind."""
+    """Each axis, and each pair of axes with different names."""
     pairs = combinations(axes, 2)
     return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
 
 
 def largest(kinds, rest, rows, weeks, least):
     """
-    The table with the largest variance that is sure and material, or None.
+    The table with the largest significant and material variance, or None.
 
-    One of two axes has to have more than one of one, since it has it by itself.
+    A table of two axes must have clearly more variance than the best of one axis,
+    because it always contains that.
     """
     best = {}
     for axes in kinds:

@@ -1,4 +1,4 @@
-"""Least squares of a few columns from sums of their products by the week."""
+"""Least squares of a few columns from weekly sums of their products."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
-MOST_MEMORY = 0.9  # from one week to the next; more cannot be told from a trend
+RIDGE = 1e-9  # of a column's square: an undetermined coefficient stays 0
+MOST_MEMORY = 0.9  # autocorrelation of weeks above which it looks like a trend
 
 
 def products(cells, rows, ends):
@@ -24,10 +24,10 @@ def products(cells, rows, ends):
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
     """
-    Least squares of some columns, with errors by the week.
+    Least squares of some columns, with errors clustered by week.
 
-    ``weekly`` has products by the week, of the residual first and the last ``size``
-    columns as those that are asked about.
+    ``weekly`` has weekly sums of products. The first column is the residual; the last
+    ``size`` columns are the tested ones.
     """
 
     weekly: np.ndarray
@@ -48,15 +48,15 @@ class LeastSquares:
 
     @cached_property
     def shifts(self):
-        """By how much the estimate moves when each week is left out."""
-        left = self.whole - self.weekly
+        """Change of the estimate without each week in turn."""
+        others = self.whole - self.weekly
         scores = self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
-        found = np.linalg.solve(steady(left[:, 1:, 1:]), scores[..., None])[..., 0]
+        found = np.linalg.solve(steady(others[:, 1:, 1:]), scores[..., None])[..., 0]
         return -found[:, -self.size :]
 
     @cached_property
     def covariance(self):
-        """Of the estimate, by the jackknife over weeks and their memory."""
+        """Covariance of the estimate by the jackknife over autocorrelated weeks."""
         shifts, weeks = self.shifts - self.shifts.mean(axis=0), len(self.weekly)
         # collinear columns shift together
         plain = steady((weeks - 1) / weeks * shifts.T @ shifts)
@@ -69,58 +69,58 @@ class LeastSquares:
 
     @cached_property
     def freedom(self):
-        """Effective number of weeks that tell of it, less one."""
-        beside = np.linalg.solve(
+        """Effective number of weeks that determine the estimate, minus one."""
+        projection = np.linalg.solve(
             steady(self.whole[1:, 1:])[: -self.size, : -self.size],
             self.whole[1 : -self.size, -self.size :],
         )
-        mix = np.vstack([-beside, np.eye(self.size)])
-        told = np.einsum("iq,wij,jq->w", mix, self.weekly[:, 1:, 1:], mix)
-        told = np.maximum(told, 0.0)
-        many = told.sum() ** 2 / max((told**2).sum(), 1e-300)
+        mix = np.vstack([-projection, np.eye(self.size)])
+        weights = np.einsum("iq,wij,jq->w", mix, self.weekly[:, 1:, 1:], mix)
+        weights = np.maximum(weights, 0.0)
+        many = weights.sum() ** 2 / max((weights**2).sum(), 1e-300)
         return max(many - 1.0, 1.0)
 
 
 def solve(whole):
-    """Coefficients by sums of products of which the first row is the residual's."""
+    """Coefficients from sums of products; the first row is that of the residual."""
     return np.linalg.solve(steady(whole[..., 1:, 1:]), whole[..., 1:, 0, None])[..., 0]
 
 
 def steady(squares):
-    """Products of which those that the record does not determine stay 0."""
+    """Products with a ridge, so that undetermined coefficients stay 0."""
     diagonal = np.abs(np.einsum("...ii->...i", squares))
     ridge = RIDGE * (diagonal + 1e-3 * diagonal.max(axis=-1, keepdims=True)) + 1e-30
     return squares + ridge[..., None] * np.eye(squares.shape[-1])
 
 
 def fall(whole, size):
-    """Fall of the sum of squares by the last columns, from sums of products."""
+    """Decrease of the sum of squares by the last columns."""
     return left(whole[..., : -size or None, : -size or None]) - left(whole)
 
 
 def left(whole):
-    """Sum of squares that some columns leave."""
+    """Residual sum of squares of some columns."""
     found = solve(whole)
     return whole[..., 0, 0] - np.einsum("...i,...i->...", found, whole[..., 1:, 0])
 
 
 def alike(whole, size, rival):
     """
-    Share of the part that some columns explain which the last ones would explain.
+    Share of the contribution of some columns that the last columns can explain.
 
     Parameters
     ----------
     whole : array
-        Sums of products of the residual, columns that are given, ``size`` columns, and
-        the ``rival`` last ones.
+        Sums of products of the residual, given columns, ``size`` columns, and the
+        ``rival`` last columns.
     """
     own = whole.shape[-1] - 1 - size - rival
     squares = steady(whole[..., 1:, 1:])
     cross = squares[..., :own, own:]
-    beside = np.linalg.solve(squares[..., :own, :own], cross)
-    beyond = squares[..., own:, own:] - np.swapaxes(cross, -1, -2) @ beside
+    given = np.linalg.solve(squares[..., :own, :own], cross)
+    beyond = squares[..., own:, own:] - np.swapaxes(cross, -1, -2) @ given
     scores = whole[..., 1 + own :, 0]
-    scores = scores - np.einsum("...gi,...g->...i", beside, whole[..., 1 : 1 + own, 0])
+    scores = scores - np.einsum("...gi,...g->...i", given, whole[..., 1 : 1 + own, 0])
     mine, theirs = beyond[..., :size, :size], beyond[..., size:, size:]
     found = np.linalg.solve(mine, scores[..., :size, None])
     seen = beyond[..., size:, :size] @ found
@@ -129,7 +129,7 @@ def alike(whole, size, rival):
 
 
 def held_out(weekly, folds):
-    """Sum of squares on groups of weeks that are left out in turn."""
+    """Residual sum of squares by cross-validation over groups of weeks."""
     parts = np.einsum("fw,wij->fij", folds, weekly)
     found = solve(parts.sum(axis=0) - parts)
     crossed = np.einsum("fi,fi->f", found, parts[:, 1:, 0])
