@@ -1,4 +1,4 @@
-"""Power that a plant should give, without its area."""
+"""Expected power of a plant from its own record, without its area."""
 
 import zlib
 from collections.abc import Mapping
@@ -12,24 +12,24 @@ from pvlib_fem.record.inputs import read
 
 __all__ = ["PowerRelation", "expected_power", "fit_power"]
 
-BRIGHT = 100.0  # W/m², above which power tells of efficiency
+BRIGHT = 100.0  # W/m², above which power is proportional to efficiency
 FEWEST = 100  # bright rows with power
-MOST = 20_000  # rows of a fit, which more would not make surer
+MOST = 20_000  # rows of a fit; more rows would not reduce its error
 YEAR = 365.25  # days
-GAMMA, GAMMAS = -0.004, (-0.008, 0.0)  # 1/K: crystalline silicon, as PVWatts has it
-OWNS = (0.0, 50.0)  # W/m² of irradiance that an inverter, or dim light, costs
-#: standard deviations before the data are seen: of the temperature coefficient [1/K],
-#: of what low light costs [W/m²], of each harmonic of the year and of the change from
-#: year to year, both in logarithms
+GAMMA, GAMMAS = -0.004, (-0.008, 0.0)  # 1/K: crystalline silicon in PVWatts, bounds
+OWNS = (0.0, 50.0)  # W/m², bounds of the irradiance lost to inverter and low light
+#: prior standard deviations: of the temperature coefficient [1/K], of the irradiance
+#: lost to inverter and low light [W/m²], and, both in logarithms, of each harmonic of
+#: the year and of the change from year to year
 PRIOR = {"gamma": 0.001, "own": 20.0, "season": 0.1, "year": 0.05}
 CUT = 4.685  # spreads beyond which a row has no weight (Tukey's bisquare)
-NEAR = 3.0  # spreads within which the spread is measured
+NEAR = 3.0  # spreads within which rows determine the spread
 NORMAL = 1.4826  # standard deviation over median absolute deviation
 LEAST_SPREAD = 0.005  # of a logarithm: no two instruments agree better
-TURNS, STILL = 50, 1e-6  # of the search, and the step that ends it
-AT_LIMIT = 0.02  # of a limit, within which rows stand at it
-PILE = 4.0  # times as many rows at a limit as in an equal part below it
-ABOVE = 0.02  # share of those at the limit that may be above it
+TURNS, STILL = 50, 1e-6  # steps of the search at most, and the step that ends it
+AT_LIMIT = 0.02  # relative distance within which a row is at the limit
+PILE = 4.0  # least ratio of rows at the limit to rows in an equal range below
+ABOVE = 0.02  # largest ratio of rows above the limit to rows at the limit
 
 
 @dataclass(frozen=True)
@@ -52,16 +52,16 @@ class PowerRelation:
     levels : tuple of float
         Logarithm of power per irradiance at 25 °C. [unit of power per W/m²]
     season : tuple of float
-        Cosine and sine of one and of two cycles a year, of the same logarithm.
+        Cosine and sine of one and of two cycles a year in that logarithm.
     gamma : float
         Temperature coefficient of power. [1/K]
     own : float
-        Irradiance of which nothing is fed: what an inverter takes, and what modules
-        lose in dim light. [W/m²]
+        Irradiance below which no power is fed, because of the inverter's own
+        consumption and losses at low light. [W/m²]
     limit : float
-        Power at which it is clipped; infinite where it is not. [unit of power]
+        Power at which the inverter clips; infinite without a limit. [unit of power]
     spread : float
-        Relative standard deviation of the rows that agree. [-]
+        Relative standard deviation of the rows that follow the relation. [-]
 
     References
     ----------
@@ -107,7 +107,7 @@ class PowerRelation:
         Returns
         -------
         array
-            In the unit of the power that was fitted.
+            Expected power in the unit of the fitted power.
         """
         light = np.maximum(np.asarray(poa_global, dtype=float) - self.own, 0.0)
         warm = 1.0 + self.gamma * (np.asarray(temp_module, dtype=float) - 25.0)
@@ -135,7 +135,7 @@ class PowerRelation:
         return np.where(power <= 0.0, 0.0, light)
 
     def content(self) -> dict[str, Any]:
-        """The same for a file, where no number may be infinite."""
+        """The attributes for a file, in which no number may be infinite."""
         found = {
             n: list(v) if isinstance(v, tuple) else v for n, v in vars(self).items()
         }
@@ -160,21 +160,21 @@ def expected_power(
     poa_global: pd.Series, temp_module: pd.Series, power: pd.Series
 ) -> pd.Series:
     """
-    Power that a plant should give by most of its own rows.
+    Expected power of a plant, by the relation that most of its rows follow.
 
     Parameters
     ----------
     poa_global : Series
-        With a DatetimeIndex. [W/m²]
+        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²]
     temp_module : Series
         [°C]
     power : Series
-        DC or AC, of a module or a plant, in any unit.
+        DC or AC power of a module or a plant, in any unit.
 
     Returns
     -------
     Series
-        In the unit of ``power``; NaN where irradiance or temperature is missing.
+        Power in the unit of ``power``; NaN where irradiance or temperature is missing.
 
     See Also
     --------
@@ -192,13 +192,13 @@ def fit_power(
     """
     Fit the relation of a plant's power to irradiance and module temperature.
 
-    It follows the rows that agree. An outage, snow, or a curtailed or covered plant may
-    be in up to a third of the rows [1]_. Rows at a limit have no weight.
+    The fit is robust: up to a third of the rows may have an outage, snow, curtailment
+    or a cover [1]_. Rows at a limit have no weight.
 
     Parameters
     ----------
     poa_global, temp_module, power : Series
-        As in :func:`expected_power`.
+        See :func:`expected_power`.
 
     Returns
     -------
@@ -219,7 +219,7 @@ def fit_power(
     inputs = read(columns, purpose="expected power")
     if not isinstance(inputs.index, pd.DatetimeIndex):
         raise ValueError(
-            "expected power has a season, and the columns bring no DatetimeIndex; give "
+            "expected power has a season, and the columns have no DatetimeIndex; give "
             "them as Series with one"
         )
     poa, temp, given = (inputs[name] for name in columns)
@@ -245,7 +245,7 @@ def fitted(poa, temp, power, day):
     if (there := int(rows.sum())) < FEWEST:
         raise ValueError(
             f"power is there in {there} rows above {BRIGHT:g} W/m², and {FEWEST} are "
-            "needed to say what a plant should give; give a longer record"
+            "needed for the expected power of a plant; give a longer record"
         )
     limit = limit_of(power[rows])
     rows = np.flatnonzero(rows)[:: -(-there // MOST)]
@@ -253,7 +253,7 @@ def fitted(poa, temp, power, day):
 
 
 def limit_of(power):
-    """The power at which rows pile up, with next to none above; infinite without."""
+    """The power at which rows pile up, with almost none above; infinite without one."""
     values = np.sort(power)
     starts = values * (1.0 - AT_LIMIT)
     first, below = (
@@ -272,15 +272,15 @@ def limit_of(power):
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Bright rows in logarithms: power per irradiance is scale, temperature, light."""
+    """Robust fit of bright rows: log power per irradiance by scale and temperature."""
 
     light: np.ndarray
     warm: np.ndarray  # above 25 °C
     power: np.ndarray
     ratio: np.ndarray  # logarithm of power per irradiance
-    table: np.ndarray  # of levels and season
-    days: np.ndarray  # of the levels
-    daily: float  # rows a day, which are no draws of their own
+    table: np.ndarray  # columns of levels and season
+    days: np.ndarray  # dates of the levels
+    daily: float  # rows per day; rows of one day are not independent
 
     @classmethod
     def of(cls, poa, temp, power, day):
@@ -294,13 +294,13 @@ class Search:
         return cls(poa, temp - 25.0, power, ratio, table, knots, daily)
 
     def run(self, limit):
-        """The relation of the rows that agree, from where half of them are closest."""
+        """The relation that most rows follow, found from the shortest half of them."""
         known, gamma, own = np.zeros(self.table.shape[1]), GAMMA, 0.0
         rest = self.left(known, gamma, own)
         level = densest(rest)
         known[: len(self.days)] = level
         spread = NORMAL * np.median(np.abs(rest - level))
-        # of what all parameters do to a logarithm, at 30 K and in 500 W/m²
+        # change of a logarithm per unit of each parameter, at 30 K and 500 W/m²
         units = np.append(np.ones(len(known)), [30.0, 1.0 / 500.0])
         for _ in range(TURNS):
             rest = self.left(known, gamma, own)
@@ -331,12 +331,12 @@ class Search:
         return self.ratio - self.table @ known - warm - np.log1p(-own / self.light)
 
     def is_free(self, rest, limit):
-        """Rows whose power, measured and expected, is below the limit."""
+        """Mask of rows with measured and expected power below the limit."""
         most = np.maximum(self.power, self.power * np.exp(-rest))
         return most < (1.0 - AT_LIMIT) * limit
 
     def step(self, rest, weight, spread, known, gamma, own):
-        """The step of weighted least squares beside what is known before."""
+        """Step of weighted least squares with the prior."""
         columns = np.column_stack(
             [
                 self.table,
@@ -344,7 +344,7 @@ class Search:
                 -1.0 / (self.light - own),
             ]
         )
-        # dim rows are no surer in W than bright ones
+        # rows of low irradiance have no smaller error in W than bright ones
         weight = weight * self.light / self.light.mean() / (self.daily * spread**2)
         levels, size = len(self.days), columns.shape[1]
         prior = np.zeros((size, size))
@@ -358,7 +358,7 @@ class Search:
 
 
 def densest(values):
-    """The middle of the shortest half, which is near most of them."""
+    """Median of the shortest interval with half of the values."""
     values = np.sort(values)
     half = len(values) // 2
     start = int(np.argmin(values[half:] - values[: len(values) - half]))

@@ -1,9 +1,9 @@
 """
-Coefficients of one steady model from those of another.
+Translate coefficients of one steady model to another.
 
 Every model here is a resistance r(wind_speed) = T_o / G. The translation is
-exact for ross, noct and the k of the others in calm air, and between sapm and
-wm1, faiman and pvsyst. Elsewhere the shapes differ and a rule must choose.
+exact for ross, noct and the k of the others in calm air, between sapm and wm1, and
+between faiman and pvsyst. Other pairs differ in shape, and a rule must choose.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,10 +22,10 @@ from pvlib_fem.thermal.steady import (
 
 TWO_WINDS = (1.4, 5.4)  # m/s, as pvlib's GenericLinearModel
 METHODS = ("two_winds", "least_squares", "calm")
-CARRIED = ("tau", "capacity", "bias")  # go along unchanged
+CARRIED = ("tau", "capacity", "bias")  # copied unchanged
 SUN = 1000.0  # W/m²
 
-# the paper: 90 % of its wind speeds are below 5 m/s, in a Weibull distribution; its
+# Weibull distribution with 90 % of the wind speeds below 5 m/s, as in the paper; the
 # shape of 2 is the package's choice
 QUANTILES = (np.arange(100) + 0.5) / 100
 USUAL_WINDS = 5.0 / np.sqrt(np.log(10.0)) * np.sqrt(-np.log1p(-QUANTILES))
@@ -46,7 +46,7 @@ class Shape:
     coefficients: Callable  # (first, second), fixed -> coefficients
     names: tuple
     fixed: dict  # None: must be given
-    clip: float = np.inf  # wind speed beyond which more wind does nothing
+    clip: float = np.inf  # wind speed beyond which more wind has no influence
     ratio: float | None = None  # second/first where the model fixes it
 
     def resistance(self, wind_speed, coefficients):
@@ -153,25 +153,25 @@ def translate_coefficients(
     Parameters
     ----------
     coefficients : dict
-        Those of the source. ``tau``, ``capacity`` and ``bias`` go along
+        Coefficients of the source. ``tau``, ``capacity`` and ``bias`` are copied
         unchanged.
     source, target : str
         ``"ross"``, ``"noct"`` (Ross's model by its NOCT), ``"sapm"``,
         ``"faiman"``, ``"wm1"``, ``"wm2"``, ``"pvsyst"`` or ``"noct_sam"``.
     method : str, default "two_winds"
-        Where both shall agree. ``"two_winds"``: at 1.4 and 5.4 m/s, as pvlib's
-        ``GenericLinearModel`` does [2]_ (``noct_sam``, whose wind slope is fixed,
-        at 1/0.51 m/s, and ``ross`` in their mean). ``"least_squares"``: least mean
-        square over ``wind_speed``. ``"calm"``: at 0 m/s, the paper's k = e^a =
-        1/u0 [1]_, and there in the slope, too, which is this package's own.
+        Wind speeds at which both models agree. ``"two_winds"``: at 1.4 and 5.4 m/s,
+        as in pvlib's ``GenericLinearModel`` [2]_ (``noct_sam``, whose wind slope is
+        fixed, at 1/0.51 m/s, and ``ross`` in their mean). ``"least_squares"``: least
+        mean square over ``wind_speed``. ``"calm"``: at 0 m/s, the paper's k = e^a =
+        1/u0 [1]_; that the slopes agree there, too, is this package's choice.
     wind_speed : array, optional
         Wind speeds for ``"least_squares"``; by default a Weibull distribution with
-        90 % below 5 m/s, as the paper has it, and of shape 2, which it does not
-        say. [m/s]
+        90 % below 5 m/s, as in the paper, and of shape 2, which is this package's
+        choice. [m/s]
     **fixed
-        Constants of the target: ``module_efficiency`` and ``alpha_absorption``
-        (pvsyst; by default pvlib's 0.1 and 0.9), ``module_efficiency`` (to be
-        given) and ``transmittance_absorptance`` (0.9) of noct_sam.
+        Constants of the target: ``module_efficiency`` and ``alpha_absorption`` of
+        pvsyst (by default pvlib's 0.1 and 0.9), ``module_efficiency`` (required)
+        and ``transmittance_absorptance`` (0.9) of noct_sam.
 
     Returns
     -------
@@ -181,22 +181,22 @@ def translate_coefficients(
     Raises
     ------
     ValueError
-        If a name is unknown, a coefficient missing, or the target cannot take
-        that shape (wm2 with ``8·k_w >= k``, a model that wind heats).
+        If a name is unknown, a coefficient missing, or the target cannot have that
+        shape (wm2 with ``8·k_w >= k``, a model that wind heats).
 
     See Also
     --------
-    translation_mismatch : what the translation leaves, in K.
+    translation_mismatch : the difference between source and target, in K.
 
     Notes
     -----
-    Where shapes differ, ``"calm"`` matches where modules seldom are: Faiman's usual
-    coefficients as Sandia's leave 6.2 K (rms from 0 to 10 m/s at 1000 W/m²), where
-    ``"two_winds"`` leaves 1.4 K.
+    If shapes differ, ``"calm"`` matches a wind speed that is rare at modules. Faiman's
+    usual coefficients, translated to Sandia's, differ by 6.2 K (rms from 0 to 10 m/s at
+    1000 W/m²); by ``"two_winds"`` they differ by 1.4 K.
 
-    pvsyst and noct_sam give cell temperatures, the others those of the back of
-    the module; the difference, some 3 K at 1000 W/m² on open racks, is left as
-    it is.
+    pvsyst and noct_sam give cell temperatures, the others temperatures of the back of
+    the module. The translation does not correct this difference, some 3 K at
+    1000 W/m² on open racks.
 
     References
     ----------
@@ -249,9 +249,9 @@ def translate_coefficients(
 class Mismatch:
     """Disagreement of two models at 1000 W/m². [K]"""
 
-    worst: float  # target minus source where they differ most [K]
+    worst: float  # target minus source at the largest difference [K]
     rms: float  # over the wind speeds [K]
-    wind_speed: float  # where the worst is [m/s]
+    wind_speed: float  # at the largest difference [m/s]
 
 
 def translation_mismatch(
@@ -264,12 +264,12 @@ def translation_mismatch(
     **fixed: float,
 ) -> Mismatch:
     """
-    What a translation leaves: disagreement at 1000 W/m² over wind speeds.
+    Difference of a translated model from its source at 1000 W/m², over wind speeds.
 
     Parameters
     ----------
     coefficients, source, target, method, **fixed
-        As in :func:`translate_coefficients`.
+        See :func:`translate_coefficients`.
     wind_speed : array, optional
         Wind speeds to compare at; 0 to 10 m/s by default. [m/s]
     translated : dict, optional
@@ -283,8 +283,8 @@ def translation_mismatch(
     Examples
     --------
     >>> faiman = {"u0": 25.0, "u1": 6.84}
-    >>> left = translation_mismatch(faiman, "faiman", "sapm")
-    >>> print(round(left.rms, 1), round(left.worst, 1))
+    >>> mismatch = translation_mismatch(faiman, "faiman", "sapm")
+    >>> print(round(mismatch.rms, 1), round(mismatch.worst, 1))
     1.4 -4.5
     """
     if translated is None:
@@ -346,7 +346,7 @@ def completed_fixed(target, goal, fixed):
 
 
 def at_calm(start, own, goal):
-    """Resistance and its slope agree at 0 m/s."""
+    """The line of the target whose resistance and slope agree at 0 m/s."""
     first, second = start.line(**own)
     calm = start.unbend(first)
     fall = second / start.slope(calm)
@@ -356,12 +356,12 @@ def at_calm(start, own, goal):
 
 
 def at_two_winds(start, own, goal):
-    """Resistances agree at two winds; or at one, where the target has one number."""
+    """The line of the target that agrees at two winds, or at one if it has no slope."""
     if goal.ratio == 0.0:
         return np.mean(start.resistance(np.array(TWO_WINDS), own)), 0.0
     if goal.ratio is not None:
-        # pvlib takes the loss as a line first, and meets it where SAM's shelter
-        # leaves 1 m/s at the module
+        # as pvlib: first the loss as a line, then agreement at the wind that SAM's
+        # shelter factor reduces to 1 m/s at the module
         first, second = at_two_winds(start, own, SHAPES["faiman"])
         wind = 1.0 / SHELTER
         first = (first + second * wind) / (1.0 + goal.ratio * wind)

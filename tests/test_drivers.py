@@ -239,7 +239,7 @@ def test_the_year_begins_in_january():
     index = pd.DatetimeIndex(["2023-01-01 00:00", "2023-07-02 12:00"])
     inputs = read({"poa_global": pd.Series(0.0, index)})
     np.testing.assert_allclose(memory.day_angle(inputs), [0, np.pi], atol=0.02)
-    with pytest.raises(ValueError, match="bring no DatetimeIndex; give them as Series"):
+    with pytest.raises(ValueError, match="have no DatetimeIndex; give them as Series"):
         memory.day_angle(read({"poa_global": np.zeros(3)}, step=60.0))
 
 

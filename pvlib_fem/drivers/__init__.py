@@ -1,6 +1,6 @@
-"""What an effect may need beside the measured columns, computed from them."""
+"""Drivers of effects that are computed from the measured columns."""
 
-from pvlib_fem.drivers.derived import (  # noqa: F401  for the rooms above
+from pvlib_fem.drivers.derived import (  # noqa: F401  for other packages
     DERIVED,
     MEASURED,
     MODELLED,

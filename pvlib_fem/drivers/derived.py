@@ -1,8 +1,8 @@
-"""The registry of derived drivers: what each is computed from, and how.
+"""The registry of derived drivers: the columns and the function of each.
 
-A driver is computed by a function of its columns and, last, of the
-:class:`~pvlib_fem.record.inputs.Inputs` that they stand in, which bring the times.
-What the function takes after the star are its constants, which can be set.
+The function of a driver takes its columns and, last, the
+:class:`~pvlib_fem.record.inputs.Inputs` that hold them, with the times. Its
+keyword-only arguments are constants that a user can set.
 """
 
 import inspect
@@ -40,7 +40,7 @@ from pvlib_fem.drivers.water import (
 from pvlib_fem.drivers.wind import wind_east, wind_north
 from pvlib_fem.record.columns import GEOMETRY, PLANT_POWER
 
-#: name: (columns that it needs, how to compute it from them and the times)
+#: name: (columns that it needs, function of these and the times)
 DERIVED = {
     "aoi_projection": (GEOMETRY, aoi_projection),
     "clearness": (
@@ -84,12 +84,12 @@ DERIVED = {
     "day_angle": ((), day_angle),
 }
 
-#: measured columns: what they are, and their unit
+#: measured columns: description and unit
 MEASURED = {
     "poa_global": "Irradiance in the plane of the module. [W/m²]",
     "temp_air": "Air temperature. [°C]",
     "wind_speed": "Wind speed. [m/s]",
-    "wind_direction": "Where the wind comes from, clockwise from north. [°]",
+    "wind_direction": "Direction that the wind comes from, clockwise from north. [°]",
     "relative_humidity": "Relative humidity. [%]",
     "longwave_down": "Longwave irradiance from the sky, ``ir_down`` in pvlib. [W/m²]",
     "poa_rear": "Irradiance on the rear side of the module. [W/m²]",
@@ -99,13 +99,13 @@ MEASURED = {
     "power_dc": "DC power of a module or a plant. [W]",
     "power_ac": "AC power of a module or a plant. [W]",
     "solar_zenith": "Angle of the sun from the vertical. [°]",
-    "solar_azimuth": "Where the sun stands, clockwise from north. [°]",
+    "solar_azimuth": "Azimuth of the sun, clockwise from north. [°]",
     "surface_tilt": "Tilt of the module from horizontal. [°]",
-    "surface_azimuth": "Where the module faces, clockwise from north. [°]",
+    "surface_azimuth": "Azimuth of the module, clockwise from north. [°]",
 }
 USUAL = ("poa_global", "temp_air", "wind_speed")
 
-#: modelled columns: what they are, and their unit
+#: modelled columns: description and unit
 MODELLED = {
     "temp_base": "Temperature of the module by the model without effects. [°C]",
     "loss_base": "Loss by the model without effects. [W/(m² K)]",
@@ -120,9 +120,9 @@ class Driver(str):
     Parameters
     ----------
     name : str
-        As in :data:`DERIVED`.
+        Name in :data:`DERIVED`.
     **settings : float
-        Those that its function takes, or one behind it.
+        Constants of its function, or of a function that computes one of its columns.
 
     Examples
     --------
@@ -138,7 +138,7 @@ class Driver(str):
 
 
 def constants(name):
-    """Constants that a driver takes, or one behind it, with their values."""
+    """Constants of a driver and of the drivers that it needs, with their values."""
     found = dict(getattr(name, "settings", {}))
     if (name := getattr(name, "name", name)) not in DERIVED:
         return {}
@@ -149,7 +149,7 @@ def constants(name):
 
 
 def own_constants(function, besides=()):
-    """What a function takes after the star, with its usual value."""
+    """Keyword-only arguments of a function, with their defaults."""
     taken = after_the_star(function)
     return {name: value for name, value in taken.items() if name not in besides}
 
@@ -161,7 +161,7 @@ def after_the_star(function):
 
 
 def with_constants(name, settings):
-    """A driver with those of some constants that it takes."""
+    """A driver with its own constants among some settings."""
     own = {key: value for key, value in settings.items() if key in constants(name)}
     if not own:
         return name
@@ -170,7 +170,7 @@ def with_constants(name, settings):
 
 
 def made_of(name):
-    """What a derived driver is computed from, how, and by which constants."""
+    """Columns, function and constants of a derived driver."""
     settings = getattr(name, "settings", {})
     needs, compute = DERIVED[getattr(name, "name", name)]
     needs = [with_constants(needed, settings) for needed in needs]
@@ -182,21 +182,21 @@ def is_derived(name):
     return getattr(name, "name", name) in DERIVED
 
 
-#: those that know of a row what was, or will be, hours and weeks from it
+#: drivers of a row that depend on rows hours or weeks before or after it
 REMEMBERED = (
     *("beam_around", "cloud_share", "wetness", "days_since_rain"),
     *("snow_cover", "snow_left", "poa_past_1h", "poa_past_3h", "air_past"),
     *("frost_past_day", "power_off_dc", "power_off_ac"),
 )
 
-#: those of them that forget within hours, and the constant that says how soon [s]
+#: drivers of these with a memory of hours, and the constant that sets it [s]
 SHORT = {"wetness": "drying"}
-#: those of them that are known in rows without the columns that they are made of
+#: drivers of these that are known in rows without their columns
 THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac")
 
 
 def remembered(names):
-    """Those drivers, or those behind them, that need more than the row itself."""
+    """Drivers among these, or needed by them, that depend on other rows."""
     found = []
     for name in filter(is_derived, names):
         known = getattr(name, "name", name) in REMEMBERED
@@ -206,7 +206,7 @@ def remembered(names):
 
 
 def behind(names):
-    """Columns behind drivers that are not derived, each once."""
+    """Underived columns that drivers need, each once."""
     columns = []
     for name in names:
         found = behind(made_of(name)[0]) if is_derived(name) else [name]
@@ -215,28 +215,28 @@ def behind(names):
 
 
 def short_memory(name):
-    """How soon a driver forgets what was, if that is within hours; or None. [s]"""
+    """Time constant of a driver with a memory of hours; None for others. [s]"""
     constant = SHORT.get(getattr(name, "name", name))
     return constants(name)[constant] if constant else None
 
 
 def lost_without(name):
-    """Columns behind a derived driver without which a row does not have it."""
+    """Columns without which a row has no value of a derived driver."""
     return () if getattr(name, "name", name) in THROUGHOUT else tuple(behind([name]))
 
 
 def is_modelled(names):
-    """Whether any of some drivers follows what the model says without effects."""
+    """Whether any driver depends on a result of the model without effects."""
     return not {*MODELLED}.isdisjoint(behind(names))
 
 
 def needed_for(names):
-    """Measured columns behind drivers beside the usual three, each once."""
+    """Measured columns that drivers need in addition to the usual three."""
     return [name for name in behind(names) if name not in (*USUAL, *MODELLED)]
 
 
 def completed(inputs, names):
-    """The inputs with those drivers, and what is behind them, derived."""
+    """The inputs, completed by derived drivers and the columns that they need."""
     for name in names:
         if is_derived(name) and name not in inputs.columns:
             needs, compute, own = made_of(name)

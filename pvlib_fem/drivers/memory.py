@@ -1,4 +1,4 @@
-"""What lies behind in time: memories of a column, and the time itself."""
+"""Lagged columns, and time as a driver."""
 
 import numpy as np
 import pandas as pd
@@ -9,19 +9,19 @@ HOUR = 3600.0  # s
 
 
 def smoothed(column, inputs, memory):
-    """A column through a first-order memory. [s]"""
+    """First-order response to a column, with a time constant in s."""
     column = np.asarray(column, dtype=float)
     return relax(column, inputs.steps, memory / inputs.unit)
 
 
 def backwards(column, steps, memory):
-    """A column through a first-order memory of what comes after."""
+    """First-order response to a column backwards in time."""
     turned = np.append(steps[:1], steps[:0:-1])
     return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
 
 
 def past(memory):
-    """The driver that is a column's memory."""
+    """The driver that is the weighted past of a column."""
 
     def mean(column, inputs):
         return smoothed(column, inputs, memory)
@@ -33,7 +33,7 @@ def past(memory):
 
 
 def stored(mean, column, inputs):
-    """Mean of the past, weighted by age, beyond what is now. [unit of the column]"""
+    """Mean of the past, weighted by age, minus the present. [unit of the column]"""
     return mean - column
 
 
@@ -58,7 +58,7 @@ def dated(inputs, what):
     """The times of a record on its own clock."""
     if not isinstance(inputs.index, pd.DatetimeIndex):
         raise ValueError(
-            f"{what} needs the date, and the columns bring no DatetimeIndex; give "
+            f"{what} needs the date, and the columns have no DatetimeIndex; give "
             "them as Series with one"
         )
     return inputs.index.tz_localize(None)

@@ -1,4 +1,4 @@
-"""Where a record is from, of what its file and a few numbers say."""
+"""The site of a record, from its times and a few numbers."""
 
 from zoneinfo import available_timezones
 
@@ -6,7 +6,7 @@ from pvlib.location import Location
 
 
 def site_of(index, latitude, longitude, surface_tilt, surface_azimuth):
-    """The place as the loop takes it; None stands for what nobody told."""
+    """Location and plane as arguments of the loop; None for unknown numbers."""
     return {
         "location": None if latitude is None else location(index, latitude, longitude),
         "surface_tilt": surface_tilt,
@@ -15,7 +15,7 @@ def site_of(index, latitude, longitude, surface_tilt, surface_azimuth):
 
 
 def location(index, latitude, longitude):
-    """Where the record is from, in its zone or in local standard time."""
+    """The location of a record, in its time zone or in local standard time."""
     tz = str(index.tz) if getattr(index, "tz", None) is not None else ""
     if not tz:
         tz = standard_zone(longitude)
@@ -24,9 +24,9 @@ def location(index, latitude, longitude):
     return Location(latitude, longitude, tz=tz)
 
 
-def in_local_days(data, longitude, told):
-    """Instants in UTC, of which nobody told the zone, with the days of their place."""
-    if longitude is None or told or str(data.index.tz) != "UTC":
+def in_local_days(data, longitude, known_zone):
+    """UTC times in the standard time of the longitude, if the zone is not known."""
+    if longitude is None or known_zone or str(data.index.tz) != "UTC":
         return data
     return data.tz_convert(standard_zone(longitude))
 

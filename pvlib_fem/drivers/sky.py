@@ -1,4 +1,4 @@
-"""The longwave that the sky lacks, measured or estimated."""
+"""The longwave deficit of the sky, measured or estimated."""
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,7 @@ from pvlib_fem.drivers.water import saturation
 
 STEFAN_BOLTZMANN = 5.670374419e-8  # W/(m² K⁴), CODATA 2018
 ZERO_CELSIUS = 273.15  # K
-LOW_SUN = 5.0  # ° of elevation below which irradiance says little of clouds
+LOW_SUN = 5.0  # ° of elevation below which irradiance does not show clouds
 
 
 def black_body(temp_air):
@@ -19,13 +19,13 @@ def black_body(temp_air):
 
 
 def sky_deficit(longwave_down, temp_air, inputs):
-    """Longwave that the sky lacks beside a black body at air temperature. [W/m²]"""
+    """Longwave of a black body at air temperature minus that of the sky. [W/m²]"""
     return black_body(temp_air) - longwave_down
 
 
 def moist_emissivity(relative_humidity, temp_air):
     """
-    Emissivity of the clear sky, by the vapour at the ground [1]_. [-]
+    Emissivity of the clear sky, from vapour pressure at the ground [1]_. [-]
 
     References
     ----------
@@ -42,7 +42,7 @@ def sky_deficit_moist(relative_humidity, temp_air, inputs):
     """
     :func:`sky_deficit` of a clear sky, from humidity. [W/m²]
 
-    By :func:`moist_emissivity`.
+    The emissivity is that of :func:`moist_emissivity`.
     """
     emissivity = moist_emissivity(relative_humidity, temp_air)
     return (1.0 - emissivity) * black_body(temp_air)
@@ -52,7 +52,7 @@ def sky_deficit_humid(sky_deficit_moist, cloud_share, inputs, *, cloud_base=0.84
     """
     :func:`sky_deficit` from humidity and the clouds of the day. [W/m²]
 
-    ``cloud_base`` is the emissivity of low clouds beside what the clear sky lacks. [-]
+    ``cloud_base`` is the share of the clear-sky deficit that low clouds close. [-]
     """
     return (1.0 - cloud_base * cloud_share) * sky_deficit_moist
 
@@ -61,7 +61,7 @@ def sky_deficit_clouds(sky_deficit_air, cloud_share, inputs, *, cloud_base=0.84)
     """
     :func:`sky_deficit` from air temperature and the clouds of the day. [W/m²]
 
-    ``cloud_base`` as of :func:`sky_deficit_humid`.
+    ``cloud_base`` is that of :func:`sky_deficit_humid`.
     """
     return (1.0 - cloud_base * cloud_share) * sky_deficit_air
 
@@ -83,8 +83,8 @@ def cloud_share(clearness, solar_zenith, inputs, *, cloud_memory=3.0):
     """
     Share of the sky under cloud, carried from each day through the night. [-]
 
-    By day what lacks of the light of a clear sky [1]_, of which an overcast one
-    lets a quarter through [2]_; a sky stays what it was for ``cloud_memory``. [h]
+    In daytime it follows from irradiance relative to a clear sky [1]_; an overcast
+    sky transmits a quarter [2]_. ``cloud_memory`` is its time constant. [h]
 
     References
     ----------
@@ -97,6 +97,6 @@ def cloud_share(clearness, solar_zenith, inputs, *, cloud_memory=3.0):
     light = SOLAR_CONSTANT * clearness * np.cos(np.radians(solar_zenith))
     cloudy = np.clip((1.0 - light / np.maximum(clear, 0.1)) / 0.75, 0.0, 1.0)
     seen = np.where(np.isnan(clearness), np.nan, solar_zenith < 90.0 - LOW_SUN)
-    # nothing seen for long: half, at the weight of a moment
+    # after a long time without sun the share tends to one half
     weight = smoothed(seen, inputs, cloud_memory * HOUR) + 1e-6
     return (smoothed(seen * cloudy, inputs, cloud_memory * HOUR) + 0.5e-6) / weight

@@ -1,4 +1,4 @@
-"""The place of the sun, and its light on a plane."""
+"""The solar position, and irradiance on a plane."""
 
 from numbers import Real
 
@@ -12,25 +12,25 @@ from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import relax
 
 SOLAR_CONSTANT = 1361.0  # W/m²
-HALVINGS = 12  # of the range of the clearness: to 1/4096
-ALBEDO = 0.2  # of ground of which nothing is known
-AROUND = 2.0 * HOUR  # over which the sky before and after is looked at
-SUN_GRID = "5min"  # over which the sun moves as good as straight
+HALVINGS = 12  # bisections of the clearness: to 1/4096
+ALBEDO = 0.2  # of unknown ground
+AROUND = 2.0 * HOUR  # time constant of the mean sky before and after
+SUN_GRID = "5min"  # step over which the sun's path is almost straight
 
 
 def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
     """
-    Place of the sun at each time, quickly: a year of minutes in 0.2 s.
+    Solar position at each time; a year of minutes takes 0.2 s.
 
-    pvlib's ephemeris every five minutes, and straight between as a unit vector;
-    within 0.02° of pvlib's default algorithm.
+    pvlib's ephemeris is computed every five minutes and interpolated as a unit vector.
+    The result is within 0.02° of pvlib's default algorithm.
 
     Parameters
     ----------
     index : DatetimeIndex
-        With a zone, or without one in local standard time: that of
-        ``location.tz``, and where this is UTC, pvlib's default, that of the
-        longitude, a whole hour every 15°.
+        Times. Times without a zone are in the standard time of ``location.tz``; if
+        that is UTC, pvlib's default, in the standard time of the longitude, a whole
+        hour every 15°.
     location : pvlib.location.Location
 
     Returns
@@ -47,7 +47,7 @@ def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
     if len(grid) > len(utc):  # few rows over a long time
         grid = utc
     found = location.get_solarposition(grid, method="ephemeris")
-    if len(grid) == len(utc) and (grid == utc).all():  # no time is between two of it
+    if len(grid) == len(utc) and (grid == utc).all():  # no interpolation
         places = {f"solar_{n}": found[n].to_numpy() for n in ("zenith", "azimuth")}
         return pd.DataFrame(places, index=index)
     zenith, azimuth = np.radians(found["zenith"]), np.radians(found["azimuth"])
@@ -79,7 +79,7 @@ def standard_time(index, location):
 
 
 def checked_place(location, surface_tilt, surface_azimuth):
-    """The arguments of a place as a dict, refused by name where they are no place."""
+    """The arguments of a place as a dict; ValueError if one is invalid."""
     if location is not None and not isinstance(location, Location):
         example = ", ".join(map(str, np.ravel(location))) if np.ndim(location) else "…"
         raise ValueError(
@@ -99,13 +99,13 @@ def checked_place(location, surface_tilt, surface_azimuth):
 
 
 def geometry(index, location=None, surface_tilt=None, surface_azimuth=None):
-    """Columns of the sun's and the module's place, as far as they are known."""
+    """Columns of solar position and module plane, as far as they are known."""
     columns = {}
     if location is not None:
         columns |= dict(sun(index, location))
     for name, value in zip(GEOMETRY[2:], (surface_tilt, surface_azimuth)):
         if value is not None:
-            # one number, in the memory of one
+            # a view of one number
             everywhere = np.broadcast_to(float(value), len(index))
             columns[name] = pd.Series(everywhere, index, copy=False)
     return columns
@@ -119,32 +119,32 @@ def aoi_projection(solar_zenith, solar_azimuth, surface_tilt, surface_azimuth, i
 
 def diffuse_share(clearness):
     """
-    Share of diffuse in global irradiance, by clearness [1]_. [-]
+    Diffuse fraction of global irradiance, by clearness [1]_. [-]
 
     References
     ----------
     .. [1] D. G. Erbs, S. A. Klein and J. A. Duffie, Solar Energy 28, 293 (1982),
        :doi:`10.1016/0038-092X(82)90302-4`, as in :func:`pvlib.irradiance.erbs`.
     """
-    # of a sun overhead the irradiance is the clearness
+    # with the sun overhead, the ratio of irradiances is the clearness
     above = irradiance.get_extra_radiation(1)
     ghi = np.maximum(clearness, 1e-9) * above
     return irradiance.erbs(ghi, np.zeros_like(ghi), 1)["dhi"] / ghi
 
 
-#: the same on all that the halvings of the clearness come to
+#: diffuse fraction at all clearness values of the bisection
 DIFFUSE = diffuse_share(np.linspace(0.0, 1.0, 2**HALVINGS + 1))
 
 
 def clearness(poa_global, solar_zenith, surface_tilt, aoi_projection, inputs):
     """
-    Share of the sunlight above the air that arrives, 0 at night. [-]
+    Share of extraterrestrial irradiance that arrives, 0 at night. [-]
 
-    That of which a beam by :func:`diffuse_share`, an isotropic sky and the ground
-    make the measured irradiance in the plane.
+    With a beam by :func:`diffuse_share`, an isotropic sky and reflection from the
+    ground, it gives the measured irradiance in the plane.
     """
     up = np.cos(np.radians(solar_zenith))
-    found = 0.0 * (poa_global + up + aoi_projection)  # keeps what is unknown so
+    found = 0.0 * (poa_global + up + aoi_projection)  # NaN where an input is NaN
     by_day = np.flatnonzero((up > 0) & (poa_global > 0) & np.isfinite(found))
     measured = poa_global[by_day] / SOLAR_CONSTANT
     beam = np.maximum(aoi_projection[by_day], 0.0)
@@ -168,12 +168,12 @@ def beam(poa_global, clearness, aoi_projection, inputs):
 
 
 def sun_north(solar_azimuth, inputs):
-    """How far in the north the sun stands, of its place around. [-]"""
+    """Northward component of the direction to the sun on the horizon. [-]"""
     return np.cos(np.radians(solar_azimuth))
 
 
 def sun_east(solar_azimuth, inputs):
-    """The same in the east. [-]"""
+    """Eastward component of the direction to the sun on the horizon. [-]"""
     return np.sin(np.radians(solar_azimuth))
 
 
@@ -184,7 +184,7 @@ def beam_clear(solar_zenith, aoi_projection, inputs):
     References
     ----------
     .. [1] ASHRAE Handbook of Fundamentals, clear-day beam A·exp(-B/sin h), with
-       the means of the months, 1160 W/m² and 0.175.
+       the means over the months, A = 1160 W/m² and B = 0.175.
     """
     up = np.cos(np.radians(solar_zenith))
     clear = np.where(up > 0, 1160.0 * np.exp(-0.175 / np.maximum(up, 0.02)), 0.0)
@@ -193,10 +193,10 @@ def beam_clear(solar_zenith, aoi_projection, inputs):
 
 def beam_around(beam, beam_clear, elapsed, inputs=None, seen=1.0):
     """
-    Beam in the plane as the hours around let expect it. [W/m²]
+    Beam in the plane, expected from the hours before and after. [W/m²]
 
-    That of the clear sky times the share of it that was there before and after,
-    where it was ``seen``: what an irradiance sensor in the shade does not see.
+    It is the clear-sky beam times the share of it that was measured in those hours,
+    weighted by ``seen``. So it shows what a shaded irradiance sensor does not see.
     """
     steps = np.diff(elapsed, prepend=elapsed[:1])
     there, whole = (
@@ -221,7 +221,7 @@ def beam_by_tilt(
     surface_azimuth,
     inputs,
 ):
-    """What a plane steeper by a degree would see more of the beam. [W/(m² °)]"""
+    """Additional beam on a plane that is one degree steeper. [W/(m² °)]"""
     zenith, tilt = np.radians(solar_zenith), np.radians(surface_tilt)
     around = np.radians(solar_azimuth - surface_azimuth)
     slope = np.sin(zenith) * np.cos(tilt) * np.cos(around)
@@ -238,7 +238,7 @@ def beam_by_azimuth(
     surface_azimuth,
     inputs,
 ):
-    """What a plane turned clockwise by a degree would see more. [W/(m² °)]"""
+    """Additional beam on a plane turned clockwise by one degree. [W/(m² °)]"""
     around = np.radians(solar_azimuth - surface_azimuth)
     slope = np.sin(np.radians(solar_zenith)) * np.sin(np.radians(surface_tilt))
     slope = slope * np.sin(around)

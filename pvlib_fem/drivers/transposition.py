@@ -1,4 +1,4 @@
-"""Irradiance in the plane of the module from that on the horizontal."""
+"""Irradiance in the plane of the module from horizontal irradiance."""
 
 import numpy as np
 import pandas as pd
@@ -9,14 +9,14 @@ from pvlib_fem.spelling import Spelled, refusal
 
 #: models of the diffuse sky on a tilted plane, as pvlib names them
 TRANSPOSITIONS = ("perez", "haydavies")
-PARTS = ("dni", "dhi")  # of global irradiance, where they were measured, too
+PARTS = ("dni", "dhi")  # components of global irradiance
 PLACE = Spelled(
     "location, surface_tilt and surface_azimuth", "--lat, --lon, --tilt and --azimuth"
 )
 
 
 def check_transposition(name, place):
-    """Refuse an unknown model of the sky, or half a place."""
+    """Refuse an unknown model of the sky, or an incomplete place."""
     if name not in TRANSPOSITIONS:
         raise ValueError(
             f"transposition is {name!r}; it is {' or '.join(map(repr, TRANSPOSITIONS))}"
@@ -27,18 +27,18 @@ def check_transposition(name, place):
 
 def in_plane(columns, index, place, transposition):
     """
-    Irradiance in the plane of the module from the global on the horizontal. [W/m²]
+    Irradiance in the plane of the module from global horizontal irradiance. [W/m²]
 
-    Beam and diffuse are the measured ``dni`` and ``dhi``, where both are there, or else
-    from Erbs' correlation [1]_. The sky is that of Perez [2]_ or of Hay and Davies
-    [3]_, and the ground has an albedo of 0.2. All are pvlib's.
+    Beam and diffuse are the measured ``dni`` and ``dhi`` if both are given, otherwise
+    from Erbs' correlation [1]_. The sky model is that of Perez [2]_ or of Hay and
+    Davies [3]_, and the ground has an albedo of 0.2. All functions are pvlib's.
 
     Parameters
     ----------
     columns : mapping of Series or array
         ``ghi``, and perhaps ``dni`` and ``dhi``. [W/m²]
     index : DatetimeIndex
-        At whose times the sun stands where it is taken to be.
+        Times of the solar position.
     place : dict
         ``location``, ``surface_tilt``, ``surface_azimuth``.
     transposition : str
@@ -80,7 +80,7 @@ def in_plane(columns, index, place, transposition):
             albedo=ALBEDO,
             model=transposition,
         )
-    # before sunrise the light is that of the whole sky
+    # before sunrise the irradiance is isotropic
     up = np.cos(np.radians(place["surface_tilt"]))
     twilight = ghi * ((1.0 + up) / 2.0 + ALBEDO * (1.0 - up) / 2.0)
     total = parts["poa_global"].where(zenith < 90.0, twilight)
@@ -90,5 +90,5 @@ def in_plane(columns, index, place, transposition):
 
 
 def is_split(columns):
-    """Whether beam and diffuse were measured beside the global irradiance."""
+    """Whether the columns have both beam and diffuse irradiance."""
     return all(name in columns for name in PARTS)

@@ -1,15 +1,15 @@
-"""Rain, the film and the dirt that it leaves or takes, and snow."""
+"""Rain, the water film, soiling, and snow."""
 
 import numpy as np
 
 from pvlib_fem.drivers.memory import HOUR, smoothed
 
-MAGNUS = 17.62, 243.12  # of vapour over water: -, °C
-#: latent over all other loss, for each hPa: Lewis's 1.5 of one wet face, of two faces
-#: that lose heat to the air, and a fifth of it by radiation [K/hPa]
+MAGNUS = 17.62, 243.12  # constants of vapour pressure over water: -, °C
+#: latent loss per hPa relative to all other loss: Lewis's 1.5 for one wet face, divided
+#: among two faces that lose heat to the air, with a fifth by radiation [K/hPa]
 LATENT = 0.6
-NEWTON = 6  # steps, to far below a thousandth: the balance is convex
-SOAKED = 5.0  # times the memory of a film at which a module is all wet
+NEWTON = 6  # steps, to an error far below a thousandth: the balance is convex
+SOAKED = 5.0  # the module is fully wet if the smoothed rain times this exceeds 1
 
 
 def saturation(celsius):
@@ -21,7 +21,7 @@ def wetness(precipitation, inputs, *, drying=1800.0):
     """
     Share of a module that is wet: 1 in rain, and drying after it. [-]
 
-    ``drying`` is how long a film of water keeps its memory of rain. [s]
+    ``drying`` is the time constant of drying. [s]
     """
     falling = np.where(np.isnan(precipitation), np.nan, precipitation > 0)
     return np.minimum(1.0, SOAKED * smoothed(falling, inputs, drying))
@@ -31,9 +31,9 @@ def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
     """
     Vapour pressure of a wet module above that of the air, times wetness. [hPa]
 
-    The module is colder for its film than a dry one, ``temp_base``: so much that what
-    it gives off by evaporation and to the air is what the dry one gives to the air,
-    as of a wet-bulb thermometer.
+    The film makes the module colder than a dry one, ``temp_base``. In balance, its loss
+    by evaporation and to the air equals the loss of the dry module to the air, as for
+    a wet-bulb thermometer.
     """
     air = relative_humidity / 100.0 * saturation(temp_air)
     wet, latent = temp_base, LATENT * wetness
@@ -49,9 +49,9 @@ def days_since_rain(precipitation, inputs, *, cleaning=1.0, within=3.0, dirtiest
     """
     Time since rain cleaned the module, or the record began [1]_ [2]_. [days]
 
-    Rain cleans where more than ``cleaning`` [mm] of it falls ``within`` some hours:
+    Rain cleans the module if more than ``cleaning`` [mm] fall ``within`` some hours:
     1 mm as in :func:`pvlib.soiling.hsu`, 6 mm in 24 h as in
-    :func:`pvlib.soiling.kimber`. After ``dirtiest`` [days] dirt gathers no more.
+    :func:`pvlib.soiling.kimber`. After ``dirtiest`` [days] soiling is constant.
 
     References
     ----------
@@ -74,11 +74,11 @@ def days_since_rain(precipitation, inputs, *, cleaning=1.0, within=3.0, dirtiest
 
 def snow_cover(snow_depth, temp_air, poa_global, inputs, *, snowfall=0.5):
     """
-    Whether snow lies on the module, by its depth on the ground [1]_. [-]
+    Whether snow lies on the module, from snow depth on the ground [1]_. [-]
 
-    From when it last grew by ``snowfall`` in about an hour [cm], half a step of the
-    usual gauge, until the sun, above 50 W/m², and air warmer than
-    −G/80 have let it slide for an hour and a half.
+    Snow covers the module when the depth grows by more than ``snowfall`` [cm] in about
+    an hour, half a step of the usual gauge. It has slid off after one and a half
+    hours with more than 50 W/m² and air warmer than −G/80.
 
     References
     ----------
@@ -103,11 +103,11 @@ def snow_left(
     snow_cover, snow_depth, temp_air, poa_global, inputs, *, lying=1.0, sliding=10.0
 ):
     """
-    Part of the module that is still under snow where ``snow_cover`` has it bare. [-]
+    Part of the module under remaining snow where ``snow_cover`` is 0. [-]
 
-    In air warmer than −G/80 snow slides by parts: by 2 tenths of a module an hour,
-    times the sine of the tilt [1]_, which of 30° takes ten hours, ``sliding``. None is
-    left when no more than ``lying`` [cm] is on the ground [2]_.
+    In air warmer than −G/80 snow slides off gradually: two tenths of the module per
+    hour, times the sine of the tilt [1]_. At 30° that takes ten hours, ``sliding``.
+    No snow remains if at most ``lying`` [cm] are on the ground [2]_.
 
     References
     ----------
@@ -128,5 +128,5 @@ def snow_left(
 
 
 def may_slide(temp_air, poa_global):
-    """Whether snow may slide from a module in such air and sun."""
+    """Whether snow can slide off a module at this air temperature and irradiance."""
     return temp_air > poa_global / -80.0

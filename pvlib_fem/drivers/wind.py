@@ -1,13 +1,13 @@
-"""Drivers that follow from where the wind comes from."""
+"""Drivers that depend on wind direction."""
 
 import numpy as np
 
 
 def wind_north(wind_speed, wind_direction, inputs):
-    """Part of the wind that comes from the north. [m/s]"""
+    """Component of the wind from the north. [m/s]"""
     return wind_speed * np.cos(np.radians(wind_direction))
 
 
 def wind_east(wind_speed, wind_direction, inputs):
-    """Part of the wind that comes from the east. [m/s]"""
+    """Component of the wind from the east. [m/s]"""
     return wind_speed * np.sin(np.radians(wind_direction))
