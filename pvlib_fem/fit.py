@@ -1,4 +1,4 @@
-"""Fit the FEM coefficients to a measured record, with honest errors."""
+"""Fit the FEM coefficients to a measured record, with standard errors."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -23,7 +23,7 @@ from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
 from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.types import FilePath
 
-MEMORIES = ("tau", "capacity")  # of which each dynamics has one
+MEMORIES = ("tau", "capacity")  # a dynamic model has one of these
 NAMED = Spelled(
     "name its column, and give location, surface_tilt and surface_azimuth",
     "name a column with --map, the place with --lat, --lon, --tilt and --azimuth",
@@ -58,14 +58,14 @@ def fit_fem(
     Parameters
     ----------
     poa_global : Series, DataFrame, str, path-like or ParquetRecord
-        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²] Or, in the
-        place of all columns, a frame that has them; or a file, folder or pattern of
-        Parquet files, a pyarrow Dataset, or what :func:`open_parquet` gives, which are
-        read in blocks and need not fit into memory.
+        Irradiance in the plane of the array, with a DatetimeIndex. [W/m²] Or a frame
+        with all columns; or a file, folder or pattern of Parquet files, a pyarrow
+        Dataset, or the result of :func:`open_parquet`, which are read in blocks and
+        need not fit into memory.
     temp_air : Series
         Air temperature. [°C]
     wind_speed : Series, optional
-        Wind speed, without which ``model`` is ``"ross"`` or ``"noct"``. [m/s]
+        Wind speed. The models ``"ross"`` and ``"noct"`` need none. [m/s]
     temp_module : Series
         Measured module temperature. [°C]
     model : str, default "wm1"
@@ -79,43 +79,44 @@ def fit_fem(
         averages for the coefficients, step changes for tau and the mean error
         of the training days for the bias.
     holdout : Series of bool, optional
-        Rows to hold out, or days of a record in files. By default the weekend days
-        where the record has two weekends, as in the paper, else every other day.
+        Rows to hold out, or days of a record in files. By default these are weekend
+        days, as in the paper, if the record has two weekends, else every other day.
     calm_wind : float, default 0.5
-        Wind below which ``method="paper"`` takes the air as calm. [m/s]
+        Wind below which the air is calm for ``method="paper"``. [m/s]
     check_units : bool, default True
-        Refuse columns that look to be in another unit, or swapped.
+        Refuse columns that seem to be in another unit, or swapped.
     effects : str, dict, Effect or sequence of them, optional
-        Physical effects to fit beside the model: by name
+        Physical effects to fit in addition to the model: by name
         (``pvlib_fem.effects.EFFECTS``), by name and settings, as ``{"name":
-        "sky_radiation", "source": "humidity"}``, or of one's own. ``scores`` has a
-        row for each, in this order.
+        "sky_radiation", "source": "humidity"}``, or your own. ``scores`` has a row
+        for each, in this order.
     night : bool, default False
-        Whether night rows count, too. By day only, as in the paper, the
-        coefficients serve the energy; nights tell more of sky and storage.
+        Whether night rows count, too. Without nights, as in the paper, the
+        coefficients are best for energy; nights show more of sky and storage.
     fixed : dict, optional
-        Coefficients that are known and not fitted, as ``{"tau": 378.0}`` or
-        ``{"rain.film": 20.0}``; they have no error. So are constants of the model,
-        such as the ``module_efficiency`` of pvsyst, for other than their defaults.
+        Known coefficients that are not fitted, as ``{"tau": 378.0}`` or
+        ``{"rain.film": 20.0}``; they have no error. It may also hold constants of the
+        model, such as the ``module_efficiency`` of pvsyst, to replace their defaults.
     offset : str, float or None, default "night"
-        Over-temperature without irradiance, which ``method="paper"`` takes off
-        before its regressions: ``"night"``, its mean by night; ``"calm"``, the
-        intercept of the line of calm air; a number [K]; or None, nothing, though
-        k keeps its line's intercept. The docs' page on the paper compares them.
+        Over-temperature without irradiance, which ``method="paper"`` subtracts
+        before its regressions: ``"night"``, its mean at night; ``"calm"``, the
+        intercept of the regression in calm air; a number [K]; or None to subtract
+        nothing (k keeps its line's intercept). The docs' page on the paper compares
+        them.
     limits : pvlib_fem.quality.limits.Limits, optional
-        Thresholds of the screening other than the usual.
+        Thresholds of the screening.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°
         from north], ``p_dc_per_area`` [W per m² of module], ``longwave_down`` [W/m²],
         ``relative_humidity`` [%], ``precipitation`` [mm/h], ``snow_depth`` [cm],
         ``poa_rear`` [W/m²], and
         ``solar_zenith``, ``solar_azimuth``, ``surface_tilt``, ``surface_azimuth``
-        [°], of which ``pvlib_fem.drivers.sun`` gives the first two.
+        [°]; ``pvlib_fem.drivers.sun`` computes the first two.
 
     Returns
     -------
     FemFit
-        Of files one without ``residual``, which ``write_residual(path)`` writes.
+        A fit of files has no ``residual``; ``write_residual(path)`` writes it.
 
     Raises
     ------
@@ -126,20 +127,18 @@ def fit_fem(
 
     Notes
     -----
-    What was not measured (:func:`pvlib_fem.screen_record`) is left out, and ``notes``
-    say what.
+    Implausible values (:func:`pvlib_fem.screen_record`) are not used, and ``notes``
+    list them.
 
-    The residual is that of the paper's daytime filter (:mod:`pvlib_fem.paper`);
-    the recursion runs over all rows, night included. Errors come from leaving
-    out each training day in turn, so they survive autocorrelation within a
-    day. To these is added what the resemblance of each day to the next makes of
-    an error that lasts for days; ``notes`` say where that is much, and where the
-    days are too few to tell how long it lasts. Below 5 training days errors are
-    NaN and the fit goes on.
+    The residual counts on the rows of the paper's daytime filter
+    (:mod:`pvlib_fem.paper`); the recursion runs over all rows, night included.
+    Standard errors are from the jackknife over training days, so they are robust to
+    autocorrelation within a day. The variance from correlation between days is added;
+    ``notes`` report where it is large, and where the days are too few to estimate
+    it. Below 5 training days errors are NaN.
 
-    The tau of ``method="paper"`` runs backwards: it falls as the true time
-    constant grows, see the table at :func:`pvlib_fem.paper.time_constant`.
-    That method gives no errors.
+    The tau of ``method="paper"`` decreases as the true time constant increases, see
+    the table at :func:`pvlib_fem.paper.time_constant`. That method gives no errors.
 
     References
     ----------
@@ -190,19 +189,19 @@ def fit_frame(
     **options,
 ):
     """
-    The fit of a frame, with the drivers that its effects need.
+    Fit a frame, with the drivers that its effects need.
 
     Parameters
     ----------
     data : DataFrame
-        As :func:`pvlib_fem.close_loop` takes it.
+        Record, see :func:`pvlib_fem.close_loop`.
     effects : sequence of str, dict or Effect
     location, surface_tilt, surface_azimuth
-        As in :func:`pvlib_fem.close_loop`; none is estimated.
+        Site and plane, see :func:`pvlib_fem.close_loop`; none is estimated.
     transposition, stand_ins
-        As in :func:`pvlib_fem.close_loop`.
+        See :func:`pvlib_fem.close_loop`.
     **options
-        Of :func:`pvlib_fem.fit_fem`.
+        Arguments of :func:`pvlib_fem.fit_fem`.
 
     Returns
     -------
@@ -218,8 +217,8 @@ def fit_frame(
         place = geometry(data.index, location, surface_tilt, surface_azimuth)
         there = {**place, **columns}
     absent = [name for name in COLUMNS if name not in columns]
-    chosen, lacking = candidates(there, {}, effects, absent=absent)
-    for name, why in lacking.items():
+    chosen, missing = candidates(there, {}, effects, absent=absent)
+    for name, why in missing.items():
         raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
     wanted = {name for effect in chosen for name in needed_for(effect.drivers)}
     drivers = {name: there[name] for name in there if name in wanted}
@@ -229,11 +228,11 @@ def fit_frame(
 
 
 def refuse_columns(columns, drivers, method=""):
-    """Refuse columns beside a frame or files that have them, and the paper's recipe."""
+    """Refuse columns in addition to a frame or files, and the paper's recipe."""
     if any(column is not None for column in columns) or drivers:
         raise ValueError(
-            "columns are given beside a record that has them; give the record alone, "
-            "or its columns one by one"
+            "columns are given in addition to a record that has them; give the record "
+            "alone, or its columns one by one"
         )
     if method == "paper":
         paper = argument("method", "paper")
@@ -241,7 +240,7 @@ def refuse_columns(columns, drivers, method=""):
 
 
 def refuse_coefficients(target, drivers):
-    """Refuse a number that is to be held where columns are given."""
+    """Refuse the number of a coefficient among the columns."""
     for name, value in drivers.items():
         if name in target.parameters or (np.isscalar(value) and name in MEMORIES):
             raise ValueError(

@@ -19,10 +19,10 @@ from pvlib_fem.thermal.temperature import TAU, fem_temperature, refuse_dynamic
 from pvlib_fem.types import FilePath
 
 FIT, LOOP = "pvlib_fem.FemFit", "pvlib_fem.Loop"  # formats of files
-FITS = (FIT, LOOP)  # those that hold a fit
+FITS = (FIT, LOOP)  # formats that hold a fit
 CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 WEATHER = ("poa_global", "temp_air", "wind_speed")
-#: what pvlib fills in, in silence, where weather lacks the column
+#: values that pvlib fills in without a warning if weather has no such column
 FILLED = {"wind_speed": (0.0, "m/s"), "temp_air": (20.0, "°C")}
 
 
@@ -38,26 +38,26 @@ class DynamicCellTemperature:
     model : str or callable, default "wm1"
         Steady model, as in :func:`pvlib_fem.fem_temperature`.
     dynamics : str, default "ewm"
-        ``"ewm"`` or ``"steady"`` (which is ``"ewm"`` with a tau of an instant),
+        ``"ewm"`` or ``"steady"`` (which is ``"ewm"`` with a tau near 0),
         or ``"balance"`` for :func:`pvlib_fem.heat_balance`.
     coefficients : dict, optional
-        Those of the model with ``tau`` or ``capacity`` and ``bias``. Without
-        them each array's ``temperature_model_parameters`` are taken, where
-        ``deltaT``, its ``irrad_ref`` and ``k_bs_c`` may stand too.
+        Coefficients of the model with ``tau`` or ``capacity`` and ``bias``. Without
+        them each array's ``temperature_model_parameters`` are used, which may also
+        have ``deltaT``, its ``irrad_ref`` and ``k_bs_c``.
     deltaT : float, default 0
-        Cell minus back temperature at 1000 W/m², in the irradiance of the
-        moment, as in :func:`pvlib.temperature.sapm_cell`. [K]
+        Cell minus back temperature at 1000 W/m², proportional to the present
+        irradiance, as in :func:`pvlib.temperature.sapm_cell`. [K]
     k_bs_c : float, default 0
         Back-to-cell resistance on smoothed irradiance [1]_. [K m²/W]
     effects : str, dict, Effect or sequence of them, optional
-        Physical effects whose coefficients are among ``coefficients``. Where
-        they need the place of the sun and of the module, the chain's is taken.
+        Physical effects whose coefficients are among ``coefficients``. If they need
+        the solar position and the plane of the module, the chain provides them.
     base : dict, optional
         Coefficients of the model without effects, for effects that grow with the
-        module's temperature; by default those of the model in ``coefficients``.
+        module's temperature; by default taken from ``coefficients``.
     **drivers
         Series by name, aligned on time with the run: ``poa_global``,
-        ``temp_air`` or ``wind_speed`` instead of the chain's, those of the
+        ``temp_air`` or ``wind_speed`` instead of the chain's, drivers of the
         effects, or further arguments of a callable model, such as ``ir_down``.
 
     Notes
@@ -106,7 +106,7 @@ class DynamicCellTemperature:
             if coefficients is not None:
                 wanted.checked(coefficients)
             given = [n for n in drivers if n not in WEATHER]
-            # the chain knows the sun and its mounts
+            # the chain provides the solar position and the plane of its mounts
             known = [n for n in GEOMETRY if n in wanted.drivers and n not in given]
             wanted.check_drivers([*given, *known])
         elif effects:
@@ -119,7 +119,7 @@ class DynamicCellTemperature:
             coefficients=None if coefficients is None else dict(coefficients),
             deltaT=deltaT,
             k_bs_c=k_bs_c,
-            # by now those of the model, or () beside a callable
+            # effects of the model; () for a callable
             effects=tuple(effects),  # type: ignore[arg-type]
             base=None if base is None else dict(base),
             drivers=drivers,
@@ -136,14 +136,14 @@ class DynamicCellTemperature:
         ----------
         path : str or path-like
         **options
-            ``deltaT``, ``k_bs_c``, by default those that the file keeps; drivers;
-            and ``effects``: those of the user's own in the fit, which the file knows
-            by name and settings only.
+            ``deltaT``, ``k_bs_c``, by default from the file; drivers; and
+            ``effects``: your own effects in the fit, of which the file has only name
+            and settings.
 
         Raises
         ------
         ValueError
-            If the file is of another kind or version, or a coefficient lacks or is
+            If the file is of another kind or version, or a coefficient is missing or
             no number; the message names it.
         """
         with opened(path, FITS) as stored:
@@ -176,25 +176,25 @@ class DynamicCellTemperature:
         mc.results.cell_temperature = tuple(cells) if several else cells[0]
 
     def geometry(self, mc: Any, array: Any, index: pd.DatetimeIndex) -> dict:
-        """Where sun and array stand, as far as effects need it and none gave it."""
+        """Solar position and plane of the array that effects need and no driver has."""
         if callable(self.model):
             return {}
         needed = self.thermal.drivers
-        lacking = [n for n in GEOMETRY if n in needed and n not in self.drivers]
-        if not lacking:
+        missing = [n for n in GEOMETRY if n in needed and n not in self.drivers]
+        if not missing:
             return {}
         position = mc.results.solar_position
         if position is not None and position.index.equals(index):
             place = position[["zenith", "azimuth"]].add_prefix("solar_")
-        else:  # a run from effective irradiance leaves none, or that of a run before
+        else:  # after run_model_from_effective_irradiance it is missing or outdated
             place = sun(index, mc.location)
         mounted = array.mount.get_orientation(
             place["solar_zenith"], place["solar_azimuth"]
         )
         for name in ("surface_tilt", "surface_azimuth"):
-            # a tracker has no place at night, when its place is of no matter
+            # at night a tracker's orientation is NaN, and it has no influence
             place[name] = pd.Series(mounted[name], index).fillna(0.0)
-        return {name: place[name] for name in lacking}
+        return {name: place[name] for name in missing}
 
     def cell_temperature(
         self, poa_global: pd.Series, weather: pd.DataFrame, array: Any, place: dict
@@ -236,7 +236,7 @@ class DynamicCellTemperature:
 
     @property
     def thermal(self) -> ThermalModel:
-        """The model by its name, with its effects."""
+        """The thermal model with its effects."""
         name: Any = self.model
         return thermal_model(name, self.dynamics, self.effects, self.base)
 
@@ -248,15 +248,15 @@ class DynamicCellTemperature:
             if name not in self.drivers and np.all(weather[name] == value):
                 warnings.warn(
                     f"{name} is {value:g} {unit} throughout, which pvlib fills in "
-                    "where weather lacks it: the cell temperature is wrong unless "
-                    f"that is so; add {name} to weather, or pass it as "
+                    "if weather has no such column: the cell temperature is wrong "
+                    f"unless that is true; add {name} to weather, or pass it as "
                     f"temperature_model({name}=...)",
                     stacklevel=2,
                 )
 
 
 def fit_in(stored):
-    """The part of a file that is a fit."""
+    """The fit in a file of a fit or a loop."""
     fit = stored.part("fit") if stored["format"] == LOOP else stored
     if unknown := {*fit.numbers("cell")} - {*CELL}:
         raise ValueError(
@@ -267,7 +267,7 @@ def fit_in(stored):
 
 
 def irradiance(results):
-    """Plane-of-array irradiance of each array, or what pvlib takes instead."""
+    """Plane-of-array irradiance of each array, or effective irradiance without it."""
     total, effective = results.total_irrad, results.effective_irradiance
     if not isinstance(effective, tuple):
         total, effective = (total,), (effective,)
@@ -289,11 +289,11 @@ def aligned(name, series, index):
     if series.index.has_duplicates:
         at = series.index[series.index.duplicated()][0]
         raise ValueError(f"driver {name} has the time {at} twice; keep one")
-    lacking = index.difference(series.index)
-    if len(lacking):
+    missing = index.difference(series.index)
+    if len(missing):
         raise ValueError(
-            f"driver {name} lacks {len(lacking):,} of {len(index):,} times of the run, "
-            f"first {lacking[0]}; give the column of the run, as "
+            f"driver {name} misses {len(missing):,} of {len(index):,} times of the "
+            f"run, first {missing[0]}; give the column of the run, as "
             f"temperature_model({name}=weather['{name}']), which may hold NaN"
         )
     return series.reindex(index)

@@ -1,4 +1,4 @@
-"""Work spread over processes: the same results in the same order for any number."""
+"""Run tasks in processes; results and their order do not depend on the number."""
 
 import os
 import pickle
@@ -10,28 +10,29 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Thread
 
-#: one thread each, since processes share the cores
+#: variables that limit each process to one thread, since processes share the cores
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 GUARD = (
     "A script has to call this under `if __name__ == '__main__':`, since each process "
     "reads the script anew"
 )
-WORK = []  # of a process: the function, and what all its tasks share
+WORK = []  # in a process: the function, and the arguments that all tasks share
 
 
 def spread(function, tasks, processes=None, shared=()):
     """
-    What a function makes of each task, as it is done and in the order of the tasks.
+    Yield the result of a function for each task, in the order of the tasks.
 
     Parameters
     ----------
     function : callable
-        Of a module, ``function(*shared, *task)``.
+        Function at module level, called as ``function(*shared, *task)``.
     tasks : iterable of tuple
     processes : int, optional
-        By default as many as there are cores. With 1 all runs in this process.
+        Number of processes, by default the number of cores. With 1 all tasks run in
+        this process.
     shared : tuple
-        What is the same in all tasks, and goes to each process once.
+        Arguments that all tasks share; each process gets them once.
 
     Yields
     ------
@@ -65,10 +66,10 @@ def spread(function, tasks, processes=None, shared=()):
 @contextmanager
 def kept(shared):
     """
-    A file of what all tasks share, while they work.
+    A temporary file of the arguments that all tasks share.
 
-    What goes to a new process through its pipe has to be small: Python waits for ever
-    for one that ends before it has read more than the pipe holds.
+    Data in the pipe to a new process have to be small: Python waits for ever if a
+    process ends before it has read more than the pipe holds.
     """
     with TemporaryDirectory(prefix="pvlib_fem-") as folder:
         path = Path(folder, "shared.pickle")
@@ -78,15 +79,15 @@ def kept(shared):
 
 def refuse_anew():
     """
-    Refuse a call in a process that still reads the script of its parent.
+    Refuse a call in a process that still imports the script of its parent.
 
-    Without it each process would do at length what goes before the work is spread.
+    Otherwise each process would repeat the work that precedes the call.
 
     Raises
     ------
     RuntimeError
     """
-    # Python's own check of this comes when the process starts another
+    # Python checks this only when the process starts another
     if getattr(current_process(), "_inheriting", False):
         raise RuntimeError(GUARD)
 
@@ -99,7 +100,7 @@ def cores():
 
 @contextmanager
 def one_thread_each():
-    """Processes that begin meanwhile run their BLAS on one thread."""
+    """Start processes with one BLAS thread each."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
@@ -118,7 +119,7 @@ def begin(function, path):
 
 
 def end_with_parent():
-    """Else a process whose parent is killed would wait for work for ever."""
+    """End with the parent; otherwise a process would wait for work for ever."""
     parent_process().join()
     os._exit(1)
 

@@ -1,4 +1,4 @@
-"""Results in files: JSON that keeps every bit, of one format, and is read strictly."""
+"""Results in JSON files that keep every bit and are checked when read."""
 
 import json
 import math
@@ -12,16 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-VERSION = 4  # of the format, which changes when a key does
+VERSION = 4  # of the format; it changes when a key changes
 
 
 @contextmanager
 def replacing(path):
     """
-    A place in the same folder, which takes the name once all is written.
+    Write to a temporary file in the same folder and rename it at the end.
 
-    What was there before stays until then, and whatever fails. What is no file, such
-    as a pipe, is written to as it is.
+    If writing fails, the old file is unchanged. A path that is no regular file, such as
+    a pipe, is written to directly.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def replacing(path):
     if path.exists() and not path.is_file():
         yield path
         return
-    path = Path(os.path.realpath(path))  # a link goes on pointing to the file
+    path = Path(os.path.realpath(path))  # replace the target of a link, not the link
     whole = path.with_name(f".{path.stem[:40]}.{secrets.token_hex(4)}{path.suffix}")
     try:
         whole.touch(exist_ok=False)
@@ -48,7 +48,7 @@ def replacing(path):
 
 
 def saved(text, path):
-    """The text, written to a file where there is a path: the same bits everywhere."""
+    """Return the text, and write it to a path if given, equal on every system."""
     if path is not None:
         with (
             replacing(path) as whole,
@@ -59,7 +59,7 @@ def saved(text, path):
 
 
 def written(kind, content, path=None):
-    """A result as JSON, and in a file where there is a path."""
+    """Return a result as JSON, and write it to a path if given."""
     content = stamped(kind, content)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     saved(text + "\n", path)
@@ -67,12 +67,12 @@ def written(kind, content, path=None):
 
 
 def stamped(kind, content):
-    """What a file of a kind holds."""
+    """The content of a file of a kind, with format and version."""
     return plain({"format": kind, "version": VERSION, **content})
 
 
 def plain(content):
-    """What JSON has: null stands for NaN, "inf" for what is infinite."""
+    """Content in types of JSON: null for NaN, "inf" for infinity."""
     if isinstance(content, Mapping):
         return {str(key): plain(value) for key, value in content.items()}
     if isinstance(content, list | tuple):
@@ -87,7 +87,7 @@ def plain(content):
 @contextmanager
 def opened(path, kinds):
     """
-    The content of a file that one of the ``kinds`` wrote.
+    Open the content of a file that has one of the formats ``kinds``.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def opened(path, kinds):
 
 
 def content_of(path, kinds):
-    """The object that a file is."""
+    """The JSON object of a file, checked by format and version."""
 
     def refused(constant):
         raise ValueError(f"{path} holds {constant}, which is no number of JSON")
@@ -147,7 +147,7 @@ def content_of(path, kinds):
 
 @dataclass(frozen=True)
 class Stored:
-    """A part of a file; what it lacks or has wrong is told by its name."""
+    """A part of a file; errors name the missing or wrong key."""
 
     content: dict
     file: str
@@ -155,11 +155,11 @@ class Stored:
 
     def __getitem__(self, key):
         if key not in self.content:
-            raise ValueError(f"{self.file} lacks {self.place}{key}")
+            raise ValueError(f"{self.file} has no {self.place}{key}")
         return self.content[key]
 
     def of(self, key, kind, words):
-        """What stands there, if it is of that kind."""
+        """The value of a key, checked by type."""
         value = self[key]
         # True is an int of Python, and no number
         if not isinstance(value, kind) or (isinstance(value, bool) != (kind is bool)):
@@ -173,7 +173,7 @@ class Stored:
         return Stored(self.of(key, dict, "an object"), self.file, f"{self.place}{key}.")
 
     def parts(self, key):
-        """Objects of a list."""
+        """The parts of a list of objects."""
         listed = {str(i): value for i, value in enumerate(self.of(key, list, "a list"))}
         inside = Stored(listed, self.file, f"{self.place}{key}.")
         return [inside.part(i) for i in listed]
@@ -196,7 +196,7 @@ class Stored:
         return value
 
     def number(self, key, unknown=False):
-        """A finite number; where one may be unknown, NaN or infinite, too."""
+        """A finite number; with ``unknown``, NaN or infinity are allowed, too."""
         if unknown and (self[key] is None or self[key] in ("inf", "-inf")):
             return math.nan if self[key] is None else float(self[key])
         return self.of(key, int | float, "a number")
@@ -207,7 +207,7 @@ class Stored:
         return {name: inside.number(name, unknown) for name in inside.content}
 
     def pairs(self, key):
-        """Two numbers by name."""
+        """Pairs of numbers by name."""
         inside, found = self.part(key), {}
         for name in inside.content:
             pair = dict(zip("01", inside.of(name, list, "a list"), strict=False))

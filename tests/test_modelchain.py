@@ -252,7 +252,7 @@ def test_a_driver_must_cover_the_run(weather):
     for series, message in (
         (
             wind.iloc[5:],
-            "lacks 5 of 2,880 times of the run, first 2023-06-01",
+            "misses 5 of 2,880 times of the run, first 2023-06-01",
         ),
         (wind.tz_localize(None), "times in zone None, the run in"),
         (pd.concat([wind[:1], wind]), "has the time 2023-06-01 .* twice"),

@@ -55,8 +55,8 @@ def model_of(stored, own=()):
             )
     if "stderr" in stored.content:  # of a fit, and not of a model alone
         errors = stored.numbers("stderr", unknown=True)
-        if lacking := [name for name in model.parameters if name not in errors]:
-            raise ValueError(f"{stored.file} lacks {stored.place}stderr.{lacking[0]}")
+        if missing := [name for name in model.parameters if name not in errors]:
+            raise ValueError(f"{stored.file} has no {stored.place}stderr.{missing[0]}")
     return model, found
 
 
@@ -77,8 +77,8 @@ def coefficients_of(stored, key, model):
     least = {*model.parameters}
     most = {*least, *model.steady_model.fixed}
     most |= {"tau"} if model.dynamics == "steady" else set()
-    if lacking := [name for name in model.parameters if name not in found]:
-        raise ValueError(f"{stored.file} lacks {stored.place}{key}.{lacking[0]}")
+    if missing := [name for name in model.parameters if name not in found]:
+        raise ValueError(f"{stored.file} has no {stored.place}{key}.{missing[0]}")
     if unknown := [name for name in found if name not in most]:
         raise ValueError(
             f"{stored.file}: {stored.place}{key}.{unknown[0]} is no coefficient of "
