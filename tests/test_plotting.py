@@ -405,7 +405,7 @@ def test_a_waterfall_falls_from_step_to_step(held, ax):
         "+ filter",
         "+ heat balance",
         "+ bias",
-        "what is left",
+        "remaining error",
     ]
     rises = errors[1:] - errors[:-1] > 0.005
     assert [bool(bar.get_hatch()) for bar in ax.patches[2:]] == rises.tolist()
@@ -416,7 +416,7 @@ def test_a_loops_waterfall_leaves_out_the_form_that_it_left(closed, ax):
     names = [text.get_text() for text in ax.get_yticklabels()]
     form = {"ewm": "+ EWM", "balance": "+ heat balance"}[closed.fit.dynamics]
     added = [f"+ {label(effect)}" for effect in closed.effects]
-    assert names == ["steady", form, *added, "what is left"]
+    assert names == ["steady", form, *added, "remaining error"]
 
 
 def test_without_colours_lines_can_be_told_apart(closed, ax):

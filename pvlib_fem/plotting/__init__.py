@@ -1,9 +1,9 @@
-"""Pictures of fits, of loops and of what they leave.
+"""Pictures of fits, of loops and of their residuals.
 
 Each function takes the axes to draw on, or makes a new figure, and returns the axes.
-matplotlib is imported here only, and only when a picture is drawn. Text and axes
-follow matplotlib's style, light or dark; what a colour tells, a line style, a marker
-or a sign tells as well.
+matplotlib is imported only in this package, and only when a picture is drawn. Text and
+axes follow matplotlib's style, light or dark. Every colour has its own line style,
+marker or sign, too.
 """
 
 from pvlib_fem.plotting.budget import plot_budget

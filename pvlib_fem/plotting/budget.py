@@ -1,11 +1,11 @@
-"""Where the error went: what each step took, and what is left in time."""
+"""Picture of the error budget: reductions by steps, and the remainder in time."""
 
 from typing import Any
 
 from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, ink, new_axes
 from pvlib_fem.plotting.steps import one_line_each, signed, spaced
 
-#: colours of the kinds of rows; what rises is told by its hatching, too
+#: colours of the kinds of rows; an increase is also hatched
 LOOKS = {
     "start": OTHER,
     "taken": AFTER,
@@ -17,10 +17,10 @@ LOOKS = {
 
 def plot_budget(loop: Any, ax: Any = None) -> Any:
     """
-    The budget of a loop's mean square, which adds up.
+    Error budget of a loop: its parts add up to the mean square of the steady model.
 
-    From the steady model down by what each step took, and from what is left down by
-    time scale to what changes from row to row. Hatched is what a step made worse.
+    The upper bars show the reduction by each step. The lower bars divide the remaining
+    error by time scale. A step that increased the error is hatched.
 
     Parameters
     ----------
@@ -33,10 +33,10 @@ def plot_budget(loop: Any, ax: Any = None) -> Any:
     matplotlib Axes
     """
     ax = new_axes(ax)
-    told = loop.budget["kind"].isin(LOOKS)
-    # no record of hours has what is within the hour
-    told &= (loop.budget["kind"] != "scale") | (loop.budget["mean_square"] > 0.0)
-    budget = loop.budget[told]
+    shown = loop.budget["kind"].isin(LOOKS)
+    # an hourly record has no error within the hour
+    shown &= (loop.budget["kind"] != "scale") | (loop.budget["mean_square"] > 0.0)
+    budget = loop.budget[shown]
     level = 0.0
     for place, (kind, square) in enumerate(zip(budget["kind"], budget["mean_square"])):
         whole = kind in ("start", "left")

@@ -1,4 +1,4 @@
-"""How much of the error could still be explained."""
+"""Picture of the error that could still be explained."""
 
 from typing import Any
 
@@ -7,10 +7,10 @@ from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, ink, new_axes, without
 
 def plot_ceiling(ceiling: Any, ax: Any = None) -> Any:
     """
-    One bar: the mean square of the paper's form, by who explains it.
+    One bar: the mean square of the paper's form, divided by what explains it.
 
-    What the loop closes, what trees on the same columns close beyond that (hatched),
-    and what neither does.
+    The parts are explained by the loop, by trees on the same columns alone (hatched),
+    and by neither.
 
     Parameters
     ----------

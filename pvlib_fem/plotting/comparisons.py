@@ -1,4 +1,4 @@
-"""Many models beside each other: the paper's Figs. 8, 9 and 10."""
+"""Comparisons of several models: the paper's Figs. 8, 9 and 10."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,19 +20,19 @@ from pvlib_fem.plotting.steps import one_line_each
 from pvlib_fem.scores import EnergyError
 
 STEPS = {"standard": "steady", "filter": "+ filter", "ewm": "+ EWM", "fem": "+ bias"}
-LAST = "fem"  # where models of others stand
+LAST = "fem"  # step of the models of others
 STEADY = "standard"
-SPREAD = 0.12  # between models of others, that stand beside each other
+SPREAD = 0.12  # distance between the models of others
 
 
 def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any:
     """
-    One score by step, a line a model; models of others at the last step (Fig. 9).
+    One score by step, with a line per model; models of others at the end (Fig. 9).
 
     Parameters
     ----------
     comparison : Comparison
-        Of :func:`pvlib_fem.compare_models`, at its finest resolution.
+        Result of :func:`pvlib_fem.compare_models`; its finest resolution is drawn.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
     score : str, default "rmse"
@@ -60,7 +60,7 @@ def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any
     ax.set_xticks(place, names)
     ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
     ax.set_ylabel(words_of(score))
-    beside(ax)
+    legend_outside(ax)
     return ax
 
 
@@ -73,7 +73,7 @@ def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> An
     Parameters
     ----------
     comparison : Comparison
-        Of :func:`pvlib_fem.compare_models` with ``resolutions``.
+        Result of :func:`pvlib_fem.compare_models` with ``resolutions``.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
     score : str, default "rmse"
@@ -107,18 +107,18 @@ def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> An
     ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
     ax.set_xlabel("step of the data")
     ax.set_ylabel(words_of(score))
-    beside(ax)
+    legend_outside(ax)
     return ax
 
 
 def plot_energy_error(errors: Mapping[str, EnergyError], ax: Any = None) -> Any:
     """
-    What temperature errors do to the performance ratio, to either side (Fig. 10).
+    Error of the performance ratio by temperature errors, in both signs (Fig. 10).
 
     Parameters
     ----------
     errors : dict of EnergyError
-        By name, of :func:`pvlib_fem.scores.energy_error`.
+        Results of :func:`pvlib_fem.scores.energy_error` by name.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -160,19 +160,19 @@ def looks(i):
 
 
 def words_of(score):
-    """A score for an axis."""
+    """Label of an axis for a score."""
     name, _, part = score.partition("_")
     return f"{name.upper()} by {part or 'day'}, held-out days [K]"
 
 
 def duration(seconds):
-    """Words for a step."""
+    """A time step in words."""
     if seconds < 60:
         return f"{seconds:g} s"
     return f"{seconds / 60:g} min" if seconds < 3600 else f"{seconds / 3600:g} h"
 
 
-def beside(ax):
-    """A legend to the right of the axes."""
+def legend_outside(ax):
+    """Add a legend to the right of the axes."""
     without_frame(ax, "top", "right")
     ax.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

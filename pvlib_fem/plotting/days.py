@@ -1,4 +1,4 @@
-"""Pictures over time: measured, modelled, and what effects add."""
+"""Pictures over time: measured and modelled temperature, contributions of effects."""
 
 import math
 from typing import Any
@@ -20,13 +20,13 @@ from pvlib_fem.plotting.look import (
 
 TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
 MOST_TICKS = 9
-FILLED = 2000  # points of the irradiance behind
-LOWER = 0.28  # share of the height that the residual has below a fit
+FILLED = 2000  # points of the irradiance in the background
+LOWER = 0.28  # share of the height for the residual
 
 
 def plot_fit(fit: Any, ax: Any = None, when: str | slice | None = None) -> Any:
     """
-    Measured and modelled temperature, and below it what is between them.
+    Measured and modelled temperature, and the residual below.
 
     Parameters
     ----------
@@ -34,10 +34,9 @@ def plot_fit(fit: Any, ax: Any = None, when: str | slice | None = None) -> Any:
     ax : matplotlib Axes, optional
         Where to draw, both panels inside; a new figure without it.
     when : date, str or slice, optional
-        What to show: a date, or times as ``.loc`` of a Series takes them, such as
-        ``"2020-03"`` or ``slice("2020-03-18", "2020-03-20 12:00")``. By default
-        the most variable held-out day; of a fit that holds none out, the most
-        variable day.
+        A date, or times as ``.loc`` of a Series takes them, such as ``"2020-03"`` or
+        ``slice("2020-03-18", "2020-03-20 12:00")``. By default the most variable
+        held-out day, or the most variable day if no day is held out.
 
     Returns
     -------
@@ -69,7 +68,7 @@ def plot_before_after(loop: Any, ax: Any = None) -> Any:
     """
     The most variable test day: measured, and modelled before and after.
 
-    Where the loop re-timed the module's record, that before it is left out.
+    If the loop shifted the module's timestamps, the model before that is not drawn.
 
     Parameters
     ----------
@@ -96,7 +95,7 @@ def plot_before_after(loop: Any, ax: Any = None) -> Any:
 
 def plot_contributions(loop: Any, ax: Any = None) -> Any:
     """
-    What each effect adds to the temperature on the most variable test day.
+    Contribution of each effect to the temperature on the most variable test day.
 
     The legend has the root mean square over the whole record.
 
@@ -117,7 +116,7 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
     ax.axhline(0.0, color=ink(), linewidth=0.8)
     for i, (name, values) in enumerate(parts.items()):
         look = dict(color=COLOURS[i % len(COLOURS)], linewidth=1.4)
-        # the style changes with the colour, and differs again in the second round
+        # the line style changes with the colour, and again when colours repeat
         look["linestyle"] = STYLES[(i + i // len(COLOURS)) % len(STYLES)]
         size = np.sqrt(np.nanmean(values**2))
         words = f"{label(name)}, rms {size:.2f} K"
@@ -131,14 +130,14 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
 
 
 class Span:
-    """Some rows of a fit's record as they are drawn: a day, or what is asked for."""
+    """The rows of a fit's record that are drawn: a day, or the given times."""
 
     def __init__(self, fit, when=None):
         record = fit.record
         self.rows = busiest(fit) if when is None else chosen(record.index, when)
         self.measured = record["temp_module"][self.rows]
         self.sun = record["poa_global"][self.rows]
-        # hours since the clock's midnight, so that a change of the clock is no fold
+        # hours since local midnight, continuous over a clock change
         index = record.index[self.rows]
         times = index.tz_localize(None)
         self.midnight = times[0].normalize()
@@ -153,25 +152,25 @@ class Span:
         self.title = f"{self.date}, {part}"
 
     def of(self, column):
-        """Its rows of a Series."""
+        """The drawn rows of a Series."""
         return column.to_numpy()[self.rows]
 
     def reading(self, ax):
-        """The measured temperature."""
+        """Draw the measured temperature."""
         ax.plot(self.hours, self.measured, color=ink(), linewidth=1.8, label="measured")
         ax.set_ylabel("module temperature [°C]")
 
     def modelled(self, ax, residual, words, colour, style):
-        """The modelled temperature that leaves this residual."""
+        """Draw the modelled temperature with this residual."""
         modelled = self.measured - self.of(residual)
         look = dict(color=colour, linestyle=style, linewidth=1.5, label=words)
         ax.plot(self.hours, modelled, **look)
 
     def dressed(self, ax):
-        """The axes with the irradiance behind, hours below and a title."""
+        """Add irradiance in the background, ticks of time and a title."""
         irradiance = ax.twinx()
         behind = dict(color=ink(), alpha=FAINT, linewidth=0)
-        # a vector picture keeps every point of what is filled
+        # a vector picture keeps every point of a filled area
         some = slice(None, None, max(1, len(self.hours) // FILLED))
         irradiance.fill_between(self.hours[some], self.sun[some], **behind)
         irradiance.set_ylabel("irradiance [W/m²]")
@@ -182,7 +181,7 @@ class Span:
         ax.set_title(self.title)
 
     def clock(self, ax):
-        """The hours of a day, or days and hours of a longer span."""
+        """Set ticks at hours of a day, or at days and hours of a longer span."""
         start, end = self.hours[0], self.hours[-1]
         ax.set_xlim(start, end if end > start + 0.5 else start + 0.5)
         length = ax.get_xlim()[1] - start
@@ -197,8 +196,8 @@ class Span:
         ax.set_xlabel(words if several else "hour of the day")
 
     def tick(self, hour, step, several):
-        """Words for one hour since midnight."""
-        # where the clock changes within the span, a tick says what it then shows
+        """Label of one hour since midnight."""
+        # after a clock change, labels show the new local time
         time = self.start + pd.Timedelta(hours=round(hour * 60) / 60)
         if several and time == time.normalize():
             return f"{time.day} {time.month_name()[:3]}"
@@ -206,7 +205,7 @@ class Span:
 
 
 def busiest(fit):
-    """Rows of the day whose irradiance changes most, of those held out if any are."""
+    """Rows of the day with the most variable irradiance, held out if possible."""
     record = fit.record
     days = record.days
     change = np.abs(np.diff(record["poa_global"], prepend=np.nan))
@@ -216,7 +215,7 @@ def busiest(fit):
 
 
 def chosen(index, when):
-    """Places of the rows that a user asks for."""
+    """Places of the rows at the times that a user gives."""
     try:
         wanted = when
         if not isinstance(when, (str, slice)):
@@ -234,7 +233,7 @@ def chosen(index, when):
 
 
 def room_for_legend(ax, ncols):
-    """A legend in one line above all curves."""
+    """Add a legend in one line above all curves."""
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.16 * (high - low))
     ax.legend(loc="upper left", ncols=ncols, frameon=False)

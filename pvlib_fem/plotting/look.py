@@ -1,20 +1,20 @@
-"""What all pictures share: colours, axes, and names with their units."""
+"""Common parts of all pictures: colours, axes, and names with units."""
 
 import numpy as np
 
 from pvlib_fem.record.columns import UNITS
 
-# colours of Okabe and Ito, which the colour-blind can tell apart
+# colours of Okabe and Ito, which colour-blind readers can distinguish
 BEFORE, AFTER, OTHER = "#d55e00", "#0072b2", "#8c8c8c"
 COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", OTHER)
 STYLES = ("-", "--", ":", "-.")
 MARKERS = "os^Dv"
-FAINT = 0.14  # opacity of what stands behind: light on white, dark on black
+FAINT = 0.14  # opacity of the background: light on white, dark on black
 LONGEST = 24  # characters of a name in a picture
 
 
 def new_axes(ax, projection=None, height=4.0):
-    """The axes as given, or those of a new figure of that height. [inch]"""
+    """The given axes, or axes of a new figure with that height. [inch]"""
     if ax is not None:
         return ax
     try:
@@ -30,7 +30,7 @@ def new_axes(ax, projection=None, height=4.0):
 
 
 def panels(ax, heights, gap=0.06):
-    """The given axes and others below them, which share its place and its x axis."""
+    """Divide the given axes into panels, one below the other, with one x axis."""
     count, share = len(heights), np.array(heights) / sum(heights)
     if place := ax.get_subplotspec():
         rows = place.subgridspec(count, 1, height_ratios=heights, hspace=gap)
@@ -50,7 +50,7 @@ def panels(ax, heights, gap=0.06):
 
 
 def check_format(path):
-    """Refuse a file of a picture whose ending no format has."""
+    """Refuse a picture file whose suffix matplotlib does not support."""
     from matplotlib.backend_bases import FigureCanvasBase
 
     known = FigureCanvasBase.get_supported_filetypes()
@@ -62,7 +62,7 @@ def check_format(path):
 
 
 def ink():
-    """The colour of text in the style of the day."""
+    """The text colour of the present style."""
     from matplotlib import rcParams
 
     return rcParams["text.color"]
@@ -74,13 +74,13 @@ def without_frame(ax, *sides):
 
 
 def label(name):
-    """A name that may be a user's, short and with no signs that matplotlib reads."""
+    """A name, shortened and escaped for matplotlib."""
     name = " ".join(str(name).split())
     name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
     return name.replace("$", r"\$")
 
 
 def label_with_unit(name):
-    """The same with its unit, where the name is one of pvlib's."""
+    """A shortened name with its unit, if it is one of pvlib's names."""
     unit = f" [{UNITS[name]}]" if name in UNITS else ""
     return f"{label(name)}{unit}"

@@ -1,4 +1,4 @@
-"""How long a module remembers: its answer to a step, its time constant by wind."""
+"""Pictures of the dynamics: response to a step, and time constant by wind."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,16 +24,16 @@ def plot_step_response(
     fit: Any, wind_speed: Sequence[float] = (0.5, 2.0, 5.0), ax: Any = None
 ) -> Any:
     """
-    Over-temperature after the sun comes out, at several winds.
+    Over-temperature after a step of irradiance, at several winds.
 
-    Irradiance rises from 0 to 1000 W/m² and stays; a marker shows where 63 % of the
-    new over-temperature is reached, after one time constant. The bias is left out,
-    and so is what effects add, since they have drivers that a step has not.
+    Irradiance steps from 0 to 1000 W/m². A marker shows 63 % of the new
+    over-temperature, after one time constant. The response has no bias and no effects,
+    whose drivers are not defined for a step.
 
     Parameters
     ----------
     fit : FemFit
-        With the dynamics ``"ewm"`` or ``"balance"``.
+        A fit with the dynamics ``"ewm"`` or ``"balance"``.
     wind_speed : float or sequence of float, default (0.5, 2.0, 5.0)
         [m/s]
     ax : matplotlib Axes, optional
@@ -80,15 +80,15 @@ def plot_step_response(
 
 def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
     """
-    The time constant over wind: the model's, and the record's own in bins.
+    The time constant over wind: of the model, and of the record in bins.
 
-    Points and bars (95 %) are :func:`tau_by_wind`. The curve is the steady model's,
-    without what effects add to loss or capacity.
+    Points and bars (95 %) are from :func:`tau_by_wind`. The curve is that of the model
+    without effects on loss or capacity.
 
     Parameters
     ----------
     fit : FemFit
-        With the dynamics ``"ewm"`` or ``"balance"``.
+        A fit with the dynamics ``"ewm"`` or ``"balance"``.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -99,7 +99,7 @@ def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
     Raises
     ------
     ValueError
-        If the fit is steady, or no bin of wind tells anything.
+        If the fit is steady, or no bin of wind determines a time constant.
     """
     bins = tau_by_wind(fit)
     if bins.empty:
@@ -113,7 +113,7 @@ def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
     ax.plot(winds, time_constant(fit, winds), color=AFTER, label=words)
     bars = (bins["tau"] - bins["lower"], bins["upper"] - bins["tau"])
     look = dict(fmt="o", color=ink(), capsize=3, markersize=5)
-    words = "the record, by the wind felt; 95 %, by the day"
+    words = "the record, by smoothed wind; 95 %, clustered by day"
     ax.errorbar(bins["wind_speed"], bins["tau"], bars, label=words, **look)
     ax.set_xlim(0.0, winds[-1])
     ax.set_ylim(0.0, 1.2 * ax.get_ylim()[1])  # room for the legend
@@ -125,30 +125,29 @@ def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
 
 def tau_by_wind(fit: Any) -> pd.DataFrame:
     r"""
-    The time constant that a record shows by itself, in bins of 1 m/s.
+    Estimate the time constant of a record in bins of 1 m/s.
 
-    In each bin the constant of the dynamics (``tau``, or ``capacity``) takes one
-    Gauss–Newton step [1]_ from where the fit stands, with the rows of that bin only
-    and the model's exact slopes. Beside it stand an offset and a factor of the
-    over-temperature, so that a model which is too warm or too cold at that wind is
-    not taken for memory. Of ``balance`` it is the step's capacity times
-    :math:`r_{eq}` at the wind of the bin.
+    In each bin, ``tau`` or ``capacity`` takes one Gauss–Newton step [1]_ from the fit,
+    with the rows of that bin and the model's exact slopes. An offset and a factor of
+    the over-temperature are estimated, too, so that a steady error at that wind does
+    not change the time constant. For ``balance``, ``tau`` is the capacity of the step
+    times :math:`r_{eq}` at the wind of the bin.
 
-    Rows are sorted by the wind that the module has felt: its mean over the model's
-    own time constant. Of rows, held-out days count as well.
+    Rows are binned by smoothed wind, the exponential mean over the model's own time
+    constant. Held-out days count, too.
 
     Parameters
     ----------
     fit : FemFit
-        With the dynamics ``"ewm"`` or ``"balance"``.
+        A fit with the dynamics ``"ewm"`` or ``"balance"``.
 
     Returns
     -------
     DataFrame
-        A row for each bin: ``wind_speed``, the mean of the wind felt [m/s]; ``tau``,
+        A row for each bin: ``wind_speed``, the mean smoothed wind [m/s]; ``tau``,
         ``stderr``, and ``lower`` and ``upper`` of its 95 % interval by Student's t
-        over the days [s]; ``days``. Bins below 5 days, and those whose interval is
-        wider either way than the model's time constant, are left out.
+        over the days [s]; ``days``. The table omits bins below 5 days, and bins whose
+        half interval exceeds the model's time constant.
 
     Raises
     ------
@@ -157,10 +156,10 @@ def tau_by_wind(fit: Any) -> pd.DataFrame:
 
     Notes
     -----
-    One step follows a tangent, so a bin that lies far from the model can miss the
-    truth: with the single ``tau`` of ``ewm`` fitted to 30 days of
-    :func:`pvlib_fem.datasets.synthetic`, whose time constant falls from 499 to
-    219 s with the wind, the bin of strongest wind gave 190 ± 19 s.
+    One step is linear, so a bin far from the model can be biased. An example is the
+    single ``tau`` of ``ewm``, fitted to 30 days of
+    :func:`pvlib_fem.datasets.synthetic`, whose time constant falls from 499 to 219 s
+    with the wind: the bin of strongest wind gave 190 ± 19 s.
 
     References
     ----------
@@ -176,19 +175,19 @@ def tau_by_wind(fit: Any) -> pd.DataFrame:
     columns = (slopes[name], over, np.ones(len(over)))
     wind = record["wind_speed"]
     memory = time_constant(fit, wind) / record.inputs.unit
-    felt = relax(wind, record.inputs.steps, memory)
+    smooth = relax(wind, record.inputs.steps, memory)
     seen = counted(record.inputs.columns, fit.night)
-    seen = seen & np.isfinite(residual + slopes[name] + over + felt)
+    seen = seen & np.isfinite(residual + slopes[name] + over + smooth)
     rows = []
-    for bin_ in np.unique(felt[seen] // BIN):
-        at = np.flatnonzero(seen & (felt // BIN == bin_))
-        middle = felt[at].mean()
+    for bin_ in np.unique(smooth[seen] // BIN):
+        at = np.flatnonzero(seen & (smooth // BIN == bin_))
+        middle = smooth[at].mean()
         now = float(time_constant(fit, middle))
         step = newton_step([c[at] for c in columns], residual[at], record.dates[at])
         if step is None:
             continue
         change, error, days = step
-        # capacity to time constant; of ewm both are the same
+        # from capacity to time constant; for ewm the factor is 1
         unit = now / coefficients[name]
         tau, error = now + change * unit, error * unit
         reach = student.ppf(0.5 + LEVEL / 2, days - 1) * error
@@ -210,13 +209,13 @@ def newton_step(columns, residual, dates):
     try:
         left = residual - matrix @ step
         covariance = day_errors(columns, left, dates)
-    except np.linalg.LinAlgError:  # a single day holds all that is known
+    except np.linalg.LinAlgError:  # one day alone determines a coefficient
         return None
     return step[0], np.sqrt(covariance[0, 0]), days
 
 
 def constant(fit):
-    """Name of the coefficient that is the memory of a fit."""
+    """Name of the coefficient that sets the time constant of a fit."""
     names = {"ewm": "tau", "balance": "capacity"}
     if fit.dynamics not in names:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""What was found of effects that were put into a record."""
+"""Picture of the recovery of injected effects."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from pvlib_fem.plotting.look import COLOURS, MARKERS, OTHER, STYLES, new_axes
 
 def plot_recovery(recovery: Any, ax: Any = None) -> Any:
     """
-    Share found by multiple of the predicted size, a line for each effect.
+    Share of injections found over multiples of the predicted size, by effect.
 
     Parameters
     ----------

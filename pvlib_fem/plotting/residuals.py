@@ -1,4 +1,4 @@
-"""Where a residual lives: its mean by the clock, by the wind, by any two columns."""
+"""Maps of a residual: its mean by hour and month, by wind, by any two columns."""
 
 from typing import Any
 
@@ -10,10 +10,10 @@ from pvlib_fem.statistics import axes
 from pvlib_fem.types import Numeric
 
 SECTORS = 16  # of a wind rose
-FINER = 3  # pieces in which a sector is drawn, so that it is round
-LEAST_ROWS, LEAST_DAYS = 10, 3  # below which a cell is left empty
-OUTER = 0.001  # share of the rows that may lie beyond the first and the last bin
-CLEAR = 0.2  # of the scale, below zero, from which a cell has its dash
+FINER = 3  # pieces of a sector, so that it is drawn round
+LEAST_ROWS, LEAST_DAYS = 10, 3  # a cell with fewer stays empty
+OUTER = 0.001  # share of the rows that may be beyond the first and the last bin
+CLEAR = 0.2  # a mean below minus this share of the scale has a dash
 
 
 def plot_residual_map(
@@ -22,7 +22,7 @@ def plot_residual_map(
     """
     Mean residual by hour of day and month.
 
-    Cells clearly below zero have a dash, which a print in grey keeps.
+    Cells clearly below zero have a dash, which is visible in a grey print, too.
 
     Parameters
     ----------
@@ -61,18 +61,18 @@ def plot_residual_by(
     """
     Mean residual over two columns, such as irradiance and wind.
 
-    A bin needs 10 rows from 3 days, or from all days of a shorter record; with
-    fewer it is left empty. Bins are even and about ten each way; a thousandth of
-    the rows at either end of a column may lie beyond them. Bins clearly below zero
-    have a dash, which a print in grey keeps.
+    A bin needs 10 rows from 3 days, or from all days of a shorter record; otherwise
+    it stays empty. There are about ten even bins in each direction; a thousandth of
+    the rows at either end of a column may be beyond them. Bins clearly below zero
+    have a dash, which is visible in a grey print, too.
 
     Parameters
     ----------
     residual : Series
         Measured minus modelled temperature, with a DatetimeIndex. [K]
     x, y : Series
-        The columns, on the same index. Their names are those of the axes, with the
-        unit where the name is one of pvlib's.
+        The columns, on the same index. Their names label the axes, with the unit if
+        the name is one of pvlib's.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
     limit : float, optional
@@ -115,10 +115,10 @@ def plot_residual_rose(
     limit: float | None = None,
 ) -> Any:
     """
-    Mean residual by where the wind comes from and how strong it is.
+    Mean residual by wind direction and wind speed.
 
-    North is up, east to the right, calm in the middle. Sixteen sectors; bins of
-    speed, and which of them are left empty, as in :func:`plot_residual_by`.
+    North is up, east to the right, calm in the middle. The rose has sixteen sectors;
+    bins of speed and empty bins are as in :func:`plot_residual_by`.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def plot_residual_rose(
     wind_speed : Series
         [m/s]
     wind_direction : Series
-        Where the wind comes from, clockwise from north. [°]
+        Direction that the wind comes from, clockwise from north. [°]
     ax : matplotlib Axes, optional
         Polar axes; a new figure without it.
     limit : float, optional
@@ -158,11 +158,11 @@ def plot_residual_rose(
     ax.grid(False)  # it would lie between the cells
     mesh(ax, pieces, speed, means, limit, FINER)
     ax.set_ylim(0.0, speed[-1])
-    # none at or beside the rim, whose line would run through its words
+    # no ring at or near the rim, whose line would cross its label
     rings = speed[2:-2:2] if len(speed) > 4 else speed[1:2]
     ax.set_yticks(rings, [f"{s:g} m/s" for s in rings])
     ax.set_rlabel_position(180.0 / SECTORS)
-    for text in ax.get_yticklabels():  # they lie on cells, whatever the style is
+    for text in ax.get_yticklabels():  # they are on cells, in any style
         text.set(color="black", size="small")
         text.set_bbox(dict(facecolor="white", alpha=0.85, linewidth=0, pad=1))
     return ax
@@ -170,20 +170,20 @@ def plot_residual_rose(
 
 def mesh(ax, across, up, means, limit=None, pieces=1):
     """
-    Cells from blue, the model too hot, to red, with their scale.
+    Draw cells from blue (model too hot) to red, with their scale.
 
     ``means`` has a row for each bin of ``up`` and a column for each bin of
-    ``across``, which is drawn in that many ``pieces``.
+    ``across``. Each column is drawn in so many ``pieces``.
     """
     limit = largest(means) if limit is None else limit
     values = means.to_numpy(dtype=float)
     colours = dict(cmap="RdBu_r", vmin=-limit, vmax=limit)
-    # edges of its own colour leave no seams in a vector picture
+    # edges in the colour of the cell avoid seams in a vector picture
     colours |= dict(edgecolors="face", linewidth=1.0)
     cells = ax.pcolormesh(across, up, np.repeat(values, pieces, axis=1), **colours)
-    # where lightness alone would not tell the sign
+    # dashes, because lightness alone does not show the sign
     rows, columns = np.nonzero(values < -CLEAR * limit)
-    if pieces > 1:  # in the middle of a rose there is room for some
+    if pieces > 1:  # the middle of a rose has room for a few
         some = columns % np.choose(np.minimum(rows, 2), (4, 2, 1)) == 0
         rows, columns = rows[some], columns[some]
     x = (across[::pieces][:-1] + across[::pieces][1:])[columns] / 2
@@ -196,7 +196,7 @@ def mesh(ax, across, up, means, limit=None, pieces=1):
 
 
 def by_hour_and_month(residual):
-    """Mean residual, a row for each hour and a column for each month, as they come."""
+    """Mean residual, a row for each hour and a column for each month of the record."""
     index = residual.index
     rows = pd.DataFrame(
         {"residual": residual.to_numpy(), "hour": index.hour, "month": index.month}
@@ -209,24 +209,24 @@ def by_sector(residual, wind_speed, wind_direction):
     """Mean residual, a row for each bin of speed and a column for each sector."""
     speed = aligned(residual, wind_speed, "wind_speed")
     angle = aligned(residual, wind_direction, "wind_direction")
-    speed = speed.clip(lower=0.0)  # an offset of the cups is calm
+    speed = speed.clip(lower=0.0)  # a negative offset of the anemometer is calm
     up = edges(speed, "wind_speed")
     up = np.concatenate(([0.0], up[up > 0.0]))
     sector = np.round(angle / (360.0 / SECTORS)) % SECTORS
     means = cell_means(residual, sector, inside(speed, up), np.arange(SECTORS + 1), up)
-    # a rose ends where its last cell does
+    # a rose ends at its last cell with a mean
     rings = max(np.flatnonzero(means.notna().any(axis=1)), default=0) + 1
     return means.iloc[:rings], up[: rings + 1]
 
 
 def largest(*means):
-    """Largest mean of some maps either way, for a scale that they share. [K]"""
+    """Largest absolute mean of some maps, for a common scale. [K]"""
     values = np.abs(np.concatenate([m.to_numpy().ravel() for m in means]))
     return float(max(np.nanmax(values, initial=0.0), 0.1))
 
 
 def aligned(residual, column, name):
-    """The column, if it stands beside the residual row by row."""
+    """The column as float; ValueError if its index is not that of the residual."""
     if not isinstance(column, pd.Series) or not column.index.equals(residual.index):
         raise ValueError(
             f"{name} and the residual have different indexes; give {name} as a Series "
@@ -247,7 +247,7 @@ def edges(column, name):
 
 
 def inside(column, cuts):
-    """Bin of each row; NaN beyond the outer ones."""
+    """Bin of each row; NaN beyond the outer bins."""
     places = np.searchsorted(cuts, column, side="right") - 1.0
     # the last edge belongs to the last bin: a humidity of 100 % is no outlier
     places[column == cuts[-1]] = len(cuts) - 2
@@ -255,7 +255,7 @@ def inside(column, cuts):
 
 
 def cell_means(residual, across, up, columns, rows):
-    """Mean of each cell that enough rows of enough days are in."""
+    """Mean of each cell with enough rows and days."""
     days = residual.index.tz_localize(None).floor("D")
     table = pd.DataFrame(
         {

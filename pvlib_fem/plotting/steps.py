@@ -1,4 +1,4 @@
-"""What each step of a fit or of a loop takes off the error."""
+"""Pictures of the error after each step of a fit or a loop."""
 
 from typing import Any
 
@@ -14,27 +14,27 @@ from pvlib_fem.plotting.look import (
     without_frame,
 )
 
-#: rows of a loop's table before any effect, in words
+#: names of rows of a loop's table before any effect
 BASES = {"fem": "fem (the paper's form)"}
-#: the same of a fit's scores; what the dynamics are called is said by themselves
+#: names of rows of a fit's scores; DYNAMICS has those of the dynamics
 FITTED = {"standard": "steady", "filter": "+ filter", "fem": "+ bias"}
 DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}
 NOTHING = 0.005  # K: a change that two decimals do not show
 
 
 def spaced(name):
-    """The name of a step, with its sign apart from that of the effect."""
+    """The name of a step, with a space after its plus sign."""
     return name.replace("+", "+ ", 1)
 
 
 def step_name(name):
-    """The same, in words where it is a base."""
+    """The name of a step for a picture."""
     return BASES.get(name) or spaced(name)
 
 
 def plot_steps(loop: Any, ax: Any = None) -> Any:
     """
-    RMSE on the test days by step; on the fitted days where there are none.
+    RMSE on the test days by step, or on the fitted days if there are no test days.
 
     Parameters
     ----------
@@ -60,17 +60,17 @@ def plot_steps(loop: Any, ax: Any = None) -> Any:
 
 def plot_waterfall(fit: Any, ax: Any = None) -> Any:
     """
-    How the error falls from the steady model to the last step of a fit.
+    Change of the error from the steady model to the last step of a fit.
 
-    From the rows of ``fit.scores``: the paper's steady model, filter, exponential
-    weighted mean and bias, then each effect. Blue is a fall, hatched vermilion a
-    rise; the last bar is what is left. RMSE is that of the held-out days, and of the
-    fitted days where none is held out.
+    The steps are the rows of ``fit.scores``: the paper's steady model, filter,
+    exponential weighted mean and bias, then each effect. A decrease is blue, and an
+    increase is vermilion and hatched; the last bar is the remaining error. RMSE is on
+    the held-out days, or on the fitted days if none is held out.
 
     Parameters
     ----------
     fit : FemFit
-        Of a loop, the form that it did not go on with is left out.
+        A fit. For the fit of a loop, the form that the loop did not use is omitted.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -96,12 +96,12 @@ def plot_waterfall(fit: Any, ax: Any = None) -> Any:
         edge = dict(color=ink(), linewidth=0.7, linestyle=":")
         ax.plot([value, value], [at - 0.35, at + 1.35], **edge)
     part = "held-out" if fit.test_days else "fitted"
-    one_line_each(ax, [*errors.index, "what is left"], f"RMSE on {part} days [K]")
+    one_line_each(ax, [*errors.index, "remaining error"], f"RMSE on {part} days [K]")
     return ax
 
 
 def path(fit):
-    """RMSE of the steps that lead to a fit, by what each adds."""
+    """RMSE of the steps that lead to a fit, by name."""
     errors = fit.scores["rmse_test" if fit.test_days else "rmse_train"]
     if "standard" in errors.index:
         names = {**FITTED, "ewm": DYNAMICS.get(fit.dynamics)}
@@ -115,14 +115,14 @@ def path(fit):
 
 
 def signed(change):
-    """A change to two decimals, with a true minus."""
+    """A change with two decimals and a typographic minus."""
     if abs(change) < NOTHING:
         return "±0.00"
     return f"{change:+.2f}".replace("-", "−")
 
 
 def one_line_each(ax, names, words):
-    """Bars with their names on the left, from the top down."""
+    """Label horizontal bars on the left, with the first at the top."""
     ax.set_yticks(range(len(names)), [label(name) for name in names])
     ax.tick_params(axis="y", length=0)
     ax.invert_yaxis()

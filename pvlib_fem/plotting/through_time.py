@@ -1,4 +1,4 @@
-"""Coefficients by the month: where a module, or what measures it, has changed."""
+"""Picture of monthly coefficients: changes of a module or of its sensors."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,8 +8,8 @@ import pandas as pd
 
 from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, label, new_axes, panels
 
-WIDE = 5.0  # usual intervals: a wider one runs out of the picture
-ROOM = 1.5  # usual intervals on either side of the values
+WIDE = 5.0  # an interval this many times the usual may exceed the panel
+ROOM = 1.5  # margin on either side of the values, in usual intervals
 
 
 def plot_through_time(
@@ -18,29 +18,29 @@ def plot_through_time(
     changes: Sequence[Any] = (),
 ) -> Any:
     """
-    Each coefficient by the month, with its 95 % interval.
+    Each coefficient per month, with its 95 % interval.
 
-    An interval much wider than the others runs out of its panel.
+    An interval much wider than the others exceeds its panel.
 
     Parameters
     ----------
     fit : FemFit or DataFrame
-        A fit, whose months are drawn, with a line at the value of the whole record;
-        or the table of :meth:`~pvlib_fem.FemFit.through_time` for other periods.
+        A fit, to draw its months and a line at the value of the whole record; or the
+        table of :meth:`~pvlib_fem.FemFit.through_time` for other periods.
     ax : matplotlib Axes, optional
         Where to draw, all panels inside; a new figure without it.
     changes : sequence of dates, optional
-        Where to draw an upright line, such as ``["2012-04-01"]``.
+        Dates of vertical lines, such as ``["2012-04-01"]``.
 
     Returns
     -------
     matplotlib Axes
-        The upper panel. Those below share its x axis.
+        The upper panel. The lower panels share its x axis.
 
     Raises
     ------
     ValueError
-        If the fit keeps no sums by the day, or a change is no date.
+        If the fit has no daily sums, or a change is no date.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def plot_through_time(
     axes = panels(new_axes(ax, height=1.3 * len(names) + 0.6), [1.0] * len(names))
     for name, panel in zip(names, axes):
         rows = table.loc[name]
-        course(panel, rows)
+        draw_periods(panel, rows)
         panel.set_ylabel(f"{label(name)}\n[{rows['unit'].iloc[0]}]")
         if name in whole:
             panel.axhline(whole[name], color=OTHER, linewidth=0.8, zorder=0)
@@ -75,7 +75,7 @@ def plot_through_time(
 
 
 def date_of(change):
-    """A date as the axis has it: of the record's own clock."""
+    """A date without a time zone, as on the axis."""
     try:
         return pd.Timestamp(change).tz_localize(None)
     except (TypeError, ValueError) as error:
@@ -85,8 +85,8 @@ def date_of(change):
         ) from error
 
 
-def course(ax, rows):
-    """Values in the middle of their periods, with intervals."""
+def draw_periods(ax, rows):
+    """Draw values in the middle of their periods, with intervals."""
     starts = rows.index.tz_localize(None)
     length = np.median(np.diff(starts)) if len(starts) > 1 else pd.Timedelta(0)
     middle = starts + pd.Timedelta(length) / 2
@@ -96,7 +96,7 @@ def course(ax, rows):
     look = dict(color=AFTER, linewidth=1.0, elinewidth=1.0, markersize=3.5)
     ax.errorbar(middle, value, reach, marker="o", **look)
     usual = np.nanmedian(reach.max(axis=0)) if np.isfinite(value).any() else np.nan
-    told = value[reach.max(axis=0) <= WIDE * usual]
-    if len(told):
-        room = ROOM * usual or 1e-3 * np.abs(told).max()
-        ax.set_ylim(told.min() - room, told.max() + room)
+    precise = value[reach.max(axis=0) <= WIDE * usual]
+    if len(precise):
+        room = ROOM * usual or 1e-3 * np.abs(precise).max()
+        ax.set_ylim(precise.min() - room, precise.max() + room)

@@ -1,4 +1,4 @@
-"""A picture inside a page: vector lines, the page's letters and its colours."""
+"""Pictures as SVG inside an HTML page, with the page's font and colours."""
 
 import io
 import re
@@ -6,11 +6,11 @@ import warnings
 
 from pvlib_fem.plotting.look import AFTER, BEFORE
 
-#: colours of a picture in a page, which has others in the dark
+#: colours of a picture that the page replaces in dark mode
 INK = "#1c1d1f"
 THEME = {INK: "ink", AFTER: "after", BEFORE: "before"}
 PAGE = {
-    "svg.fonttype": "none",  # the page's letters, which has those of every script
+    "svg.fonttype": "none",  # text in the page's font, which has all scripts
     "font.size": 10,
     "legend.fontsize": "small",
     "axes.facecolor": "none",
@@ -21,16 +21,16 @@ PAGE = {
 
 def svg(draw, name, size=(4.2, 2.9), projection=None):
     """
-    A picture for a page: the same text for the same input, and no style of a user's.
+    Draw a picture as SVG; the text depends on the input alone, not on a user's style.
 
     Parameters
     ----------
     draw : callable
-        Draws on axes.
+        Function that draws on axes.
     name : str
-        One for each picture of a page, of which its identifiers are made.
+        Prefix of the identifiers, unique within a page.
     size : (float, float)
-        Width and height; so small that letters are still 10 px on a phone. [inch]
+        Width and height; so small that letters have 10 px on a phone. [inch]
     projection : str, optional
         ``"polar"`` for a wind rose.
 
@@ -50,7 +50,7 @@ def svg(draw, name, size=(4.2, 2.9), projection=None):
         ax.set_title("")  # the page has it
         figure.patch.set_visible(False)
         with warnings.catch_warnings():
-            # the font that is measured lacks letters which the page's may have
+            # matplotlib's font has no glyphs for some letters of the page's font
             warnings.filterwarnings("ignore", "Glyph")
             nothing = dict.fromkeys(["Date", "Creator", "Format", "Type"])
             figure.savefig(text, format="svg", metadata=nothing)
@@ -58,13 +58,13 @@ def svg(draw, name, size=(4.2, 2.9), projection=None):
 
 
 def themed(text, name):
-    """The bare element: no heading and size, numbered names, the page's colours."""
+    """The ``svg`` element without header and size, with the page's colours."""
     text = text[text.index("<svg") :]
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)
     text = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", text, count=1)
     used = set(re.findall(r'(?:url\(|href=")#([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda m: m[0] if m[1] in used else "", text)
-    # names that matplotlib makes of what lies where in memory, by their order
+    # matplotlib's identifiers depend on memory addresses; number them in order
     order = {}
     for old in re.findall(r'(?:url\(#|href="#| id=")([^")]+)', text):
         order.setdefault(old, f"{name}-{len(order)}")
