@@ -230,7 +230,7 @@ def test_what_was_not_measured_on_the_horizontal_is_not_transposed(level):
     )
     with pytest.raises(ValueError, match="ghi looks to be in kW/m²"):
         fem.transpose_record(data.assign(ghi=data["ghi"].clip(lower=0) / 1000), *PLACE)
-    with pytest.raises(ValueError, match="poa_global is there"):
+    with pytest.raises(ValueError, match="data have poa_global"):
         fem.transpose_record(data.assign(poa_global=data["ghi"]), *PLACE)
 
 
