@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 import pvlib_fem as fem
 from pvlib_fem.drivers import completed, water
 from pvlib_fem.effects import PHYSICS as EFFECTS, find
-from pvlib_fem.effects.effect import Effect, Parameter, Tabled, Terms, tabled
+from pvlib_fem.effects.effect import Effect, LinearisedEffect, Parameter, Terms, tabled
 from pvlib_fem.record.inputs import read
 from pvlib_fem.stored import VERSION
 from pvlib_fem.thermal.model import ThermalModel
@@ -749,7 +749,7 @@ def test_a_table_of_a_linear_effect_is_the_effect(plant, name):
     inputs = {n: plant[n] for n in (*DRIVERS, *model.drivers)}
     columns = model.with_drivers(read(inputs)).columns
     table = tabled(effect, columns)
-    assert isinstance(table, Tabled) and tabled(table, columns) is table
+    assert isinstance(table, LinearisedEffect) and tabled(table, columns) is table
     values = {
         key: row.lower + 0.8 * (row.upper - row.lower)
         for key, row in effect.rows().items()
@@ -790,7 +790,7 @@ def test_whether_an_effect_is_linear_is_tried(form):
     effect = Effect("own", terms, {"a": Parameter(0.0, 0.0, 2.0, "-")})
     columns = {"x": 10.0 * np.random.default_rng(1).random(ROWS)}
     found = tabled(effect, columns)
-    assert isinstance(found, Tabled) == linear
+    assert isinstance(found, LinearisedEffect) == linear
     ours, theirs = (one.at(columns, {"own.a": 1.3}) for one in (found, effect))
     assert ours.is_near(theirs) and not ours.is_near(Terms())
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import number, told, written
+from pvlib_fem.effects.courses import dates_in_words, number, written
 from pvlib_fem.report.document import with_error
 
 RANGE = "90 % range"
@@ -188,7 +188,7 @@ def dates_of(effect, first, last):
 
 def when(effect):
     """The dates of a fault in words."""
-    words = told(effect.settings) if effect.channel else ""
+    words = dates_in_words(effect.settings) if effect.channel else ""
     return {
         "step": f"from {words} on",
         "drift": f"from year to year since {words}",

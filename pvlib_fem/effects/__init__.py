@@ -34,7 +34,7 @@ __all__ = ["CHANGES", "CHANNELS", "COURSES", "EFFECTS", "PHYSICS", "find"]
 #: a name, a name with its settings, or an effect
 EffectLike = str | Mapping[str, Any] | Effect
 
-#: what acts on a module, by name, those with a driver of their own first
+#: physical effects by name; first the effects with a driver of their own
 PHYSICS = {
     effect.name: effect
     for effect in (
@@ -61,7 +61,7 @@ PHYSICS = {
         season,
     )
 }
-#: what happens to instruments and mountings, each channel along each course
+#: faults of sensors and mountings: each fault with each time profile
 CHANGES = {effect.name: effect for channel in CHANNELS for effect in along_all(channel)}
 #: every effect by its name
 EFFECTS = PHYSICS | CHANGES
@@ -69,7 +69,7 @@ EFFECTS = PHYSICS | CHANGES
 
 def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
     """
-    An effect by name, or one of the user's own as it is.
+    Find an effect by name; an :class:`Effect` is returned as it is.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
         "windows": [...]}``, ``{"name": "sky_radiation", "source": "humidity"}`` or
         ``{"name": "soiling", "cleaning": 6.0, "within": 24.0}``; or an effect.
     own : sequence of Effect, optional
-        Effects of one's own that are found by name, too.
+        Your own effects, which are found by name, too.
 
     Returns
     -------
@@ -99,6 +99,6 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
 
 
 def several(effects):
-    """One effect or many, by name or not, as a list."""
+    """One or more effects, or their names, as a list."""
     one = isinstance(effects, (str, Mapping, Effect))
     return [effects] if one else list(effects)

@@ -1,4 +1,4 @@
-"""Which effects a record can try, and its own columns as effects."""
+"""The effects that can be tested on a record, and user columns as effects."""
 
 from pvlib_fem.drivers import behind, needed_for
 from pvlib_fem.effects import EFFECTS, find, several
@@ -6,15 +6,15 @@ from pvlib_fem.effects.own import of_column
 from pvlib_fem.reasons import Reason, because, together
 
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
-#: what a user gives where these columns lack
+#: arguments that a user gives instead of these columns
 SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
 
 
 def candidates(drivers, refused, effects, there=(), absent=()):
     """
-    Effects whose drivers are there, and for the others the reason they are not.
+    Effects whose drivers are there, and for other effects the reasons they are not.
 
-    ``absent`` are those of the usual columns that nobody measured.
+    ``absent`` are the usual columns that were not measured.
     """
     if effects is None:
         known = {n for e in EFFECTS.values() for n in measured_for(e)}
@@ -27,32 +27,32 @@ def candidates(drivers, refused, effects, there=(), absent=()):
         effect = find(choice)
         if effect.name in there:
             continue
-        for variant in effect.forms:  # the best of what is there
-            if not lacking_of(variant, drivers, absent):
+        for variant in effect.forms:  # the best variant with all columns
+            if not missing_columns(variant, drivers, absent):
                 testable.append(variant)
                 break
         else:
-            notes[effect.name] = lacks(effect, drivers, refused, absent)
+            notes[effect.name] = why_not(effect, drivers, refused, absent)
     return testable, notes
 
 
-def lacking_of(effect, drivers, absent):
-    """Columns that an effect needs and a record lacks."""
+def missing_columns(effect, drivers, absent):
+    """Columns that an effect needs and a record does not have."""
     usual = [name for name in behind(effect.drivers) if name in absent]
     return usual + [n for n in needed_for(effect.drivers) if n not in drivers]
 
 
-def lacks(effect, drivers, refused, absent):
-    """Why an effect cannot be tried."""
-    lacking = lacking_of(effect, drivers, absent)
-    why = list(dict.fromkeys(refused[name] for name in lacking if name in refused))
-    # one column of several is enough where each form needs one of its own
+def why_not(effect, drivers, refused, absent):
+    """Why an effect cannot be tested."""
+    missing = missing_columns(effect, drivers, absent)
+    why = list(dict.fromkeys(refused[name] for name in missing if name in refused))
+    # one column of several is enough if each form needs one of its own
     forms = [
         [n for n in needed_for(f.drivers) if n not in drivers] for f in effect.forms
     ]
     if not why and len(forms) > 1 and all(len(form) == 1 for form in forms):
         return because(Reason.LACKS_ALL, columns=[name for (name,) in forms])
-    if none := sorted({SUN.get(n, n) for n in lacking if n not in refused}):
+    if none := sorted({SUN.get(n, n) for n in missing if n not in refused}):
         why.append(because(Reason.LACKS, columns=none))
     return together(why)
 
@@ -63,5 +63,5 @@ def measured_for(effect):
 
 
 def driver(name, column):
-    """A column of the user's own as an effect: heat that follows it."""
+    """A user's column as an effect: heat proportional to it."""
     return of_column(name, float(column.mean()), MOST_HEAT / float(column.std()))

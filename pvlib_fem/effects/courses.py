@@ -1,8 +1,8 @@
 """
-How something comes and goes: from a date on, slowly, or for a while.
+Time profiles of faults: a step at a date, a trend, or a temporary change.
 
-What happens to an instrument or a mounting is an effect of constant size (its
-*channel*) along a course. A course is written once, and goes with every channel.
+A fault of a sensor or a mounting is an effect of constant size (its *channel*) times a
+time profile (its *course*). Each course is defined once and applies to every channel.
 """
 
 import inspect
@@ -32,13 +32,13 @@ def written(day):
 
 
 def step(at, between=None):
-    """From a date on. ``between`` two dates it may as well have begun."""
+    """From a date on. ``between`` is the interval of possible dates."""
     first = number(at)
     return lambda day: (day >= first).astype(float)
 
 
 def episode(start, end, between=None):
-    """From a date until another, at which it is over."""
+    """From a date until another date, which is the first day after it."""
     first, last = number(start), number(end)
     if not first < last:
         raise ValueError(f"start = {start!r} is not before end = {end!r}")
@@ -46,27 +46,27 @@ def episode(start, end, between=None):
 
 
 def drift(since=None):
-    """Slowly, more by the same from year to year."""
+    """A linear increase, by 1 per year."""
     first = None if since is None else number(since)
     return lambda day: (day - (day[0] if first is None else first)) / YEAR
 
 
 @dataclass(frozen=True)
 class Course:
-    """A way to come and go: its weight by day, and its words."""
+    """A time profile: its weight by day, and names of its coefficient."""
 
     name: str
-    weight: Callable  # its dates, to a function of the day
-    size: str  # what a coefficient is called
+    weight: Callable  # from dates to a function of the day
+    size: str  # name of the coefficient
     unit: str = ""
-    most: float = 1.0  # share of the channel's bounds that are its own
+    most: float = 1.0  # factor of the channel's bounds
 
     def name_of(self, channel):
-        """The name of a channel's change along it."""
+        """The name of a channel's change with this profile."""
         return f"{channel.name}_{self.name}"
 
-    def lacks(self, dates):
-        """Dates that it needs and that are not given."""
+    def missing(self, dates):
+        """Names of required dates that are not given."""
         taken = inspect.signature(self.weight).parameters.values()
         return [p.name for p in taken if p.default is p.empty and p.name not in dates]
 
@@ -79,8 +79,8 @@ COURSES = (
 
 
 @dataclass(frozen=True, eq=False)
-class Along:
-    """Terms of a channel, by the weight that its course has on each day."""
+class ScaledTerms:
+    """Terms of a channel, scaled by the weight of its course on each day."""
 
     channel: Effect
     course: Course
@@ -92,7 +92,7 @@ class Along:
 
     @property
     def __signature__(self):
-        """That of the channel's own terms, with the day and the course's size."""
+        """Signature of the channel's terms, with the day and the course's size."""
         own = inspect.signature(self.channel.terms).parameters.values()
         size = {next(iter(self.channel.parameters)): self.course.size}
         day = inspect.Parameter("day", inspect.Parameter.POSITIONAL_OR_KEYWORD)
@@ -101,7 +101,7 @@ class Along:
         )
 
     def __call__(self, day, *drivers, **given):
-        if missing := self.course.lacks(self.dates):
+        if missing := self.course.missing(self.dates):
             name = self.course.name_of(self.channel)
             raise ValueError(
                 f"{name} has no date; give {' and '.join(missing)}, as {{'name': "
@@ -113,8 +113,8 @@ class Along:
 
 
 @dataclass(frozen=True, eq=False)
-class Dated:
-    """Makes the effect of a channel along a course of its dates."""
+class DatedChange:
+    """Function that makes the effect of a channel along a course with given dates."""
 
     channel: Effect
     course: Course
@@ -124,19 +124,19 @@ class Dated:
         return inspect.signature(self.course.weight)
 
     def __call__(self, **dates):
-        if not self.course.lacks(dates):
-            self.course.weight(**dates)  # refuses what is no date
+        if not self.course.missing(dates):
+            self.course.weight(**dates)  # refuses invalid dates
         return replace(
             self.undated(),
-            terms=Along(self.channel, self.course, dates),
+            terms=ScaledTerms(self.channel, self.course, dates),
             settings=dates,
-            source=told(dates),
+            source=dates_in_words(dates),
             dates=None,
             scanned_from=None,
         )
 
     def undated(self):
-        """The effect as it stands in the registry: its dates are to be found."""
+        """The effect without dates, as in the registry; a search finds the dates."""
         channel, course = self.channel, self.course
         (row,), name = channel.parameters.values(), course.name_of(channel)
         bounds = row.lower * course.most, row.upper * course.most
@@ -144,7 +144,7 @@ class Dated:
         return replace(
             channel,
             name=name,
-            terms=Along(channel, course, {}),
+            terms=ScaledTerms(channel, course, {}),
             parameters={course.size: Parameter(row.start, *bounds, unit)},
             columns=("day", *channel.drivers),
             channel=channel.name,
@@ -154,8 +154,8 @@ class Dated:
         )
 
 
-def told(dates):
-    """Dates in words."""
+def dates_in_words(dates):
+    """Dates of a change in words."""
     if "end" in dates:
         words = f"{dates['start']} until {dates['end']}"
     else:
@@ -170,12 +170,12 @@ def weights_of(effect, days):
 
 
 def is_drift(effect):
-    """Whether an effect's course is one that grows from year to year."""
+    """Whether an effect's time profile is a trend."""
     return effect.terms.course.name == "drift"
 
 
 def interval(effect):
-    """Days between which a change may have begun; None of what grows from the first."""
+    """Days between which a change began; None for a trend over the whole record."""
     dates = effect.settings
     begin = dates.get("at") or dates.get("start")
     if begin is None:
@@ -184,5 +184,5 @@ def interval(effect):
 
 
 def along_all(channel):
-    """A channel along every course, as effects of the registry."""
-    return tuple(Dated(channel, course).undated() for course in COURSES)
+    """The effects of a channel with every time profile."""
+    return tuple(DatedChange(channel, course).undated() for course in COURSES)

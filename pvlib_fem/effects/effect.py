@@ -1,4 +1,4 @@
-"""What a physical effect adds to the one equation, and the rows of its parameters."""
+"""A physical effect: the terms that it adds to the equation, and its parameters."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ import numpy as np
 from pvlib_fem.drivers import constants, own_constants, with_constants
 from pvlib_fem.record.columns import in_new_names
 
-SOME = 5000  # rows of a record that tell whether an effect is linear
+SOME = 5000  # rows of a record on which linearity is tested
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class Parameter:
     """
     One row of a parameter table.
 
-    ``share_of`` names another parameter of which start and bounds are shares:
-    the fit then runs over that share, so that a bound which moves with the
-    other parameter stays a plain bound.
+    With ``share_of``, start and bounds are shares of the parameter of that name. The
+    fit then varies the share, so that a bound which depends on the other parameter is
+    constant.
     """
 
     start: float
@@ -34,14 +34,14 @@ class Parameter:
 
     @property
     def little(self) -> float:
-        """A small part of its room, over which a difference is taken."""
+        """Step of a finite difference: a small part of the range."""
         return 1e-4 * (self.upper - self.lower)
 
 
 @dataclass(frozen=True, eq=False)
 class Terms:
     """
-    What something adds to the five columns of the equation.
+    Terms that an effect adds to the five columns of the equation.
 
     ``capacity · dT/dt = heat − loss · (T − T_air)``,
     ``measured = T + gain · (T − T_air) + offset``.
@@ -51,43 +51,43 @@ class Terms:
     loss: np.ndarray | float = 0.0  # [W/(m² K)]
     capacity: np.ndarray | float = 0.0  # [J/(m² K)]
     offset: np.ndarray | float = 0.0  # [K]
-    gain: np.ndarray | float = 0.0  # of the over-temperature that is read [-]
+    gain: np.ndarray | float = 0.0  # share of the over-temperature read in addition [-]
 
     def plus(self, other: "Terms", times: float = 1.0) -> "Terms":
-        """The sum with another, ``times`` over."""
-        return Terms(*(added(own, more, times) for own, more in self.beside(other)))
+        """The sum of these terms and ``times`` the others."""
+        return Terms(*(added(own, more, times) for own, more in self.paired(other)))
 
-    def beside(self, other: "Terms") -> list[tuple]:
-        """Each column with that of another."""
+    def paired(self, other: "Terms") -> list[tuple]:
+        """Pairs of equal columns of these terms and others."""
         names = [column.name for column in fields(Terms)]
         return [(getattr(self, name), getattr(other, name)) for name in names]
 
     @property
     def rows(self) -> int:
-        """How many rows it has; 0 of numbers alone."""
+        """Number of rows; 0 if all columns are numbers."""
         columns = (getattr(self, column.name) for column in fields(Terms))
         return max(len(column) if np.ndim(column) else 0 for column in columns)
 
     def is_near(self, other: "Terms") -> bool:
-        """Whether another is the same but for rounding."""
+        """Whether these terms equal others within rounding errors."""
         return all(
             np.allclose(one, another, rtol=1e-6, atol=1e-9, equal_nan=True)
-            for one, another in self.beside(other)
+            for one, another in self.paired(other)
         )
 
     def part(self, rows: slice) -> "Terms":
-        """The same on a slice of the rows."""
+        """The terms on a slice of the rows."""
         columns = (getattr(self, column.name) for column in fields(Terms))
         return Terms(*(c[rows] if np.ndim(c) else c for c in columns))
 
 
 def is_there(column):
-    """Whether a column of terms is more than the number 0."""
+    """Whether a column of terms is anything but the number 0."""
     return np.ndim(column) > 0 or column != 0.0
 
 
 def added(own, more, times):
-    """A column of terms and ``times`` another, where most effects have none."""
+    """A column of terms plus ``times`` another; fast if one is the number 0."""
     if not is_there(more):
         return own
     more = times * more if is_there(times - 1.0) else more
@@ -103,49 +103,49 @@ class Effect:
     ----------
     name : str
     terms : callable
-        Drivers by position, fitted parameters after the star, to
-        :class:`Terms`. With all parameters at their start it adds nothing.
+        Function from drivers, by position, and fitted parameters, by keyword only, to
+        :class:`Terms`. It adds nothing if all parameters are at their start.
     parameters : dict of Parameter
     columns : tuple of str, optional
-        Names of the columns for its drivers, in order, where they are not the
-        names of its arguments.
+        Names of the columns of its drivers, in order; by default the names of the
+        function's arguments.
     confounder : bool, default False
         Whether it is a function of irradiance, air temperature, wind and sun
-        alone. Several such can look alike, so they are reported as a
+        alone. Several such effects can look alike, so they are reported as a
         class.
     title : str, optional
-        What a model without it misses, as a noun phrase for reports.
+        The part of physics that a model without it does not have, as a noun phrase.
     decided_by : str, optional
-        The measurement that would decide, in a phrase.
+        A measurement that would distinguish it from its alternatives, as a phrase.
     settings : dict, optional
-        What it was made with, where its name alone does not say it.
+        Settings that it was made with, if its name alone does not define it.
     source : str, optional
         Which of several drivers it uses; printed as "from ...".
     confused_with : tuple of str, optional
-        What else can leave the same residual: names of effects, or phrases.
+        Other causes of the same residual: names of effects, or phrases.
     column : str, optional
-        Name of the user's own column that it follows, where it is no more than that.
+        Name of the user's own column, for an effect that only follows that.
     variants : tuple of Effect, optional
-        Its forms by what is measured, the best first; one of its own name is tried
-        as the first whose columns are there. Without any it is its one form.
+        Variants by the available measurements, the best first. The first variant
+        whose columns are there is tested. Without variants the effect has one form.
     make : callable, optional
-        The effect of its settings, by keyword, as they stand in ``settings``.
+        Function from ``settings``, by keyword, to the effect.
     prepare : callable, optional
-        ``prepare(columns, rows)``: the effect with settings that it takes from a
-        record's columns at ``rows``, which may be looked at.
+        ``prepare(columns, rows)`` returns the effect with settings from a record's
+        columns at ``rows``, which are those that may be used.
     scan : callable, optional
-        ``scan(rest, tangents, columns, weeks, least)``: the effect with settings
-        that what is left of a fit shows, or None. ``rest`` and ``tangents`` are in
-        K, the latter a dict by name: of the parameters of ``scanned_from``, and after
-        them of all beside which it is weighed; ``columns`` are the drivers of
+        ``scan(rest, tangents, columns, weeks, least)`` returns the effect with settings
+        that the residual of a fit suggests, or None. ``rest`` is the residual and
+        ``tangents`` a dict by name, both in K: first the parameters of
+        ``scanned_from``, then all fitted coefficients. ``columns`` are the drivers of
         ``scanned_from``, ``weeks`` the number of each row's week, and ``least`` the
-        gain that is worth a setting. [K]
+        least gain of a setting. [K]
     scanned_from : Effect, optional
         The wide effect whose tangents the scan needs, if it is not this one.
     channel : str, optional
-        The instrument, or mounting, of which it is a change along a course.
+        Name of the sensor fault or change of mounting, for an effect with a course.
     dates : object, optional
-        ``dates(**dates)``: the effect with its dates, where those are to be found.
+        ``dates(**dates)`` returns the effect with dates, for one that has none yet.
     """
 
     name: str
@@ -169,12 +169,12 @@ class Effect:
 
     @property
     def forms(self) -> "tuple[Effect, ...]":
-        """Its variants, the best first, or itself alone."""
+        """The variants, the best first; the effect itself if it has none."""
         return self.variants or (self,)
 
     @property
     def constants(self) -> Mapping[str, float]:
-        """What its function and its drivers take beside, with the usual values."""
+        """Constants of its function and of its drivers, with their defaults."""
         found = {}
         for driver in self.drivers:
             found |= constants(driver)
@@ -187,7 +187,7 @@ class Effect:
         Parameters
         ----------
         **settings
-            The ``source`` of one of its variants, what ``make`` takes, and any of
+            The ``source`` of one of its variants, arguments of ``make``, and any of
             the constants of its function and its drivers.
 
         Returns
@@ -212,7 +212,7 @@ class Effect:
         return effect
 
     def from_source(self, source: str) -> "Effect":
-        """The variant of that source."""
+        """The variant with that source."""
         for form in self.variants:
             if form.source == source:
                 return form
@@ -222,7 +222,7 @@ class Effect:
         )
 
     def estimated(self, source: str, column: str, confounder: bool = False) -> "Effect":
-        """The variant whose driver is estimated: from what, and as which column."""
+        """The variant whose driver is estimated from a source, as some column."""
         return replace(
             self,
             columns=(column,),
@@ -232,7 +232,7 @@ class Effect:
         )
 
     def with_constants(self, settings: Mapping[str, Any]) -> "Effect":
-        """The effect with those constants that it takes."""
+        """The effect with its own constants among some settings."""
         given = {k: v for k, v in settings.items() if k in self.constants}
         if not given:
             return self
@@ -243,7 +243,7 @@ class Effect:
         terms = self.terms
         if mine := {name: given[name] for name in own if name in given}:
             terms = partial(terms, **mine)
-            terms.__doc__ = self.terms.__doc__  # else that of all partials
+            terms.__doc__ = self.terms.__doc__  # instead of functools.partial's
         return replace(
             self,
             terms=terms,
@@ -253,7 +253,7 @@ class Effect:
 
     @property
     def spec(self) -> str | dict[str, Any]:
-        """Its name, or a dict with its settings: what finds it again."""
+        """Its name, or a dict with its settings, from which it is found again."""
         return {"name": self.name, **self.settings} if self.settings else self.name
 
     @cached_property
@@ -266,12 +266,12 @@ class Effect:
         return tuple(in_new_names(dict.fromkeys(names)))
 
     def rows(self) -> dict[str, Parameter]:
-        """Parameter rows by the name that they have in a model."""
+        """Parameter rows by their names in a model."""
         return {f"{self.name}.{name}": row for name, row in self.parameters.items()}
 
     @property
     def start(self) -> dict[str, float]:
-        """Where each of its parameters, by its name in a model, adds nothing."""
+        """Starts of its parameters, at which it adds nothing, by names in a model."""
         return {name: row.start for name, row in self.rows().items()}
 
     def at(
@@ -288,7 +288,7 @@ class Effect:
         """
         Slope of the terms by each parameter, by central differences.
 
-        Most effects are linear in their parameters, for which this is exact.
+        This is exact for effects that are linear in their parameters, as most are.
         """
         slopes = {}
         for name, row in self.rows().items():
@@ -302,8 +302,8 @@ class Effect:
 
 
 @dataclass(frozen=True, eq=False)
-class Tabled:
-    """An effect that is linear in its parameters, on one record: slopes say all."""
+class LinearisedEffect:
+    """A linear effect on one record, represented by its slopes."""
 
     effect: Effect
     units: Mapping  # slope of the terms by parameter
@@ -322,15 +322,15 @@ class Tabled:
         return self.units
 
     def on(self, rows):
-        """The same on a slice of the rows."""
-        return Tabled(
+        """The effect on a slice of the rows."""
+        return LinearisedEffect(
             self.effect, {n: unit.part(rows) for n, unit in self.units.items()}
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
-    """An effect at some coefficients, by its terms and their slopes on a record."""
+class FixedTerms:
+    """An effect with fixed coefficients, represented by its terms on a record."""
 
     effect: Effect
     terms: Terms
@@ -346,30 +346,30 @@ class Known:
         return self.units
 
     def on(self, rows):
-        """The same on a slice of the rows."""
+        """The effect on a slice of the rows."""
         units = {name: unit.part(rows) for name, unit in self.units.items()}
-        return Known(self.effect, self.terms.part(rows), units)
+        return FixedTerms(self.effect, self.terms.part(rows), units)
 
 
 def known(effect, columns, coefficients, wanted=True):
-    """The effect as it is known on columns, with its slopes where ``wanted``."""
-    if isinstance(effect, (Tabled, Known)):
+    """The effect with its terms on columns, and their slopes if ``wanted``."""
+    if isinstance(effect, (LinearisedEffect, FixedTerms)):
         return effect
     slopes = effect.slopes(columns, coefficients) if wanted else {}
-    return Known(effect, effect.at(columns, coefficients), slopes)
+    return FixedTerms(effect, effect.at(columns, coefficients), slopes)
 
 
 def tabled(effect, columns):
-    """The effect by its slopes on these columns, or as it is where not linear."""
-    if isinstance(effect, Tabled):
+    """The effect by its slopes on these columns; a nonlinear one as it is."""
+    if isinstance(effect, LinearisedEffect):
         return effect
     rows, start, units = effect.rows(), effect.start, {}
     for name, row in rows.items():
-        # where it starts it adds nothing; if not, it is not linear, as is seen below
+        # at its start an effect adds nothing; otherwise the test below fails
         there = effect.at(columns, {**start, name: start[name] + row.little})
         units[name] = Terms().plus(there, 1.0 / row.little)
-    known = Tabled(effect, units)
-    # somewhere inside the bounds, and nowhere special
+    known = LinearisedEffect(effect, units)
+    # an arbitrary point inside the bounds
     inside = {
         name: row.lower + 0.37 * (row.upper - row.lower) for name, row in rows.items()
     }
@@ -377,7 +377,7 @@ def tabled(effect, columns):
     some = slice(None, None, max(1, longest // SOME))
     by_slopes = known.on(some).at(columns, inside)
     if some.step > 1:
-        # few rows by themselves will do, unless the terms of a row are of others, too
+        # a few rows suffice, unless the terms of a row depend on other rows
         thin = {name: columns[name][some] for name in effect.drivers}
         with suppress(Exception):
             if effect.at(thin, inside).is_near(by_slopes):
@@ -386,6 +386,6 @@ def tabled(effect, columns):
 
 
 def deciding(effects):
-    """Measurements that would tell some effects from what looks like them."""
+    """Measurements that would distinguish some effects from their alternatives."""
     words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
     return list(words) or ["a driver of its own"]

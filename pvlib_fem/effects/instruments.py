@@ -1,9 +1,9 @@
 """
-What happens to instruments and mountings: channels, each along every course.
+Faults of sensors and changes of mountings: channels, each with every time profile.
 
-A channel is an effect of constant size that has one parameter. Constant it would be in
-the coefficients of the steady model, but for those of :data:`OF_NO_COEFFICIENT`; from a
-date on, slowly or for a while it is not.
+A channel is an effect of constant size with one parameter. A permanent fault is part of
+the coefficients of the steady model, except for :data:`OF_NO_COEFFICIENT`. A step, a
+trend or a temporary fault is not.
 """
 
 import numpy as np
@@ -13,14 +13,14 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def sensitivity(poa_global, *, change):
     r"""
-    Irradiance that the module gains beside its sensor [1]_.
+    Irradiance that the module receives in addition to the sensor's reading [1]_.
 
     .. math::
 
         \mathrm{heat} = \mathrm{change} \cdot \mathrm{poa\_global}
 
-    Positive where the sensor reads less than before: it fades, soils or is tilted
-    away, or is calibrated anew.
+    It is positive if the sensor reads less than before: it loses sensitivity, soils, is
+    tilted away, or has a new calibration.
 
     References
     ----------
@@ -32,107 +32,107 @@ def sensitivity(poa_global, *, change):
 
 def mounting(loss_base, *, change):
     r"""
-    Loss that a module has more than before, as a share [1]_.
+    Additional loss of a module, as a share of the former loss [1]_.
 
     .. math::
 
         \mathrm{loss} = \mathrm{change} \cdot \mathrm{loss\_base}
 
-    Negative where the module is mounted closer, its cavity is closed, or plants or
-    walls shelter it; ``loss_base`` is the loss by the model's own coefficients, as
-    before the change.
+    It is negative if the module is mounted closer to the roof, its cavity is closed, or
+    plants or walls shelter it. ``loss_base`` is the loss by the model's coefficients,
+    as before the change.
 
     References
     ----------
     .. [1] D. Faiman, "Assessing the outdoor operating temperature of photovoltaic
        modules", Prog. Photovolt. 16, 307-315, 2008, :doi:`10.1002/pip.813`: the loss
-       is one of the mounting. Those that PVsyst suggests are 29 W/(m² K) free, 20
-       with a duct and 15 against a wall.
+       depends on the mounting. PVsyst suggests 29 W/(m² K) for free mounting, 20 with
+       a duct and 15 against a wall.
     """
     return Terms(loss=change * loss_base)
 
 
 def contact(temp_air, *, change):
     r"""
-    Share of the over-temperature that a sensor reads more than before [1]_.
+    Share of the over-temperature that a sensor reads in addition [1]_.
 
     .. math::
 
         \mathrm{gain} = \mathrm{change}
 
-    Negative where the sensor comes off the back of the module and reads air in part;
-    positive where it is mounted anew, or insulated.
+    It is negative if the sensor detaches from the back of the module and partly reads
+    the air. It is positive if the sensor is attached again, or insulated.
 
     References
     ----------
-    .. [1] IEC 61724-1, annex B: how temperature sensors at a module's back are to be
-       chosen and attached.
+    .. [1] IEC 61724-1, annex B: selection and attachment of temperature sensors at
+       the back of a module.
     """
     return Terms(gain=change + 0.0 * temp_air)
 
 
 def wind_gain(wind_speed, *, change):
     r"""
-    Loss by each m/s of wind that is told more than before.
+    Additional loss per m/s of measured wind.
 
     .. math::
 
         \mathrm{loss} = \mathrm{change} \cdot \mathrm{wind\_speed}
 
-    Positive where the anemometer reads less than before: a worn bearing, a new wall
-    upwind of it. Then the loss by wind is the same, and each m/s that is read has
-    more of it.
+    It is positive if the anemometer reads less than before: a worn bearing, or a new
+    wall upwind of it. The loss by wind is then unchanged, so there is more of it per
+    m/s of the reading.
     """
     return Terms(loss=change * wind_speed)
 
 
 def wind_stall(wind_speed, *, change, below=1.5):
     r"""
-    Loss by wind that an anemometer no longer turns in.
+    Loss by wind in which an anemometer no longer turns.
 
     .. math::
 
         \mathrm{loss} = \mathrm{change}
         \cdot \max(\mathrm{below} - \mathrm{wind\_speed}, 0)
 
-    ``below`` is the wind in which it turns again as it should. [m/s]
+    ``below`` is the wind above which it turns as it should. [m/s]
     """
     return Terms(loss=change * np.maximum(below - wind_speed, 0.0))
 
 
 def air_offset(air_base, *, change):
     r"""
-    Air that is warmer than its thermometer says, more than before.
+    Air that is warmer than its thermometer reads, compared with before.
 
     .. math::
 
         \mathrm{heat} = \mathrm{change} \cdot \mathrm{air\_base}
 
-    ``air_base`` is the heat per K of air by the fitted model. With a sky in the model
-    it is less than the loss: radiation to the sky, whose longwave is measured, does
-    not depend on the air's thermometer.
+    ``air_base`` is the heat per K of air by the fitted model. If the model includes
+    radiation to the sky, it is less than the loss: this radiation, with measured
+    longwave, does not depend on the air thermometer.
     """
     return Terms(heat=change * air_base)
 
 
 def air_shelter(poa_global, air_base, *, change):
     r"""
-    Air temperature that is measured too warm in sun, more than before.
+    Air temperature that is measured too warm in sun, compared with before.
 
     .. math::
 
         \mathrm{heat} = -\mathrm{change} \cdot \mathrm{poa\_global} / 1000
         \cdot \mathrm{air\_base}
 
-    ``change`` is the error at 1000 W/m²: a shield that is lost or soiled, a fan that
-    stands still. ``air_base`` as of an offset of the thermometer.
+    ``change`` is the error at 1000 W/m², for example of a lost or soiled shield or a
+    fan that stopped. ``air_base`` is the heat per K of air by the fitted model.
     """
     return Terms(heat=-change * poa_global / 1000.0 * air_base)
 
 
 def module_offset(temp_air, *, change):
     r"""
-    Offset of the module's thermometer: another sensor, another logger card.
+    Offset of the module's thermometer, for example by a new sensor or logger card.
 
     .. math::
 
@@ -141,10 +141,10 @@ def module_offset(temp_air, *, change):
     return Terms(offset=change + 0.0 * temp_air)
 
 
-#: what happens to the weather station, and so to all modules that share it
+#: faults of the weather station, which all modules that share it have in common
 STATION = ("sensitivity", "wind_gain", "wind_stall", "air_offset", "air_shelter")
 
-#: whose constant part no coefficient of a steady model takes up
+#: channels whose constant part no coefficient of a steady model can absorb
 OF_NO_COEFFICIENT = ("wind_stall", "air_shelter")
 
 CHANNELS = (

@@ -1,15 +1,15 @@
-"""A column of the user's own as an effect: heat that follows it."""
+"""A user's column as an effect: heat proportional to it."""
 
 from functools import partial
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
-#: the same sunlight in other planes: no cause of its own
+#: the same sunlight in other planes: no independent cause
 IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
 
 
 def follows(values, *, heat, mean):
-    """Heat for each unit of the column beyond its mean."""
+    """Heat per unit of the column above its mean."""
     return Terms(heat=heat * (values - mean))
 
 
@@ -21,14 +21,14 @@ def of_column(column, mean, most):
     ----------
     column : str
     mean : float
-        Of the record in which it was tried, in the column's unit.
+        Mean of the column in the tested record, in the column's unit.
     most : float
         Bound of its heat. [W/m² per unit]
 
     Returns
     -------
     Effect
-        Of the name ``driver:<column>``.
+        Its name is ``driver:<column>``.
     """
     return Effect(
         f"driver:{column}",

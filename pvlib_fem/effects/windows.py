@@ -1,9 +1,9 @@
 """
-Windows of the sky in which what is left of a fit follows the beam.
+Find windows of the sky in which the residual of a fit is proportional to the beam.
 
-An obstacle is a mask of small cells of the sky with one share of the beam. It is
-built of rectangles: the best one, with edges anywhere, and then what is best added
-to it or cut from it, as long as that is worth it.
+An obstacle is a mask of small cells of the sky with one share of the beam. The search
+starts with the best rectangle. It then adds or cuts the best further rectangle as long
+as that reduces the error enough.
 """
 
 from dataclasses import dataclass
@@ -14,52 +14,50 @@ import numpy as np
 from pvlib_fem.statistics.extremes import ALIKE, as_normal, largest
 from pvlib_fem.statistics.leastsquares import products
 
-UNSEEN = 1e-6  # of a column's square: less of it is nothing beside the others
-BLOCK = (5.0, 10.0)  # ° of elevation and azimuth from which a search begins
-STARTS = 5  # of those
+UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
+BLOCK = (5.0, 10.0)  # ° of elevation and azimuth of the rectangle that starts a search
+STARTS = 5  # number of starts
 CELL = (1.0, 2.0)  # ° of elevation and azimuth; the sun crosses one in ten minutes
-LEAST_SHARE = 0.1  # of the beam that an obstacle takes, since less is none
-MOST_SHARE = (
-    1.5  # of it: all, and what the beam by irradiance in the plane is too small
-)
-LEAST_ERRORS = 4.0  # standard errors of a share: it is the best of thousands
-MOST_WINDOWS = 8  # rectangles of which one obstacle, or several, are made
-TURNS = 20  # of edges in azimuth and in elevation, until neither moves
+LEAST_SHARE = 0.1  # least share of the beam that an obstacle blocks
+MOST_SHARE = 1.5  # above 1, because the estimated beam may be too small
+LEAST_ERRORS = 4.0  # least ratio of a share to its standard error: best of thousands
+MOST_WINDOWS = 8  # largest number of rectangles
+TURNS = 20  # largest number of moves of the edges
 
 
 def find_windows(rest, tangent, basis, sun, weeks, sign, least, rows=None):
     """
-    Windows of the sky that take beam from the module, or from its sensor.
+    Windows of the sky in which the beam to the module, or to its sensor, is blocked.
 
     Parameters
     ----------
     rest : array
-        What a fit leaves. [K]
+        Residual of a fit. [K]
     tangent : array
         Response of the temperature to the loss of all beam. [K]
     basis : array
-        Rows by columns: :func:`orthonormal` of the tangents of all that is fitted.
+        Rows by columns: :func:`orthonormal` of the tangents of all fitted coefficients.
     sun : (array, array)
         Azimuth and elevation of the sun whose beam is in the temperature. [°]
     weeks : array of int
     sign : float
-        1 where the module loses beam, -1 where the sensor does.
+        1 if the module loses beam, -1 if the sensor does.
     least : float
-        Gain that each rectangle has to take. [K]
+        Least gain of each rectangle. [K]
     rows : int, optional
-        How many the record has, of which these are the lit ones; by default these.
+        Number of rows of the record, by default of these sunny rows.
 
     Returns
     -------
     float
-        Fall of the sum of squares. [K²]
+        Decrease of the sum of squares. [K²]
     tuple
         The windows, as azimuth from and to, elevation from and to. [°]
     """
     sunny = np.flatnonzero((sun[1] > 0) & (sun[1] < 90) & (tangent < 0))
     if not len(sunny):
         return 0.0, ()
-    basis = basis.T.take(sunny, axis=1).T  # in the memory, column by column
+    basis = basis.T.take(sunny, axis=1).T  # contiguous columns
     floor = (rows or len(rest)) * least**2
     rest, tangent, weeks = rest[sunny], tangent[sunny], weeks[sunny]
     sky = Sky.of(rest, tangent, basis, *(angle[sunny] for angle in sun))
@@ -70,12 +68,12 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, least, rows=None):
         new, its = steps[largest([gain for _, gain in steps])]
         if its - gain < floor:
             break
-        # the cells of the step as a column, beside those that are there already
+        # the new cells as a column, given the cells of the mask so far
         column = tangent * (new ^ mask).ravel()[sky.place]
         known = basis
         if mask.any():
             known = np.column_stack([basis, tangent * mask.ravel()[sky.place]])
-        # that there is an obstacle takes more than which shape it has
+        # the existence of an obstacle needs more evidence than its shape
         errors = certainty(rest, column, known, weeks, few=not mask.any())
         if errors < LEAST_ERRORS:
             break
@@ -88,12 +86,11 @@ def find_windows(rest, tangent, basis, sun, weeks, sign, least, rows=None):
 @dataclass(frozen=True, eq=False)
 class Sky:
     """
-    The sky in cells, with the sums by which any part of it is weighed.
+    The sky in cells of elevation and azimuth, with sums of products per cell.
 
-    All are by cell of elevation and azimuth, ``squares`` of the tangent, and ``sums``
-    of its products: first with what is left, then with itself, then with each of the
-    orthonormal columns of the fit. So the share of a part of the sky, beside all that
-    is fitted, comes from sums over its cells.
+    ``sums`` are products of the tangent: with the residual, with itself, and with each
+    of the orthonormal columns of the fit. So the share of any part of the sky, given
+    all fitted coefficients, follows from sums over its cells.
     """
 
     sums: np.ndarray  # columns, elevation, azimuth
@@ -103,12 +100,12 @@ class Sky:
 
     @classmethod
     def of(cls, rest, tangent, basis, azimuth, elevation):
-        """The sums of some rows by where the sun stood."""
+        """The sums of some rows by solar position."""
         up, across = size = CELL
         origin = darkest(azimuth, tangent, across)
         high = (elevation // up).astype(int)
         far = ((azimuth - origin) % 360.0 // across).astype(int)
-        shape = high.max() + 1, far.max() + 1  # beyond there is no sun
+        shape = high.max() + 1, far.max() + 1  # there is no sun beyond
         place = high * shape[1] + far
         sums = [
             np.bincount(place, tangent * column, shape[0] * shape[1]).reshape(shape)
@@ -121,12 +118,12 @@ class Sky:
         return self.sums[1]
 
     def share(self, mask):
-        """Share of the beam that a part of the sky takes."""
+        """Share of the beam that is blocked in a part of the sky."""
         product, square, *known = self.sums[:, mask].sum(axis=1)
         return float(share_of(product, square, np.sum(np.square(known))))
 
     def step(self, mask, cut, weigh):
-        """The mask with the best rectangle added or cut, and what it then takes."""
+        """The mask with the best rectangle added or cut, and its gain."""
         some = mask if cut else ~mask
         seen = (self.squares > 0) & some
         if not seen.any():
@@ -159,7 +156,7 @@ class Sky:
                 yield int(low[i]), int(high[i]), int(start[i]), int(end[i])
 
     def edges(self, mask):
-        """Windows of a mask: runs of azimuth, over all elevations that share them."""
+        """Windows of a mask: runs of azimuth over the elevations that share them."""
         up, across = self.size
         open_runs = {}
         for row in range(len(mask) + 1):
@@ -173,7 +170,7 @@ class Sky:
 
 
 def darkest(azimuth, tangent, across):
-    """Azimuth amid the longest stretch without sun, where the sky may be cut. [°]"""
+    """Azimuth in the middle of the longest range without sun. [°]"""
     cells = int(np.ceil(360.0 / across))
     light = np.bincount((azimuth % 360.0 // across).astype(int), tangent**2, cells)
     dark = np.flatnonzero(np.tile(light <= light.min(), 2))
@@ -193,7 +190,7 @@ def box(total, low, high, start, end):
 
 
 def share_of(product, square, known):
-    """Share of parts of the sky that they take beside all that is fitted."""
+    """Share of the beam blocked in parts of the sky, given all fitted coefficients."""
     left = square - known
     return np.divide(
         product, left, out=np.zeros_like(product), where=left > UNSEEN * np.abs(square)
@@ -201,13 +198,13 @@ def share_of(product, square, known):
 
 
 def gain_of(product, square, known, sign, most):
-    """Square that parts of the sky take, where their share is possible."""
+    """Decrease of the sum of squares by parts of the sky; 0 if impossible."""
     share = share_of(product, square, known)
     return np.where((sign * share > 0) & (sign * share < most), share * product, 0.0)
 
 
 def climb(total, there, weigh, window, ends):
-    """Move the edges of a rectangle, two by two, while its gain grows."""
+    """Move pairs of edges of a rectangle while its gain grows."""
     gain, stays = 0.0, 0
     for turn in range(TURNS):
         first, last = ends[turn % 2]
@@ -229,7 +226,7 @@ def climb(total, there, weigh, window, ends):
 
 
 def of_pairs(strip, there, weigh):
-    """Gains of what is there with each part of a strip, by its first and last edge."""
+    """Gains of the mask with each part of a strip, by its first and last edge."""
     end = strip + there[:, None]
     product, square = (end[i] - strip[i][:, None] for i in (0, 1))
     # the square of a difference, from the products of its ends
@@ -239,8 +236,8 @@ def of_pairs(strip, there, weigh):
 
 
 def orthonormal(columns, rows=slice(None)):
-    """Some rows of an orthonormal basis of what columns span, column by column."""
-    # from the small matrix of their products, which is one pass over the rows
+    """Some rows of an orthonormal basis of the span of columns."""
+    # from the small matrix of their products, in one pass over the rows
     total = products(columns)
     sizes = np.sqrt(np.diag(total))
     there = np.flatnonzero(sizes > 0)
@@ -254,10 +251,10 @@ def orthonormal(columns, rows=slice(None)):
 
 def certainty(rest, column, known, weeks, few=False):
     """
-    Standard errors, by the spread between weeks, that a share is from nothing.
+    Ratio of a share to its standard error, from the spread between weeks.
 
-    Where they may be ``few`` those of the normal law that have the chance of Student's:
-    a small window is crossed by the sun in few weeks, whose spread says little.
+    With ``few``, Student's t is converted to a normal deviate of equal probability. The
+    sun crosses a small window in few weeks, whose spread is uncertain.
     """
     found = np.linalg.lstsq(known, np.column_stack([column, rest]), rcond=None)[0]
     column, rest = column - known @ found[:, 0], rest - known @ found[:, 1]

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from pvlib_fem.effects import EFFECTS, find, several
-from pvlib_fem.effects.courses import COURSES, told, weights_of, written
+from pvlib_fem.effects.courses import COURSES, dates_in_words, weights_of, written
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.stored import Stored, plain
@@ -63,7 +63,7 @@ class Injection:
     @property
     def dates(self) -> str:
         """Its dates in words."""
-        return told(self.settings)
+        return dates_in_words(self.settings)
 
     @classmethod
     def stored(cls, content: Stored) -> Self:

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Known, is_there
+from pvlib_fem.effects.effect import FixedTerms, is_there
 from pvlib_fem.thermal.steady import SCALES
 
 LONG = 1 << 15  # rows of a record from which the loops save more time than they load
@@ -25,7 +25,7 @@ def fast(rows, effects, also=None):
 
 def is_beyond_them(effect):
     """Whether a known effect adds to ``gain`` or ``capacity``, which no loop has."""
-    terms = [effect.terms] if isinstance(effect, Known) else []
+    terms = [effect.terms] if isinstance(effect, FixedTerms) else []
     terms += effect.units.values()
     return any(is_there(one.gain) or is_there(one.capacity) for one in terms)
 

@@ -1,1 +1,1 @@
-"""The catalogue: one effect a file."""
+"""The catalogue of physical effects, one per file."""

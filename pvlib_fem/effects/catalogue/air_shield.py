@@ -14,8 +14,8 @@ def terms(poa_global, wind_speed, *, warm, calm=1.2):
         \mathrm{offset} = -\mathrm{warm} \cdot \mathrm{poa\_global} / 1000
         \cdot \exp(-\mathrm{wind\_speed} / \mathrm{calm})
 
-    ``warm`` is the error at 1000 W/m² and no wind: 2 to 4 K in a shield that is
-    not aspirated. ``calm`` is the wind in which it is a third of that. [m/s]
+    ``warm`` is the error at 1000 W/m² without wind: 2 to 4 K in a shield that is
+    not aspirated. ``calm`` is the wind at which it has fallen to a third. [m/s]
 
     References
     ----------
@@ -39,6 +39,6 @@ EFFECT = Effect(
         "natural_convection",
         "poa_misalignment",
         "season",
-        "the steady model's coefficients, which take up most of it",
+        "the steady model's coefficients, which absorb most of it",
     ),
 )

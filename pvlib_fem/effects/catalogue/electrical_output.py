@@ -1,4 +1,4 @@
-"""Electrical power that leaves the module and does not heat it."""
+"""Electrical power, which does not heat the module."""
 
 from dataclasses import replace
 from functools import partial
@@ -9,20 +9,20 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.effects.plant import by_power
 
 GAMMA = -0.0035  # 1/K, of crystalline silicon's power
-MISSING = 0.15  # of the expected power, from which it is curtailed
-BRIGHT = 300.0  # W/m², where power tells of efficiency
+MISSING = 0.15  # of the expected power; if more is missing, power is curtailed
+BRIGHT = 300.0  # W/m², above which power determines the efficiency
 USED = ("poa_global", "temp_base", "p_dc_per_area")
 
 
 def terms(p_dc_per_area, *, share):
     r"""
-    Heat that leaves as electricity, and stays when it is curtailed [1]_.
+    Heat that leaves as electricity, and remains when power is curtailed [1]_.
 
     .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{p\_dc\_per\_area}
 
     ``share`` is 1 over the absorbed share of irradiance, 1.2 to 1.5. The mean
-    efficiency is in the coefficients of the steady model; what is seen is its
-    change, by curtailment, clipping or outage.
+    efficiency is in the coefficients of the steady model; the effect is its change, by
+    curtailment, clipping or outage.
 
     References
     ----------
@@ -44,21 +44,22 @@ def curtailed(
     missing=MISSING,
 ):
     r"""
-    The same of the power that is missing only.
+    Heat by curtailed power alone.
 
     .. math:: \mathrm{heat} = \mathrm{share} \cdot
        (\mathrm{expected} - \mathrm{p\_dc\_per\_area})
 
-    where ``p_dc_per_area`` is more than ``missing`` (15 %) below ``expected``, that of
-    ``efficiency`` at ``temp_base`` with ``gamma`` (-0.35 %/K), and no snow lies;
-    elsewhere 0. Power is an irradiance sensor, too: what it knows of the other
-    sensor's errors would be taken for heat. Under snow it is the light that is
-    missing. Where the loss grows with over-temperature, which the equation does not
-    know, ``share`` comes out low: by 10 to 20 % in simulated physics, most on roofs.
+    This applies where ``p_dc_per_area`` is more than ``missing`` (15 %) below
+    ``expected``, the power by ``efficiency`` at ``temp_base`` with ``gamma``
+    (-0.35 %/K), and no snow lies; elsewhere the heat is 0. Power also measures
+    irradiance, so small differences would be errors of the irradiance sensor and not
+    heat. Under snow, power is missing because light is. If the loss grows with
+    over-temperature, which is not in the equation, ``share`` is biased low, by 10 to
+    20 % in simulated physics, most on roofs.
     """
     expected = efficiency * poa_global * (1.0 + gamma * (temp_base - 25.0))
-    lacks = np.where(snow_cover > 0.0, 0.0, expected - p_dc_per_area)
-    return Terms(heat=share * np.where(lacks > missing * expected, lacks, 0.0))
+    deficit = np.where(snow_cover > 0.0, 0.0, expected - p_dc_per_area)
+    return Terms(heat=share * np.where(deficit > missing * expected, deficit, 0.0))
 
 
 def unused(light_unused_dc, *, share):
@@ -76,11 +77,12 @@ def unused(light_unused_dc, *, share):
 
 def below(efficiency=None, snow=False, gamma=GAMMA, missing=MISSING):
     """
-    The effect of power below that of a module of this efficiency. [-]
+    The effect of power below the expected power of a module of this efficiency. [-]
 
-    Without one the loop takes that of the record. With ``snow`` it needs the depth of
-    snow, too, and leaves covered rows out. ``gamma`` is how power falls with
-    temperature [1/K], ``missing`` the share that counts as curtailed.
+    By default the loop estimates the efficiency from the record. With ``snow`` the
+    effect needs snow depth, too, and is 0 in covered rows. ``gamma`` is the temperature
+    coefficient of power [1/K]; if more than the share ``missing`` is missing, power
+    counts as curtailed.
     """
     own = {"gamma": gamma, "missing": missing}
     if efficiency is None:
@@ -98,7 +100,7 @@ def of_record(columns, rows, gamma=GAMMA, missing=MISSING):
     """The effect with the efficiency of a record's uncurtailed rows."""
     poa, module, power = (columns[name][rows] for name in USED)
     bright = (poa > BRIGHT) & np.isfinite(module + power)
-    # curtailment is rarer than three hours in four, and only ever downwards
+    # less than three quarters of the hours are curtailed, and power only falls
     share = power[bright] / (poa * (1.0 + gamma * (module - 25.0)))[bright]
     efficiency = 0.0
     if len(share):

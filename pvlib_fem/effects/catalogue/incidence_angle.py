@@ -1,4 +1,4 @@
-"""Beam that the glass reflects when the sun strikes at a flat angle."""
+"""Beam that the glass reflects at high angles of incidence."""
 
 import numpy as np
 
@@ -7,15 +7,15 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(beam, aoi_projection, *, b0):
     r"""
-    Beam reflected beyond that at normal incidence [1]_.
+    Beam reflected in addition to the reflection at normal incidence [1]_.
 
     .. math::
 
         \mathrm{heat} = -\mathrm{b0} \cdot \mathrm{beam} \cdot
         \min(1 / \mathrm{aoi\_projection} - 1, 5)
 
-    A thermopile's dome does not lose it; a reference cell under the same glass
-    does, and then ``b0`` is 0.
+    The dome of a thermopile does not reflect it. A reference cell under the same glass
+    does, so ``b0`` is 0 for that.
 
     References
     ----------
@@ -34,7 +34,7 @@ EFFECT = Effect(
     {"b0": Parameter(0.0, 0.0, 0.2, "-")},
     confounder=True,
     title="reflection at high angles of incidence",
-    decided_by="a reference cell beside the pyranometer",
+    decided_by="a reference cell next to the pyranometer",
     confused_with=(
         "natural_convection",
         "poa_misalignment",

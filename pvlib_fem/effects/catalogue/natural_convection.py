@@ -1,4 +1,4 @@
-"""Air that a warm module sets in motion itself."""
+"""Natural convection at a warm module."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(temp_base, temp_air, wind_speed, *, free):
     r"""
-    Loss that grows with the module's warmth, where the air is calm [1]_.
+    Loss that grows with over-temperature in calm air [1]_.
 
     .. math::
 
@@ -15,11 +15,11 @@ def terms(temp_base, temp_air, wind_speed, *, free):
         \frac{\sqrt[3]{|\mathrm{temp\_base} - \mathrm{temp\_air}| / 15} - 1}
         {\sqrt{1 + \mathrm{wind\_speed}^2}}
 
-    Natural convection goes with the third root of the over-temperature. ``free``
-    is that of both faces at 15 K, where the steady model has it already: at a tilt
-    of 35° TARP's 9.482/(7.283 - cos) above and 1.810/(1.382 + cos) below make it 5.6
-    W/(m² K), and 7.5 where heat is counted by incident irradiance. It adds to the
-    convection of wind in squares, which at 1 m/s is about as large.
+    Natural convection grows with the third root of over-temperature. ``free`` is the
+    convection of both faces at 15 K, which the steady model already includes. At a tilt
+    of 35°, TARP's 9.482/(7.283 - cos) above and 1.810/(1.382 + cos) below give 5.6
+    W/(m² K), or 7.5 relative to incident irradiance. Natural and forced convection add
+    as squares; at 1 m/s they are about equal.
 
     References
     ----------

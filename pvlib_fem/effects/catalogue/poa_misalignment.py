@@ -1,24 +1,24 @@
-"""An irradiance sensor that does not stand as the module does."""
+"""An irradiance sensor in another plane than the module."""
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
 def terms(beam_by_tilt, beam_by_azimuth, *, tilt, azimuth):
     r"""
-    Beam that the module gets beside a sensor in another plane [1]_.
+    Difference of beam irradiance between the module and a misaligned sensor [1]_.
 
     .. math::
 
         \mathrm{heat} = \mathrm{tilt} \cdot \mathrm{beam\_by\_tilt}
         + \mathrm{azimuth} \cdot \mathrm{beam\_by\_azimuth}
 
-    ``tilt`` and ``azimuth`` are those of the module beyond the stated ones, in
-    which the sensor is taken to stand; to the first order in both.
+    ``tilt`` and ``azimuth`` are the angles of the module minus the stated angles, which
+    are assumed for the sensor. The equation is of first order in both.
 
     References
     ----------
     .. [1] J. A. Duffie and W. A. Beckman, "Solar Engineering of Thermal
-       Processes", section 1.6, of which the slopes are taken.
+       Processes", section 1.6, from which the slopes are derived.
     """
     return Terms(heat=tilt * beam_by_tilt + azimuth * beam_by_azimuth)
 

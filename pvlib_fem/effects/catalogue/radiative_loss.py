@@ -3,12 +3,12 @@
 from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
-USUAL = 298.15  # K, where the coefficients of the steady model have it already
+USUAL = 298.15  # K, temperature at which the steady model already includes it
 
 
 def terms(temp_base, temp_air, *, share):
     r"""
-    Loss by longwave exchange with what is as warm as the air, beyond 25 °C [1]_.
+    Loss by longwave exchange with surroundings at air temperature, above 25 °C [1]_.
 
     .. math::
 
@@ -16,9 +16,9 @@ def terms(temp_base, temp_air, *, share):
         ((\mathrm{temp\_air} + \mathrm{temp\_base})
         (\mathrm{temp\_air}^2 + \mathrm{temp\_base}^2) - 4 \cdot 298.15^3)
 
-    with temperatures in kelvin. ``share`` is the emissivity of both faces over
-    the absorbed share of irradiance, about (0.88 + 0.85)/0.72. No module is
-    without it.
+    Temperatures are in kelvin. ``share`` is the emissivity of both faces over
+    the absorbed share of irradiance, about (0.88 + 0.85)/0.72. Every module has this
+    loss.
 
     References
     ----------

@@ -7,13 +7,12 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(wetness, *, film):
     r"""
-    Loss by evaporation, taken as a further loss towards the air [1]_.
+    Loss by evaporation, modelled as an additional loss to the air [1]_.
 
     .. math:: \mathrm{loss} = \mathrm{film} \cdot \mathrm{wetness}
 
-    ``film`` is the latent over the sensible loss of a wet face: with air of 70 %
-    relative humidity the vapour pressure at a warm module makes it some 10 to
-    40 W/(m² K).
+    ``film`` is the latent loss of a wet face per kelvin of over-temperature: 10 to
+    40 W/(m² K) at a warm module in air of 70 % relative humidity.
 
     References
     ----------
@@ -25,13 +24,13 @@ def terms(wetness, *, film):
 
 def evaporation(film_vapour, *, film):
     r"""
-    The same by the vapour that the film gives off, where humidity is known.
+    Loss by evaporation from vapour pressure, for records with humidity.
 
     .. math:: \mathrm{heat} = -\mathrm{film} \cdot \mathrm{film\_vapour}
 
-    The vapour is that of the module as cold as the film makes it. ``film`` is Lewis's
-    0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one face, over the absorbed
-    share of irradiance: 10 to 60 W/(m² hPa).
+    The vapour pressure is that at the temperature of the wet module. ``film`` is
+    Lewis's 0.622·L/(c_p·p), 1.5 K/hPa, times the convection of one face, over the
+    absorbed share of irradiance: 10 to 60 W/(m² hPa).
     """
     return Terms(heat=-film * film_vapour)
 
@@ -57,5 +56,5 @@ FROM_HUMIDITY = replace(
     settings={"source": "humidity"},
     source="humidity",
 )
-#: by what is known of the air, the best first
+#: by the known quantities of the air, the best first
 EFFECT = replace(FROM_WETNESS, variants=(FROM_HUMIDITY, FROM_WETNESS))

@@ -1,4 +1,4 @@
-"""Light on the back of the module, measured or from the ground."""
+"""Irradiance on the rear side of the module, measured or from the ground."""
 
 from dataclasses import replace
 
@@ -7,14 +7,14 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(ghi_estimated, *, share):
     r"""
-    Heat of light from the ground [1]_.
+    Heat by irradiance that the ground reflects to the rear side [1]_.
 
     .. math:: \mathrm{heat} = \mathrm{share} \cdot \mathrm{ghi\_estimated}
 
     ``share`` is albedo · view of the ground · absorbed share of the back, over
     the absorbed share of the front: 0.1 to 0.3 for an open rack. Most of it is
-    in the coefficients of the steady model; what is seen is its change with the sun's
-    height.
+    in the coefficients of the steady model; the effect is its change with solar
+    elevation.
 
     References
     ----------
@@ -26,14 +26,14 @@ def terms(ghi_estimated, *, share):
 
 def from_rear(poa_rear, *, bifaciality):
     r"""
-    Heat of irradiance that was measured on the rear side [2]_.
+    Heat by irradiance measured on the rear side [2]_.
 
     .. math:: \mathrm{heat} = \mathrm{bifaciality} \cdot \mathrm{poa\_rear}
 
-    ``bifaciality`` is the heat of light on the rear over that of the same light on the
-    front: near the bifaciality of power for a bifacial module, 0.6 to 0.95, and the
-    absorbed share of the back sheet over that of the front for any other. What keeps
-    pace with the irradiance on the front is in the coefficients of the steady model.
+    ``bifaciality`` is the ratio of heat by rear irradiance to heat by equal front
+    irradiance. For a bifacial module it is near the bifaciality of power, 0.6 to 0.95;
+    for other modules it is the ratio of the absorbed shares of back and front. A part
+    proportional to front irradiance is in the coefficients of the steady model.
 
     References
     ----------
@@ -66,5 +66,5 @@ MEASURED = replace(
     source=SOURCE,
 )
 
-#: by what is known of the light, the best first
+#: by the available measurements, the best first
 EFFECT = replace(FROM_GROUND, variants=(MEASURED, FROM_GROUND))

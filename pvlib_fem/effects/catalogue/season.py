@@ -1,4 +1,4 @@
-"""A swing with the year, whatever its cause."""
+"""A seasonal change of any cause."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(poa_global, day_angle, *, winter, spring):
     r"""
-    Share of irradiance that comes and goes with the year [1]_.
+    Share of irradiance that varies with the season [1]_.
 
     .. math::
 
@@ -15,15 +15,15 @@ def terms(poa_global, day_angle, *, winter, spring):
         + \mathrm{spring} \cdot \sin(\mathrm{day\_angle}))
         \cdot \mathrm{poa\_global}
 
-    ``winter`` is its part at the turn of the year, when it is winter north of
-    the equator, and ``spring`` that of the first of April. Albedo, longwave loss,
-    a tilt that is off and one year's drift all leave it.
+    ``winter`` is the change at the turn of the year, when it is winter north of
+    the equator, and ``spring`` the change on the first of April. Albedo, longwave loss,
+    a wrong tilt and a drift within one year have this signature.
 
     References
     ----------
     .. [1] F. P. Incropera et al., "Fundamentals of Heat and Mass Transfer",
-       section 1.2: radiation as 4·ε·σ·T³, 1 % more for each kelvin. Of the whole
-       loss that is 0.2 to 0.3 %, and of a year of ±10 K a swing of ±0.03.
+       section 1.2: radiation as 4·ε·σ·T³, 1 % more per kelvin. That is 0.2 to 0.3 %
+       of the whole loss, and a seasonal change of ±0.03 for a year of ±10 K.
     """
     swing = winter * np.cos(day_angle) + spring * np.sin(day_angle)
     return Terms(heat=swing * poa_global)

@@ -9,19 +9,19 @@ from pvlib_fem.drivers.solar import beam_around
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.effects.windows import find_windows, orthonormal
 
-FAINT = 1e-3  # of the largest response to a clear sky, below which there is no sun
+FAINT = 1e-3  # of the largest response to a clear sky; below it there is no sun
 
 
 def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
     r"""
-    Beam that a module loses while the sun stands in one of some windows [1]_.
+    Beam that a module loses while the sun is in one of some windows of the sky [1]_.
 
     .. math::
 
         \mathrm{heat} = -\mathrm{share} \cdot \mathrm{beam}
         \cdot \mathrm{inside}(\mathrm{solar\_azimuth}, \mathrm{solar\_zenith})
 
-    ``inside`` is 1 while the sun stands in one of the ``windows``, else 0.
+    ``inside`` is 1 while the sun is in one of the ``windows``, else 0.
 
     References
     ----------
@@ -33,16 +33,16 @@ def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
 
 def unseen(beam, beam_clear, elapsed, solar_azimuth, solar_zenith, *, share, windows):
     r"""
-    The same of the irradiance sensor, which reads less than the module gets.
+    Beam that a shaded irradiance sensor does not measure and the module receives.
 
     .. math::
 
         \mathrm{heat} = -\mathrm{share} \cdot \mathrm{beam\_around}
         \cdot \mathrm{inside}(\mathrm{solar\_azimuth}, \mathrm{solar\_zenith})
 
-    ``share`` is negative, -1.5 to 0: the module is warmer than the sensor lets
-    expect. ``beam_around`` is the beam that the hours around let expect, those in
-    the windows left out.
+    ``share`` is negative, -1.5 to 0: the module is warmer than by the sensor's reading.
+    ``beam_around`` is the expected beam from the hours before and after, without those
+    in the windows.
     """
     inside = within_any(windows, solar_azimuth, solar_zenith)
     expected = beam_around(beam, beam_clear, elapsed, seen=~inside)
@@ -50,7 +50,7 @@ def unseen(beam, beam_clear, elapsed, solar_azimuth, solar_zenith, *, share, win
 
 
 def within_any(windows, solar_azimuth, solar_zenith):
-    """Rows at which the sun stands in one of the windows."""
+    """Mask of rows with the sun in one of the windows."""
     inside = np.zeros(np.shape(solar_azimuth), dtype=bool)
     for start, end, low, high in windows:
         width = (end - start) % 360.0 or 360.0  # a window may contain north
@@ -67,11 +67,11 @@ def within(windows, sensor=False):
     Parameters
     ----------
     windows : sequence
-        Each ``(azimuth_from, azimuth_to, elevation_from, elevation_to)``, azimuth
+        Tuples ``(azimuth_from, azimuth_to, elevation_from, elevation_to)``, azimuth
         clockwise from north. [°]
     sensor : bool, default False
-        Whether the obstacle shades the irradiance sensor: then the beam that it
-        does not see is taken from the hours around.
+        Whether the obstacle shades the irradiance sensor. Then the missing beam is
+        estimated from the hours before and after.
 
     Returns
     -------
@@ -83,11 +83,11 @@ def within(windows, sensor=False):
             f"{wrong[0]} is no window of the sky; give azimuth_from, azimuth_to, "
             "elevation_from, elevation_to, the latter the higher"
         )
-    # more than all of the beam, as the beam is estimated
+    # above 1, because the beam is estimated
     bounds = (-1.5, 0.0) if sensor else (-1.3, 1.3)
     lights = ("beam", "beam_clear", "elapsed") if sensor else ("beam",)
     lost = partial(unseen if sensor else terms, windows=windows)
-    lost.__doc__ = lost.func.__doc__  # else that of all partials
+    lost.__doc__ = lost.func.__doc__  # instead of functools.partial's
     return Effect(
         "shading",
         lost,
@@ -109,23 +109,23 @@ def within(windows, sensor=False):
 
 def scan(rest, tangents, columns, weeks, least):
     """
-    Windows of the sky where what is left of a fit follows the beam.
+    Find windows of the sky in which the residual is proportional to the beam.
 
-    Before the module or before the sensor, whichever takes more of what is left.
-    Where the sun stood whose beam is in the temperature is the mean place over the
-    memory of the module.
+    The obstacle is in front of the module or of the sensor, whichever explains more of
+    the residual. The solar position is averaged over the time constant of the module,
+    because the temperature responds to past beam.
 
     Parameters
     ----------
     rest : array
-        What a fit leaves. [K]
+        Residual of a fit. [K]
     tangents : dict of array
-        Responses of the temperature to :data:`EVERYWHERE`'s parameters, and those
-        of all that it is weighed beside. [K]
+        Responses of the temperature to :data:`EVERYWHERE`'s parameters, and to all
+        fitted coefficients. [K]
     columns : mapping
     weeks : array of int
     least : float
-        Gain that each window has to take. [K]
+        Least gain of each window. [K]
 
     Returns
     -------
@@ -167,12 +167,12 @@ def everywhere(
     east,
     up,
 ):
-    """Loss of all beam, as it is and as expected, and where the sun stands."""
+    """Loss of all beam, estimated and expected, and the solar position."""
     place = clear + north * sun_north + east * sun_east + up * (90.0 - solar_zenith)
     return Terms(heat=beam_clear * place - share * beam - unseen * beam_around)
 
 
-#: all of the sky, from which the scan takes windows
+#: the whole sky, in which the scan finds windows
 EVERYWHERE = Effect(
     "shading",
     everywhere,
@@ -181,7 +181,7 @@ EVERYWHERE = Effect(
         for name in ("share", "unseen", "clear", "north", "east", "up")
     },
 )
-#: low sun in the east; where an obstacle really stands, a scan of windows shows
+#: low sun in the east as a default; a scan finds the windows of a real obstacle
 EFFECT = replace(
     within([(60.0, 180.0, 0.0, 15.0)]), make=within, scan=scan, scanned_from=EVERYWHERE
 )

@@ -7,15 +7,14 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(sky_deficit, *, share):
     r"""
-    Heat lost to the sky, in the currency of irradiance [1]_.
+    Radiative heat loss to the sky, expressed as equivalent irradiance [1]_.
 
     .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{sky\_deficit}
 
-    ``share`` is emissivity · sky view over the absorbed share of irradiance: the
-    steady models count heat by incident irradiance, of which only that share is
-    heat. On a rack both faces together see one whole sky, which makes about
-    0.88/0.72; on a roof the front alone sees its part of it. pvlib's ``faiman_rad``
-    has emissivity · sky view alone.
+    ``share`` is emissivity · sky view over the absorbed share of irradiance, because
+    the steady models express heat as incident irradiance. On a rack both faces together
+    see one whole sky, which gives about 0.88/0.72; on a roof only the front sees its
+    part of the sky. pvlib's ``faiman_rad`` has emissivity · sky view alone.
 
     References
     ----------
@@ -52,6 +51,6 @@ FROM_AIR = MEASURED.estimated(
     "air temperature alone", "sky_deficit_air", confounder=True
 )
 
-#: by what is known of the sky, the best first
+#: by the known quantities of the sky, the best first
 VARIANTS = (MEASURED, FROM_HUMIDITY, FROM_CLOUDS, FROM_MOISTURE, FROM_AIR)
 EFFECT = replace(MEASURED, variants=VARIANTS)

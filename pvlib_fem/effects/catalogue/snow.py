@@ -1,22 +1,22 @@
-"""Snow on the module, which the sun does not reach."""
+"""Snow that covers the module."""
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
 def terms(poa_global, snow_cover, snow_left, *, share, stays):
     r"""
-    Sunlight that the irradiance sensor sees and a covered module does not [1]_.
+    Irradiance that the sensor measures and a snow-covered module does not get [1]_.
 
     .. math::
 
         \mathrm{heat} = -(\mathrm{share} \cdot \mathrm{snow\_cover}
         + \mathrm{stays} \cdot \mathrm{snow\_left}) \cdot \mathrm{poa\_global}
 
-    ``share`` is near 1 under some centimetres, and less where the sensor is
-    covered too or only a part of the module is. It may pass 1 by as much as the
-    coefficients of winter differ from those of the year. ``stays`` is the same of snow
-    that slides by parts: near 1 on a roof, near 0 where all of it goes at once, and
-    a little less than that where bright ground adds light.
+    ``share`` is near 1 under some centimetres of snow. It is less if the sensor is
+    covered, too, or only a part of the module is. It can exceed 1 because coefficients
+    of winter differ from those of the year. ``stays`` is the share for snow that slides
+    off gradually: near 1 on a roof, near 0 if all snow slides off at once, and slightly
+    negative if bright ground reflects light.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Dirt that gathers between rains, on the module or on the irradiance sensor."""
+"""Soiling between rains, of the module or of the irradiance sensor."""
 
 from dataclasses import replace
 from operator import mul
@@ -11,16 +11,16 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(poa_global, days_since_rain, *, per_day):
     r"""
-    Irradiance that is gained by the module beside its sensor, day by day [1]_.
+    Irradiance lost by soiling of the sensor, minus that lost by the module's [1]_.
 
     .. math::
 
         \mathrm{heat} = \mathrm{per\_day} \cdot \mathrm{days\_since\_rain}
         \cdot \mathrm{poa\_global}
 
-    Positive where the sensor soils (it reads low, the module is warmer than
-    modelled), negative where the module does. Dirt that never changes is in
-    the coefficients of the steady model.
+    It is positive if the sensor soils (it reads low, and the module is warmer than
+    modelled), and negative if the module does. Constant soiling is in the coefficients
+    of the steady model.
 
     References
     ----------
@@ -34,33 +34,33 @@ def terms(poa_global, days_since_rain, *, per_day):
 
 def cleaned(cleaning=1.0, within=3.0, dirtiest=60.0):
     """
-    The effect of dirt that ``cleaning`` mm of rain ``within`` hours take away.
+    The effect of soiling that ``cleaning`` mm of rain ``within`` hours wash off.
 
-    After ``dirtiest`` days dirt gathers no more. Kimber's are 6 mm in 24 h.
+    After ``dirtiest`` days soiling is constant. Kimber's values are 6 mm in 24 h.
     """
     given = {"cleaning": cleaning, "within": within, "dirtiest": dirtiest}
     return replace(EFFECT, scan=None, scanned_from=None, make=None).made(**given)
 
 
 def every_rain(poa_global, *days, even, **per_day):
-    """Dirt that never changes, and that since each of the rains that may clean."""
+    """Constant soiling, and soiling since each of the rains that may clean."""
     gathered = sum(map(mul, days, per_day.values()))
     return Terms(heat=poa_global * (even + gathered))
 
 
 def scan(rest, tangents, columns, weeks, least):
-    """The rain that cleans: that since which dirt follows what is left best."""
+    """The effect with the rain threshold whose soiling fits the residual best."""
     even = tangents["soiling.even"]
     gathered = [tangents[f"soiling.per_day_{i}"] for i in range(len(RAINS))]
     alike = []
     for one in gathered:
-        # what never changes is in the coefficients already, and in the rest no more
+        # constant soiling is in the coefficients, and no longer in the residual
         one = one - (one @ even) / (even @ even) * even
         alike.append((rest @ one) ** 2 / (one @ one) if one.any() else 0.0)
     return cleaned(*RAINS[int(np.argmax(alike))])
 
 
-#: rain that may clean [mm] and within how long [h]: a shower, and Kimber's day
+#: rain that may clean [mm] and its duration [h]: a shower, and Kimber's day
 RAINS = ((1.0, 3.0), (3.0, 24.0), (6.0, 24.0))
 PER_DAY = Parameter(0.0, -0.01, 0.01, "1/day")
 EFFECT = Effect(
@@ -74,7 +74,7 @@ EFFECT = Effect(
         "sensitivity_drift",
         "natural_convection",
         "poa_misalignment",
-        "the steady model's coefficients, where the dirt never changes",
+        "the steady model's coefficients, if soiling is constant",
     ),
     make=cleaned,
     scan=scan,

@@ -1,16 +1,16 @@
-"""A temperature sensor of a wrong gain, and losses that grow with warmth."""
+"""A gain error of the module's sensor, or a loss that grows with temperature."""
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
 def terms(temp_air, *, gain):
     r"""
-    Reading that grows with the air's temperature as it should not [1]_.
+    Error of the reading that is proportional to air temperature [1]_.
 
     .. math:: \mathrm{offset} = \mathrm{gain} \cdot \mathrm{temp\_air}
 
-    A gain of the module's sensor, or of its converter, does so, and the fourth
-    power in longwave loss: 0.2 to 0.3 % more loss for each kelvin.
+    A gain error of the module's sensor, or of its converter, has this signature, and so
+    has the fourth power in longwave loss: 0.2 to 0.3 % more loss per kelvin.
 
     References
     ----------

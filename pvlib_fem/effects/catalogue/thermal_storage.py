@@ -5,7 +5,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(poa_stored_1h, poa_stored_3h, air_stored, *, hour, three_hours, air):
     r"""
-    Heat that a slow mass takes in the morning and returns in the evening [1]_.
+    Heat that a slow mass stores in the morning and releases in the evening [1]_.
 
     .. math::
 
@@ -13,9 +13,8 @@ def terms(poa_stored_1h, poa_stored_3h, air_stored, *, hour, three_hours, air):
         + \mathrm{three\_hours} \cdot \mathrm{poa\_stored\_3h}
         + \mathrm{air} \cdot \mathrm{air\_stored}
 
-    ``hour`` and ``three_hours`` are shares of irradiance by the memory of the
-    mass; ``air`` is its exchange with the module for each kelvin that the air
-    has changed since.
+    ``hour`` and ``three_hours`` are shares of irradiance, by the time constant of the
+    mass; ``air`` is its heat exchange with the module per kelvin of change of the air.
 
     References
     ----------

@@ -1,23 +1,23 @@
-"""Cooling that depends on where the wind comes from."""
+"""Cooling that depends on wind direction."""
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
 def terms(wind_north, wind_east, *, north, east):
     r"""
-    Loss that depends on where the wind comes from [1]_.
+    Loss that depends on wind direction [1]_.
 
     .. math::
 
         \mathrm{loss} = \mathrm{north} \cdot \mathrm{wind\_north}
         + \mathrm{east} \cdot \mathrm{wind\_east}
 
-    where these are wind_speed · cos(wind_direction) and wind_speed ·
-    sin(wind_direction), the parts of the wind from the north and from the east.
+    Here wind_north is wind_speed · cos(wind_direction) and wind_east is wind_speed ·
+    sin(wind_direction), the components of the wind from the north and from the east.
 
-    The air on the windward face is renewed faster than on the leeward one, and
-    rows or walls shelter some directions. One harmonic: ``north`` is what wind
-    from the north adds to the loss for each m/s, ``east`` from the east.
+    The windward face is cooled more than the leeward face, and rows or walls shelter
+    some directions. The effect is one harmonic: ``north`` is the additional loss per
+    m/s of wind from the north, ``east`` that from the east.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Wind that cools otherwise than in a straight line."""
+"""Cooling that is not linear in wind speed."""
 
 import numpy as np
 
@@ -7,16 +7,16 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 def terms(wind_speed, *, root, stall, calm=0.7):
     r"""
-    Loss that bends at strong wind, and one where the anemometer stands still [1]_.
+    Loss that is nonlinear in wind, and a loss below the anemometer's threshold [1]_.
 
     .. math::
 
         \mathrm{loss} = \mathrm{root} \cdot \sqrt{\mathrm{wind\_speed}}
         + \mathrm{stall} \cdot \exp(-\mathrm{wind\_speed} / \mathrm{calm})
 
-    ``root`` goes with the square root of wind, that of a laminar layer of air;
-    ``stall`` is there below some ``calm`` (0.7 m/s) only, where cups do not turn and
-    the air moves all the same.
+    ``root`` is the loss by the square root of wind, as for a laminar boundary layer.
+    ``stall`` applies only below about ``calm`` (0.7 m/s), where the cups do not turn
+    although the air moves.
 
     References
     ----------
