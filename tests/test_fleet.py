@@ -20,7 +20,7 @@ from hypothesis import given, strategies as st
 from pvlib.location import Location
 
 import pvlib_fem as fem
-from pvlib_fem import cli, fleet, stored
+from pvlib_fem import cli, fleet, simulator, stored
 from pvlib_fem.fleet import store
 from pvlib_fem.fleet.shared import few, shared
 from pvlib_fem.fleet.store import TABLES, page_path, result_path
@@ -529,6 +529,25 @@ def test_the_page_has_every_state_and_links_to_each_system(table, tmp_path):
     k = results.coefficients.query("coefficient == 'k'").set_index("id")["value"]
     racks = k[rows.index[rows["mounting"] == "rack"]]
     assert f"{racks.median():.4g}" in html
+
+
+def test_clock_faults_stand_first_by_the_name_of_their_system(tmp_path):
+    """With a longitude of the wrong sign no other finding can be trusted."""
+    site = simulator.RHINE
+    data = simulator.record(days=40, step=1800.0, start="2023-04-01")
+    data.tz_localize(None).to_csv(tmp_path / "plant.csv", index_label="time")
+    row = {"file": "plant.csv", "latitude": site.latitude, "tz": site.tz}
+    rows = [
+        {"id": "right", "longitude": site.longitude, **row},
+        {"id": "mirrored", "longitude": -site.longitude, **row},
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "systems.csv", index=False)
+    results = fleet.run(tmp_path / "systems.csv", tmp_path / "out", workers=0)
+    html = fleet.report(results.out)
+    first, rest = html.split("What failed", 1)
+    assert ">mirrored</a>" in first and "not corrected" in first
+    assert "longitude has the wrong sign" in first and ">right</a>" not in first
+    assert ">right</a>" in rest
 
 
 def test_the_command_does_the_same(folder, tmp_path):

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.findings import Verdict
 from pvlib_fem.fleet.results import Results
 from pvlib_fem.fleet.shared import few, shared
 from pvlib_fem.fleet.store import page_path, put_page
-from pvlib_fem.fleet.tasks import TASKS
+from pvlib_fem.fleet.tasks import CLOCK, TASKS
 from pvlib_fem.fleet.work import title_of
 from pvlib_fem.report.document import (
     document,
@@ -26,6 +27,7 @@ from pvlib_fem.stored import saved
 from pvlib_fem.types import FilePath
 
 SHOWN = 50  # rows of each table of the page
+VERDICTS = {str(verdict) for verdict in Verdict}
 OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
 
 
@@ -38,8 +40,9 @@ def report(
     """
     One page of a folder of results, with links to the systems' own pages.
 
-    Which systems misjudge most energy; what was found where, and by how many of the
-    systems of a site; how coefficients spread; what failed, and why.
+    Which systems have clock or location faults; what failed, and why, such as wrong
+    units; which systems misjudge most energy; what was found where, and by how many of
+    the systems of a site; how coefficients spread.
 
     Parameters
     ----------
@@ -67,11 +70,12 @@ def report(
     words = headline(systems)
     parts = [
         heading(words, title),
+        section("Clock and location faults", clock_faults(findings, pages)),
+        section("What failed", failures(systems)),
         section("Systems to visit first", to_visit(systems, pages)),
         section("What was found", by_effect(systems, findings)),
         section("What systems of a site share", by_site(systems, findings, pages)),
         section(f"Coefficients by {by}", coefficients(systems, found.coefficients, by)),
-        section("What failed", failures(systems)),
     ]
     return saved(document(" · ".join(filter(None, [title, words])), parts), path)
 
@@ -115,7 +119,7 @@ def headline(systems):
 
 
 def to_visit(systems, pages):
-    """Those first that misjudge most energy in a year."""
+    """Systems by the energy that they misjudge in a year, the largest first."""
     done = systems[systems["state"] == "done"]
     share = done["energy_error_before"].fillna(done["energy_error_after"])
     lost = share / 100.0 * done["insolation"]
@@ -137,15 +141,31 @@ def to_visit(systems, pages):
         for row in rows.head(SHOWN).itertuples()
     ]
     unit = "kWh a year" if known else "kWh/kWp a year"
-    head = ("system", "site", f"#{unit}", "#% of yield", "#left, %")
+    head = ("system", "site", f"#{unit}", "#% of yield", "#% after")
     return shortened(
         (*head, "#K before", "#K after", "found"),
         lines,
         len(rows),
-        "Energy that the model without effects misjudges by its temperature, without "
-        "signs, on days that no fit has seen, at the insolation of the record; left is "
-        "what it misjudges with all that was found.",
+        "Absolute energy error that the temperature error of the model without effects "
+        "causes, on days that no fit has seen, at the insolation of the record; after "
+        "is the error with all that was found.",
     )
+
+
+def clock_faults(findings, pages):
+    """Systems whose timestamps or location are wrong, by name."""
+    if findings.empty or not (found := findings[findings["kind"] == CLOCK]).size:
+        return paragraph("None was found.")
+    found = found.sort_values(["added", "id"])  # what is not corrected comes first
+    rows = [
+        (pages[row.id], row.site, row.verdict, row.why)
+        for row in found.head(SHOWN).itertuples()
+    ]
+    head = ("system", "site", "state", "fault and remedy")
+    words = (
+        "A fault that is not corrected can falsify all other findings of its system."
+    )
+    return shortened(head, rows, len(found), words, wraps=True)
 
 
 def by_effect(systems, findings):
@@ -163,7 +183,7 @@ def by_effect(systems, findings):
                 -count,
                 (
                     effect,
-                    verdict,
+                    Verdict(verdict).words if verdict in VERDICTS else verdict,
                     f"{count:,}",
                     f"{100.0 * count / done:.0f}",
                     f"{len(sites):,}",
@@ -253,7 +273,7 @@ def failures(systems):
     return listed(shown) + rest * (more > 0)
 
 
-def shortened(head, rows, total, caption=""):
+def shortened(head, rows, total, caption="", wraps=False):
     """A table of the first rows, which says how many there are."""
     rest = f" The first {SHOWN} of {total:,}; all are in Parquet." * (total > SHOWN)
-    return table(head, rows[:SHOWN], (caption + rest).strip())
+    return table(head, rows[:SHOWN], (caption + rest).strip(), wraps)

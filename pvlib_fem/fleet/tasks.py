@@ -168,6 +168,9 @@ def coefficients_of(fit):
     ]
 
 
+CLOCK = "CLOCK"  # kind of a clock fault among findings
+
+
 def findings_of(loop):
     """What a loop found: clocks first, as it did."""
     effects = {effect.name: effect for effect in loop.fit.effects}
@@ -185,7 +188,7 @@ def of_clock(correction: Correction):
         "effect": correction.fault,
         "candidates": correction.fault,
         "verdict": "corrected" if correction.applied else "not corrected",
-        "kind": "CLOCK",
+        "kind": CLOCK,
         "added": correction.applied,
         "size": ", ".join(sizes),
         "place": ", ".join(correction.columns),
