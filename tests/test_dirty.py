@@ -1,6 +1,7 @@
 """Dirty files of plants: each ends in an answer, or in the option that gives one."""
 
 import re
+import shlex
 from dataclasses import replace
 from itertools import pairwise
 
@@ -448,6 +449,21 @@ def test_no_driver_of_an_effect_is_a_cause_of_its_own_without_a_word(column, pla
     told = [note for note in notes if note.startswith(f"{column} looks like {name}:")]
     assert len(told) == 1 and f"--map {name}={column}" in told[0]
     assert not any(note.startswith("fan looks") for note in notes)
+
+
+def test_the_hint_is_said_once_and_what_it_says_can_be_run(plant, tmp_path):
+    """With the unit that the header names, or the values show."""
+    data = plant[list(COLUMNS)].assign(met_RH=plant["relative_humidity"] / 100.0)
+    data["System Power (kW)"] = plant["poa_global"] * 0.04
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    for more in ((), ("--details",)):
+        shown = call("loop", path, "--effects", "season", *more)
+        assert shown.output.count("looks like relative_humidity") == 1
+    hint = call("loop", path, "--effects", "season").output.splitlines()[0]
+    words = shlex.split(hint.partition("run again with ")[2])
+    assert {"relative_humidity=fraction", "power_ac=kW"} <= {*words}
+    run = call("loop", path, "--effects", "season", *words)
+    assert run.exit_code == 0 and "looks like" not in run.output
 
 
 def test_a_driver_in_another_unit_is_told_the_option_that_converts_it(plant):

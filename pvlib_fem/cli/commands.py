@@ -138,7 +138,7 @@ def loop(files, report, title, out, details, corrected, resolve, **options):
             options = prepared_files(files, options, sun=True)
             data, otherwise = options.pop("record"), Refused
         else:
-            data, options, otherwise = prepared(files, options, drivers=True)
+            data, options, otherwise = prepared(files, options, drivers=not details)
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
             found = closed(data, **options)

@@ -15,7 +15,7 @@ from pvlib_fem.cli.options import PER_FILE, SAME, columns_of, layouts_of, units_
 from pvlib_fem.cli.words import Refused, note, say
 from pvlib_fem.fitting.stand_ins import SERVED, chosen
 from pvlib_fem.quality.screen import screened
-from pvlib_fem.quality.units import unit_of_driver
+from pvlib_fem.quality.units import options_of, unit_of_driver
 from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.columns import (
     ALWAYS,
@@ -120,7 +120,7 @@ def read(files, options, drivers=False, needed=COLUMNS):
     looks = unmapped(numeric(data)) if drivers else {}
     likely = {n: c for c, n in [*looks.items()][::-1] if n not in data}
     if likely:
-        maps = [w for n, c in likely.items() for w in ("--map", f"{n}={c}")]
+        maps = [w for n, c in likely.items() for w in options_of(c, n, data[c])]
         what = ", ".join(f"{c!r} looks like {n}" for n, c in likely.items())
         note(
             f"{what}. Under another name a column is only a driver of unknown meaning; "

@@ -22,7 +22,7 @@ from pvlib_fem.quality.screening import stuck
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import stuck_line
 from pvlib_fem.quality.twin import twin_clock
-from pvlib_fem.quality.units import oddities
+from pvlib_fem.quality.units import oddities, options_of
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import (
     ALWAYS,
@@ -255,7 +255,8 @@ def notes_of(look, corrections, wanted, site, criteria):
     for column, name in unmapped(look.drivers).items():
         yield (
             f"{column} looks like {name}: under a name of its own it may be taken for "
-            f"a cause that it is not; if it is that, rename it (--map {name}={column})"
+            "a cause that it is not; if it is that, rename it "
+            f"({' '.join(options_of(column, name, look.whole[column]))})"
         )
     if look.witnesses:
         alone = len(look.witnesses) == 1

@@ -17,7 +17,15 @@ from pvlib_fem.quality.limits import (
 from pvlib_fem.quality.onset import HOUR
 from pvlib_fem.quality.values import FEW
 from pvlib_fem.record.ranges import RANGES, range_of
-from pvlib_fem.record.units import AMOUNTS, UNITS, ForeignUnit, Swapped
+from pvlib_fem.record.units import (
+    AMOUNTS,
+    QUANTITIES,
+    UNITS,
+    ForeignUnit,
+    Swapped,
+    named_unit,
+    own_unit,
+)
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
 #: gain of over-temperature with irradiance [K m²/W]: of °F, and what no mounting shows
@@ -97,6 +105,15 @@ def unit_of_driver(name, values, limits=None):
     if name == "wind_direction" and circle and len(seen) >= limits.few_values:
         return "rad"
     return ""
+
+
+def options_of(column, name, values):
+    """Options that read a column of a file as what it looks like, in its unit."""
+    named = named_unit(name, str(column)) if name in QUANTITIES else None
+    unit = named or unit_of_driver(name, values)
+    own = name in QUANTITIES and unit == own_unit(name)
+    options = ["--map", f"{name}={column}"]
+    return options + ["--unit", f"{name}={unit}"] * bool(unit and not own)
 
 
 def humidity_doubt(seen, known, limits):
