@@ -14,6 +14,8 @@ COMMANDS = {
     "parameters": "Give the thermal parameters of FIT as pvlib, PVsyst and SAM take "
     "them.",
     "recover": "Put effects into FILE, and find from what size the loop sees them.",
+    "screen": "Find what FILE holds that was not measured: codes, spikes, stuck "
+    "sensors …",
 }
 
 

@@ -59,6 +59,7 @@ from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.quality.screen import screen_record
 from pvlib_fem.record.files import read_file
 from pvlib_fem.sensors.compare import compare_modules
 from pvlib_fem.stored import saved
@@ -172,6 +173,26 @@ def recover(files, out, **options):
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
             say(injected(data, path=out, **options))
+
+
+@click.command()
+@reading_options
+@click.option(
+    "--cleaned",
+    type=WRITTEN,
+    help="Write FILE as CSV without what is at fault, in the package's names.",
+)
+def screen(files, cleaned, **options):
+    """Find what FILE holds that was not measured: codes, spikes, stuck sensors …
+
+    fit and loop leave out the same by themselves. Any of their columns will do.
+    """
+    with plainly():
+        check_outputs(files, pictures=False, cleaned=cleaned)
+        data, _ = read(files, options, needed=())
+        found = screen_record(data)
+        say(found)
+        write(cleaned, lambda path: saved(as_csv(found.cleaned), path))
 
 
 @click.command()

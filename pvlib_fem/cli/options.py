@@ -32,6 +32,8 @@ EACH = "Once for all files, or once for each."
 PER_FILE = {
     "time": (),
     "time_format": Layout.time_format,
+    "tag": Layout.tag,
+    "value": Layout.value,
     "tz": None,
     "sep": Layout.sep,
     "decimal": Layout.decimal,
@@ -101,9 +103,22 @@ layout_options = added(
     click.option(
         "--time-format",
         multiple=True,
-        help="Format of the times, such as '%d/%m/%Y %H:%M', or unix, unix-ms or "
-        "excel for times that are counted; by default ISO 8601. "
+        help="Format of the times, such as '%d/%m/%Y %H:%M', or unix, unix-ms, "
+        "excel or matlab for times that are counted; by default ISO 8601. "
         f"{EACH}",
+    ),
+    click.option(
+        "--tag",
+        multiple=True,
+        metavar="COLUMN",
+        help="Of a table with a row for each reading: the column of what is read, of "
+        f"which each becomes a column. {EACH}",
+    ),
+    click.option(
+        "--value",
+        multiple=True,
+        metavar="COLUMN",
+        help=f"Of such a table: the column of the readings. {EACH}",
     ),
     click.option(
         "--tz",

@@ -216,7 +216,8 @@ def check_record(data):
 def proposal(files, layouts, columns, how, place, needed=COLUMNS):
     """What to look at, and the command that may read files; both empty without any."""
     try:
-        found = guess(files, layouts, columns, how, place, check_record)
+        several = click.get_current_context().info_name == "modules"
+        found = guess(files, layouts, columns, how, place, check_record, several)
         lacking = [name for name in needed if name not in found.there]
         level = of_the_sky(found) if "poa_global" in lacking else []
         calm = "wind_speed" in lacking and "model" in options_given()
@@ -252,7 +253,7 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
         f"- not mapped, {reason}: {', '.join(map(repr, columns))}"
         for reason, columns in found.unused.items()
     ]
-    if found.unused and click.get_current_context().info_name != "fit":
+    if found.unused and click.get_current_context().info_name in ("loop", "recover"):
         lines.append("- of those the numeric ones that vary are tried as causes, too")
     if calm:
         lines.append(

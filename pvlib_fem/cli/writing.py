@@ -13,6 +13,7 @@ ENDINGS = {
     "out": ("JSON", (".json",)),
     "common": ("a table", (".csv",)),
     "corrected": ("a table", (".csv",)),
+    "cleaned": ("a table", (".csv",)),
     "csv": ("a table", (".csv",)),
 }
 FORMULA = ("=", "+", "-", "@")  # with which a formula begins

@@ -13,10 +13,11 @@ from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import renamed
 from pvlib_fem.record.joining import joined, stacked
 from pvlib_fem.record.labels import flat, flat_header
-from pvlib_fem.record.layout import EXCEL, PARQUET, TIME, Layout
-from pvlib_fem.record.numbers import refuse_text, ungrouped
+from pvlib_fem.record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
+from pvlib_fem.record.numbers import refuse_text, ungrouped, unmarked
 from pvlib_fem.record.times import in_order, timed
 from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
+from pvlib_fem.record.wide import wide
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal
 from pvlib_fem.types import FilePath
 
@@ -57,17 +58,18 @@ def read_file(
     **layout
         ``time``: column of the times, or those of their parts, such as a date and a
         time of day; by default the first. ``time_format``, default ISO 8601; ``unix``,
-        ``unix-ms`` and ``excel`` are counts. ``tz``: the zone of naive times, in which
-        those that its clock skips are left out, or that into which others are brought.
-        ``sep``, ``decimal``, ``encoding`` of CSV. ``thousands``: what stands between
-        the thousands of numbers. ``skip_rows``: how many lines stand before the header,
-        or the numbers of the lines to leave out, from 0; ``header_rows``: how many
-        lines the header has, whose labels are joined, as ``met_RH``; ``skip_end``: how
-        many lines stand after the last row, such as totals. ``sheet`` of a workbook.
-        ``missing``: texts that stand for a missing value. ``sort``: put the rows in the
-        order of their times. ``drop_doubled``: of rows with the same time keep the
-        first. ``drop_untimed``: leave out rows that hold no time, such as a header in
-        the middle of a file.
+        ``unix-ms``, ``excel`` and ``matlab`` are counts. ``tag``, ``value``: columns of
+        a table with a row for each reading, of which each tag becomes a column. ``tz``:
+        the zone of naive times, in which those that its clock skips are left out, or
+        that into which others are brought. ``sep``, ``decimal``, ``encoding`` of CSV.
+        ``thousands``: what stands between the thousands of numbers. ``skip_rows``: how
+        many lines stand before the header, or the numbers of the lines to leave out,
+        from 0; ``header_rows``: how many lines the header has, whose labels are joined,
+        as ``met_RH``; ``skip_end``: how many lines stand after the last row, such as
+        totals. ``sheet`` of a workbook. ``missing``: texts that stand for a missing
+        value. ``sort``: put the rows in the order of their times. ``drop_doubled``: of
+        rows with the same time keep the first. ``drop_untimed``: leave out rows that
+        hold no time, such as a header in the middle of a file.
 
     Returns
     -------
@@ -137,6 +139,14 @@ def frame(
 
 
 def table(file, layout):
+    """A file's columns; of a table with a row for each reading those of its tags."""
+    data = plain_table(file, layout)
+    if not layout.tag:
+        return data
+    return wide(data, layout.tag, layout.value or "value", layout.time)
+
+
+def plain_table(file, layout):
     """A file's columns as they are."""
     suffix = file.suffix.lower()
     if suffix == ".gz":
@@ -159,10 +169,13 @@ def table(file, layout):
         data = workbook(file, sheet_name=layout.sheet, skipfooter=end, **how)
     else:
         data = text(file, layout, **how)
-    if not layout.thousands and layout.decimal == ".":
-        return data
     times = layout.time or tuple(data.columns[:1])
     marked = [name for name in texts(data) if name not in times]
+    if marked and layout.missing:
+        marks = layout.missing, layout.decimal
+        data = data.assign(**{name: unmarked(data[name], *marks) for name in marked})
+    if not layout.thousands and layout.decimal == ".":
+        return data
     signs = layout.thousands, layout.decimal
     return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
 
@@ -238,6 +251,8 @@ def text(file, layout, **how):
     how |= {"skipinitialspace": True, "low_memory": False}
     try:
         source = without_end(file, layout) if layout.skip_end else file
+        if layout.sep == SPACES:
+            source, how["sep"] = without_comments(source, layout.encoding), r"\s+"
         data = flat_header(pd.read_csv(source, **how))
     except UnicodeDecodeError as error:
         raise ValueError(
@@ -288,6 +303,13 @@ def without_end(file, layout):
     """The text of a file without its last lines; empty ones do not count."""
     lines = file.read_text(layout.encoding).rstrip().split("\n")
     return io.StringIO("\n".join(lines[: -layout.skip_end]))
+
+
+def without_comments(source, encoding):
+    """The text of a file without the signs before the lines above its table."""
+    if isinstance(source, Path):
+        source = io.StringIO(source.read_text(encoding))
+    return io.StringIO("".join(line.lstrip(COMMENT) for line in source))
 
 
 def named(data, columns):

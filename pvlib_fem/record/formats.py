@@ -6,9 +6,17 @@ from itertools import product
 
 import pandas as pd
 
-from pvlib_fem.record.letters import ISO, LETTERS, without_letters, zones_of
+from pvlib_fem.record.letters import (
+    HOURS as ZONES,
+    ISO,
+    SEVERAL,
+    last_letters,
+    without_letters,
+    zones_of,
+)
 from pvlib_fem.record.times import (
     AFTER,
+    DATENUM,
     MILLI,
     SERIAL,
     UNIX,
@@ -53,6 +61,7 @@ OF_DAY = (
 COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their digits
 SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
 SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
+DATENUMS = (718_000.0, 770_000.0)  # days: 1965 to 2108
 TWICE = 0.05  # share of rows with the same time up to which they are left out
 LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
 FIRST = 5
@@ -137,7 +146,7 @@ def formats(columns, tz=None):
     ways = product(DATES, (" ", ", "), HOURS)
     first = column.iloc[:FIRST].astype(str)
     zone = ""
-    if first.str.contains(LETTERS).all():
+    if {*map(last_letters, first)} <= {*ZONES, *SEVERAL}:
         zone, tz = " %Z", tz or next(iter(zones_of(column)), None)
     elif first.str.contains(OFFSET).all():
         zone = " %z"
@@ -151,6 +160,8 @@ def formats(columns, tz=None):
             return [MILLI]
         if column.between(*SINCE_1900).all() and (column % 1.0 != 0.0).any():
             return [SERIAL]
+        if column.between(*DATENUMS).all() and (column % 1.0 != 0.0).any():
+            return [DATENUM]
         column = column.map(as_text)
         digits = column.str.len().unique()
         choices = [COMPACT[n] for n in digits if n in COMPACT and len(digits) == 1]
@@ -176,7 +187,8 @@ def formats(columns, tz=None):
     if not found:
         return []
     best = min(found.values())
-    return [form for form, way in found.items() if way == best]
+    ways = [form for form, way in found.items() if way == best]
+    return [*{form.replace("%B", "%b"): form for form in ways[::-1]}.values()][::-1]
 
 
 def lines_after(raw, layout):

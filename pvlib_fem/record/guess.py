@@ -17,8 +17,17 @@ from pvlib_fem.record.formats import (
     written,
 )
 from pvlib_fem.record.layout import found_layout
-from pvlib_fem.record.names import NAMES, NOT, mapped, spelled, unused, without_unit
-from pvlib_fem.record.numbers import thousands_of
+from pvlib_fem.record.names import (
+    NAMES,
+    NOT,
+    is_own,
+    mapped,
+    spelled,
+    unused,
+    usual_name,
+    without_unit,
+)
+from pvlib_fem.record.numbers import marks_of, thousands_of
 from pvlib_fem.record.units import (
     QUANTITIES,
     UNITS,
@@ -29,6 +38,7 @@ from pvlib_fem.record.units import (
     own_unit,
     unit_of,
 )
+from pvlib_fem.record.wide import tag_and_value
 from pvlib_fem.record.zones import zone_of, zone_of_offsets
 
 MOSTLY = 0.5  # share of numbers from which text in a column stands for missing ones
@@ -53,7 +63,7 @@ class Guess:
         return {*self.columns, *self.free}
 
 
-def guess(files, layouts, columns, how=None, place=None, check=None):
+def guess(files, layouts, columns, how=None, place=None, check=None, sensors=False):
     """
     Propose how files are to be read.
 
@@ -70,6 +80,8 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
         Longitude of the site. [°]
     check : callable, optional
         Refuses a frame in the package's names whose units look wrong.
+    sensors : bool
+        Map all module sensors.
 
     Returns
     -------
@@ -80,6 +92,7 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     for file, layout in zip(files, layouts):
         layout, below = found_layout(file, layout)
         raw = table(file, layout)
+        layout, raw = with_tags(file, layout, raw, found.doubts)
         layout = with_times(raw, layout, found.doubts, file.name)
         if layout.skip_end == 0 and (end := lines_after(raw, layout)):
             layout = replace(layout, skip_end=end)
@@ -104,6 +117,8 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
             data[name], units[name] = left[column], below.get(column, "")
     found.columns = mapped(data, found.columns, tuple(NAMES), found.doubts)
     by_the_sun(data, found)
+    if sensors:
+        all_modules(data, found)
     taken = found.columns.values()
     found.free = [str(column) for column in data if column not in taken]
     left = {column: data[column] for column in data if column not in taken}
@@ -115,6 +130,29 @@ def guess(files, layouts, columns, how=None, place=None, check=None):
     return found
 
 
+def with_tags(file, layout, raw, doubts):
+    """The layout and table of a file with a row for each reading."""
+    if layout.tag or isinstance(raw.index, pd.DatetimeIndex):
+        return layout, raw
+    timed = with_times(raw, layout, [], file.name)
+    times = time_columns(raw, timed)
+    if (found := tag_and_value(raw, times)) is None:
+        return layout, raw
+    layout = replace(timed, tag=found[0], value=found[1])
+    doubts.append(
+        f"{file.name} has a row for each reading: each {found[0]!r} is taken for a "
+        f"column, with its {found[1]!r}"
+    )
+    for column in raw.columns.difference([*times, *found]):
+        words = raw[column].value_counts()
+        if not pd.api.types.is_numeric_dtype(raw[column]) and len(words) > 1:
+            doubts.append(
+                f"readings of any {str(column)!r} are taken, {words.index[0]!r} and "
+                f"{words.index[1]!r} among them: take out those that are not to count"
+            )
+    return layout, table(file, layout)
+
+
 def with_cells(file, layout, raw, doubts):
     """The layout with what stands in cells beside numbers, and the table."""
     columns = [raw[name] for name in texts(raw)]
@@ -123,7 +161,19 @@ def with_cells(file, layout, raw, doubts):
         layout = replace(layout, thousands=sign)
         doubts.append(f"{sign!r} is taken for the sign between thousands")
         raw = rows_of(file, layout)
+    columns = [raw[c] for c in texts(raw) if c not in time_columns(raw, layout)]
+    if marks := marks_of(columns, layout.decimal):
+        signs = " and ".join(map(repr, marks))
+        doubts.append(f"numbers with {signs} behind them are left out by --missing")
+        layout = replace(layout, missing=(*layout.missing, *marks))
+        raw = rows_of(file, layout)
     missing = texts_of_missing(raw, layout)
+    doubts += [
+        f"{text!r} is less than the sensor reads; where it stands such rows are left "
+        "out, and half of it in its place keeps them"
+        for text in missing
+        if text.startswith("<")
+    ]
     if set(missing) - set(layout.missing):
         layout = replace(layout, missing=(*layout.missing, *missing))
         raw = rows_of(file, layout)
@@ -155,6 +205,17 @@ def by_the_sun(data, found):
         f"{module!r} is taken for the module, since in the sun it is "
         f"{abs(warmer):.0f} warmer than {air!r}"
     )
+
+
+def all_modules(data, found):
+    """Map each further column that looks like a module's temperature."""
+    taken = found.columns.values()
+    free = {c: v for c, v in data.items() if c not in taken and not is_own(c)}
+    free = [c for c, v in free.items() if pd.api.types.is_numeric_dtype(v)]
+    others = [c for c in free if usual_name(c) == "temp_module"]
+    found.columns |= {f"temp_module_{n}": c for n, c in enumerate(others, 2)}
+    alike = "temp_module may also be"
+    found.doubts = [doubt for doubt in found.doubts if not doubt.startswith(alike)]
 
 
 def in_units(found, data, below):

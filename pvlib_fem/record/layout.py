@@ -16,6 +16,8 @@ PARQUET = (".parquet", ".pq")
 SOME = 200_000  # characters that are looked at
 LINES = 200
 SEPARATORS = (",", ";", "\t", "|")
+SPACES = " "  # one or more of them
+COMMENT = "# "  # before the lines above a table of these
 FOLLOWING = 5  # rows after the first that have to look like it
 TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
 BOMS = {
@@ -31,6 +33,8 @@ class Layout:
 
     time: tuple[str, ...] = ()
     time_format: str = ISO
+    tag: str = ""
+    value: str = ""
     tz: str | None = None
     sep: str = ","
     decimal: str = "."
@@ -84,6 +88,9 @@ def found_layout(file, layout=None):
         for decimal in NUMBERS
         if sep != decimal or '"' in "".join(lines)
     ]
+    if not any(like for like, *_ in ways):  # columns that spaces hold apart
+        rows = [line.lstrip(COMMENT).split() for line in lines]
+        ways = [(likeness(rows, sign), SPACES, sign, rows) for sign in NUMBERS]
     _, sep, decimal, rows = max(ways, key=lambda way: way[0])
     header, units = outside(rows, decimal)
     how = dict(sep=sep, decimal=decimal, encoding=encoding)

@@ -1,6 +1,7 @@
 """What a column may be, by its name."""
 
 import re
+import unicodedata
 
 import pandas as pd
 
@@ -15,16 +16,18 @@ NAMES = {
     ),
     "poa_global": (
         r"poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front",
-        r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung",
+        r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung|rayonn|"
+        r"ensoleil",
     ),
     "temp_module": (
         r"(mod(ul\w*)?|panel|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
         r"t(?!ilt|ot|yp|ime|rack)|"
         r"t(emp\w*)?[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
+        r"^tc[\s_.-]?\d|^thermoc\w*[\s_.-]*\d*$|^t_?m[\s_.-]?\d*$",
     ),
     "temp_air": (
         r"(amb(ient)?|air|outdoor|dry[\s_-]?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
-        r"t(emp\w*)?[\s_.-]*(amb|air|out|dry|luft|außen|umg|2m)",
+        r"t(emp\w*)?[\s_.-]*(amb|air|aria|out|ext|ester|dry|luft|außen|umg|2m)",
         r"^ta(\b|_)|^t_?a$",
         r"^t(emp[a-z]*)?[\s_.-]*\d*(\b|_)",
     ),
@@ -32,7 +35,7 @@ NAMES = {
     "wind_speed": (
         r"w(ind)?[\s_.-]*(s(p(ee)?d)?|vel\w*)(\b|_)|wind\w*geschw|^v_?w(ind)?(\b|_)|"
         r"vel\w*[\s_.-]*(w|vi?ento)",
-        r"^wind|anemom|vi?ento|^v$",
+        r"^wind|anemom|vi?ento|(\b|_)vent(\b|_)|^v$",
     ),
     "relative_humidity": (
         r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
@@ -95,7 +98,12 @@ def told(name, matching, sure, doubts):
 def spelled(column):
     """A column's name without its unit, in small letters, words apart."""
     bare = re.sub(r"([a-z])([A-Z])", r"\1_\2", without_unit(column))
-    return PLACE.sub("", bare.strip().lower())
+    return PLACE.sub("", without_accents(bare.strip().lower()))
+
+
+def without_accents(text):
+    apart = unicodedata.normalize("NFKD", text)
+    return "".join(letter for letter in apart if not unicodedata.combining(letter))
 
 
 def without_unit(column):

@@ -1,6 +1,7 @@
 """Numbers as people write them: with a sign between thousands, or a decimal comma."""
 
 import re
+import shlex
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,9 @@ NUMBERS = {
 }
 SIGNS = {".": (",", " ", "'"), ",": (".", " ", "'")}
 WITH_UNIT = re.compile(r"[+-]?\d+(?:[.,]\d+)?(\s*[^\d\s.,:/-][^\d]{0,8}\d?)")
+MOSTLY = 0.5  # share of a column's cells that are plain numbers, where some are marked
+FEW_MARKS = 5
+MARKED = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*[^\w\s.,:/%°-]")
 SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
 
 
@@ -39,6 +43,33 @@ def ungrouped(column, thousands, decimal):
         return cell
 
     return column.astype(object).map(number, na_action="ignore").infer_objects()
+
+
+def unmarked(column, marks, decimal):
+    """A column of text without the numbers that one of some marks stands behind."""
+    usual = NUMBERS.get(decimal, NUMBERS["."])
+
+    def number(cell):
+        bare = cell.strip() if isinstance(cell, str) else ""
+        for mark in marks:
+            if bare.endswith(mark) and usual.fullmatch(bare.removesuffix(mark).strip()):
+                return np.nan
+        return float(bare.replace(decimal, ".")) if usual.fullmatch(bare) else cell
+
+    return column.astype(object).map(number, na_action="ignore").infer_objects()
+
+
+def marks_of(texts, decimal):
+    """Marks behind the numbers of columns that have others without one."""
+    usual, found = NUMBERS[decimal], {}
+    for column in texts:
+        some = strings(column).str.strip()
+        plain = some.map(usual.fullmatch).notna()
+        bare = some[~plain].str.extract(r"^(.*?)\s*([^\d\s.,]{1,2})$")
+        numbers = bare[0].map(usual.fullmatch, na_action="ignore").notna()
+        if plain.sum() > MOSTLY * len(some) and len(bare) and numbers.all():
+            found |= dict.fromkeys(bare[1].unique())
+    return tuple(found) if len(found) <= FEW_MARKS else ()
 
 
 def strings(column):
@@ -88,6 +119,12 @@ def remedy_for(word):
             option += " --decimal ," if decimal == "," else ""
             remedies.insert(0, f"{option} if that stands between thousands")
             break
+    if MARKED.fullmatch(word.strip()):
+        mark = word.strip()[-1]
+        return (
+            f"give --missing {shlex.quote(mark)} if {mark!r} marks values that are not "
+            "to be used, or take it out of the cells"
+        )
     if found := WITH_UNIT.fullmatch(word):
         return f"take the unit {found[1].strip()!r} out of the cells"
     missing = f"--missing '{word}' if it stands for a missing value"

@@ -10,12 +10,16 @@ import pandas as pd
 
 from pvlib_fem.record.checks import instants
 from pvlib_fem.record.letters import ISO, without_letters
+from pvlib_fem.record.months import in_english
 from pvlib_fem.record.zones import standard
 
 UNIX = "unix"  # seconds since 1970 in UTC
 MILLI = "unix-ms"  # milliseconds
 SERIAL = "excel"  # days since the end of 1899, as spreadsheets count them
+DATENUM = "matlab"  # days since the year 0
 ORIGIN = "1899-12-30"  # of those, since they have a 29 February in 1900
+DAYS_TO_1970 = 719529
+FEW = 5  # rows that tell whether a column of text may hold times
 AFTER = 3  # lines that a table may have after its last row, such as totals
 DIGIT = re.compile(r"\d")
 #: the end of a day, as some write it; seconds are 00 already
@@ -48,6 +52,8 @@ def timed(data, layout, name):
                 f"{', '.join(map(str, data.columns))}"
             )
         columns, data = data[time], data.drop(columns=time)
+    if rows := int((filled(columns) is not columns) and below(columns).sum()):
+        notes.append(f"dates that stand once a day, taken for the rows below: {rows:,}")
     if layout.drop_untimed and (without := untimed(columns)).any():
         notes.append(
             f"rows without a time, left out: {without.sum():,}, the first is row "
@@ -55,6 +61,7 @@ def timed(data, layout, name):
         )
         data, columns = of_numbers(data[~without]), of_numbers(columns[~without])
     data = data.set_axis(times(columns, layout.time_format, layout.tz))
+    notes += times_of_others(data, layout.time_format)
     if layout.tz is not None:
         index, kept, lost = in_zone(data.index, layout.tz)
         data = (data if kept.all() else data[kept]).set_axis(index)
@@ -62,8 +69,39 @@ def timed(data, layout, name):
     return data, notes
 
 
+def times_of_others(data, time_format):
+    """What is said of columns that hold times, too, other than those of the rows."""
+    found = {name: off_rows(column, time_format) for name, column in data.items()}
+    found = {name: off for name, off in found.items() if off}
+    if not found:
+        return []
+    several = len(found) > 1
+    return [
+        f"{' and '.join(map(repr, found))} hold{'s' * (not several)} times, too, up to "
+        f"{max(found.values()):,.0f} s off those of the rows: columns that belong to "
+        f"{'them' if several else 'it'} are taken at the rows' times; files of their "
+        "own would be joined on theirs"
+    ]
+
+
+def off_rows(column, time_format):
+    """How far the times in a column of text are off the rows' own, or 0. [s]"""
+    kinds = pd.api.types
+    if not (kinds.is_object_dtype(column) or kinds.is_string_dtype(column)):
+        return 0.0
+    for text in (column.iloc[:FEW].dropna(), column.dropna()):
+        if text.empty or not text.map(lambda cell: isinstance(cell, str)).all():
+            return 0.0
+        if (read := parsed_times(text, time_format)).isna().any():
+            return 0.0
+    off = pd.DatetimeIndex(read).tz_localize(None) - text.index.tz_localize(None)
+    # by one distance for all they are the same in another zone
+    return abs(off).max().total_seconds() if (off != off[0]).any() else 0.0
+
+
 def untimed(columns):
     """Rows that hold no time in any form: nothing, or a text without a digit."""
+    columns = filled(columns)
     without = np.array(columns.isna().any(axis=1))
     for _, column in columns.items():
         kinds = pd.api.types
@@ -71,6 +109,29 @@ def untimed(columns):
             text = column.astype(str)
             without |= ~text.str.contains(DIGIT).fillna(False).to_numpy(bool)
     return without
+
+
+def blank(column):
+    """Cells that hold nothing."""
+    return column.isna() | (column.astype(str).str.strip() == "")
+
+
+def below(columns):
+    """Rows that have a time of day, and their date in a row above alone."""
+    first, last = columns.iloc[:, 0], columns.iloc[:, -1]
+    if columns.shape[1] == 1:
+        return np.zeros(len(columns), dtype=bool)
+    empty = blank(first)
+    return (empty & ~blank(last) & (~empty).cummax()).to_numpy(bool)
+
+
+def filled(columns):
+    """Dates and times of day, each date in all rows of its day."""
+    if not (rows := below(columns)).any():
+        return columns
+    first = columns.iloc[:, 0]
+    above = first.mask(blank(first)).ffill()
+    return columns.assign(**{str(first.name): first.mask(rows, above)})
 
 
 def of_numbers(data):
@@ -125,6 +186,9 @@ COUNTED = {
     SERIAL: lambda column: pd.Series(
         pd.to_datetime(column, unit="D", origin=ORIGIN), column.index
     ).dt.round("ms"),
+    DATENUM: lambda column: pd.Series(
+        pd.to_datetime(column - DAYS_TO_1970, unit="D"), column.index
+    ).dt.round("ms"),
 }
 
 
@@ -135,7 +199,7 @@ def refuse_numbers(time_format, name):
             f"column {name} should hold the times and holds numbers; name the right "
             "one with --time COLUMN, or give --time-format unix for seconds since "
             "1970 in UTC, unix-ms for thousandths of them, excel for days since 1900, "
-            "%Y%m%d%H%M for such as 202406012130"
+            "matlab for days since the year 0, %Y%m%d%H%M for such as 202406012130"
         )
 
 
@@ -170,22 +234,31 @@ def parsed_times(column, time_format, tz=None):
     """Texts as times, NaT where they are none."""
     if "%Z" in time_format:
         return lettered_times(column, time_format, tz)
-    how = {"format": time_format, "errors": "coerce"}
-    try:
-        parsed = pd.to_datetime(column, **how)
-        mixed = parsed.dtype == object  # as older pandas says it
-    except ValueError:
-        mixed = True
-    if mixed:  # offsets that change, as with daylight saving time
-        parsed = pd.to_datetime(column, utc=True, **how)
+    parsed = parsed_as(column, time_format)
+    worded = {"%b", "%B", "%p"} & {*re.findall("%.", time_format)}
+    if worded and (bad := parsed.isna()).any():  # in other languages, perhaps
+        text, whole = column.astype(object), "%B" in time_format
+        text[bad] = text[bad].map(lambda cell: in_english(as_text(cell), whole))
+        parsed = parsed_as(text, time_format)
     if (bad := parsed.isna()).any():
         text = column[bad].astype(object).map(as_text)
         begun = text.map(lambda cell: MIDNIGHT.sub(r"00\g<1>00", cell))
         if (late := (begun != text).to_numpy()).any():
-            midnight = pd.to_datetime(begun[late], **how) + pd.Timedelta(days=1)
+            midnight = parsed_as(begun[late], time_format) + pd.Timedelta(days=1)
             parsed = parsed.copy()
             parsed.iloc[np.flatnonzero(bad)[late]] = midnight
     return parsed
+
+
+def parsed_as(column, time_format):
+    """The same of texts as they stand."""
+    how = {"format": time_format, "errors": "coerce"}
+    try:
+        parsed = pd.to_datetime(column, **how)
+    except ValueError:
+        return pd.to_datetime(column, utc=True, **how)
+    # offsets that change, as with daylight saving time, which older pandas keeps apart
+    return pd.to_datetime(column, utc=True, **how) if parsed.dtype == object else parsed
 
 
 def lettered_times(column, time_format, tz):
@@ -224,7 +297,7 @@ def unevenness(column):
 
 def joined(columns):
     """A column as it is, or the text of a date and a time of day, or of more parts."""
-    first, *others = (column for _, column in columns.items())
+    first, *others = (column for _, column in filled(columns).items())
     if not others:
         return first
     text = [column.map(as_text) for column in others]

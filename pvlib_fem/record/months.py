@@ -1,0 +1,53 @@
+"""Names of months and halves of a day of several languages, in English."""
+
+import re
+import unicodedata
+
+MONTHS = ("January", "February", "March", "April", "May", "June", "July", "August")
+MONTHS += ("September", "October", "November", "December")
+#: how the name of each month begins in German, French, Spanish, Italian, Portuguese
+#: and Dutch, without accents
+BEGIN = (
+    "jan ene gen",
+    "feb fev fevr",
+    "mar mrz maerz maart mrt",
+    "apr abr avr",
+    "may mai mag mei maio mayo",
+    "jun juin giu",
+    "jul juil lug",
+    "aug ago aout",
+    "sep set sept",
+    "oct okt ott out",
+    "nov",
+    "dec dez dic",
+)
+NUMBER = {word: n for n, words in enumerate(BEGIN) for word in words.split()}
+WORD = re.compile(r"[^\W\d_]{3,}\.?")
+HALF = re.compile(r"\b([ap])\.?\s?m\b\.?", re.IGNORECASE)
+
+
+def in_english(text, whole):
+    """
+    A time with the month's name and the half of the day as English has them.
+
+    ``whole`` has the month's whole name, as of the format ``%B``.
+    """
+
+    def month(match):
+        if match[0] in MONTHS:  # which is another format than Jan
+            return match[0]
+        word = plain(match[0])
+        # the longest beginning that is known: juil is July, jui nothing
+        known = (NUMBER.get(word[:n]) for n in (5, 4, 3))
+        number = next((n for n in known if n is not None), None)
+        if number is None:
+            return match[0]
+        return MONTHS[number] if whole else MONTHS[number][:3]
+
+    return HALF.sub(lambda half: half[1].upper() + "M", WORD.sub(month, text))
+
+
+def plain(word):
+    """A word in small letters without accents and its full stop."""
+    apart = unicodedata.normalize("NFKD", word.strip(".").lower())
+    return "".join(letter for letter in apart if not unicodedata.combining(letter))

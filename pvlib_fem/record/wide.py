@@ -1,0 +1,61 @@
+"""Tables with a row for each reading, as historians write them, as one of columns."""
+
+import pandas as pd
+
+FEWEST, MOST = 3, 1000  # tags that a table may have
+EVEN = 0.5  # share of the most frequent tag's rows that each of the usual has, at least
+FULL = 0.5  # share of the cells that have to be there, where tags share their times
+
+
+def wide(data, tag, value, times):
+    """
+    The table with a column for each tag.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a row for each reading.
+    tag, value : str
+        Columns of the name of what is read, and of the reading.
+    times : sequence of str
+        Columns of the times.
+
+    Raises
+    ------
+    ValueError
+        If a column lacks, or the tags have times of their own.
+    """
+    for name in (tag, value):
+        if name not in data:
+            raise ValueError(
+                f"there is no column {name!r} to make columns of; there are "
+                f"{', '.join(map(str, data.columns))}"
+            )
+    times = list(times) or [data.columns[0]]
+    readings = data[[*times, tag, value]].dropna(subset=[tag])
+    how = dict(index=times, columns=tag, values=value, aggfunc="first", sort=False)
+    found = readings.pivot_table(**how, dropna=False).rename_axis(columns=None)
+    if len(found) and found.notna().to_numpy().mean() < FULL:
+        raise ValueError(
+            f"the readings of {tag!r} have times of their own: of {len(found):,} times "
+            f"most lack most of {found.shape[1]}; write means over common steps, or a "
+            "file for each tag, which are joined on their times"
+        )
+    return found.reset_index()
+
+
+def tag_and_value(data, times):
+    """The columns that hold names of quantities, and readings, or None."""
+    kinds, others = pd.api.types, [c for c in data if c not in times]
+    numeric = [c for c in others if kinds.is_numeric_dtype(data[c])]
+    for column in others:
+        if column in numeric or data[column].isna().any():
+            continue
+        rows = data[column].value_counts()
+        several = FEWEST <= len(rows) <= min(MOST, len(data) // FEWEST)
+        # each has about as many rows, and none comes twice at a time
+        even = several and rows.median() >= EVEN * rows.iloc[0]
+        if even and numeric and not data.duplicated([*times, column]).any():
+            likely = [c for c in numeric if "val" in str(c).lower()]
+            return column, (likely or numeric)[0]
+    return None
