@@ -90,7 +90,9 @@ ceiling: $(VENV)/.installed
 
 # single checks on the benchmarks of others
 detectors: $(VENV)/.installed
-	$(BIN)/python tests/study_detectors.py --hub $(HUB) --out docs/detectors.md
+	$(BIN)/python -m pip download --quiet --no-deps --dest $(VENV)/wheels pvanalytics==0.2.2
+	$(BIN)/python tests/study_detectors.py --hub $(HUB) --out docs/detectors.md \
+		--wheel $(VENV)/wheels/pvanalytics-0.2.2-py3-none-any.whl
 
 # what would be found at the two measured plants; it goes on where it was interrupted
 recovery: $(VENV)/.installed

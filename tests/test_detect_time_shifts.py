@@ -7,7 +7,7 @@ import study_detectors
 from pvlib.location import Location
 
 from pvlib_fem import detect, simulator
-from pvlib_fem.detect.clock import most_probable
+from pvlib_fem.detect.clock import clock_of
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE
 
 SEED = 11
@@ -117,7 +117,7 @@ def test_a_path_bears_wild_days():
     day, minutes = np.arange(300), random.laplace(0.0, 8.0, 300)
     minutes[random.random(300) < 0.1] += 200.0
     minutes[100:180] += 30.0
-    clock = most_probable(day, minutes).clock
+    clock = clock_of(day, minutes).level
     true = np.where((day >= 100) & (day < 180), 30.0, 0.0)
     assert np.abs(np.diff(clock)).sum() == 60.0
     assert (clock - clock[0] != true).sum() <= 4

@@ -5,6 +5,19 @@ Each function takes Series, as pvanalytics does, and returns a small result with
 Boolean Series. None needs a fitted model.
 """
 
+from pvlib_fem.detect.changes import LevelChanges
+from pvlib_fem.detect.data_shifts import data_shifts
+from pvlib_fem.detect.module_sensor import DetachedSensor, detached_module_sensor
+from pvlib_fem.detect.sensors import irradiance_changes, slow_anemometer
 from pvlib_fem.detect.time_shifts import TimeShifts, time_shifts
 
-__all__ = ["TimeShifts", "time_shifts"]
+__all__ = [
+    "DetachedSensor",
+    "LevelChanges",
+    "TimeShifts",
+    "data_shifts",
+    "detached_module_sensor",
+    "irradiance_changes",
+    "slow_anemometer",
+    "time_shifts",
+]

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from pvlib.location import Location
 
-from pvlib_fem.detect.clock import GRID, MEMORY, most_probable
+from pvlib_fem.detect.clock import GRID, MEMORY, clock_of
 from pvlib_fem.detect.noons import noons
 from pvlib_fem.detect.series import checked
 from pvlib_fem.drivers import checked_place
@@ -101,14 +101,14 @@ def time_shifts(
     -----
     The middle between first and last light needs no clear sky, and a turned plane
     hardly moves it. It is that of :func:`screen_record`, with 2 % of full light as the
-    edge. What is left beside the sun's is one of the clocks of a grid of 15 min, what
-    comes back with the year (5 min for each of two harmonics), a constant, and
-    Laplace's noise. A clock is set anew on a day with a chance of 1e-4, by an hour
+    edge. Its difference from the sun's is the sum of a clock, on a grid of 15 min, of
+    what comes back with the year (5 min for each of two harmonics), of a constant, and
+    of Laplace's noise. A clock is set anew on a day with a chance of 1e-4, by an hour
     with 1e-3; the most probable clock of all days together is Viterbi's path [1]_.
 
     A constant within half an hour is the plane's, beyond it whole hours are the
     clock's: of two clocks, the one kept for longer within half an hour of the sun is
-    the correct one. Rows of an hour show a shift by 15 min hardly.
+    the correct one. Rows of an hour hardly show a shift by 15 min.
 
     References
     ----------
@@ -141,7 +141,7 @@ def time_shifts(
         nothing = pd.Series(np.nan, dates)
         return TimeShifts(nothing, (), (), middle, np.nan, np.nan)
     day = ((middle.index - middle.index[0]) / pd.Timedelta("1D")).to_numpy().astype(int)
-    path = most_probable(day, middle.to_numpy(), usual_step(index) / 60.0)
+    path = clock_of(day, middle.to_numpy(), usual_step(index) / 60.0)
     minutes, usual = sized(path, middle.to_numpy())
     by_day = pd.Series(minutes, middle.index).reindex(dates, method="nearest")
     change = by_day.diff().fillna(0.0)
@@ -154,19 +154,19 @@ def time_shifts(
 
 def sized(path, middle):
     """How far each day's clock is ahead of the sun's, and what is usual. [min]"""
-    left = middle - path.usual - path.clock
-    clocks, days = np.unique(path.clock, return_counts=True)
+    left = middle - path.usual - path.level
+    clocks, days = np.unique(path.level, return_counts=True)
     level = clocks + np.median(path.usual)
     near = np.abs(level) <= SLACK
     base = int(np.argmax(np.where(near, days, days / days.sum())))
     zone = 0.0 if near[base] else ZONE * round(level[base] / ZONE)
-    off = np.median(left[path.clock == clocks[base]])
+    off = np.median(left[path.level == clocks[base]])
     minutes = np.zeros(len(middle))
     for clock, number in zip(clocks, days):
-        rows = path.clock == clock
-        beside = float(np.median(left[rows]) - off)
+        rows = path.level == clock
+        rest = float(np.median(left[rows]) - off)
         error = path.noise * np.sqrt(MEMORY * (1.0 / number + 1.0 / days[base]))
-        whole = abs(beside) <= max(NEAR, SURE * error) or abs(beside) > GRID
-        size = clock - clocks[base] + (0.0 if whole else round(beside))
+        whole = abs(rest) <= max(NEAR, SURE * error) or abs(rest) > GRID
+        size = clock - clocks[base] + (0.0 if whole else round(rest))
         minutes[rows] = size + zone
     return minutes, float(level[base] + off - zone)

@@ -173,10 +173,10 @@ class Apart:
         """What comes and goes of itself, by the day."""
         return [np.ones(len(self.days)), *self.year()]
 
-    def along(self, weights, values=None):
-        """The change along a course, its error, and what it leaves."""
+    def along(self, weights, values=None, beside=()):
+        """The change along a course, beside others, its error, and what all leave."""
         values = self.apart if values is None else values
-        columns = [*self.usual, weights]
+        columns = [*self.usual, *beside, weights]
         sums = cluster_sums(columns, values, self.days)
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
         kept = list(range(len(columns)))
