@@ -11,6 +11,7 @@ PAGES = {
     "study": "study",
     "study_ceiling": "ceiling",
     "study_coverage": "coverage",
+    "study_detectors": "detectors",
     "study_gate": "gate",
     "study_measured": "study_measured",
     "study_parameters": "study_parameters",
@@ -18,6 +19,7 @@ PAGES = {
     "sweep": "sensitivity",
 }
 TEXTS = ("INTRO", "METHOD", "RULES", "APART", "OUTRO", "WITHOUT", "LASTING", "LIMITS")
+TEXTS += ("SHIFTS", "QUOTED", "DATA", "PUT_IN", "TOTAL")
 
 
 def joined(text):
