@@ -1,1 +1,1 @@
-"""What would be found: effects of known size put into a measured record."""
+"""Injection test: add effects of known size to a measured record and find them."""

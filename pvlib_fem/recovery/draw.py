@@ -1,4 +1,4 @@
-"""What is put into a record: which effects, when, and which way."""
+"""Draw the injections: effects, dates and signs."""
 
 import inspect
 import json
@@ -14,32 +14,32 @@ from pvlib_fem.effects.effect import Effect
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.stored import Stored, plain
 
-EDGE = 0.1  # share of the days before the first date that is drawn, and after the last
-LONGEST = 0.25  # share of the days that an episode lasts at most
-SAME = 0.5  # of the days that two stretches have together: of the same event
+EDGE = 0.1  # share of the days at either end of the record in which no date is drawn
+LONGEST = 0.25  # largest length of an episode, as a share of the days
+SAME = 0.5  # share of common days above which two stretches are one event
 
 
 @dataclass(frozen=True)
 class Injection:
     """
-    An effect of known size that is put into a record.
+    An effect of known size that is added to a record.
 
     Attributes
     ----------
     effect : str
     draw : int
-        Number of its dates and of the way it goes.
+        Number of the draw of dates and signs.
     settings : dict
-        Its dates, or what else the effect was made with.
+        Its dates, or other settings of the effect.
     coefficients : dict
-        By the name that each has in a model.
+        Coefficients by their names in a model.
     size : float
-        Root of the sum of their squares: of one coefficient its size.
+        Root of the sum of their squares; for one coefficient its absolute value.
     predicted : float
-        Size from which it should be found; NaN where no possible size is.
+        Size from which it should be found; NaN if no possible size should be.
     own : float
-        What the record itself has of it by the same weighing, the same way. Each
-        coefficient that is found has it in it.
+        Estimate of this effect, with this sign, in the record itself. It adds to the
+        injected size in each coefficient that is found.
     """
 
     effect: str
@@ -52,7 +52,7 @@ class Injection:
 
     @property
     def key(self) -> str:
-        """What tells it from all others, to the bit."""
+        """A text that identifies the injection, exact to the bit."""
         return json.dumps(plain([self.effect, self.settings, self.coefficients]))
 
     @property
@@ -81,15 +81,15 @@ class Injection:
 
 @dataclass(frozen=True, eq=False)
 class Draw:
-    """An effect with its dates, and the way in which its coefficients go."""
+    """An effect with its dates, and the direction of its coefficients."""
 
     effect: Effect
     number: int
-    way: dict = field(default_factory=dict)  # of length 1
-    readable: float = np.inf  # largest size with which an instrument still reads
+    way: dict = field(default_factory=dict)  # unit vector of the coefficients
+    readable: float = np.inf  # largest size with which the instrument still reads
 
     def of_size(self, size, predicted, own):
-        """So much of it."""
+        """The injection of a size."""
         coefficients = {n: rounded(size * part) for n, part in self.way.items()}
         numbers = map(rounded, (size, predicted, own))
         settings = dict(self.effect.settings)
@@ -99,7 +99,7 @@ class Draw:
 
     @property
     def most(self):
-        """The largest size that its bounds allow, and its instrument."""
+        """The largest size that its bounds and its instrument allow."""
         rows = self.effect.rows()
         ends = {n: rows[n].upper if part > 0 else rows[n].lower for n, part in self}
         return min(self.readable, *(ends[name] / part for name, part in self))
@@ -109,12 +109,12 @@ class Draw:
 
 
 def rounded(value):
-    """To six digits: the same on every computer, and to be read."""
+    """Round to six digits: readable, and equal on every computer."""
     return float(f"{value:.6g}")
 
 
 def chosen(case, loop, effects):
-    """Effects that can be put into a record, and for the others the reason why not."""
+    """Effects that can be injected, and for other effects the reason why not."""
     wanted = {effect.name: effect for effect in case.wanted}
     there = {name for f in loop.findings if f.added for name in f.candidates}
     usual = {effect.name for effect in loop.fit.effects}
@@ -140,22 +140,22 @@ def chosen(case, loop, effects):
 
 
 def needs_nothing(make):
-    """Whether settings that a scan would find have usual values."""
+    """Whether all settings that a scan would find have defaults."""
     rows = inspect.signature(make).parameters.values()
     return all(row.default is not row.empty for row in rows)
 
 
 def drawn(effect, days, side, draws, seed):
     """
-    An effect by dates and number, without its ways, or why there is no date.
+    Draws of an effect with dates but without directions, or why there is no date.
 
     Parameters
     ----------
     effect : Effect
     days : array of int
-        Those of the fitting weeks that have rows, from 1970-01-01.
+        Days of the fitting weeks that have rows, from 1970-01-01.
     side : int
-        Days that there have to be on either side of a date.
+        Least number of days on either side of a date.
     draws, seed : int
 
     Returns
@@ -173,12 +173,12 @@ def drawn(effect, days, side, draws, seed):
 
 
 def generator(effect, seed):
-    """Random numbers of an effect, whichever others there are."""
+    """Random numbers of an effect, independent of the other effects."""
     return np.random.default_rng([seed, zlib.crc32(effect.name.encode())])
 
 
 def course_of(effect):
-    """The course of a change of an instrument."""
+    """The time profile of a sensor fault."""
     return next(one for one in COURSES if effect.name == f"{effect.channel}_{one.name}")
 
 
@@ -191,7 +191,7 @@ def step(days, side, random):
 
 
 def episode(days, side, random):
-    """A stretch of any length, short ones as often as long ones."""
+    """A stretch whose length is uniform in its logarithm."""
     most = int(LONGEST * len(days))
     if most <= 2 * side:
         return None
@@ -201,7 +201,7 @@ def episode(days, side, random):
 
 
 def drift(days, side, random):
-    """From the first day on."""
+    """A trend from the first day on."""
     return {"since": written(days[0])}
 
 
@@ -210,10 +210,10 @@ DATES = {"step": step, "episode": episode, "drift": drift}
 
 def with_ways(draws, errors, seed):
     """
-    The draws with the way in which their coefficients go, each other one once.
+    The draws with random directions of their coefficients, without duplicates.
 
-    A way is by chance, each coefficient in its standard errors; one that cannot be
-    negative is not.
+    Coefficients are random in units of their standard errors. A coefficient that cannot
+    be negative is positive.
     """
     found, seen = [], set()
     for draw, error in zip(draws, errors):
@@ -237,7 +237,7 @@ def with_ways(draws, errors, seed):
 
 
 def holds(finding, effect, effects, days):
-    """Whether a finding holds the truth; of a change about the same days, too."""
+    """Whether a finding holds the true effect; a fault also on about its days."""
     if effect.name not in finding.candidates:
         return False
     leading = effects[finding.effect]
@@ -248,7 +248,7 @@ def holds(finding, effect, effects, days):
 
 
 def same_days(one, other, days):
-    """Whether two changes of one course are on the same days, but for a part."""
+    """Whether two changes with one time profile are on mostly the same days."""
     if course_of(one).name == "drift":
         return True
     a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))

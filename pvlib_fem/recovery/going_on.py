@@ -1,4 +1,4 @@
-"""A recovery that goes on: what is kept of it, and whether a file is of the same."""
+"""Resume a recovery from a file, and add results to it."""
 
 import hashlib
 from dataclasses import replace
@@ -11,7 +11,7 @@ from pvlib_fem.report.page import said_of
 
 
 def resumed(new, path):
-    """What a file has, if it is of the same record, call and version as a new one."""
+    """The recovery of a file; ValueError for another record, call or version."""
     there = Recovery.from_json(path)
     for name, words in (("sha256", "record"), ("version", "version of pvlib_fem")):
         if getattr(there, name) != getattr(new, name):
@@ -31,7 +31,7 @@ def resumed(new, path):
 
 
 def of_plan(recovery, planned, notes, loop, effects):
-    """The same of what is planned now."""
+    """The recovery with the outcomes of the present plan."""
     keys = {injection.key for injection in planned}
     units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
     return replace(
@@ -45,20 +45,20 @@ def of_plan(recovery, planned, notes, loop, effects):
 
 
 def of_trials(recovery, planned, why):
-    """The same of the trials that are planned now, and why others cannot be."""
+    """The recovery with the trials of the present plan, and why others cannot be."""
     trials = tuple(trial for trial in recovery.trials if trial.key in planned)
     count = len(planned)
     return replace(recovery, trials=trials, planned_trials=count, not_scrambled=why)
 
 
 def with_trial(recovery, trial, planned):
-    """The same with one more trial, in the order of the plan."""
+    """The recovery with one more trial, in the order of the plan."""
     trials = sorted([*recovery.trials, trial], key=lambda one: planned.index(one.key))
     return replace(recovery, trials=tuple(trials))
 
 
 def with_outcome(recovery, outcome, planned):
-    """The same with one more outcome, in the order of the plan."""
+    """The recovery with one more outcome, in the order of the plan."""
     order = {injection.key: i for i, injection in enumerate(planned)}
     outcomes = [*recovery.outcomes, outcome]
     outcomes = sorted(outcomes, key=lambda one: order[one.injection.key])
@@ -66,7 +66,7 @@ def with_outcome(recovery, outcome, planned):
 
 
 def said_all(effects, sizes, draws, seed, model, place, how):
-    """The arguments that decide, as they are written."""
+    """The arguments that determine the result, as text."""
     location, tilt, azimuth = place
     where = None if location is None else repr(location)
     said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)

@@ -1,9 +1,9 @@
 """
-What an effect would have done to a measured record.
+Add an effect to a measured record.
 
-Physics, and what happens at the module, is in the module's temperature, as the record's
-own model responds. An instrument that changes is in what it reads: so columns that see
-the same, the sky and the weather part from it as they would.
+A physical effect, or a fault at the module, changes the module temperature by the
+response of the record's own model. A fault of another sensor changes the column of that
+sensor, so second sensors, the sky and the weather deviate from it as they would.
 """
 
 from dataclasses import dataclass, replace
@@ -23,18 +23,18 @@ from pvlib_fem.thermal.model import ThermalModel
 
 @dataclass(frozen=True, eq=False)
 class Injector:
-    """A record as its loop left it, and what an effect adds to it."""
+    """A record with the model of its loop, to which effects can be added."""
 
     model: ThermalModel
     coefficients: dict
     record: Record  # checked, in one standard time
-    kept: np.ndarray  # rows of the user's frame that it has
+    kept: np.ndarray  # rows of the user's frame that the record has
     clock: Clock  # of the module's logger
-    own: dict  # effects of the user's own, by name
+    own: dict  # the user's own effects, by name
 
     @classmethod
     def of(cls, search, loop):
-        """The injector of a search that is done."""
+        """The injector of a finished search."""
         case = search.case
         own = {e.name: e for e in case.wanted if e.name not in EFFECTS}
         model, coefficients = loop.fit.thermal_model, loop.fit.coefficients
@@ -48,12 +48,12 @@ class Injector:
         )
 
     def effect(self, injection):
-        """The effect, with its dates."""
+        """The effect of an injection, with its dates."""
         name = injection.effect
         return self.own.get(name) or find({"name": name, **injection.settings})
 
     def response(self, injection):
-        """What it adds to the module's temperature, memory and wind with it. [K]"""
+        """Response of the module temperature to an injection. [K]"""
         effect = self.effect(injection)
         record = self.record
         if effect.prepare:
@@ -66,16 +66,16 @@ class Injector:
         return self.added(model, effect.drivers, *parts)
 
     def own_changes(self):
-        """What changes of instruments that the record itself shows add to it. [K]"""
+        """Module temperature that the record's own faults add. [K]"""
         changes = [effect for effect in self.model.effects if effect.channel]
         drivers = [name for one in self.model.effects for name in one.drivers]
         start = {name: value for one in changes for name, value in one.start.items()}
         return self.added(self.model, drivers, {}, start)
 
     def added(self, model, drivers, there, absent):
-        """What a model adds by some coefficients, and not by others. [K]"""
+        """Difference of a model's temperature between two sets of coefficients. [K]"""
         record = self.record
-        # over gaps of drivers as where an effect is weighed: the next value stands
+        # gaps of drivers take the next value, as in the test of a candidate
         filled = {
             name: pd.Series(record[name]).bfill().ffill().to_numpy()
             for name in needed_for(drivers)
@@ -93,7 +93,7 @@ class Injector:
         return change
 
     def into(self, data, injection):
-        """A frame with the effect in it."""
+        """A copy of a frame with the effect added."""
         data, effect = data.copy(), self.effect(injection)
         labels = {printable(label): label for label in data}
         name = READS.get(effect.channel)
@@ -111,8 +111,8 @@ class Injector:
         return data
 
 
-MOST_LOST = 0.9  # share of what a model takes as read that is not there
-#: columns of instruments that the model takes as they are, by channel
+MOST_LOST = 0.9  # largest share of a reading that a fault removes
+#: columns of the sensors other than the module's, by channel
 READS = {
     "sensitivity": "poa_global",
     "wind_gain": "wind_speed",
@@ -122,7 +122,7 @@ READS = {
 
 
 def reading(record, effect, change, coefficients):
-    """What an instrument reads whose change has such a coefficient, by its column."""
+    """Readings of a sensor whose fault has this coefficient, by its column."""
     name = READS[effect.channel]
     values, size = record[name], change * weights_of(effect, record.dates)
     whole = whole_of(effect.channel, coefficients)
@@ -137,9 +137,9 @@ def reading(record, effect, change, coefficients):
 
 def readable(effect, way, days, coefficients):
     """
-    The largest size of a change with which its instrument reads no more than it can.
+    The largest size of a fault with which its sensor still reads.
 
-    What reads a tenth, or ten times, of what is there has failed, and has not changed.
+    A sensor that reads a tenth of the true value, or ten times as much, has failed.
     """
     whole = whole_of(effect.channel, coefficients)
     if whole is None:
@@ -150,8 +150,8 @@ def readable(effect, way, days, coefficients):
 
 
 def whole_of(channel, coefficients):
-    """That of which a change is a share, where its instrument reads a share less."""
-    u1 = coefficients.get("u1", np.inf)  # the loss by wind stays what it was
+    """Reference of a fault that scales its reading; None for other faults."""
+    u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
     return {"sensitivity": 1.0, "wind_gain": u1}.get(channel)
 
 

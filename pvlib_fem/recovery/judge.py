@@ -1,4 +1,4 @@
-"""What a loop made of a record with an effect in it, beside what it says without."""
+"""Compare the findings of a loop with an injected effect and with the baseline."""
 
 from dataclasses import dataclass
 from typing import Any, Self
@@ -16,35 +16,35 @@ INTERVAL = 1.96  # standard errors of 95 %
 @dataclass(frozen=True)
 class Outcome:
     """
-    What became of an injection.
+    Result of an injection.
 
     Attributes
     ----------
     injection : Injection
     found : bool
-        Whether a finding that was added to the model names it, or holds it in its
-        class; of a change with dates, about the same days.
+        Whether a finding in the model names it, or has it in its class; a fault with
+        dates also on about the same days.
     named, first : bool
-        Whether it is named; whether it is the first of all that the record itself
+        Whether it is named; whether it is the first finding that the record itself
         does not show.
     told : tuple of str
         Findings that the record itself does not show, each with its candidates and
         dates.
     wrong : tuple of str
-        Of those, names without the truth among their candidates.
+        Names among these findings without the truth among their candidates.
     misled : tuple of str
-        Of those, classes without it.
+        Classes among these findings without the truth.
     lost : tuple of str
         Findings of the record itself that are no longer there.
     ratio : float
-        Coefficient over truth, along the truth; NaN where it is not in the model.
+        Found coefficients over true ones, projected on these; NaN if not in the model.
     covered, in_range : float
         Whether the truth is within 1.96 standard errors, and within the finding's
-        range; of several coefficients the share, NaN where there is none.
+        range; for several coefficients the share, NaN without any.
     half_range : float
-        Half the width of that range over the truth, in the mean of several.
+        Half the width of that range relative to the truth, averaged over coefficients.
     refused : str
-        Why the loop did not take the record, if it did not.
+        Why the loop refused the record; empty if it did not.
     """
 
     injection: Injection
@@ -75,14 +75,14 @@ class Outcome:
 
 def recovered(data, injector, baseline, how, injection):
     """
-    Put an effect into a record, close the loop, and see what it says.
+    Add an effect to a record, close the loop, and judge its findings.
 
     Parameters
     ----------
     data : DataFrame
     injector : Injector
     baseline : tuple of Finding
-        What the loop finds in the record itself.
+        Findings of the loop on the record itself.
     how : dict
         Arguments of the loop.
     injection : Injection
@@ -95,13 +95,13 @@ def recovered(data, injector, baseline, how, injection):
 
 
 def judged(injection, effect, loop, baseline):
-    """What a loop's findings are beside the truth and those of the record itself."""
+    """The outcome of an injection, from the truth and the baseline's findings."""
     before = [f for f in baseline if f.added]
     added = [f for f in loop.findings if f.added]
     effects = {e.name: e for e in loop.fit.effects}
     days = np.unique(loop.fit.record.dates)
-    # nothing that the record itself shows is put in: a class that holds it is of it,
-    # though it holds something that the record shows, too
+    # effects of the baseline are never injected, so a class with the injected effect
+    # counts as found, even if it also holds an effect of the baseline
     right = [f for f in added if holds(f, effect, effects, days)]
     new = [f for f in added if f in right or not any(same(f, one) for one in before)]
     others = [f for f in new if effect.name not in f.candidates]
@@ -110,7 +110,7 @@ def judged(injection, effect, loop, baseline):
     lost = [words(f) for f in before if not any(same(f, other) for other in added)]
     sizes = {}
     if right and right[0].effect == effect.name:
-        sizes = beside(right[0], injection.coefficients)
+        sizes = accuracy(right[0], injection.coefficients)
     return Outcome(
         injection,
         found=bool(right),
@@ -133,15 +133,15 @@ def words(finding):
     return " | ".join(finding.candidates)
 
 
-def beside(finding, truth):
-    """Coefficients of a finding beside the true ones."""
+def accuracy(finding, truth):
+    """Ratio, coverage and range of a finding's coefficients, given the true ones."""
     values, errors = finding.coefficients, finding.stderr
     square = sum(value**2 for value in truth.values())
     along = sum(values[name] * value for name, value in truth.items())
     within = [
         abs(values[n] - value) <= INTERVAL * errors[n] for n, value in truth.items()
     ]
-    # what is held has no range, and what does not act has no truth to be beside
+    # a held coefficient has no range, and a true 0 has no relative width
     known = [(finding.ranges[n], v) for n, v in truth.items() if n in finding.ranges]
     inside = [low <= value <= high for (low, high), value in known]
     halves = [(high - low) / 2.0 / abs(v) for (low, high), v in known if v != 0.0]

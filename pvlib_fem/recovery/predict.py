@@ -1,4 +1,4 @@
-"""From what size on an effect should be found, by the loop's own choice."""
+"""Predict the size from which the loop's selection should find an effect."""
 
 from dataclasses import dataclass, replace
 
@@ -15,30 +15,31 @@ from pvlib_fem.reasons import Reason, because
 from pvlib_fem.recovery.draw import drawn, same_days, with_ways
 from pvlib_fem.recovery.inject import readable
 
-GROWS = 1.6  # from one size to the next, until it is chosen
-HALVINGS = 4  # between the last size that is not chosen and the first that is
-LEAST = 1.0  # of the standard errors, where sizes begin
+GROWS = 1.6  # factor from one size to the next, until the effect is selected
+HALVINGS = 4  # bisections between the last size not selected and the first selected
+LEAST = 1.0  # first size, in standard errors
 
 
 def predictions(case, step, draws, seed, effect):
     """
     Draws of an effect with the sizes from which each should be found, or why none.
 
-    More and more of the effect is added to the last model's remaining error, to first
-    order, until the selection chooses it, or a set that holds it, on about its dates.
+    The effect is added to the last model's remaining error, to first order, with
+    increasing size until the selection chooses it, or a set with it, on about its
+    dates.
 
     Parameters
     ----------
     case : Case
     step : Step
-        The last one.
+        The last step of the loop.
     draws, seed : int
     effect : Effect
 
     Returns
     -------
     list of (Draw, float, float), and Because or None
-        The last of the three is what the record itself has of it, the same way.
+        Draw, predicted size, and estimate of the effect in the record itself.
     """
     with one_blas_thread():
         fits = Fits(case)
@@ -88,24 +89,24 @@ def candidate(design, draw):
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What the selection makes of a record with so much of one effect."""
+    """Selection on a record with an added effect of some size."""
 
     selection: Selection
     one: Candidate
 
     @property
     def seen(self):
-        """Whether anything of it is left beside the fitted coefficients."""
+        """Whether the effect is not collinear with the fitted coefficients."""
         design, size = self.selection.design, len(self.one.columns)
         squares = design.whole([*design.base, *self.one.columns])
         return bool((beyond(squares, size) > 1e-6 * np.diag(squares)[-size:]).all())
 
     def size(self, draw, least):
-        """The least size with which it is found, or NaN."""
+        """The least size at which the effect is found, or NaN."""
         return threshold(lambda size: self.found(draw, size), least, draw.most)
 
     def found(self, draw, size):
-        """Whether so much of it is found."""
+        """Whether the effect is found at a size."""
         parts = [size * part for part in draw.way.values()]
         design = self.selection.design.adding(dict(zip(self.one.columns, parts)))
         selection, choices = selected(design, self.selection.criteria)
@@ -122,7 +123,7 @@ def alike(one, other: Effect, days):
 
 
 def threshold(passes, least, most):
-    """The size from which something passes, NaN where none does up to the most."""
+    """The size from which a test passes; NaN if it fails up to the largest size."""
     size, before = least, least
     while size <= most and not passes(size):
         before, size = size, GROWS * size

@@ -1,4 +1,4 @@
-"""What would be found on my plant, and from what size?"""
+"""Which effects would be found on a plant, and from which size?"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -57,49 +57,48 @@ def recover_effects(
     trials: int = 10,
 ) -> Recovery:
     """
-    Put effects of known size into a measured record, and see what the loop finds.
+    Add effects of known size to a measured record, and count how many the loop finds.
 
-    The loop is closed on the record once: what it finds is the *baseline*, and its
-    last model the one whose response to an effect is added to ``temp_module``, on
-    the record's own steps, so that memory and wind act as they do. A change of an
-    instrument is put into the column that it writes; power and second sensors stay.
-    Then the loop runs again with the same arguments and does not know.
+    The loop is closed on the record once; its findings are the *baseline*. The response
+    of its last model to an effect is added to ``temp_module``, on the record's own
+    steps, so that time constant and wind act as in reality. A fault of a sensor is
+    added to the column of that sensor; power and second sensors do not change. Then the
+    loop runs again with the same arguments, without knowledge of the injection.
 
     Parameters
     ----------
     data : DataFrame
-        As in :func:`close_loop`.
+        Record, see :func:`close_loop`.
     effects : str, Effect, or sequence of these, optional
-        Effects to put in; by default all of the catalogue that the record has the
-        columns for, each instrument along each course. What the baseline shows
-        already is left out, and said to be.
+        Effects to inject; by default all effects of the catalogue for which the record
+        has the columns, and each sensor fault with each time profile. Effects of the
+        baseline are not injected; ``notes`` list them.
     sizes : sequence of float, or dict of these, default (0.5, 1, 1.5, 2, 3)
-        Multiples of the size from which each should be found, as predicted; or, by
-        effect, sizes of its coefficient in its own unit (of several coefficients the
-        root of the sum of their squares).
+        Multiples of the predicted size; or, by effect, sizes of its coefficient in its
+        own unit (for several coefficients the root of the sum of their squares).
     draws : int, default 3
-        Dates, signs and directions that are drawn for each effect. What has neither
-        date nor sign is the same in all, and there once.
+        Number of draws of dates and signs per effect. An effect without date and sign
+        has one draw.
     seed : int, default 0
     model, location, surface_tilt, surface_azimuth, holdout : optional
-        As in :func:`close_loop`.
+        See :func:`close_loop`.
     tried : str, Effect, or sequence of these, optional
-        Effects that the loop tries, its ``effects``; by default all.
+        Effects that the loop tests, its ``effects``; by default all.
     check_units, criteria, fixed : optional
-        As in :func:`close_loop`.
+        See :func:`close_loop`.
     processes : int, optional
-        How many run side by side, by default as many as there are cores; the result
-        is the same for any number. A script needs ``if __name__ == "__main__":``.
+        Number of parallel processes, by default the number of cores. The result does
+        not depend on it. A script needs ``if __name__ == "__main__":``.
     path : str or path-like, optional
-        JSON file that holds what is done after each injection. Where it is there and
-        is of the same record, arguments and version, only the rest is done.
+        JSON file for the results so far, written after each injection. If it exists
+        with the same record, arguments and version, only the missing part is computed.
     progress : bool, default True
-        Show how many are done.
+        Show the progress.
     reliability : bool, default False
-        Close the loop on scrambled records, too: what they have lost and is still
-        named is false. ``sizes=()`` does nothing else.
+        Close the loop on scrambled records, too: a name of an effect that these have
+        lost is false. With ``sizes=()`` there are no injections.
     trials : int, default 10
-        Scrambled records of each kind.
+        Number of scrambled records of each kind.
 
     Returns
     -------
@@ -109,38 +108,39 @@ def recover_effects(
     ------
     ValueError
         If the record is unusable, as in :func:`close_loop`; if the file of ``path``
-        is of another record, version or call; if nothing is left to put in.
+        is of another record, version or call; or if no effect can be injected.
 
     Notes
     -----
-    The predicted size is the least with which the loop would choose the effect, or a
-    set that holds it, beside the record's own findings. More and more of it is added
-    to the last model's remaining error, to first order, and the selection is run on
-    each size. It does not know that the record's own findings may be lost beside a
-    large effect, nor of the refit.
+    The predicted size is the smallest with which the loop would select the effect, or a
+    set with it, given the record's own findings. The effect is added to the last
+    model's remaining error with increasing size, to first order, and the selection is
+    run for each size. The prediction does not include the refit, nor that a large
+    effect can displace the record's own findings.
 
-    What the record has of an effect is in its coefficient, too: ``ratio`` and
-    ``covered`` count it as error.
+    The record may contain the effect itself. That adds to its coefficient, and
+    ``ratio`` and ``covered`` count it as error.
 
-    **Reliability.** A scrambled record is the record with what a name would need taken
-    away. Two kinds are made, as wholes of days, by the clocks that the loop corrected:
+    **Reliability.** A scrambled record is the record without the information that a
+    name needs. Whole days are moved, with the clocks that the loop corrected. There are
+    two kinds:
 
-    * *drivers moved*: all columns beside irradiance, air and module temperature, wind
+    * *drivers moved*: all columns except irradiance, air and module temperature, wind
       speed, power and second sensors are taken from 1, 2, … years later, or run
-      backwards from day to day. Lost is an effect that cannot be tried without a moved
-      column, such as wind direction, rain, or a column of the user's own. Not lost is
-      what has another form, such as radiation to the sky by clouds of the day, and
-      what needs a column of which the moved one describes more than half of the
-      variance;
+      backwards from day to day. The record loses an effect that cannot be tested
+      without a moved column, such as wind direction, rain, or a user's own column. It
+      does not lose an effect with another variant, such as radiation to the sky by
+      clouds of the day, nor one whose moved column still explains more than half of
+      the variance of the original;
     * *dates scrambled*: each week of the year, in each second record each quarter, is
       taken from a year by chance, with all columns. Steps and drifts of instruments are
       lost, and by weeks their episodes; those that the record itself shows are taken
       off ``temp_module`` before.
 
-    All else stays true, so that it counts for nothing: the model, the bias, longwave
-    exchange, functions of irradiance, air, wind and sun. Of ``n`` records that have
-    lost an effect, ``f`` name it: its reliability is ``1 - f / n`` [2]_. A false class
-    has lost effects only.
+    Everything else remains true and is not counted: the model, the bias, longwave
+    exchange, functions of irradiance, air, wind and sun. If ``f`` of ``n`` records that
+    have lost an effect name it, its reliability is ``1 - f / n`` [2]_. In a false class
+    all effects are lost.
 
     References
     ----------
@@ -161,7 +161,7 @@ def recover_effects(
     >>> found.summary["found"].tolist()
     [1.0]
     """
-    from pvlib_fem import __version__  # the package is complete by now
+    from pvlib_fem import __version__  # here, because of circular imports
 
     refuse_anew()
     criteria = criteria or Criteria()
@@ -215,7 +215,7 @@ def recover_effects(
 
 
 def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False):
-    """All injections in order, and why others cannot be."""
+    """All injections in order, and reasons for effects that cannot be injected."""
     step, found = search.steps[loop.last], []
     if not len(sizes):
         return [], {}
@@ -239,7 +239,7 @@ def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False)
 
 
 def sized(draw, predicted, own, sizes, notes):
-    """Injections of a draw of all sizes that it can have."""
+    """Injections of a draw with all possible sizes."""
     name, most = draw.effect.name, draw.most
     if isinstance(sizes, Mapping):
         wanted = sizes[name]

@@ -1,4 +1,4 @@
-"""The result of injections into a record: finished, and it prints itself."""
+"""The result of injections into a record."""
 
 from dataclasses import asdict, dataclass, field
 from typing import Any, Self
@@ -17,41 +17,41 @@ from pvlib_fem.stored import Stored, opened, written
 from pvlib_fem.types import FilePath
 
 FORMAT = "pvlib_fem recovery"
-#: of the curve of shares found: sizes beyond those injected, widths in logarithms
+#: of the curve of shares found: factor beyond the injected sizes, widths in logarithms
 REACH, WIDTHS = 4.0, np.geomspace(0.05, 1.0, 20)
-TAIL = 0.05  # of the half size's interval, on either side
+TAIL = 0.05  # probability beyond either end of the half size's interval
 COLUMNS = ("found", "first", "wrong", "misled", "lost", "refused")
 
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
     """
-    What a loop finds of effects that were put into a measured record.
+    Injected effects that a loop finds in a measured record.
 
     ``print(recovery)`` is the table by effect.
 
     Attributes
     ----------
     outcomes : tuple of Outcome
-        In the order of the plan.
+        Outcomes in the order of the plan.
     planned : int
-        Injections in all; more than there are outcomes where it was interrupted.
+        Number of planned injections; larger than that of outcomes if interrupted.
     baseline : tuple of Finding
-        What the loop finds in the record as it is.
+        Findings of the loop in the record itself.
     units : dict
-        By effect the unit of each coefficient.
+        Units of the coefficients, by effect.
     notes : dict
-        Effects that were not put in, and why.
+        Effects that were not injected, and why.
     trials : tuple of Trial
-        Records that were scrambled, and what is named falsely in them.
+        Scrambled records, and false names in them.
     planned_trials : int
-        Of these in all.
+        Number of planned trials.
     not_scrambled : dict
         Kinds of scrambling that the record does not allow, and why.
     given : dict
-        Arguments of the call, as they are written.
+        Arguments of the call, as text.
     version, sha256 : str
-        Of the package, and of the record.
+        Version of the package, and hash of the record.
     """
 
     given: dict = field(repr=False)
@@ -71,17 +71,18 @@ class Recovery:
         """
         A row for each injection.
 
-        ``effect``, ``draw``, ``dates``, ``coefficients``, their ``size`` and the size
-        from which it should be found (``predicted``), the one over the other
-        (``multiple``), what the record itself has of it (``own``), and of its outcome:
-        whether it is ``found`` by name or in a class (of a change about the same days),
-        ``named``, and the ``first`` of what the record itself does not show; all of
-        that that is ``told``, ``wrong`` names, classes without the truth (``misled``)
-        and findings of the record itself that are ``lost``; the ``ratio`` of
-        coefficient and truth, whether the truth is ``covered`` by 1.96 standard errors
-        and within the range (``in_range``), half of whose width is ``half_range`` of
-        the truth, NaN where it is not in the model; why the
-        loop ``refused`` the record.
+        Columns of the injection: ``effect``, ``draw``, ``dates``, ``coefficients``,
+        their ``size``, the size from which it should be found (``predicted``), the
+        ratio of both (``multiple``), and the estimate in the record itself (``own``).
+
+        Columns of the outcome: whether it is ``found`` by name or in a class (a fault
+        also on about its days), ``named``, and the ``first`` finding that the record
+        itself does not show; all such findings (``told``), ``wrong`` names among them,
+        classes without the truth (``misled``), and findings of the record itself that
+        are ``lost``; the ``ratio`` of coefficient and truth, whether the truth is
+        ``covered`` by 1.96 standard errors and within the range (``in_range``), and
+        half the width of the range relative to the truth (``half_range``), NaN if it
+        is not in the model; and why the loop ``refused`` the record.
         """
         rows = []
         for outcome in self.outcomes:
@@ -117,14 +118,15 @@ class Recovery:
     @property
     def half(self) -> pd.DataFrame:
         """
-        The size of which half are found, a row for each effect.
+        The size at which half of the injections are found, a row for each effect.
 
-        As a multiple of the predicted size (``multiple``), with an interval of 90 %
-        (``lower``, ``upper``), and as a ``size`` of the coefficient by the median of
-        the ``predicted`` sizes. A logistic curve in the logarithm of the multiple,
-        all places from a quarter of the smallest to four times the largest and all
-        widths from 0.05 to 1 alike beforehand; the median and the interval of its
-        middle. Where all are found, or none, it ends beyond the sizes injected.
+        It is given as a multiple of the predicted size (``multiple``), with a 90 %
+        interval (``lower``, ``upper``), and as a ``size`` of the coefficient, by the
+        median of the ``predicted`` sizes. The numbers are the median and interval of
+        the middle of a logistic curve in the logarithm of the multiple. Its prior is
+        uniform from a quarter of the smallest multiple to four times the largest, with
+        widths from 0.05 to 1. If all or no injections are found, the interval ends
+        beyond the injected sizes.
         """
         rows, table = {}, self.table
         for name, part in table.groupby("effect", sort=False):
@@ -146,18 +148,19 @@ class Recovery:
         """
         Completeness and reliability, a row for each effect.
 
-        Whether the record itself has it ``named``. Of ``injections`` of at least 1.5
-        times the predicted size how many are ``found``, and that share
-        (``completeness``). Of ``trials``, scrambled records that have lost the effect,
-        how many name it (``false``), and the share of the others (``reliability``).
-        Each share has an interval of 90 % by Jeffreys' prior (``complete_from``,
-        ``complete_to``, ``reliable_from``, ``reliable_to``); NaN where there is none.
+        ``named`` is whether the record itself has it named. ``injections`` is the
+        number of injections of at least 1.5 times the predicted size, ``found`` how
+        many of these are found, and ``completeness`` the ratio. ``trials`` is the
+        number of scrambled records that have lost the effect, ``false`` how many name
+        it, and ``reliability`` the share of the others. Each share has a 90 % interval
+        by Jeffreys' prior (``complete_from``, ``complete_to``, ``reliable_from``,
+        ``reliable_to``), or is NaN without data.
         """
         return rates(self.outcomes, self.trials, self.baseline)
 
     def plot(self, ax: Any = None) -> Any:
         """
-        Share found by multiple of the predicted size, a line for each effect.
+        Plot the share found over multiples of the predicted size, by effect.
 
         Parameters
         ----------
@@ -171,7 +174,7 @@ class Recovery:
 
     def to_json(self, path: FilePath | None = None) -> str:
         """
-        All of it as JSON, of which :meth:`from_json` makes the same again.
+        The recovery as JSON, which :meth:`from_json` reads.
 
         Parameters
         ----------
@@ -185,7 +188,7 @@ class Recovery:
         return written(FORMAT, self.content(), path)
 
     def content(self) -> dict:
-        """What is in a file of the recovery."""
+        """Content of a file of the recovery."""
         return {
             "version_of_package": self.version,
             "sha256": self.sha256,
@@ -216,8 +219,8 @@ class Recovery:
         Raises
         ------
         ValueError
-            If the file is of another kind or version, or something in it lacks or is
-            not what belongs there; the message names the key.
+            If the file is of another kind or version, or a value is missing or
+            invalid; the message names the key.
         """
         with opened(path, [FORMAT]) as stored:
             return cls(
@@ -252,7 +255,7 @@ def by_effect(stored: Stored):
 
 
 def middle_of(multiples, found):
-    """Median of the size at which half are found, between the ends of its interval."""
+    """Lower end, median and upper end of the size at which half are found."""
     x = np.log(multiples)
     places = np.linspace(x.min() - np.log(REACH), x.max() + np.log(REACH), 400)
     curve = expit(

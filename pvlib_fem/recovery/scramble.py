@@ -1,8 +1,8 @@
 """
-The record without what a name would need: drivers moved in time, or dates scrambled.
+Scramble a record, so that some effects are lost: move drivers, or exchange dates.
 
-Days are moved as wholes, so that each value keeps its time of day. The record is taken
-with the clocks that the loop corrected.
+Whole days are moved, so each value keeps its time of day. The record has the clocks
+that the loop corrected.
 """
 
 from dataclasses import dataclass
@@ -17,26 +17,26 @@ from pvlib_fem.record.columns import ALIASES, ANGLES, GEOMETRY, RENAMED, printab
 from pvlib_fem.recovery.draw import course_of
 
 YEAR = 365.2425  # days
-WEEK, QUARTER = 7, 91  # days that stay together where dates are scrambled
+WEEK, QUARTER = 7, 91  # days that stay together when dates are scrambled
 DAY = 86_400_000_000_000  # ns
-SAME = 0.5  # share of a column's variance that it describes after it was moved
+SAME = 0.5  # largest share of its own variance that a moved column may explain
 DRIVERS, DATES = "drivers", "dates"  # the two kinds
 
 
 @dataclass(frozen=True, eq=False)
 class Scrambler:
-    """A record as its loop took it, to be scrambled."""
+    """A record with the clocks of its loop, to be scrambled."""
 
     record: pd.DataFrame  # by corrected clocks
-    plain: pd.Series  # module temperature less what changes of instruments add [°C]
-    drivers: tuple  # measured columns beside the usual ones, by the package's names
-    sun: tuple  # what is known of its place and of the module's
-    tried: tuple  # effects
-    holdout: pd.Series | None  # rows of the user's choice
+    plain: pd.Series  # module temperature without the record's own faults [°C]
+    drivers: tuple  # measured columns except the usual ones, by the package's names
+    sun: tuple  # known columns of solar position and module plane
+    tried: tuple  # tested effects
+    holdout: pd.Series | None  # held-out rows that the user chose
 
     @classmethod
     def of(cls, search, loop, injector, data, holdout):
-        """The scrambler of a search that is done."""
+        """The scrambler of a finished search."""
         record, known = loop.timed(data)
         measured = record[labels_of(record)["temp_module"]]
         if holdout is not None:
@@ -52,9 +52,9 @@ class Scrambler:
 
     @property
     def times(self):
-        """Of each row the day from the first on, and the time of the day. [ns]"""
+        """Day of each row, from 0 on, and its time of day [ns]."""
         index = self.record.index
-        if index.tz is not None:  # the same clock all year
+        if index.tz is not None:  # without daylight saving time
             offset = index[0].utcoffset()
             index = index.tz_convert("UTC").tz_localize(None) + offset
         since = index - index[0].normalize()
@@ -63,16 +63,16 @@ class Scrambler:
 
     @property
     def days(self):
-        """Days of the record."""
+        """Number of days of the record."""
         return int(self.times[0][-1]) + 1
 
     @property
     def years(self):
-        """Whole years of the record; a week may be missing."""
+        """Number of whole years of the record; a week may be missing."""
         return int((self.days + WEEK) // YEAR)
 
     def at(self, days):
-        """Rows at the same time of these days, one for each row; -1 where none is."""
+        """Places of rows at the same time of day on other days; -1 without one."""
         first, within = self.times
         own, wanted = first * DAY + within, days * DAY + within
         after = np.clip(np.searchsorted(own, wanted), 1, len(own) - 1)
@@ -84,7 +84,7 @@ class Scrambler:
         """The kinds of scrambling that this record allows, and why not others."""
         why = {}
         if not self.drivers:
-            why[DRIVERS] = "the record has no column beside the usual ones"
+            why[DRIVERS] = "the record has only the usual columns"
         if self.years < 2:
             why[DATES] = "the record has less than two years"
         return [kind for kind in (DRIVERS, DATES) if kind not in why], why
@@ -98,14 +98,13 @@ class Scrambler:
         kind : str
             ``"drivers"`` or ``"dates"``.
         number : int
-            Of the record among those of its kind.
+            Number of the record among those of its kind.
         seed : int
 
         Returns
         -------
         DataFrame, Series or None, set of str, str
-            The record, its test rows where they are given, effects that are no longer
-            in it, and what was done.
+            The record, its test rows if given, the lost effects, and a description.
         """
         random = np.random.default_rng([seed, number, kind == DATES])
         if kind == DATES:
@@ -113,9 +112,9 @@ class Scrambler:
         return self.with_drivers(number, random)
 
     def with_drivers(self, number, random):
-        """Drivers by whole years later, or backwards from day to day."""
+        """Drivers from whole years later, or backwards from day to day."""
         first = self.times[0]
-        shift = number // 2 + 1  # each second one is a mirrored one
+        shift = number // 2 + 1  # every second record is mirrored
         if number % 2 == 0 and shift < self.years:
             whole = round(self.years * YEAR)
             days = (first + round(shift * YEAR)) % whole
@@ -135,7 +134,7 @@ class Scrambler:
         return record, self.holdout, self.lost_without(moved), words
 
     def lost_without(self, moved):
-        """Effects of which each form that the record allows needs a moved column."""
+        """Effects of which every possible variant needs a moved column."""
         lost = set()
         for effect in self.tried:
             forms = EFFECTS.get(effect.name, effect).forms
@@ -147,10 +146,10 @@ class Scrambler:
 
     def with_dates(self, random, length):
         """
-        The same days of the year from another year, each week or quarter by chance.
+        Exchange each week or quarter with that of a random year.
 
-        Weeks lose all changes. Quarters keep what an error remembers for weeks, but
-        also episodes, which are shorter.
+        With weeks the record loses all faults. Quarters keep the autocorrelation of the
+        error over weeks, and also episodes, which are shorter.
         """
         first = self.times[0]
         starts = np.round(np.arange(self.years + 1) * YEAR).astype(int)
@@ -175,14 +174,14 @@ class Scrambler:
 
 
 def labels_of(data):
-    """The label of each column by the package's name for it."""
+    """The label of each column, by the package's name."""
     labels = {printable(label): label for label in data}
     others = {**ALIASES, **RENAMED}
     return {new: labels[old] for old, new in others.items() if old in labels} | labels
 
 
 def alike(one, other, angles=False):
-    """Share of a column's variance that the moved one describes. [-]"""
+    """Share of a column's variance that the moved column explains. [-]"""
     known = np.isfinite(one) & np.isfinite(other)
     if known.sum() < 3:
         return 0.0

@@ -1,10 +1,10 @@
-"""How a recovery prints."""
+"""The printout of a recovery."""
 
 import numpy as np
 
 from pvlib_fem.recovery.trial import CLEARLY, false_names
 
-#: of scrambled records, by their kind
+#: titles of scrambled records, by kind
 KINDS = {"drivers": "drivers moved in time", "dates": "dates scrambled"}
 HEAD = (
     "effect",
@@ -21,7 +21,7 @@ HEAD = (
 
 
 def lines(recovery):
-    """The printout, line by line."""
+    """Yield the lines of the printout."""
     done, planned = len(recovery.outcomes), recovery.planned
     head = f"{done} injections" + (f" of {planned} planned" if done < planned else "")
     added = [" | ".join(f.candidates) for f in recovery.baseline if f.added]
@@ -41,11 +41,11 @@ def lines(recovery):
 
 
 def by_effect(recovery, table):
-    """A row for each effect."""
+    """Yield a row for each effect."""
     half, rows = recovery.half, [HEAD]
     for name, part in table.groupby("effect", sort=False):
         clear = part[part["multiple"] >= CLEARLY - 1e-9]
-        told = part[part["ratio"].notna()]
+        sized = part[part["ratio"].notna()]
         units = {*recovery.units.get(name, {}).values()}
         unit = units.pop() if len(units) == 1 else ""
         row = (
@@ -55,8 +55,8 @@ def by_effect(recovery, table):
             middle(half.loc[name]) if name in half.index else "–",
             counted(clear["found"]),
             counted(clear["first"]),
-            share(told["ratio"].median(), "{:.2f}"),
-            share((told["ratio"] - told["own"] / told["size"]).median(), "{:.2f}"),
+            share(sized["ratio"].median(), "{:.2f}"),
+            share((sized["ratio"] - sized["own"] / sized["size"]).median(), "{:.2f}"),
             share(part["covered"].mean(), "{:.0%}"),
             share(part["in_range"].mean(), "{:.0%}"),
         )
@@ -65,7 +65,7 @@ def by_effect(recovery, table):
 
 
 def in_scrambled(recovery):
-    """What is named in records that have lost it, and what that says of names."""
+    """Yield lines on false names in scrambled records, and on reliability."""
     trials, rates = recovery.trials, recovery.reliability
     if len(trials) < recovery.planned_trials:
         yield f"{len(trials)} scrambled records of {recovery.planned_trials} planned"
@@ -75,8 +75,8 @@ def in_scrambled(recovery):
         words = f" ({', '.join(sorted({*names}))})" if names else ""
         classes = sum(len(trial.classes) for trial in mine)
         if mine:
-            told = f"{len(names)} false names{words}, {classes} false classes"
-            yield f"in {len(mine)} records with {title}: {told}"
+            false = f"{len(names)} false names{words}, {classes} false classes"
+            yield f"in {len(mine)} records with {title}: {false}"
     if refused := [trial.refused for trial in trials if trial.refused]:
         yield f"refused by the loop: {len(refused)}, first: {refused[0]}"
     mean, (low, high) = false_names(trials)
@@ -115,7 +115,7 @@ def aligned(rows):
 
 
 def in_all(table):
-    """What all injections together say."""
+    """Yield lines on all injections together."""
     clear = table[table["multiple"] >= CLEARLY - 1e-9]
     wrong = sorted({name for names in table["wrong"] for name in names})
     words = f" ({', '.join(wrong)})" if wrong else ""
@@ -128,7 +128,7 @@ def in_all(table):
 
 
 def middle(row):
-    """The size of which half are found, with its interval."""
+    """The size at which half are found, with its interval."""
     return f"{row['multiple']:.2f} × ({row['lower']:.2f} to {row['upper']:.2f})"
 
 

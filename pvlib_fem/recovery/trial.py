@@ -1,4 +1,4 @@
-"""What a loop names in records that have lost it, and how reliable names are."""
+"""False names of a loop in scrambled records, and the reliability of names."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -11,7 +11,7 @@ from pvlib_fem.loop.close import close_loop
 from pvlib_fem.statistics.shares import rate_between, share_between
 from pvlib_fem.stored import Stored
 
-CLEARLY = 1.5  # times the predicted size, from which nearly all should be found
+CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found
 COLUMNS = ("named", "injections", "found", "completeness", "complete_from")
 COLUMNS += ("complete_to", "trials", "false", "reliability", "reliable_from")
 COLUMNS += ("reliable_to",)
@@ -21,22 +21,22 @@ COUNTS = ("injections", "found", "trials", "false")
 @dataclass(frozen=True)
 class Trial:
     """
-    What a loop says of the record with drivers moved, or with dates scrambled.
+    False findings of a loop on a record with moved drivers or scrambled dates.
 
     Attributes
     ----------
     kind : str
         ``"drivers"`` or ``"dates"``.
     number : int
-        Among the trials of its kind.
+        Number among the trials of its kind.
     what : str
-        What was done.
+        Description of the scrambling.
     lost : tuple of str
-        Effects that the record has lost by that: their names are false.
+        Effects that the record has lost; their names are false.
     named, classes : tuple of str
-        Of these, those that are named; and classes of which each member is lost.
+        Lost effects that are named; and classes of which each member is lost.
     refused : str
-        Why the loop did not take the record, if it did not.
+        Why the loop refused the record; empty if it did not.
     """
 
     kind: str
@@ -49,7 +49,7 @@ class Trial:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What tells it from all others."""
+        """Kind and number, which identify the trial."""
         return self.kind, self.number
 
     @classmethod
@@ -61,7 +61,7 @@ class Trial:
 
 
 def trial_of(scrambler, how, seed, kind, number):
-    """Scramble a record, close the loop, and count what is named falsely."""
+    """Scramble a record, close the loop, and count false names."""
     record, holdout, lost, what = scrambler.scrambled(kind, number, seed)
     done = (kind, number, what, tuple(sorted(lost)))
     try:
@@ -72,7 +72,7 @@ def trial_of(scrambler, how, seed, kind, number):
 
 
 def false_of(findings, lost):
-    """Names of what is lost, and classes of nothing else."""
+    """Named effects that are lost, and classes of lost effects only."""
     added = [f for f in findings if f.added and {*f.candidates} <= lost]
     named = tuple(f.effect for f in added if f.verdict is Verdict.NAMED)
     classes = [f.candidates for f in added if f.verdict is Verdict.CLASS]
@@ -80,7 +80,7 @@ def false_of(findings, lost):
 
 
 def false_names(trials):
-    """Mean number of false names in a record, and its interval of 90 %."""
+    """Mean number of false names per record, and its 90 % interval."""
     counts, rows = [], []
     for kind in dict.fromkeys(trial.kind for trial in trials):
         mine = [t for t in trials if t.kind == kind and not t.refused]
@@ -95,8 +95,8 @@ def false_names(trials):
 def rates(outcomes, trials, baseline):
     """Completeness and reliability by effect, see :attr:`Recovery.reliability`."""
     named = {f.effect for f in baseline if f.added and f.verdict is Verdict.NAMED}
-    told = [trial for trial in trials if not trial.refused]
-    lost = [name for trial in told for name in trial.lost]
+    done = [trial for trial in trials if not trial.refused]
+    lost = [name for trial in done for name in trial.lost]
     table = pd.DataFrame(columns=[*COLUMNS]).rename_axis("effect")
     for name in dict.fromkeys([*(o.injection.effect for o in outcomes), *lost]):
         clear = [
@@ -104,7 +104,7 @@ def rates(outcomes, trials, baseline):
             for one in outcomes
             if one.injection.effect == name and one.injection.multiple >= CLEARLY
         ]
-        mine = [trial for trial in told if name in trial.lost]
+        mine = [trial for trial in done if name in trial.lost]
         false = sum(name in trial.named for trial in mine)
         right = len(mine) - false
         table.loc[name] = (
@@ -119,7 +119,7 @@ def rates(outcomes, trials, baseline):
 
 
 def shares(count, of):
-    """How many, of how many, the share and the ends of its interval."""
+    """Number of trials, count, share, and the ends of its interval."""
     if not of:
         return 0, 0, np.nan, np.nan, np.nan
     return of, count, count / of, *share_between(count, of)
