@@ -584,7 +584,7 @@ def test_module_sensors_are_compared_and_their_common_part_goes_into_the_loop(tm
     maps = [w for i in range(3) for w in ("--map", f"temp_module_{i}=T{i}")]
     found = call("modules", path, *maps, "--common", common)
     assert found.exit_code == 0, found.output
-    assert found.output.startswith("3 module sensors, each beside the median of")
+    assert found.output.startswith("3 module sensors, each compared with the median")
     assert "temp_module_2  0.9" in found.output
     header = common.read_text().splitlines()[0]
     assert "'=cmd" in header and ",=" not in header and ',"=' not in header

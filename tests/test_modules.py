@@ -79,7 +79,7 @@ def test_what_all_have_in_common_is_a_record_for_the_loop(plant):
     gap = comparison.common["temp_module"] - before
     assert gap.abs().max() < 0.25  # a step of 12 % of 40 K, taken out of one of four
     words = str(comparison)
-    assert "temp_module_2 alone: 1" in words and "% less over the air" in words
+    assert "temp_module_2 alone reads 1" in words and "% less over-temp" in words
     assert "are common to all" in words
     with pytest.raises(
         ValueError, match=r"Of 4 module sensors give one as temp_module"
@@ -119,7 +119,7 @@ def test_two_sensors_share_a_step(plant):
     """It is of either, and stays in what they have in common."""
     pair, there = ["temp_module_0", "temp_module_2"], plant.index >= "2023-09-15"
     same = fem.compare_modules(plant, pair)
-    assert (same.table["step"] == "").all() and "beside the other" in str(same)
+    assert (same.table["step"] == "").all() and "with the other" in str(same)
     share = SHARES[0] / SHARES[2]
     assert same.table["share"].iloc[0] == pytest.approx(share, abs=0.02)
     assert same.table["share"].iloc[1] == pytest.approx(1.0 / share, abs=0.02)

@@ -1,1 +1,1 @@
-"""Several sensors at the modules of one plant: what is common, what is one's own."""
+"""Compare several module temperature sensors of one plant."""

@@ -1,4 +1,4 @@
-"""Several sensors of one plant's modules, fitted and compared."""
+"""Fit and compare several module temperature sensors of one plant."""
 
 from collections.abc import Iterable
 
@@ -30,25 +30,26 @@ def compare_modules(
     dynamics: str = "balance",
 ) -> ModuleComparison:
     """
-    What several module sensors have in common, and each of its own.
+    Separate errors of single module sensors from errors common to all.
 
-    What all have in common is weather, weather station or plant; what one has alone is
-    that sensor, or its module. Each is held against the median of the others, and
-    fitted by itself: of what its fit leaves, the part that the others' fits leave, too,
-    is told from its own. Of two sensors a step is of either.
+    An error common to all sensors is one of the weather, the weather station or the
+    plant. An error of one sensor is one of that sensor or its module. Each sensor is
+    compared with the median of the others and fitted separately. Its residual is
+    divided into a part that the other fits have, too, and its own part. With two
+    sensors, a step can be in either.
 
     Parameters
     ----------
     data : DataFrame
-        With a DatetimeIndex and ``poa_global`` [W/m²], ``temp_air`` [°C],
+        Record with a DatetimeIndex and ``poa_global`` [W/m²], ``temp_air`` [°C],
         ``wind_speed`` [m/s], which the model ``"ross"`` does not need, and the sensors
         [°C].
     columns : iterable of str, optional
-        The sensors; by default ``temp_module`` and all whose names begin so.
+        The sensors; by default all columns whose names begin with ``temp_module``.
     criteria : Criteria, optional
-        Thresholds other than the usual.
+        Thresholds.
     model, dynamics : str, default "faiman", "balance"
-        Of the fits, as in :func:`fit_fem`.
+        Model of the fits, see :func:`fit_fem`.
 
     Returns
     -------
@@ -57,17 +58,17 @@ def compare_modules(
     Raises
     ------
     ValueError
-        If a column lacks, or fewer than two sensors are there or can be used.
+        If a column is missing, or fewer than two sensors are there or can be used.
 
     Notes
     -----
-    A copy of another sensor, one that never moves and one with less than half of the
-    values are told and not used, so that they spoil no mean. A step is looked for as in
-    :func:`close_loop`, in over-temperatures in sun, and told from
-    ``criteria.hint_gain`` on; the largest is taken out before the next is looked for,
-    since it is in the median of the others. Of two sensors one step is looked for, and
-    both have it. :func:`close_loop` of a record with one as ``temp_module`` and the
-    other as ``temp_module_2`` says which of them changed.
+    A copy of another sensor, a stuck sensor and a sensor with less than half of the
+    values are reported and not used. Steps are searched as in :func:`close_loop`, in
+    over-temperatures in sun, and reported from ``criteria.hint_gain`` on. The largest
+    step is removed before the next search, because it is in the median of the other
+    sensors. With two sensors, one step is searched and both have it. To find which of
+    them changed, call :func:`close_loop` with one as ``temp_module`` and the other as
+    ``temp_module_2``.
 
     Examples
     --------
@@ -115,13 +116,13 @@ def compare_modules(
         rows[name] = {"used": name in good, "note": notes[name][1]}
         rows[name] |= {"rows": 0, "step": ""} | parts.get(name, {})
         if name in level:
-            over, beside, (share, offset) = compared(record, name, level, good)
+            over, others, (share, offset) = compared(record, name, level, good)
             row = {"share": share, "offset": offset}
-            row["spread"] = rmse(over, share * beside)
+            row["spread"] = rmse(over, share * others)
             row["rows"] = int(np.isfinite(sensors[name]).sum())
             rows[name] |= row | steps.get(name, {})
     table = pd.DataFrame.from_dict(rows, orient="index").reindex(columns=COLUMNS)
-    # a step of either of two stays in their mean
+    # with two sensors, a step of one is in their mean
     kept = level if len(good) > 2 else sensors
     mean = np.mean([kept[name] for name in good], axis=0)
     common = data.drop(columns=[label for label in data if printable(label) in names])
@@ -131,14 +132,14 @@ def compare_modules(
 
 
 def shared(record, fits):
-    """What each fit leaves in sun, how much the others leave, too, and the rest."""
-    left = {name: fit.residual.to_numpy() for name, fit in fits.items()}
-    rows = np.isfinite(sum(left.values())) & (record["poa_global"] > SUNNY)
+    """RMS residual of each fit in sun, its part common with the others, and its own."""
+    residuals = {name: fit.residual.to_numpy() for name, fit in fits.items()}
+    rows = np.isfinite(sum(residuals.values())) & (record["poa_global"] > SUNNY)
     found = {}
-    pair = len(left) == 2
-    for name, own in left.items():
-        # two have in common what they are in the mean
-        others = [left[n][rows] for n in left if pair or n != name]
+    pair = len(residuals) == 2
+    for name, own in residuals.items():
+        # the common part of two sensors is their mean
+        others = [residuals[n][rows] for n in residuals if pair or n != name]
         others = np.median(others, axis=0)
         found[name] = {
             "left": rmse(own[rows], 0.0),

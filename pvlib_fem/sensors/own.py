@@ -1,4 +1,4 @@
-"""What each of several module sensors has of its own, beside the others."""
+"""Errors of single module sensors, compared with the other sensors."""
 
 import numpy as np
 
@@ -12,17 +12,17 @@ from pvlib_fem.record.inputs import as_record
 from pvlib_fem.statistics.weekly import solve
 
 SUNNY = 200.0  # W/m², above which over-temperatures are compared
-PRESENT = 0.5  # of the rows of the one that has most, below which a sensor is not used
+PRESENT = 0.5  # least share of values, relative to the sensor with most values
 FEWEST_ROWS = 100  # in sun
 
 
 def is_sensor(name):
-    """Whether a column is the module's temperature, by its name."""
+    """Whether a column is a module temperature, by its name."""
     return name == "temp_module" or twin_of(name) == "temp_module"
 
 
 def clean(usual, sensors, criteria):
-    """Values of each sensor that were measured, and whether and why one is not used."""
+    """Plausible values of each sensor, and by name whether and why it is not used."""
     found, notes = {}, {}
     for name, column in sensors.items():
         try:
@@ -50,36 +50,37 @@ def clean(usual, sensors, criteria):
 
 def compared(record, name, sensors, good):
     """
-    Over-temperatures of a sensor less its offset, and of the others, with its line.
+    Over-temperature of a sensor minus its offset, that of the others, and its line.
 
-    By the row in sun, elsewhere NaN; share and offset are of days and nights.
+    The over-temperatures are NaN outside sunny rows. The line (share, offset) is fitted
+    to sunny rows and nights.
     """
     air, poa, values = record["temp_air"], record["poa_global"], sensors[name]
-    # NaN where one lacks: the median is of the same sensors at all times
-    others = np.median([sensors[other] for other in good if other != name], axis=0)
-    own, beside = values - air, others - air
-    sunny = (poa > SUNNY) & np.isfinite(own + beside)
-    known = sunny | (poa <= 0.0) & np.isfinite(own + beside)
+    # NaN where a sensor is missing, so that the median is of equal sensors at all times
+    median = np.median([sensors[other] for other in good if other != name], axis=0)
+    own, others = values - air, median - air
+    sunny = (poa > SUNNY) & np.isfinite(own + others)
+    known = sunny | (poa <= 0.0) & np.isfinite(own + others)
     share = offset = np.nan
     if sunny.sum() >= FEWEST_ROWS:
-        share, offset = np.polyfit(beside[known], own[known], 1).tolist()
-    in_sun = (np.where(sunny, column, np.nan) for column in (own - offset, beside))
+        share, offset = np.polyfit(others[known], own[known], 1).tolist()
+    in_sun = (np.where(sunny, column, np.nan) for column in (own - offset, others))
     return *in_sun, (share, offset)
 
 
 def steps_of(record, sensors, good, criteria):
     """
-    The step of each sensor that has one, and all sensors as they were before theirs.
+    Steps of sensors by name, and all sensors with these steps removed.
 
-    The largest is taken out before the next is looked for: it is in the others' median.
-    Of two sensors both have the one step that is found.
+    The largest step is removed before the next search, because it is in the median of
+    the other sensors. With two sensors, both have the one step that is found.
     """
     level, steps = dict(sensors), {}
     while True:
         found = {}
         for name in (n for n in level if n not in steps):
-            over, beside, (share, _) = compared(record, name, level, good)
-            found[name] = step_of(over, beside, share, record.dates, criteria)
+            over, others, (share, _) = compared(record, name, level, good)
+            found[name] = step_of(over, others, share, record.dates, criteria)
         found = {name: step for name, step in found.items() if step}
         if not found or (len(good) == 2 and {*good} & {*steps}):
             return of_either(steps, good), level
@@ -92,7 +93,7 @@ def steps_of(record, sensors, good, criteria):
 
 
 def of_either(steps, good):
-    """The same steps, where one of two sensors is of the other as well."""
+    """The steps; with two sensors, the step of one is given to the other, too."""
     mine = [name for name in good if name in steps]
     if len(good) != 2 or len(mine) != 1:
         return steps
@@ -103,16 +104,16 @@ def of_either(steps, good):
     return steps | {other: {**step, "change": times - 1.0, "stderr": error}}
 
 
-def step_of(over, beside, share, dates, criteria):
-    """The date from which a sensor reads another share, and by how much, if any."""
+def step_of(over, others, share, dates, criteria):
+    """Date and size of a step in a sensor's share; empty without one."""
     known = np.isfinite(over)
     if not known.any():
         return {}
     channel = CHANGES["contact_step"]
     design = Design.of_columns(
-        over[known] - share * beside[known],
-        {"level": beside[known]},
-        beside[known],
+        over[known] - share * others[known],
+        {"level": others[known]},
+        others[known],
         dates[known],
         (channel,),
     )

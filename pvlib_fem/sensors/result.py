@@ -1,4 +1,4 @@
-"""The result of a comparison of module sensors: finished, and it prints itself."""
+"""The result of a comparison of module sensors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,15 +9,15 @@ import pandas as pd
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.record.columns import printable
 
-HEAD = ("sensor", "share", "offset", "own step", "fit leaves", "common", "own")
+HEAD = ("sensor", "share", "offset", "own step", "RMSE (fit)", "common", "own")
 
 
 @dataclass(frozen=True, eq=False)
 class ModuleComparison:
     """
-    What several module sensors have in common, and each of its own.
+    Errors that several module sensors have in common, and errors of each.
 
-    ``print(comparison)`` is the table, and what it says.
+    ``print(comparison)`` is the table with conclusions.
 
     Attributes
     ----------
@@ -26,23 +26,23 @@ class ModuleComparison:
 
         ``share``: its over-temperature in sun over that of the others, before its
         step if it has one [-];
-        ``offset``: what it reads more at no over-temperature [K];
-        ``spread``: what is left beside both, root mean square in sun [K];
-        ``step``: date from which its share is another, "" where none is found;
-        ``change``, ``stderr``: by how much, as a share [-];
-        ``left``: what its own fit leaves, root mean square in sun [K];
-        ``common``: the part of it that the others' fits leave, too, their median, and
-        of two sensors the mean of both [K];
-        ``own``: the rest [K];
+        ``offset``: its excess at zero over-temperature [K];
+        ``spread``: residual of share and offset, root mean square in sun [K];
+        ``step``: date of a step of its share, "" without one;
+        ``change``, ``stderr``: size of the step, relative to its share [-];
+        ``left``: RMSE of its own fit in sun [K];
+        ``common``: RMS of the median residual of the other fits, or of the mean of
+        both fits with two sensors [K];
+        ``own``: RMS of its residual minus that median or mean [K];
         ``rows``: number of its values;
-        ``used``: whether it counts among the others;
-        ``note``: why not, or what of it was left out.
+        ``used``: whether it was compared with the others;
+        ``note``: why not, or which of its values were not used.
     fits : dict of FemFit
-        By sensor, of those that are used.
+        Fits of the sensors that are used, by name.
     common : DataFrame
-        The record with what they have in common as ``temp_module``: the mean of those
-        that are used, each as it was before its own step, where all are there. It is
-        for :func:`close_loop`. A step of either of two sensors stays in their mean.
+        The record for :func:`close_loop`. Its ``temp_module`` is the mean of the used
+        sensors without their own steps, on rows that all have. With two sensors, a step
+        of one is in the mean.
     """
 
     table: pd.DataFrame
@@ -57,12 +57,12 @@ class ModuleComparison:
 
 
 def lines(comparison):
-    """The printout, line by line."""
+    """Yield the lines of the printout."""
     table = comparison.table
     used = table[table["used"]]
     pair = len(used) == 2
     others = "the other" if pair else "the median of the others"
-    yield f"{len(used)} module sensors, each beside {others}; in sun [K]"
+    yield f"{len(used)} module sensors, each compared with {others}; in sun [K]"
     yield ""
     rows = [HEAD, *(cells(row) for row in table.itertuples())]
     wide = [max(map(len, column)) for column in zip(*rows)]
@@ -75,21 +75,20 @@ def lines(comparison):
         if row.step:
             way = "more" if row.change > 0 else "less"
             size = f"{abs(100 * row.change):.1f} ± {100 * row.stderr:.2g} %"
-            alone = "beside the other" if pair else "alone"
-            one = "one of both, or its module" if pair else "the sensor or its module"
+            alone = "compared with the other" if pair else "alone"
+            one = "one of both sensors" if pair else "the sensor"
             yield (
-                f"{row.Index} {alone}: {size} {way} over the air from {row.step} on, "
-                f"{one}"
+                f"{row.Index} {alone} reads {size} {way} over-temperature from "
+                f"{row.step} on: {one} or its module changed"
             )
         elif row.used and row.own > row.common:
-            yield (
-                f"{row.Index}: most of what its fit leaves, {row.own:.2f} K, is its own"
-            )
-    left, common = used["left"].median(), used["common"].median()
+            own = f"{row.own:.2f} K"
+            yield f"{row.Index}: most of the error of its fit, {own}, is its own"
+    rmse, common = used["left"].median(), used["common"].median()
     if np.isfinite(common):
         yield (
-            f"{common:.2f} K of {left:.2f} K that a fit leaves (median) are common to "
-            "all: weather station, plant or model"
+            f"median RMSE of a fit: {rmse:.2f} K; of the error common to all: "
+            f"{common:.2f} K (weather station, plant or model)"
         )
     for row in table.itertuples():
         if row.note:
@@ -97,10 +96,10 @@ def lines(comparison):
 
 
 def cells(row):
-    """A sensor's row of the printout."""
+    """Cells of a sensor's row of the printout."""
     step = f"{row.change:+.1%} from {row.step}" if row.step else "–"
-    left = (shown(value, ".2f") for value in (row.left, row.common, row.own))
-    return row.Index, shown(row.share, ".3f"), shown(row.offset, "+.2f"), step, *left
+    errors = (shown(value, ".2f") for value in (row.left, row.common, row.own))
+    return row.Index, shown(row.share, ".3f"), shown(row.offset, "+.2f"), step, *errors
 
 
 def shown(value, form):
