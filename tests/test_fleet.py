@@ -491,10 +491,10 @@ def test_what_may_be_of_the_station_or_of_the_modules_is_left_open():
     season = ("season", *LOSES)
     systems, findings = rows_of(*((name, season, 0.5, MARCH) for name in "abc"))
     (group,) = shared(systems.assign(weighed=SEES), findings)
-    assert group.words.endswith("what acts on all modules there, or the station")
+    assert group.words.endswith("an effect on all modules there, or the station")
     systems, findings = rows_of(*((name, LOSES[:1], 0.5, MARCH) for name in "abc"))
     (group,) = shared(systems.assign(weighed=SEES), findings)
-    assert group.words.endswith("what was done to all modules at once")
+    assert group.words.endswith("a change of all modules at once")
 
 
 def test_a_class_of_many_is_told_in_a_line():

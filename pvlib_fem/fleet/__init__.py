@@ -1,4 +1,4 @@
-"""Many systems at once, on one machine or on any that Dask runs on."""
+"""Process many systems, on one machine or on a Dask cluster."""
 
 from pvlib_fem.fleet.report import report
 from pvlib_fem.fleet.results import Results

@@ -1,4 +1,4 @@
-"""Where systems are worked on: here, one after the other, or on Dask."""
+"""Run the work on systems: in this process, or on Dask."""
 
 import logging
 import signal
@@ -7,13 +7,13 @@ from contextlib import contextmanager, suppress
 from typing import Any
 from uuid import uuid4
 
-AHEAD = 4  # systems that wait for each thread, so that none waits for systems
+AHEAD = 4  # queued systems per thread, so that no thread waits
 
 
-#: a worker does one long thing at a time: its profile, and what asks fifty times a
-#: second whether it is late, cost more than they tell; it holds nothing that could be
-#: spilled, and its memory is bounded by its nanny alone. In glibc's arenas of threads,
-#: and by its first thresholds, each temporary array would be new pages of memory.
+#: A worker runs one long task at a time, so the profiler and the event loop's tick
+#: cost more than they help. It holds no data that could be spilled; only its nanny
+#: limits its memory. With glibc's thread arenas and default thresholds, each temporary
+#: array would need new pages of memory.
 WORKERS = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
@@ -33,18 +33,18 @@ WORKERS = {
 
 
 def serial(work: Callable, systems: Iterable) -> Generator[dict, None, None]:
-    """The answers of a bare loop."""
+    """Yield the answers of a plain loop over the systems."""
     for system in systems:
         yield work(system)
 
 
 def on_dask(client: Any, work: Any, systems: Iterable) -> Generator[dict, None, None]:
     """
-    The answers of a cluster's workers, in the order in which they come.
+    Yield the answers of a cluster's workers, in the order in which they arrive.
 
-    Few systems more than there are threads are with the scheduler at any time, so that
-    their number does not matter to it. A worker that is lost has its systems done by
-    another, as Dask does; one that ends every worker is told in its answer.
+    The scheduler has only a few more systems than threads at any time, so their total
+    number does not matter. Dask moves the systems of a lost worker to another; the
+    answer of a system that ends every worker is a failure.
 
     Parameters
     ----------
@@ -87,22 +87,22 @@ def on_dask(client: Any, work: Any, systems: Iterable) -> Generator[dict, None, 
 
 
 def threads(client):
-    """How many systems are worked on at once; one where no worker is there yet."""
+    """Number of threads of all workers; at least one."""
     return max(sum(client.nthreads().values()), 1)
 
 
 @contextmanager
 def client_of(client=None, workers=None, memory_limit="auto"):
     """
-    A client: as given, of a scheduler's address, or of a cluster on this machine.
+    The given client, or one for a scheduler's address or a cluster on this machine.
 
     Parameters
     ----------
     client : distributed.Client, str or None
     workers : int, optional
-        Processes of one thread each; by default as many as there are cores.
+        Number of processes with one thread each; by default the number of cores.
     memory_limit : str, int or "auto"
-        Of each; Dask ends a worker that goes beyond it.
+        Memory limit of each worker; Dask ends a worker that exceeds it.
     """
     import dask
     from distributed import Client, LocalCluster
@@ -119,24 +119,24 @@ def client_of(client=None, workers=None, memory_limit="auto"):
                 threads_per_worker=1,
                 processes=True,
                 memory_limit=memory_limit,
-                dashboard_address="127.0.0.1:0",  # of no fixed port, and here only
+                dashboard_address="127.0.0.1:0",  # any free port, this machine only
                 silence_logs=logging.ERROR,
             )
         with cluster, Client(cluster) as found:
-            found.register_plugin(unhearing())
+            found.register_plugin(ignoring_interrupts())
             yield found
 
 
-def unhearing():
-    """A plugin by which Ctrl-C, which a terminal sends to all, ends no worker."""
+def ignoring_interrupts():
+    """A plugin that lets workers ignore Ctrl-C, which a terminal sends to them, too."""
     from distributed import WorkerPlugin
 
-    class Unhearing(WorkerPlugin):
+    class IgnoringInterrupts(WorkerPlugin):
         def setup(self, worker):
-            with suppress(ValueError):  # of a thread that may not say so
+            with suppress(ValueError):  # not in the main thread
                 signal.signal(signal.SIGINT, signal.SIG_IGN)
 
-    return Unhearing()
+    return IgnoringInterrupts()
 
 
 def cores():

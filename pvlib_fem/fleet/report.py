@@ -1,4 +1,4 @@
-"""One page of many systems."""
+"""An HTML page on many systems."""
 
 import os
 from pathlib import Path
@@ -38,20 +38,20 @@ def report(
     title: str = "",
 ) -> str:
     """
-    One page of a folder of results, with links to the systems' own pages.
+    One page on a folder of results, with links to the systems' own pages.
 
-    Which systems have clock or location faults; what failed, and why, such as wrong
-    units; which systems misjudge most energy; what was found where, and by how many of
-    the systems of a site; how coefficients spread.
+    The page lists systems with clock or location faults; failures with their reasons,
+    such as wrong units; the systems with the largest energy errors; the findings by
+    effect and by site; and the spread of coefficients.
 
     Parameters
     ----------
     out : path
-        As :func:`pvlib_fem.fleet.run` was given it.
+        Folder of the results of :func:`pvlib_fem.fleet.run`.
     path : path, optional
-        File to write; by default none, and links are from the folder ``out``.
+        File to write; by default none, and links are relative to the folder ``out``.
     by : str, default "mounting"
-        Label of the table by which coefficients are told apart.
+        Label of the table by which coefficients are grouped.
     title : str, optional
 
     Returns
@@ -81,7 +81,7 @@ def report(
 
 
 class Pages:
-    """Links to the pages of systems, of which those that lack are made."""
+    """Links to the pages of systems; missing pages are written."""
 
     def __init__(self, found, folder):
         self.found, self.folder = found, folder
@@ -105,7 +105,7 @@ class Pages:
 
 
 def headline(systems):
-    """How many, and their usual error."""
+    """Number of systems by state, and their median error."""
     done = systems[systems["state"] == "done"]
     words = f"{len(systems):,} systems, {len(done):,} done"
     if lost := int((systems["state"] == "failed").sum()):
@@ -119,7 +119,7 @@ def headline(systems):
 
 
 def to_visit(systems, pages):
-    """Systems by the energy that they misjudge in a year, the largest first."""
+    """Table of systems, with the largest energy error per year first."""
     done = systems[systems["state"] == "done"]
     share = done["energy_error_before"].fillna(done["energy_error_after"])
     lost = share / 100.0 * done["insolation"]
@@ -146,17 +146,17 @@ def to_visit(systems, pages):
         (*head, "#K before", "#K after", "found"),
         lines,
         len(rows),
-        "Absolute energy error that the temperature error of the model without effects "
-        "causes, on days that no fit has seen, at the insolation of the record; after "
-        "is the error with all that was found.",
+        "Absolute energy error that temperature errors of the model without effects "
+        "cause, on held-out days, at the insolation of the record; after is the error "
+        "of the model with all findings.",
     )
 
 
 def clock_faults(findings, pages):
-    """Systems whose timestamps or location are wrong, by name."""
+    """Table of systems with wrong timestamps or a wrong location."""
     if findings.empty or not (found := findings[findings["kind"] == CLOCK]).size:
         return paragraph("None was found.")
-    found = found.sort_values(["added", "id"])  # what is not corrected comes first
+    found = found.sort_values(["added", "id"])  # uncorrected faults first
     rows = [
         (pages[row.id], row.site, row.verdict, row.why)
         for row in found.head(SHOWN).itertuples()
@@ -169,9 +169,9 @@ def clock_faults(findings, pages):
 
 
 def by_effect(systems, findings):
-    """Each effect: where, how often and how much."""
+    """Table of the findings by effect: number of systems, sites and gains."""
     if findings.empty:
-        return paragraph("Nothing was looked for, or nothing was found.")
+        return paragraph("No effect was tested, or none was found.")
     done = max(int((systems["state"] == "done").sum()), 1)
     groups = findings.groupby(["effect", "verdict"], sort=True)
     rows = []
@@ -199,12 +199,12 @@ def by_effect(systems, findings):
 
 
 def by_site(systems, findings, pages):
-    """Causes that systems of a site share, or that one has alone."""
+    """Table of causes that systems of a site share, or that one has alone."""
     groups = shared(systems, findings) if len(findings) else []
     if not groups:
         return paragraph(
-            "No site has several systems of which something was found; a column site "
-            "of the table of systems says which of them share a weather station."
+            "No site has several systems with findings. Systems with the same value in "
+            "the column site of the table of systems share a weather station."
         )
     lines = [
         (
@@ -222,8 +222,9 @@ def by_site(systems, findings, pages):
         head,
         lines,
         len(groups),
-        "Of systems that share a weather station: what all have at one time is the "
-        "station's, or acts on all of them; what one has alone is of its module.",
+        "For systems that share a weather station: a cause that all have at one time "
+        "is in the station, or acts on all of them; a cause of one system alone is at "
+        "its module.",
     )
 
 
@@ -235,7 +236,7 @@ def dates(group):
 
 
 def coefficients(systems, found, by):
-    """Spread of each coefficient, by a label."""
+    """Table of the spread of each coefficient, by a label."""
     labels = systems.set_index("id")
     which = labels[by] if by in labels else pd.Series("", labels.index)
     own = found[found["coefficient"].isin(OWN)]
@@ -246,7 +247,7 @@ def coefficients(systems, found, by):
         error = some["stderr"].median()
         cells = (f"{low:.4g}", f"{middle:.4g}", f"{high:.4g}", rounded(error))
         count = f"{len(some):,}"
-        lines.append((label or "not told", name, some["unit"].iloc[0], count, *cells))
+        lines.append((label or "not given", name, some["unit"].iloc[0], count, *cells))
     if not lines:
         return paragraph("No coefficients: no system was done.")
     head = (by, "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
@@ -255,13 +256,13 @@ def coefficients(systems, found, by):
         (*head, "#median ±"),
         lines,
         len(lines),
-        "Of the systems, not of one coefficient's error, which is the last column."
-        + words,
+        "Quantiles over the systems; the last column is the median standard error of "
+        "one coefficient." + words,
     )
 
 
 def failures(systems):
-    """Messages, with the systems that have them."""
+    """List of messages, with the systems that have them."""
     failed = systems[systems["state"] == "failed"]
     if failed.empty:
         return paragraph("Nothing.")
@@ -274,6 +275,6 @@ def failures(systems):
 
 
 def shortened(head, rows, total, caption="", wraps=False):
-    """A table of the first rows, which says how many there are."""
+    """A table of the first rows; its caption has their total number."""
     rest = f" The first {SHOWN} of {total:,}; all are in Parquet." * (total > SHOWN)
     return table(head, rows[:SHOWN], (caption + rest).strip(), wraps)

@@ -1,4 +1,4 @@
-"""A folder of results, read."""
+"""Read a folder of results."""
 
 import json
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Results:
     out: Path
 
     def table(self, name: str, json: bool = False) -> pd.DataFrame:
-        """One of ``systems``, ``coefficients``, ``findings``; with the JSON or not."""
+        """Table ``systems``, ``coefficients`` or ``findings``, with or without JSON."""
         import pyarrow.parquet as pq
 
         path = Path(self.out, f"{name}.parquet")
@@ -52,7 +52,7 @@ class Results:
         return self.table("findings")
 
     def result(self, identity: str) -> Any:
-        """The fit or the loop of a system, as ``from_json`` reads it."""
+        """The result of a system: a fit, a loop or a recovery."""
         path = result_path(self.out, identity)
         if not path.exists():
             raise ValueError(f"{self.out} holds nothing of a system {identity!r}")

@@ -1,4 +1,4 @@
-"""Fit many systems, or close the loop on them, and keep what comes of it."""
+"""Fit many systems, or close the loop on them, and store the results."""
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
@@ -33,11 +33,11 @@ def run(
     **options: Any,
 ) -> Results:
     """
-    Do a task for each system of a table, on one machine or on many.
+    Run a task for each system of a table, on one machine or on many.
 
-    Workers read the files, do the task and write a file each; only the names of
-    systems and what became of them pass through here. In the end tables are made of
-    all files. The same tables come of any number of workers, to the bit.
+    Workers read the files, run the task and write one file per system; this process
+    handles only names and states of systems. At the end tables are made from all files.
+    They do not depend on the number of workers, to the bit.
 
     Parameters
     ----------
@@ -45,33 +45,35 @@ def run(
         A table, or its CSV, Excel or Parquet file, with a row for each system: ``id``,
         ``file`` (path, pattern or URL that fsspec opens; files of several loggers
         joined by ``|``), and any of ``site``, ``latitude``, ``longitude``,
-        ``surface_tilt``, ``surface_azimuth`` [°], ``pdc0`` [W], ``steady_model`` in the
-        place of the run's ``model`` (``ross`` where there is no wind), the options of
-        :func:`pvlib_fem.read_file` by name, ``poa_global`` and the others for the
+        ``surface_tilt``, ``surface_azimuth`` [°], ``pdc0`` [W], ``steady_model``
+        instead of the run's ``model`` (``ross`` for records without wind), the options
+        of :func:`pvlib_fem.read_file` by name, ``poa_global`` and the others for the
         name of the column in the file, ``poa_global_unit`` for its unit. All other
-        columns are labels. Relative paths are from the folder of the table.
+        columns are labels. Relative paths start at the folder of the table.
     out : path
-        Folder of the results, which all workers see.
+        Folder of the results, to which all workers have access.
     task : str, default "loop"
         ``"fit"``, which is :func:`pvlib_fem.fit_fem`, ``"loop"``,
         :func:`pvlib_fem.close_loop`, or ``"recover"``,
         :func:`pvlib_fem.recover_effects`.
     client : distributed.Client or str, optional
-        Or the address of a scheduler; by default a cluster on this machine.
+        A client, or the address of a scheduler; by default a cluster on this machine.
     workers : int, optional
-        Processes of that cluster, by default one a core; 0 works here, without Dask.
+        Processes of that cluster, by default one per core; with 0 all systems run in
+        this process, without Dask.
     resume : bool, default True
-        Keep what is there of the same files, row, options and version. Systems that
-        failed because of their data are kept so; what failed otherwise is tried again.
+        Keep results of the same files, row, options and version. Systems that failed
+        because of their data are kept as failed; other failures are tried again.
     pages : bool, default False
-        Write each system's page with pictures, too, which takes about as long again.
+        Write each system's page with pictures, too; this doubles the time.
     memory_limit : str or int, default "auto"
-        Of each worker of the cluster on this machine, as Dask takes it.
+        Memory limit of each worker of the cluster on this machine, as for Dask.
     progress : callable or bool, optional
-        Called with what became of each system; True shows a bar. By default a bar on
-        a terminal.
+        Function that is called with the answer of each system; True shows a bar. By
+        default a bar on a terminal.
     **options
-        Of the task, such as ``model="pvsyst"`` or ``criteria=Criteria(chance=0.01)``.
+        Options of the task, such as ``model="pvsyst"`` or
+        ``criteria=Criteria(chance=0.01)``.
 
     Returns
     -------
@@ -80,17 +82,17 @@ def run(
     Raises
     ------
     ValueError
-        If the table is wrong, before anything is read; the message names the system
+        If the table is wrong, before any file is read; the message names the system
         and the cell. A file that cannot be used is a row with its message instead.
     OSError
-        If results cannot be written. What was done until then is kept.
+        If results cannot be written. Results until then are kept.
 
     Notes
     -----
-    A script that calls it needs ``if __name__ == "__main__":``, since workers are
-    processes of their own.
+    A script that calls this function needs ``if __name__ == "__main__":``, because
+    workers are separate processes.
 
-    When it is interrupted the tables are made of what there is.
+    After an interrupt, the tables are made from the results so far.
 
     Examples
     --------
@@ -98,14 +100,14 @@ def run(
     """
     check(task, pages, options)
     table = opened(systems)
-    for system in systems_of(table):  # refuses what is wrong before the work
+    for system in systems_of(table):  # refuses wrong rows before the work
         del system
     out = Path(out).absolute()
     Path(out, "results").mkdir(parents=True, exist_ok=True)
     work = Work(str(out), task, resume, pages, options)
     try:
         with ExitStack() as stack:
-            tell = told(stack, progress, len(table))
+            tell = reporter(stack, progress, len(table))
             if workers == 0:
                 answers = serial(work, systems_of(table))
             else:
@@ -122,11 +124,11 @@ def run(
 
 
 def check(task, pages, options):
-    """Refuse before the work what no system could do."""
+    """Refuse options that no system could use, before the work."""
     check_task(task, options)
-    if lacking := [name for name in NEEDED if find_spec(name) is None]:
+    if missing := [name for name in NEEDED if find_spec(name) is None]:
         raise ValueError(
-            f"a fleet needs {' and '.join(lacking)}: pip install 'pvlib_fem[fleet]'"
+            f"a fleet needs {' and '.join(missing)}: pip install 'pvlib_fem[fleet]'"
         )
     if pages and not TASKS[task].paged:
         raise ValueError(f"the task {task} makes no pages")
@@ -134,8 +136,8 @@ def check(task, pages, options):
         raise ValueError("pages need matplotlib: pip install 'pvlib_fem[plot]'")
 
 
-def told(stack, progress, total):
-    """A function that is told each answer."""
+def reporter(stack, progress, total):
+    """The function to call with each answer."""
     if callable(progress):
         return progress
     tell = stack.enter_context(counting(total, 0, progress, "systems"))

@@ -1,4 +1,4 @@
-"""What the systems of one site share: the station's, or one module's own."""
+"""Find causes that systems of one site share, or that one system has alone."""
 
 import json
 from dataclasses import dataclass, field
@@ -11,12 +11,12 @@ from pvlib_fem.fleet.tasks import JOIN
 
 STATIONS = {name for name, effect in CHANGES.items() if effect.channel in STATION}
 MODULES = {*CHANGES} - STATIONS
-FEW = 3  # names that stand for others
+FEW = 3  # names that are shown of a longer list
 
 
 @dataclass(frozen=True)
 class Found:
-    """A finding of a system: a row of the table, as it is compared."""
+    """A finding of a system, from a row of the table."""
 
     id: str
     candidates: set
@@ -28,31 +28,31 @@ class Found:
     def of(cls, row):
         dated = isinstance(row["first"], str)
         dates = (row["first"], row["last"]) if dated else (None, None)
-        gain = row["gain"] if row["gain"] == row["gain"] else 0.0  # of a clock
+        gain = row["gain"] if row["gain"] == row["gain"] else 0.0  # NaN for a clock
         return cls(row["id"], {*row["candidates"].split(JOIN)}, gain, *dates)
 
 
 @dataclass
 class Shared:
     """
-    Findings of one site that may be one cause.
+    Findings of one site that may have one cause.
 
     Attributes
     ----------
     site : str
     candidates : set of str
-        Those that all of them have.
+        Candidates that all findings have in common.
     systems : dict of float
-        Gain by id, of those in which it was found. [K]
+        Gain by id of the systems in which it was found. [K]
     also : set of str
-        Systems that show it, too, too small to be added there.
+        Systems that show it, too, but too weakly for a finding.
     without : set of str
         Systems that would show it at the largest of these gains, and do not.
     maybe : set of str
-        Systems in which something else was found that it may be: at that time, or of
-        one of its channels and without a date.
+        Systems with another finding that may have this cause: at that time, or of one
+        of its channels and without a date.
     first, last : str or None
-        Dates between which they may have begun, of a change.
+        Dates between which a change may have begun.
     """
 
     site: str
@@ -65,13 +65,13 @@ class Shared:
     last: str | None = None
 
     def fits(self, finding):
-        """Whether a finding may be of the same cause, at the same time."""
+        """Whether a finding may have this cause, at the same time."""
         if not self.candidates & finding.candidates:
             return False
         return (finding.first is None) == (self.first is None) and self.meets(finding)
 
     def meets(self, finding):
-        """Whether the dates of both overlap, as far as they are known."""
+        """Whether the dates overlap, as far as they are known."""
         if None in (self.first, finding.first):
             return True
         return finding.first <= self.last and self.first <= finding.last
@@ -85,19 +85,19 @@ class Shared:
             self.last = max(finding.last, self.last)
 
     def may_be(self, finding):
-        """Whether a finding that is not among these may yet be of their cause."""
+        """Whether a finding of another group may still have this cause."""
         dated = None not in (self.first, finding.first)
         same = channels(self.candidates) & channels(finding.candidates)
         return self.meets(finding) and (dated or bool(same))
 
-    def ask(self, others, findings):
-        """Ask systems in which it was not found, by what was found there instead."""
+    def check(self, others, findings):
+        """Sort the other systems into ``also``, ``without`` and ``maybe``."""
         self.maybe = {one.id for one in findings if self.may_be(one)} - {*self.systems}
         for identity, weighed in others.items():
             known = [weighed[name] for name in self.candidates if name in weighed]
             if identity in self.systems or not (known or (self.first and weighed)):
-                continue  # a date is looked for in every loop, whatever it weighs
-            # a change that is dated has its date in the findings
+                continue  # every loop searches dates, whichever effects it tests
+            # a dated change of another system would be among the findings
             if self.first is None and any(0.0 < least <= gain for gain, least in known):
                 self.also.add(identity)
             elif identity not in self.maybe and all(
@@ -124,7 +124,7 @@ class Shared:
 
     @property
     def likely(self):
-        """The candidates that go with its being of all systems, or of one."""
+        """Candidates that agree with its occurrence in all systems, or in one alone."""
         if not self.candidates <= {*CHANGES}:
             return []
         side = STATIONS if self.everywhere else MODULES if self.alone else set()
@@ -132,22 +132,22 @@ class Shared:
 
     @property
     def words(self):
-        """What to suspect."""
+        """Number of systems with the cause, and the suspected component."""
         some = f" ({few(self.likely, ' or ', ' or ')})" if self.likely else ""
         more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
-        asked = self.have + len(self.without) + len(self.maybe)
+        tested = self.have + len(self.without) + len(self.maybe)
         if self.alone:
             one = f"this one{more}" if more else "this one alone"
-            words = f"{one}, and not {len(self.without)} beside it that would show it"
+            words = f"{one}, and not {len(self.without)} others that would show it"
             return f"{words}: suspect its module, sensor or surroundings{some}"
-        count = f"{self.have} of {asked}{more}"
+        count = f"{self.have} of {tested}{more}"
         if not self.everywhere:
-            return count if asked > 1 else "no other can show it"
-        count = count if more else f"all {asked} that can show it"
+            return count if tested > 1 else "no other can show it"
+        count = count if more else f"all {tested} that can show it"
         if self.candidates <= MODULES:
-            return f"{count}: what was done to all modules at once"
+            return f"{count}: a change of all modules at once"
         if self.candidates & ({*EFFECTS} - {*CHANGES}):
-            return f"{count}: what acts on all modules there, or the station"
+            return f"{count}: an effect on all modules there, or the station"
         return f"{count}: suspect the station{some}"
 
 
@@ -155,21 +155,21 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     """
     Causes of each site that has more systems than one.
 
-    Findings are of one cause where they have a candidate in common and, if they have
-    dates, intervals that overlap. A system counts as one without it only if its record
-    would show the same gain, and if nothing was found there that may be the same: at
-    that time, or of one of its channels and without a date.
+    Findings have one cause if they share a candidate and, if they have dates, their
+    intervals overlap. A system counts as without it only if its record would show an
+    equal gain, and if it has no finding that may have this cause: at that time, or of
+    one of its channels and without a date.
 
     Parameters
     ----------
     systems, findings : DataFrame
-        As :class:`pvlib_fem.fleet.Results` has them.
+        Tables of :class:`pvlib_fem.fleet.Results`.
 
     Returns
     -------
     list of Shared
-        Changes of a station or of one module first, then what all systems of a site
-        have; of these the largest gains.
+        First changes of a station or of one module, then causes that all systems of a
+        site have, each by decreasing gain.
     """
     done = systems[(systems["state"] == "done") & (systems["site"] != "")]
     added = findings[findings["added"]].sort_values("id", kind="stable")
@@ -184,13 +184,13 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
             row["id"]: weights(row["weighed"]) for row in members.to_dict("records")
         }
         for group in groups:
-            group.ask(weighed, mine)
+            group.check(weighed, mine)
         found += groups
     return sorted(found, key=order)
 
 
 def grouped(site, findings):
-    """Findings of a site by what may be one cause."""
+    """Findings of a site, grouped by cause."""
     groups: list[Shared] = []
     for one in findings:
         same = [group for group in groups if group.fits(one)]
@@ -202,19 +202,19 @@ def grouped(site, findings):
 
 
 def channels(names):
-    """What some candidates are of, whatever the course of a change."""
+    """Channels of some candidates; effects without a channel by their names."""
     return {CHANGES[name].channel if name in CHANGES else name for name in names}
 
 
 def few(names, apart=", ", last=" and "):
-    """The first of some names, and how many there are beside."""
+    """The first of some names, and the number of further names."""
     names = sorted(names)
     more = len(names) - FEW
     return apart.join(names[:FEW]) + (f"{last}{more:,} more" if more > 0 else "")
 
 
 def weights(text):
-    """Gains and minimum detectable ones by effect; what is unknown shows nothing."""
+    """Known gains and minimum detectable gains by effect."""
     pairs = json.loads(text) if isinstance(text, str) else {}
     known = {}
     for name, (gain, least) in pairs.items():

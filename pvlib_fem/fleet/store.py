@@ -1,4 +1,4 @@
-"""Results on disk: a file for each system, and the tables that are made of them."""
+"""Results on disk: a file for each system, and tables made from them."""
 
 import hashlib
 import json
@@ -15,10 +15,10 @@ TABLES = ("systems", "coefficients", "findings")
 
 
 def name_of(identity):
-    """The name of a system's files, which any disk takes, and none shares."""
+    """A unique name for a system's files that is valid on any disk."""
     code = hashlib.sha256(identity.encode("utf-8", "surrogatepass")).hexdigest()
     plain = re.sub(r"[^A-Za-z0-9_-]+", "-", identity)[:60]
-    return f"{code[:2]}/{plain}-{code[:12]}"  # a folder holds a 256th of all
+    return f"{code[:2]}/{plain}-{code[:12]}"  # 256 folders
 
 
 def result_path(out, identity):
@@ -31,7 +31,7 @@ def page_path(out, identity):
 
 def keep(out, identity, head, result=None):
     """
-    Write a system's result, whole or not at all.
+    Write a system's result; a failed write leaves no file.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def keep(out, identity, head, result=None):
     head : dict
         ``key``, ``state``, ``message``, ``row``, ``coefficients``, ``findings``.
     result : dict, optional
-        What ``to_json`` of it writes, so that ``from_json`` reads the file.
+        Content that ``to_json`` writes, so that ``from_json`` reads the file.
     """
     path = result_path(out, identity)
     content = {**plain({"fleet": {"id": identity, **head}}), **(result or NONE)}
@@ -50,13 +50,13 @@ def keep(out, identity, head, result=None):
     except OSError as error:
         raise OSError(
             f"the result of system {identity} cannot be written to {out} "
-            f"({error.strerror or error}); what was done before is kept: make room, "
-            "and run the same again to go on"
+            f"({error.strerror or error}); earlier results are kept: make room, and "
+            "run the same again to go on"
         ) from error
 
 
 def kept(out, identity):
-    """What a system's file holds, or None where there is none that `keep` wrote."""
+    """Content of a system's file, or None without a file that `keep` wrote."""
     try:
         path = result_path(out, identity)
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -68,7 +68,7 @@ def kept(out, identity):
 
 
 def put_page(out, identity, html):
-    """Write a system's page; without one that of an older result goes."""
+    """Write a system's page; None removes the page of an older result."""
     path = page_path(out, identity)
     if html is None:
         path.unlink(missing_ok=True)
@@ -79,7 +79,7 @@ def put_page(out, identity, html):
 
 def compact(out, table, task):
     """
-    Make the tables of all results, each whole or as it was.
+    Make the tables of all results; a failed write leaves the old tables.
 
     Parameters
     ----------
@@ -150,9 +150,9 @@ def schemas_of(table):
 
 
 def taken(rows, system, content, task):
-    """Put what a file holds where it belongs; the state of the system."""
+    """Append the content of a system's file to the tables; return its state."""
     head = content["fleet"] if content else {"state": "not run", "message": ""}
-    if head.get("task", task) != task:  # of another run into the same folder
+    if head.get("task", task) != task:  # from another run into the same folder
         content, head = None, {"state": "not run", "message": ""}
     files = " | ".join(system.files)
     row = {"id": system.id, **system.labels, **system.place, "pdc0": system.pdc0}
@@ -172,7 +172,7 @@ def taken(rows, system, content, task):
 
 
 def finite(row, schema):
-    """A row whose infinities are numbers again."""
+    """A row with infinities as numbers instead of texts."""
     kinds = {name: str(schema.field(name).type) for name in schema.names}
     return {
         name: float(row[name])

@@ -1,4 +1,4 @@
-"""A table of systems: where each one's data are, how they are read, where it stands."""
+"""The table of systems: files of each system, how to read them, and its site."""
 
 import difflib
 from collections.abc import Iterator
@@ -15,14 +15,14 @@ from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, unit_of
 from pvlib_fem.thermal.steady import steady_model
 
-#: numbers of a place, with what they may be
+#: numbers of a place, with their ranges
 PLACE = {
     "latitude": (-90.0, 90.0),
     "longitude": (-180.0, 180.0),
     "surface_tilt": (0.0, 180.0),
     "surface_azimuth": (-360.0, 360.0),
 }
-#: what reading takes beside the layout of the file
+#: options of reading in addition to the layout of the file
 READING = ("convert_units", "check_units", "module_area")
 LAYOUT = tuple(field.name for field in fields(Layout))
 UNITS = {f"{name}_unit": name for name in QUANTITIES}
@@ -38,7 +38,7 @@ KNOWN = (
     *QUANTITIES,
     *UNITS,
 )
-BETWEEN = "|"  # files of several loggers, and texts of one cell
+BETWEEN = "|"  # separates files of several loggers, and texts of one cell
 TRUE, FALSE = ("true", "yes", "1"), ("false", "no", "0")
 
 
@@ -51,22 +51,22 @@ class System:
     ----------
     id : str
     files : tuple of str
-        Path, pattern or URL of each logger; what a pattern matches are its pieces.
+        Path, pattern or URL of each logger; a pattern matches the pieces of its record.
     columns, units : dict
-        By the package's names: column of the file, and its unit.
+        Columns of the file and their units, by the package's names.
     layout : dict
         Fields of :class:`pvlib_fem.record.layout.Layout`.
     reading : dict
         ``convert_units``, ``check_units``, ``module_area``.
     place : dict
-        ``latitude``, ``longitude``, ``surface_tilt``, ``surface_azimuth``, as far as
-        they are known. [°]
+        ``latitude``, ``longitude``, ``surface_tilt``, ``surface_azimuth``, if known.
+        [°]
     pdc0 : float
-        Nominal power, NaN where it is not known. [W]
+        Nominal power, NaN if unknown. [W]
     labels : dict
         All other columns, ``site`` first.
     steady_model : str
-        That of this system; "" where it is that of the run.
+        Steady model of this system; "" for that of the run.
     """
 
     id: str
@@ -88,18 +88,18 @@ def opened(systems: Any) -> pd.DataFrame:
     Parameters
     ----------
     systems : DataFrame, str or path-like
-        A file is CSV, Excel or Parquet; paths in it are from its folder.
+        A table, or a CSV, Excel or Parquet file; paths in it start at its folder.
 
     Returns
     -------
     DataFrame
-        Its ``attrs["folder"]`` is where relative paths start.
+        ``attrs["folder"]`` is the folder at which relative paths start.
 
     Raises
     ------
     ValueError
-        If a column that is needed lacks, an id comes twice, or a column looks like a
-        known one that is spelled otherwise.
+        If a required column is missing, an id comes twice, or a column looks like a
+        misspelled known one.
     """
     folder = Path.cwd()
     if isinstance(systems, pd.DataFrame):
@@ -147,7 +147,7 @@ def opened(systems: Any) -> pd.DataFrame:
 
 
 def systems_of(table: pd.DataFrame) -> Iterator[System]:
-    """The rows of an :func:`opened` table, each refused by its id if it is wrong."""
+    """The rows of an :func:`opened` table; ValueError names the id of a wrong row."""
     names, folder = list(table.columns), table.attrs["folder"]
     labels = labels_of(table)
     for values in table.itertuples(index=False, name=None):
@@ -159,12 +159,12 @@ def systems_of(table: pd.DataFrame) -> Iterator[System]:
 
 
 def labels_of(table):
-    """Names of the columns that are labels, the site first."""
+    """Names of the label columns, the site first."""
     return ["site", *(name for name in table.columns if name not in KNOWN)]
 
 
 def system_of(row, labels, folder):
-    """A system of the cells of its row that are not empty."""
+    """A system, from the cells of its row that are not empty."""
     if "file" not in row:
         raise ValueError("it has no file")
     place = {
@@ -179,13 +179,13 @@ def system_of(row, labels, folder):
             raise ValueError(f"it has {given[0]} and no {other}")
     layout = {name: laid(name, row[name]) for name in LAYOUT if name in row}
     if "tz" in layout:
-        zoned(pd.DatetimeIndex([]), layout["tz"])  # refuses what is no zone
+        zoned(pd.DatetimeIndex([]), layout["tz"])  # refuses an unknown zone
     reading = {name: truth(row[name], name) for name in READING[:2] if name in row}
     if "module_area" in row:
         reading["module_area"] = number(row["module_area"], "module_area", 0.0)
     model = str(row.get("steady_model", "")).strip()
     if model:
-        steady_model(model)  # refuses what is none
+        steady_model(model)  # refuses an unknown model
     units = {of: str(row[name]).strip() for name, of in UNITS.items() if name in row}
     return System(
         id=row["id"],
@@ -202,26 +202,26 @@ def system_of(row, labels, folder):
 
 
 def empty(value):
-    """Whether a cell says nothing."""
+    """Whether a cell is empty."""
     if value is None or (isinstance(value, str) and not value.strip()):
         return True
     return bool(np.ndim(value) == 0 and pd.isna(value))
 
 
 def parts(value):
-    """Texts of a cell."""
+    """The texts of a cell."""
     if isinstance(value, str):
         return [part.strip() for part in value.split(BETWEEN)]
     return [str(value)] if np.ndim(value) == 0 else [str(part) for part in value]
 
 
 def whole(file, folder):
-    """A path from the root; a URL as it is."""
+    """An absolute path; a URL is returned as it is."""
     return file if "://" in file or "::" in file else str(Path(folder, file))
 
 
 def number(value, name, least=-np.inf, most=np.inf):
-    """A number of a cell within what it may be."""
+    """The number of a cell, checked by its range."""
     try:
         found = float(value)
     except (TypeError, ValueError) as error:
@@ -232,7 +232,7 @@ def number(value, name, least=-np.inf, most=np.inf):
 
 
 def truth(value, name):
-    """Yes or no of a cell."""
+    """The boolean of a cell."""
     word = str(value).strip().lower().removesuffix(".0")
     if word not in TRUE + FALSE:
         raise ValueError(f"{name} is {value!r}; it has to be true or false")
@@ -240,7 +240,7 @@ def truth(value, name):
 
 
 def laid(name, value):
-    """A field of the layout, of its cell."""
+    """A field of the layout, from its cell."""
     if name in ("time", "missing"):
         return tuple(parts(value))
     if name in ("sort", "drop_doubled", "drop_untimed"):

@@ -1,4 +1,4 @@
-"""What can be done with a system, and what of the answer goes into the tables."""
+"""Tasks for a system, and the rows of their results in the tables."""
 
 import inspect
 import json
@@ -25,7 +25,7 @@ from pvlib_fem.report.page import numbers
 from pvlib_fem.stored import plain
 
 HOURS_A_YEAR = 8766.0
-#: columns of a row of systems that a task gives, with their types
+#: columns of the table of systems from a task, with their types
 ROW = {
     "start": str,
     "end": str,
@@ -41,11 +41,11 @@ ROW = {
     "energy_error_after": float,
     "insolation": float,  # kWh/m² a year
     "effects": str,
-    "weighed": str,  # JSON: by effect the gain and the minimum detectable one [K]
+    "weighed": str,  # JSON: gain and minimum detectable gain by effect [K]
 }
-#: of a coefficient
+#: columns of the table of coefficients
 COEFFICIENT = {"coefficient": str, "value": float, "stderr": float, "unit": str}
-#: of a finding
+#: columns of the table of findings
 FINDING = {
     "effect": str,
     "candidates": str,
@@ -70,17 +70,17 @@ class Task:
     Attributes
     ----------
     of : callable
-        The public function; what it takes is what the task takes.
+        The public function, whose options are those of the task.
     run : callable
         ``run(data, location=, surface_tilt=, surface_azimuth=, check_units=,
         **options)``, to a result with ``to_json``, ``to_html`` and ``from_json``.
     row, coefficients, findings : callable
-        Of the result: a dict of :data:`ROW`, lists of dicts of :data:`COEFFICIENT`
-        and :data:`FINDING`; what lacks in a dict is empty in the table.
+        Functions of the result: to a dict of :data:`ROW`, and to lists of dicts of
+        :data:`COEFFICIENT` and :data:`FINDING`. A missing key is empty in the table.
     result : type
-        That of the result, which has ``content``.
+        Type of the result, which has ``content``.
     format : str
-        Of its files.
+        Format of its files.
     paged : bool
         Whether a result has a page.
     """
@@ -96,7 +96,7 @@ class Task:
 
 
 def row_of_fit(fit):
-    """What a fit is of, and its error before and after the dynamics."""
+    """Row of a fit: its record, and its error before and after the dynamics."""
     end = "test" if fit.test_days else "train"
     errors = fit.scores[f"rmse_{end}"]
     rows = fit.holdout if fit.test_days else ~fit.holdout
@@ -113,7 +113,7 @@ def row_of_fit(fit):
 
 
 def row_of_loop(loop):
-    """The same of a loop, before and after what was added."""
+    """Row of a loop: its record, and its error before and after the findings."""
     end = "test" if loop.fit.test_days else "train"
     before, after = loop.table.loc[loop.base], loop.table.loc[loop.last]
     return {
@@ -128,17 +128,17 @@ def row_of_loop(loop):
 
 
 def weighed_of(loop):
-    """What the record shows of effects that were not found, and what it could show."""
+    """JSON of the gain and minimum detectable gain of effects that were not found."""
     known = loop.ranking[["gain", "minimum_detectable"]]
     found = {name: [*map(float, row)] for name, row in zip(known.index, known.values)}
     for name, why in loop.untestable.items():
-        if why.reason is Reason.NO_DATE:  # it was looked for, at every date
+        if why.reason is Reason.NO_DATE:  # every date was tested
             found[name] = [0.0, 0.0]
     return json.dumps(plain(found))
 
 
 def about(fit):
-    """Size and times of the record, the form of the model, and the sun's energy."""
+    """Size and times of the record, the form of the model, and insolation per year."""
     of, poa = fit.summary, pd.Series(fit.record["poa_global"], fit.record.index)
     sun = scores.energy_error(poa, 0.0 * poa, 0.0 * poa).insolation
     hours = (of.end - of.start) / pd.Timedelta("1h")
@@ -156,7 +156,7 @@ def about(fit):
 
 
 def coefficients_of(fit):
-    """Every coefficient with its error."""
+    """Rows of all coefficients with their errors."""
     return [
         {
             "coefficient": name,
@@ -172,14 +172,14 @@ CLOCK = "CLOCK"  # kind of a clock fault among findings
 
 
 def findings_of(loop):
-    """What a loop found: clocks first, as it did."""
+    """Rows of the findings of a loop, clocks first."""
     effects = {effect.name: effect for effect in loop.fit.effects}
     clocks = [of_clock(correction) for correction in loop.corrections]
     return clocks + [of_finding(finding, effects) for finding in loop.findings]
 
 
 def of_clock(correction: Correction):
-    """A clock that is off."""
+    """Row of a clock fault."""
     values = correction.values.items()
     sizes = [
         f"{n} {with_error(v, correction.stderr.get(n, np.nan))}" for n, v in values
@@ -197,7 +197,7 @@ def of_clock(correction: Correction):
 
 
 def of_finding(finding: Finding, effects: Mapping):
-    """A finding, with the dates between which it may have begun, if it has one."""
+    """Row of a finding, with the interval of its date, if it has one."""
     dates = effects[finding.effect].settings if finding.effect in effects else {}
     first, last = dates.get("between") or (None, None)
     return {
@@ -216,13 +216,13 @@ def of_finding(finding: Finding, effects: Mapping):
     }
 
 
-#: what belongs to one system, and not to all
+#: arguments that belong to one system, and not to all
 OWN = {"data", "location", "surface_tilt", "surface_azimuth", "holdout"}
-ENGINES = {"processes", "path", "progress"}  # what a fleet says itself
+ENGINES = {"processes", "path", "progress"}  # arguments that the fleet itself sets
 
 
 def check_task(name, options):
-    """Refuse a task that there is not, and options that it does not take."""
+    """Refuse an unknown task, and options that a task does not have."""
     if name not in TASKS:
         raise ValueError(f"unknown task {name!r}; there are {', '.join(TASKS)}")
     there = inspect.signature(TASKS[name].of).parameters.values()
@@ -241,18 +241,18 @@ def check_task(name, options):
 
 
 def recover_one(data, **options):
-    """A recovery in this process, which is one of many."""
+    """A recovery in this process, which is one of many workers."""
     return recover_effects(data, processes=1, progress=False, **options)
 
 
 def row_of_recovery(recovery):
-    """What the record itself has."""
+    """Row of a recovery: the effects of its baseline."""
     added = [finding.effect for finding in recovery.baseline if finding.added]
     return {"effects": ", ".join(added)}
 
 
 def sizes_of(recovery):
-    """From what size each effect is found in half of the injections."""
+    """Rows of the size at which half of the injections are found, by effect."""
     half = recovery.half
     for name, size in half["size"].items():
         units = {*recovery.units.get(name, {}).values()}
@@ -262,12 +262,12 @@ def sizes_of(recovery):
 
 
 def baseline_of(recovery):
-    """What the loop finds in the record as it is."""
+    """Rows of the findings in the record itself."""
     return [of_finding(finding, {}) for finding in recovery.baseline]
 
 
 def nothing(result):
-    """A fit finds nothing beyond its coefficients."""
+    """No rows: a fit has no findings."""
     return []
 
 

@@ -1,4 +1,4 @@
-"""One system, from its files to its result: what a worker does."""
+"""The work on one system, from its files to its result."""
 
 import hashlib
 import json
@@ -17,13 +17,13 @@ from pvlib_fem.record.layout import Layout
 from pvlib_fem.report.page import said_of
 from pvlib_fem.stored import plain, stamped
 
-#: what a file system may know of a file that tells whether it has changed
+#: attributes of a file by which a change is detected, if its file system has them
 MARKS = ("size", "mtime", "ETag", "etag", "LastModified", "last_modified", "updated")
 
 
 @dataclass(frozen=True)
 class Work:
-    """What is the same for all systems of a run; called with each of them."""
+    """Function that a worker calls with each system of a run."""
 
     out: str
     task: str
@@ -33,18 +33,18 @@ class Work:
 
     def __call__(self, system: System) -> dict:
         """
-        Do one system, unless its result is there, and write what came of it.
+        Process one system, unless its result is there, and write the result.
 
         Returns
         -------
         dict
             ``id``, ``state`` (``"done"`` or ``"failed"``), ``message`` and whether
-            it was ``kept`` from before.
+            it was ``kept`` from an earlier run.
 
         Raises
         ------
         OSError
-            If the result cannot be written; all else is told in it.
+            If the result cannot be written. Other errors are stored in the result.
         """
         head: dict[str, Any] = {"key": "", "task": self.task}
         content = page = None
@@ -66,7 +66,7 @@ class Work:
                     page = result.to_html(
                         title=title_of(system.id, system.labels["site"])
                     )
-            except Exception as error:  # of one system, which stops no other
+            except Exception as error:  # an error of one system stops no other
                 head, content = failure(head, error), None
         put_page(self.out, system.id, page)
         keep(self.out, system.id, head, content)
@@ -75,7 +75,7 @@ class Work:
     def ended(self, system: System, error: Exception) -> dict:
         """The answer of a system that ended every worker that took it."""
         words = (
-            "it ended each worker that took it, probably since its data need more "
+            "it ended each worker that took it, probably because its data need more "
             f"memory than a worker has: {' '.join(str(error).split())}"
         )
         head = {"key": "", "task": self.task, "state": "failed", "message": words}
@@ -83,7 +83,7 @@ class Work:
         return answer(system, head)
 
     def before(self, system, key):
-        """What was found of the same files in the same way, with its page."""
+        """The stored result with this key, if its page is there, too."""
         content = kept(self.out, system.id)
         if content is None or content["fleet"]["key"] != key:
             return None
@@ -92,7 +92,7 @@ class Work:
         return head if paged or head["state"] == "failed" else None
 
     def key(self, system, groups):
-        """The same for the same files, row, task, options and version."""
+        """Hash of the files, row, task, options and version."""
         from pvlib_fem import __version__
 
         options = {name: said_of(value) for name, value in self.options.items()}
@@ -107,7 +107,7 @@ class Work:
         return hashlib.sha256(words.encode("utf-8", "surrogatepass")).hexdigest()
 
     def result(self, system, groups, folder):
-        """The task's answer."""
+        """The result of the task."""
         data = loaded(system, groups, folder)
         place = [system.place.get(name) for name in PLACE]
         data = in_local_days(data, place[1], system.layout.get("tz"))
@@ -120,16 +120,16 @@ class Work:
 
 
 def title_of(identity, site):
-    """What a system's page is headed by."""
+    """The title of a system's page."""
     return ", ".join(filter(None, [site, identity]))
 
 
 def failure(head, error):
-    """What is kept of a system that failed; of data that are wrong to be kept."""
+    """The stored result of a failed system; without a key if it is tried again."""
     words = " ".join(str(error).split())
     if isinstance(error, FileNotFoundError):
         words = f"there is no file {error.filename or words}"
-    sure = isinstance(error, ValueError)  # all else may go well another time
+    sure = isinstance(error, ValueError)  # other errors may not occur again
     if not sure and not isinstance(error, OSError):
         words = f"{type(error).__name__}: {words}"
     key = head["key"] if sure else ""
@@ -137,13 +137,13 @@ def failure(head, error):
 
 
 def answer(system, head, kept=False):
-    """What goes back to where the systems come from."""
-    told = {name: head[name] for name in ("state", "message")}
-    return {"id": system.id, **told, "kept": kept}
+    """The answer of a worker."""
+    state = {name: head[name] for name in ("state", "message")}
+    return {"id": system.id, **state, "kept": kept}
 
 
 def listed(file):
-    """The file system of a path, pattern or URL, and what it matches there."""
+    """The file system of a path, pattern or URL, and the paths that match."""
     from fsspec.core import url_to_fs
 
     disk, path = url_to_fs(file)
@@ -155,7 +155,7 @@ def listed(file):
 
 
 def loaded(system, groups, folder):
-    """The frame of a system, whose files come to this machine where they are not."""
+    """The frame of a system; remote files are copied to this machine."""
     local = []
     for i, (disk, paths) in enumerate(groups):
         folders = [Path(folder, f"{i}-{j}") for j in range(len(paths))]
@@ -176,7 +176,7 @@ def loaded(system, groups, folder):
 
 
 def here(disk, path, folder):
-    """A file on this machine."""
+    """Path of a file on this machine; a remote file is copied to ``folder``."""
     from fsspec.implementations.local import LocalFileSystem
 
     if isinstance(disk, LocalFileSystem):
