@@ -1,4 +1,4 @@
-"""Records to try things on: measured ones, and one that the package makes."""
+"""Example records: measured ones, and a synthetic one."""
 
 from pvlib_fem.datasets.made_up import synthetic
 from pvlib_fem.datasets.measured import load

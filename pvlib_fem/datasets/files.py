@@ -1,4 +1,4 @@
-"""Public files, found where a user has them or downloaded once."""
+"""Public files, taken from a user's folder or downloaded once."""
 
 import os
 from pathlib import Path
@@ -29,7 +29,7 @@ FILES = {
 
 
 def fetch(file):
-    """Path of a file whose hash is right: in the user's folder, or downloaded."""
+    """Path of a file with the right hash: in the user's folder, or downloaded."""
     url, sha256 = FILES[file]
     if path := in_folder(file, sha256):
         return path
@@ -44,7 +44,7 @@ def fetch(file):
 
 
 def in_folder(file, sha256):
-    """Path of a file in the user's folder, if it is there; another one is refused."""
+    """Path of a file in the user's folder, or None; ValueError for a wrong hash."""
     folder = os.environ.get(FOLDER)
     if not folder or not (path := Path(folder) / file).is_file():
         return None
@@ -57,10 +57,10 @@ def in_folder(file, sha256):
 
 
 def cache():
-    """Where downloaded files are kept."""
+    """Folder of downloaded files."""
     return Path(pooch.os_cache("pvlib_fem"))
 
 
 def same(path, sha256):
-    """Whether a file is the pinned one."""
+    """Whether a file has the pinned hash."""
     return pooch.file_hash(str(path)) == sha256

@@ -1,4 +1,4 @@
-"""A record that the package makes: known coefficients under broken clouds."""
+"""A synthetic record with known coefficients under broken clouds."""
 
 from collections.abc import Callable
 from typing import Any
@@ -27,11 +27,11 @@ def synthetic(
     **coefficients: float,
 ) -> pd.DataFrame:
     """
-    A made-up record with known coefficients: broken clouds, gusty wind.
+    A synthetic record with known coefficients, broken clouds and gusty wind.
 
-    Sun and sky are pvlib's; clouds, wind and air temperature are
-    autoregressive. It is meant to test fits and to run examples, not to stand
-    for a climate.
+    Solar position and clear sky are pvlib's; clouds, wind and air temperature are
+    autoregressive. The record is for tests of fits and for examples; it does not
+    represent a climate.
 
     Parameters
     ----------
@@ -41,10 +41,10 @@ def synthetic(
     start : str, default "2023-06-01"
         First day, in local standard time.
     seed : int, default 0
-        The same seed gives the same record.
+        Seed of the random numbers; equal seeds give equal records.
     noise : float, default 0.3
-        Standard deviation of the sensor's error, which keeps its memory for
-        half an hour; 0 leaves it out. [K]
+        Standard deviation of the sensor's error, which is correlated over half an
+        hour; 0 for no error. [K]
     model : str, default "faiman"
         Steady model of the module.
     dynamics : str, default "balance"
@@ -52,8 +52,8 @@ def synthetic(
     latitude, longitude, surface_tilt, surface_azimuth : float
         Site and orientation. [°]
     **coefficients
-        Of the model, with ``tau`` or ``capacity`` and ``bias``. Without any:
-        ``u0=25``, ``u1=6.84``, ``capacity=15e3``, ``bias=-2``.
+        Coefficients of the model, with ``tau`` or ``capacity`` and ``bias``. The
+        default is ``u0=25``, ``u1=6.84``, ``capacity=15e3``, ``bias=-2``.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def synthetic(
     minutes = np.arange(len(times)) * step / 60.0
 
     def wandering(memory):
-        """Unit Gaussian noise with a memory in minutes."""
+        """Unit Gaussian noise with a correlation time in minutes."""
         decay = np.full(len(times), np.exp(-step / 60.0 / memory))
         kicks = random.standard_normal(len(times)) * np.sqrt(1 - decay**2)
         return respond(decay, kicks, random.standard_normal())
@@ -119,7 +119,7 @@ def synthetic(
 
 
 def sky(times, latitude, longitude, wandering):
-    """Sun position and irradiance under clouds that come and go."""
+    """Solar position, and irradiance under broken clouds."""
     location = pvlib.location.Location(latitude, longitude)
     sun = location.get_solarposition(times, method="ephemeris")
     clear = location.get_clearsky(

@@ -1,11 +1,11 @@
-"""Measured records, under pvlib's names."""
+"""Measured records with pvlib's column names."""
 
 import pandas as pd
 
 from pvlib_fem.datasets.files import fetch
 from pvlib_fem.datasets.wheel import table
 
-#: names of pvlib and of this package, and those of the file
+#: names of pvlib and of this package, and names in the file
 BOLZANO = {
     "poa_global": "POA_pyranometer_[W/m2]",
     "temp_air": "T_ambient_[C]",
@@ -37,14 +37,14 @@ TASK_13 = {
 
 def load(name: str) -> pd.DataFrame:
     """
-    A measured record in pvlib's names.
+    Load a measured record with pvlib's column names.
 
     The public file is downloaded once and kept (pooch), unless the environment
-    variable ``PVLIB_FEM_DATA`` names a folder that holds it. Its hash is
-    checked either way. The two records of years are read from the wheel of
-    another package, pvcopilot 0.1.1, which pip downloads by its own
-    configuration (17 MB); that package is neither installed nor run, and
-    nothing else in its wheel is read.
+    variable ``PVLIB_FEM_DATA`` names a folder that holds it. Its hash is always
+    checked. The two records of several years are read from the wheel of another
+    package, pvcopilot 0.1.1, which pip downloads with its own configuration
+    (17 MB). That package is neither installed nor run, and no other file of its wheel
+    is read.
 
     Parameters
     ----------
@@ -61,22 +61,21 @@ def load(name: str) -> pd.DataFrame:
     -------
     DataFrame
         ``poa_global`` [W/m²], ``temp_air`` [°C], ``wind_speed`` [m/s],
-        ``temp_module`` [°C] and what else was measured, as float64 with NaN
-        where a value lacks; zone-naive times as the file has them. They are
-        local standard time but for Bolzano, where they keep summer time.
-        ``power_dc`` and ``power_ac`` are W of the whole plant, of which the
-        area is not stated, so that they are not ``p_dc_per_area``. Site, source,
-        citation, licence and what else is to be known of the columns is in
-        ``.attrs``.
+        ``temp_module`` [°C] and other measured columns, as float64 with NaN for
+        missing values; times without a zone, as in the file. They are local standard
+        time, except for Bolzano, where they follow summer time. ``power_dc`` and
+        ``power_ac`` [W] are of the whole plant, whose area is not stated, so they are
+        not ``p_dc_per_area``. Site, source, citation, licence and remarks on the
+        columns are in ``.attrs``.
 
     Raises
     ------
     ValueError
         If there is no record of that name, or a file is not the pinned one.
     OSError
-        If a file is neither at hand nor to be downloaded.
+        If a file is not in the folder and cannot be downloaded.
     ImportError
-        If pyarrow lacks, which the records of years need
+        If pyarrow is missing, which the records of several years need
         (``pip install "pvlib_fem[parquet]"``).
 
     References
@@ -150,11 +149,11 @@ def eurac_bolzano():
         "tz": "Europe/Rome",
         "surface_tilt": "not stated",
         "surface_azimuth": "not stated",
-        "times": "as in the file, without a zone: they keep the summer time of that "
-        "tz; the hour that spring skips is a row without values, the hour "
-        "that autumn has twice is one row; from 21 to 30 June 2018 irradiance and "
+        "times": "as in the file, without a zone: they follow the summer time of that "
+        "tz; the hour that is skipped in spring is a row without values, the hour "
+        "that is repeated in autumn is one row; from 21 to 30 June 2018 irradiance and "
         "module temperature are an hour later than power",
-        "wind_direction": "doubtful about north: hours between 348° and 29° lack, as "
+        "wind_direction": "doubtful about north: no hour is between 348° and 29°, as "
         "when degrees are averaged as numbers",
         "power": "DC and AC power of the plant [W], whose area is not stated; NaN in "
         "the dark",
@@ -186,6 +185,6 @@ def nrel_stf():
 
 
 def named(raw, names):
-    """The columns of a file under the package's names."""
+    """The columns of a file with the package's names."""
     data = pd.DataFrame({name: raw[column] for name, column in names.items()})
     return data.astype(float).rename_axis(None)

@@ -1,4 +1,4 @@
-"""Two records that lie in the wheel of another package, which pip downloads."""
+"""Two records from the wheel of another package, which pip downloads."""
 
 import io
 import os
@@ -16,13 +16,13 @@ REQUIREMENT = "pvcopilot==0.1.1"
 WHEEL = "pvcopilot-0.1.1-py3-none-any.whl"
 SHA256 = "13912b239422b20e797ec1b2646ca98d13653e4ac3d89065cd56fce8c8a1507c"
 
-#: the files of the wheel that are read; no other is
+#: the only files of the wheel that are read
 MEMBERS = {
     "eurac_bolzano": "pvcopilot/data/examples/eurac_bolzano_pcSi6_hourly.parquet",
     "nrel_stf": "pvcopilot/data/examples/nrel_stf_golden_hourly.parquet",
 }
 
-# the package itself is neither installed nor run, and its own requirements are old
+# the package itself is neither installed nor run; its requirements are outdated
 DOWNLOAD = ("pip", "download", "--no-deps", "--ignore-requires-python")
 DOWNLOAD += ("--only-binary", ":all:")
 # a network that does not answer is given up after half a minute
@@ -32,7 +32,7 @@ LONGEST = 600.0  # s, for 17 MB
 
 
 def table(name):
-    """A record as its file has it."""
+    """The table of a record, as in its file."""
     try:
         import pyarrow  # noqa: F401
     except ImportError as error:
@@ -53,7 +53,7 @@ def fetch_wheel():
         return path
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        # beside its place, so that the move is whole or not at all
+        # in the same folder, so that the rename is atomic
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             os.replace(download(Path(folder)), path)
     except OSError as error:
@@ -67,7 +67,7 @@ def fetch_wheel():
 
 
 def download(folder):
-    """Path of the wheel as pip, by its own configuration, puts it into a folder."""
+    """Download the wheel with pip and its own configuration into a folder."""
     command = [sys.executable, "-m", *DOWNLOAD, *PATIENCE, "--dest", str(folder)]
     try:
         done = subprocess.run(
