@@ -99,7 +99,7 @@ def test_every_option_reaches_the_fit(logger):
     assert result.exit_code == 0, result.output
     assert "pvlib_fem: faiman, balance, least_squares" in result.output
     paper = call("fit", logger, *MAP, "--method", "paper", "--calm-wind", "1.5")
-    assert "runs backwards" in paper.output
+    assert "decreases as the true time constant" in paper.output
 
 
 def test_parquet_and_csv_give_the_same(frame, logger, tmp_path):

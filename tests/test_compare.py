@@ -174,7 +174,7 @@ def test_what_cannot_be_fitted_is_an_empty_cell_and_a_note(fortnight):
         *columns, models="wm1", method="paper", calm_wind=0.01, comparators="barry"
     )
     assert found.table["rmse"].isna().all()
-    assert "barry is left out: it needs longwave_down" in found.notes
+    assert "barry is not fitted: it needs longwave_down" in found.notes
     assert any(
         note.startswith("wm1 at 300 s: r_eq,max needs 20") for note in found.notes
     )

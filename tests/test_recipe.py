@@ -36,7 +36,7 @@ def test_the_papers_recipe(month, model):
     assert fit.scores.loc["fem", "mbe_train"] == pytest.approx(0, abs=1e-9)
     assert fit.coefficients["bias"] == pytest.approx(fit.scores.loc["ewm", "mbe_train"])
     assert np.isnan(list(fit.stderr.values())).all()
-    assert any("runs backwards" in note for note in fit.notes)
+    assert any("decreases as the true time" in note for note in fit.notes)
     assert f"over-temperature less its mean by night, {offset:.2f} K" in fit.notes
 
 
@@ -131,7 +131,7 @@ def test_a_record_without_nights_takes_the_calm_lines_intercept(fortnight):
     fit = fem.fit_fem(*record, method="paper", calm_wind=1.0)
     assert any("fewer than 20 night rows" in note for note in fit.notes)
     assert any("the calm line's intercept" in note for note in fit.notes)
-    with pytest.raises(ValueError, match="the bias by night needs 20 rows and has 0"):
+    with pytest.raises(ValueError, match="the bias at night needs 20 rows and has 0"):
         paper.night_bias(*record)
 
 

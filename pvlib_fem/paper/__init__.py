@@ -1,9 +1,9 @@
 """
-The paper's own estimators, usable alone; each says how many points it used.
+The paper's own estimators; each returns the number of points that it used.
 
-All take Series with a DatetimeIndex. They average over five minutes, which
-stands for a steady state, and regress over-temperature T_o = T_module - T_air.
-The source of everything here is [1]_.
+All take Series with a DatetimeIndex. They average over five minutes, as an
+approximate steady state, and regress over-temperature T_o = T_module - T_air.
+The source is [1]_.
 
 References
 ----------

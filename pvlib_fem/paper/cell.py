@@ -1,4 +1,4 @@
-"""From the back of a module to its cells."""
+"""Cell temperature from the temperature at the back of a module."""
 
 from typing import Any
 
@@ -17,9 +17,7 @@ def cell_from_back(
     **timing: Any,
 ) -> pd.Series | np.ndarray:
     """
-    Cell temperature from the back of a module, ``T_back + k_BS-C·G_EWM``.
-
-    Eq. 35.
+    Cell temperature from the back of a module, ``T_back + k_BS-C·G_EWM`` (Eq. 35).
 
     Parameters
     ----------
@@ -59,7 +57,7 @@ def k_bs_c(
     tau : float
         Thermal time constant. [s]
     min_points : int, default 10
-        Fewest rows above 20 W/m² to accept.
+        Least number of rows above 20 W/m².
 
     Returns
     -------

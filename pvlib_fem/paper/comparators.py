@@ -1,9 +1,9 @@
 """
-Dynamic models of others, each one function in pvlib's shape.
+Dynamic models of others, each as one function in pvlib's shape.
 
-Those whose dynamics stand on a steady temperature have the Sandia model below them,
-as Prilliman's was made for. Equations are from their own sources where a note does
-not say otherwise; `COMPARATORS` has what :func:`pvlib_fem.compare_models` fits of each.
+Models that smooth a steady temperature use the Sandia model for it, as Prilliman's
+does. Equations are from the original sources unless a note says otherwise.
+`COMPARATORS` lists the parameters that :func:`pvlib_fem.compare_models` fits.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,32 +21,32 @@ from pvlib_fem.thermal.steady import STEADY_MODELS
 from pvlib_fem.thermal_parameters.unit_mass import smoothed
 
 GLASS_TEDLAR = 6032.0  # J/(m² K), Armstrong and Hurley's Table 1
-FREE = 2.5  # W/(m² K) for a face, between the 2.1 and 2.9 of their Table 3
+FREE = 2.5  # W/(m² K) per face, between the 2.1 and 2.9 of their Table 3
 
 
 def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
     """
-    Sandia's model under Prilliman's moving mean of 20 min, pvlib's ``prilliman``.
+    Sandia's model smoothed by Prilliman's moving mean of 20 min, as in pvlib.
 
-    Every piece of the record with even steps is smoothed by itself, some rows at a
-    time: pvlib's function [1]_ refuses gaps, and holds one row for each second of the
-    window and sample of the record.
+    Each part of the record with even steps is smoothed separately, in blocks of rows:
+    pvlib's function [1]_ refuses gaps, and its memory grows with the number of samples
+    times the samples of the window.
 
     Parameters
     ----------
     poa_global, temp_air, wind_speed : Series
         [W/m²], [°C], [m/s]
     a, b : float
-        Of the Sandia model. [ln(K m²/W)], [s/m]
+        Coefficients of the Sandia model. [ln(K m²/W)], [s/m]
     unit_mass : float, default 11.1
-        Mass of the module over its area, below 20. [kg/m²]
+        Mass of the module per area, below 20. [kg/m²]
     bias : float, default 0
-        Added. [K]
+        Constant that is added. [K]
 
     Returns
     -------
     Series
-        Module temperature; the steady one where steps are 20 min and longer. [°C]
+        Module temperature; the steady temperature for steps of 20 min or more. [°C]
 
     References
     ----------
@@ -63,8 +63,8 @@ def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):
     """
     Exponential moving average of a steady module temperature, as Veldhuis et al.
 
-    It smooths what comes out of the model [1]_, air temperature included, where the
-    paper smooths irradiance and wind. Peters and Nobre [2]_ take the same model to
+    It smooths the temperature of the model [1]_, including air temperature; the paper
+    smooths irradiance and wind instead. Peters and Nobre [2]_ apply this model to
     floating modules.
 
     Parameters
@@ -72,11 +72,11 @@ def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):
     poa_global, temp_air, wind_speed : Series
         [W/m²], [°C], [m/s]
     a, b : float
-        Of the Sandia model. [ln(K m²/W)], [s/m]
+        Coefficients of the Sandia model. [ln(K m²/W)], [s/m]
     tau : float
         Time constant; they have 17 min, 7 min afloat and 35 min on a roof. [s]
     bias : float, default 0
-        Added; theirs is :func:`pvlib_fem.paper.night_bias`. [K]
+        Constant that is added; theirs is :func:`pvlib_fem.paper.night_bias`. [K]
 
     Returns
     -------
@@ -85,10 +85,10 @@ def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):
 
     Notes
     -----
-    What is here is what Herteleer et al. [3]_ say of it: a recursive average of the
-    module's temperature, and a bias by night. The form of its steady part, which has
-    a term in relative humidity and six parameters in all, could not be verified, and
-    Sandia's stands in its place.
+    The implementation follows the description by Herteleer et al. [3]_: a recursive
+    average of the module temperature, and a bias from nights. The original steady
+    part has a term in relative humidity and six parameters. Its form could not be
+    verified, so Sandia's model is used instead.
 
     References
     ----------
@@ -112,9 +112,9 @@ def armstrong_hurley(poa_global, temp_air, wind_speed, a, b, bias=0.0, **module)
     poa_global, temp_air, wind_speed : Series
         [W/m²], [°C], [m/s]
     a, b : float
-        Of the Sandia model. [ln(K m²/W)], [s/m]
+        Coefficients of the Sandia model. [ln(K m²/W)], [s/m]
     bias : float, default 0
-        Added. [K]
+        Constant that is added. [K]
     **module
         ``capacity`` and ``free`` of :func:`armstrong_hurley_tau`.
 
@@ -125,7 +125,7 @@ def armstrong_hurley(poa_global, temp_air, wind_speed, a, b, bias=0.0, **module)
     """
     steady = sapm(poa_global, temp_air, wind_speed, a, b)
     tau = armstrong_hurley_tau(wind_speed, **module)
-    # a row without a wind has no temperature either
+    # the steady temperature is NaN without wind, so any tau will do
     return ewm(steady, np.where(np.isfinite(tau), tau, 1.0)) + bias
 
 
@@ -136,18 +136,18 @@ def armstrong_hurley_tau(wind_speed, capacity=GLASS_TEDLAR, free=FREE):
     .. math:: \tau = \frac{C}{h_{front} + h_{free}}, \qquad
        h_{front} = \sqrt[3]{(2.56\,WS + 8.55)^3 + h_{free}^3}
 
-    Wind cools the front, air that rises by itself both faces; radiation and the
-    layers' own resistance are neglected, as there [1]_.
+    Wind cools the front, and natural convection cools both faces. Radiation and the
+    resistance of the layers are neglected, as in [1]_.
 
     Parameters
     ----------
     wind_speed : numeric
         [m/s]
     capacity : float, default 6032
-        Of the layers; the default is their glass and Tedlar of 3 mm glass, see
-        :func:`pvlib_fem.layers.stack` for others. [J/(m² K)]
+        Heat capacity of the layers; the default is their module of 3 mm glass and
+        Tedlar, see :func:`pvlib_fem.layers.stack` for others. [J/(m² K)]
     free : float, default 2.5
-        Free convection from one face. It follows the over-temperature: their three
+        Natural convection from one face. It depends on over-temperature: their three
         cases have 2.9, 2.4 and 2.1. [W/(m² K)]
 
     Returns
@@ -172,14 +172,15 @@ def armstrong_hurley_tau(wind_speed, capacity=GLASS_TEDLAR, free=FREE):
 
 def barry(poa_global, temp_air, wind_speed, longwave_down, u1, u2, u3, tau, bias=0.0):
     r"""
-    Faiman's model with a sky, all inputs smoothed, by Barry et al.
+    Faiman's model with radiation to the sky and smoothed inputs, by Barry et al.
 
     .. math:: T_m = \langle T_a\rangle + \frac{\langle G\rangle}{u_1 + u_2 \langle
        WS\rangle} + u_3 \langle T_{sky} - T_a\rangle
 
-    with exponential means of one time constant [1]_. The effect ``sky_radiation``
-    has the same loss in the heat balance, where the wind divides it: :math:`u_3
-    \approx share\; 4\sigma T_a^3 / (u_0 + u_1 WS)`.
+    The brackets are exponential means of one time constant [1]_. The effect
+    ``sky_radiation`` has this loss in the heat balance, where it is divided by the
+    loss that depends on wind: :math:`u_3 \approx share\; 4\sigma T_a^3 / (u_0 + u_1
+    WS)`.
 
     Parameters
     ----------
@@ -192,7 +193,7 @@ def barry(poa_global, temp_air, wind_speed, longwave_down, u1, u2, u3, tau, bias
     tau : float
         Time constant; they found 589, 509 and 547 s. [s]
     bias : float, default 0
-        Added; theirs has none. [K]
+        Constant that is added; their model has none. [K]
 
     Returns
     -------
@@ -219,12 +220,12 @@ def sapm(poa_global, temp_air, wind_speed, a, b):
 
 @dataclass(frozen=True)
 class Comparator:
-    """A model of others: its function, what it fits, and what it needs beside."""
+    """A model of others: its function, fitted parameters and additional columns."""
 
     function: Callable
     parameters: Mapping[str, Parameter]
     columns: tuple = ()
-    fit_step: float = 0.0  # s, to whose means finer records are brought for the fit
+    fit_step: float = 0.0  # s; finer records are averaged to this step for the fit
 
 
 BIAS = {"bias": Parameter(0.0, -30.0, 30.0, "K")}
@@ -252,14 +253,14 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
     """
     Coefficients of a comparator by least squares over some rows.
 
-    Prilliman's on means of one minute at least: at 1 s a single answer takes pvlib 10
-    s for each day.
+    Prilliman's model is fitted to means over at least one minute: at 1 s, one
+    evaluation by pvlib takes 10 s per day.
 
     Parameters
     ----------
     comparator : Comparator
     drivers : sequence of Series
-        ``poa_global``, ``temp_air``, ``wind_speed`` and its further columns.
+        ``poa_global``, ``temp_air``, ``wind_speed`` and the additional columns.
     temp_module : Series
         [°C]
     rows : boolean array
@@ -306,7 +307,7 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
 
 
 def marked(rows, index):
-    """A choice of rows as ones and zeros."""
+    """A mask of rows as a Series of ones and zeros."""
     marks = pd.Series(0.0, index)
     marks[rows] = 1.0
     return marks

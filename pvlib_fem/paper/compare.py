@@ -1,4 +1,4 @@
-"""Many models on one record, each step of the method, in one table."""
+"""Compare several models on one record, step by step."""
 
 from collections.abc import Sequence
 
@@ -21,9 +21,9 @@ from pvlib_fem.thermal.model import thermal_model
 from pvlib_fem.thermal.steady import STEADY_MODELS
 
 SCORES = {score.__name__: score for score in (scores.rmse, scores.mae, scores.mbe)}
-PRESENT = 0.5  # share of a longer step's rows that have to be there
+PRESENT = 0.5  # least share of rows of a longer step
 PARTS = {"day": daytime, "night": night}
-#: the balance of one mass, which Torres Lobera and Valkealahti integrate by Euler
+#: the balance of one mass; Torres Lobera and Valkealahti integrate it by Euler's method
 BALANCE = "torres_lobera"
 
 
@@ -43,31 +43,30 @@ def compare_models(
     **drivers: pd.Series,
 ) -> Comparison:
     """
-    Fit many models to one record and compare what each step leaves.
+    Fit several models to one record and compare their errors after each step.
 
-    The paper's Tables 4 and 5 and its Fig. 8 for a record of one's own [1]_: steady
-    models fitted to all rows (``standard``), to the filtered ones (``filter``), with
-    smoothed inputs (``ewm``) and with a bias (``fem``); beside them dynamic models of
-    others, fitted by least squares to the same days. All are scored on the days held
-    out.
+    This makes the paper's Tables 4 and 5 and its Fig. 8 for your own record [1]_:
+    steady models fitted to all rows (``standard``), to the filtered rows (``filter``),
+    with smoothed inputs (``ewm``) and with a bias (``fem``). Dynamic models of others
+    are fitted by least squares to the same days. All are scored on the held-out days.
 
     Parameters
     ----------
     poa_global, temp_air, wind_speed, temp_module : Series
-        As in :func:`fit_fem`. [W/m²], [°C], [m/s], [°C]
+        Record, see :func:`fit_fem`. [W/m²], [°C], [m/s], [°C]
     models : str or sequence of str
         Steady models; by default the five of the paper.
     comparators : str or sequence of str
-        Of ``"prilliman"``, ``"armstrong_hurley"``, ``"veldhuis"``, ``"barry"`` (where
-        ``longwave_down`` is given) and ``"torres_lobera"``, the exact heat balance of
-        Faiman's model (:func:`heat_balance`); all by default, () for none.
+        Some of ``"prilliman"``, ``"armstrong_hurley"``, ``"veldhuis"``, ``"barry"``
+        (which needs ``longwave_down``) and ``"torres_lobera"``, the exact heat balance
+        of Faiman's model (:func:`heat_balance`); all by default, () for none.
     method : str, default "least_squares"
-        Or ``"paper"``, see :func:`fit_fem`, for ``models``.
+        Method of ``models``, or ``"paper"``, see :func:`fit_fem`.
     resolutions : sequence of float, optional
-        Steps to compare at, in means of which half is there; by default the record's
-        own. [s]
+        Steps of the means to compare at; a mean needs half of its rows. By default the
+        record's own step. [s]
     holdout, calm_wind, offset, check_units
-        As in :func:`fit_fem`.
+        See :func:`fit_fem`.
     **drivers : Series
         ``longwave_down`` or ``ir_down``. [W/m²]
 
@@ -82,11 +81,11 @@ def compare_models(
 
     Notes
     -----
-    What one model cannot do is a note and an empty cell, not an error: with
-    ``method="paper"`` a record may have too few calm averages or step changes.
+    If a model cannot be fitted, the table has an empty cell and ``notes`` the reason:
+    with ``method="paper"`` a record may have too few calm averages or step changes.
 
-    ``"prilliman"`` is slow at steps of seconds, 10 s for each day at 1 s; leave it out
-    of ``comparators``, or give a ``resolutions`` of a minute.
+    ``"prilliman"`` is slow at steps of seconds, 10 s per day at 1 s. Omit it from
+    ``comparators``, or give a ``resolutions`` of a minute.
 
     References
     ----------
@@ -137,7 +136,7 @@ def names_of(names):
 
 def check_names(models, comparators, method):
     if not models and not comparators:
-        raise ValueError("no models and no comparators leave nothing to compare")
+        raise ValueError("there is nothing to compare; name models or comparators")
     for given, known, what in (
         (models, tuple(STEADY_MODELS), "models"),
         (comparators, (*COMPARATORS, BALANCE), "comparators"),
@@ -151,7 +150,7 @@ def check_names(models, comparators, method):
 
 
 def coarser(record, holdout, step):
-    """A record, and the rows held out, in means over longer steps."""
+    """A record and its held-out rows as means over longer steps."""
     index = record.index
     usual = usual_step(index)
     if step < usual:
@@ -169,7 +168,7 @@ def coarser(record, holdout, step):
 
 
 class Case:
-    """One record at one resolution, on which models are fitted and scored."""
+    """Fit and score models on one record at one resolution."""
 
     def __init__(self, record, holdout, notes):
         self.record, self.notes = record, notes
@@ -183,7 +182,7 @@ class Case:
         self.rows, self.coefficients = {}, {}
 
     def model(self, name, method, calm_wind, offset):
-        """Every step of one steady model."""
+        """Fit and score every step of one steady model."""
         target, record = thermal_model(name, "ewm"), self.record
         try:
             if method == "paper":
@@ -198,7 +197,7 @@ class Case:
             self.add(name, step, model.temperature(record.inputs, values), values)
 
     def other(self, name):
-        """A comparator, which has its last step only."""
+        """Fit and score a comparator, which has only the last step."""
         try:
             if name == BALANCE:
                 self.balance()
@@ -206,8 +205,9 @@ class Case:
             comparator = COMPARATORS[name]
             columns = self.record.inputs.columns
             needed = (*COLUMNS[:3], *comparator.columns)
-            if lacks := [column for column in needed if column not in columns]:
-                self.notes.append(f"{name} is left out: it needs {', '.join(lacks)}")
+            if missing := [column for column in needed if column not in columns]:
+                names = ", ".join(missing)
+                self.notes.append(f"{name} is not fitted: it needs {names}")
                 return
             *inputs, module = (
                 pd.Series(columns[column], self.record.index)
@@ -237,7 +237,7 @@ class Case:
         self.coefficients[name, step] = values
 
     def scored(self, temperature):
-        """Scores of a temperature on the rows held out, by day and by night."""
+        """Scores of a temperature on held-out rows, separately for day and night."""
         reading, row = self.record["temp_module"], {}
         for part, there in self.parts.items():
             suffix = "" if part == "day" else f"_{part}"

@@ -1,4 +1,4 @@
-"""The result of a comparison of models: finished, and it prints itself."""
+"""The result of a comparison of models."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,18 +16,19 @@ FITTED = "fem"  # the last step of a model, and the only one of a comparator
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """
-    Errors of many models, step by step: ``print(comparison)`` is the table.
+    Errors of several models after each step; ``print(comparison)`` is the table.
 
     Attributes
     ----------
     table : DataFrame
         By ``resolution`` [s], ``model`` and ``step`` (``standard``, ``filter``,
-        ``ewm``, ``fem``; a comparator has the last alone): ``rmse``, ``mae``, ``mbe``
-        [K] on held-out rows by day, the same with ``_night``, and ``points`` by day.
+        ``ewm``, ``fem``; a comparator has only the last): ``rmse``, ``mae``, ``mbe``
+        [K] on held-out daytime rows, the same scores at night with the suffix
+        ``_night``, and the number of daytime ``points``.
     coefficients : dict
-        By the same three, those that were fitted.
+        Fitted coefficients by resolution, model and step.
     notes : tuple of str
-        What could not be fitted, and why.
+        Models that could not be fitted, and why.
     method : str
     """
 
@@ -38,14 +39,14 @@ class Comparison:
 
     @property
     def resolutions(self) -> list[float]:
-        """Steps of the records that were compared, the finest first. [s]"""
+        """Steps of the compared records, the finest first. [s]"""
         return list(dict.fromkeys(self.table.index.get_level_values("resolution")))
 
     def by_step(
         self, score: str = "rmse", resolution: float | None = None
     ) -> pd.DataFrame:
         """
-        One score as the paper's Tables 4 and 5: a row a step, a column a model.
+        One score as in the paper's Tables 4 and 5: a row per step, a column per model.
 
         Parameters
         ----------
@@ -68,7 +69,7 @@ class Comparison:
 
     def by_resolution(self, score: str = "rmse", step: str = FITTED) -> pd.DataFrame:
         """
-        One score of one step, a row a resolution, as the paper's Fig. 8.
+        One score of one step as in the paper's Fig. 8, with a row per resolution.
 
         Parameters
         ----------
@@ -83,7 +84,7 @@ class Comparison:
         return wide(table[table["step"] == step], score, "resolution")
 
     def best(self, score: str = "rmse") -> str:
-        """Name of the model that leaves least at the finest resolution."""
+        """Name of the model with the least error at the finest resolution."""
         last = self.by_resolution(score).loc[self.resolutions[0]].dropna().abs()
         if last.empty:
             raise ValueError(f"no model has a score: {'; '.join(self.notes)}")
@@ -108,7 +109,7 @@ class Comparison:
 
     def plot(self, ax: Any = None, score: str = "rmse") -> Any:
         """
-        Bars by model and step, or lines over the resolution where there are several.
+        Plot lines over the steps, or over the resolutions if there are several.
 
         Parameters
         ----------
@@ -142,6 +143,6 @@ class Comparison:
 
 
 def wide(table, score, rows):
-    """One score with a column a model; rows and columns in the order they came."""
+    """One score with a column per model; rows and columns keep their order."""
     found = table.pivot_table(score, rows, "model", sort=False, dropna=False)
     return found.reindex(index=table[rows].unique(), columns=table["model"].unique())

@@ -10,8 +10,8 @@ from pvlib_fem.record.filters import daytime, night
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 
 INTERVAL = "5min"
-MIN_POINTS = 10  # for a regression
-CALM_POINTS = 20  # for one whose wind speeds are rare, so that no hour decides it
+MIN_POINTS = 10  # least number of points of a regression
+CALM_POINTS = 20  # least number at rare wind speeds, so that no single hour decides
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Estimate:
     value: float
     unit: str
     points: int
-    intercept: float = 0.0  # of the line whose slope it is [K]
-    note: str = ""  # what the reader of the value has to know
+    intercept: float = 0.0  # intercept of the line whose slope the value is [K]
+    note: str = ""  # a remark for the reader of the value
 
 
 def averages(
@@ -45,8 +45,8 @@ def averages(
     Returns
     -------
     DataFrame
-        On an even grid, NaN where nothing was measured: ``poa_global`` [W/m²],
-        ``wind_speed`` [m/s], ``over`` [K].
+        Columns ``poa_global`` [W/m²], ``wind_speed`` [m/s] and ``over`` [K] on an even
+        grid, NaN without measurements.
     """
     frame = pd.DataFrame(
         dict(zip(COLUMNS, (poa_global, temp_air, wind_speed, temp_module)))
@@ -83,19 +83,19 @@ def night_bias(
     min_points: int = CALM_POINTS,
 ) -> Estimate:
     """
-    Mean over-temperature by night, the bias of Veldhuis et al.
+    Mean over-temperature at night, the bias of Veldhuis et al.
 
-    What is left of over-temperature without irradiance: the sky's radiation, and
-    the offset of either sensor. The paper compares it with its own bias, the mean
-    error of the training days, which leaves slightly less; here it is also what
-    ``method="paper"`` takes off over-temperature before its regressions.
+    Over-temperature without irradiance has two causes: radiation to the sky, and the
+    offsets of the sensors. The paper compares this bias with its own, the mean error of
+    the training days, whose remaining error is slightly smaller. ``method="paper"``
+    also subtracts it from over-temperature before its regressions.
 
     Parameters
     ----------
     poa_global, temp_air, wind_speed, temp_module : Series or array
         [W/m²], [°C], [m/s], [°C]
     min_points : int, default 20
-        Fewest night rows (:func:`pvlib_fem.paper.night`) to accept.
+        Least number of night rows (:func:`pvlib_fem.paper.night`).
 
     Returns
     -------
@@ -110,7 +110,7 @@ def night_bias(
     dark = np.asarray(night(poa_global, temp_air, wind_speed, temp_module), bool)
     if dark.sum() < min_points:
         raise ValueError(
-            f"the bias by night needs {min_points} rows and has {int(dark.sum())}: "
+            f"the bias at night needs {min_points} rows and has {int(dark.sum())}: "
             "less than 20 W/m², the module at -20 to 80 °C; use a record that has "
             "nights"
         )
@@ -141,20 +141,20 @@ def r_eq_max(
     calm_wind : float, default 0.5
         Wind speed below which the air counts as calm. [m/s]
     intercept : bool, default True
-        Whether the line may miss the origin. A module that loses heat to the
-        night sky has a negative intercept; forced through the origin its slope
-        comes out too small (24.5 instead of 33.8 mK/(W/m²) below 1 m/s in the
-        measured week), unless the ``offset`` is taken off before.
+        Whether the line has an intercept. A module that loses heat to the night sky has
+        a negative intercept. Without an intercept the slope is too small (24.5 instead
+        of 33.8 mK/(W/m²) below 1 m/s in the measured week), unless the ``offset`` is
+        subtracted.
     min_points : int, default 20
-        Fewest five-minute averages to accept.
+        Least number of five-minute averages.
     offset : float, default 0
-        Over-temperature without irradiance, taken off before; by night it is
+        Over-temperature without irradiance, which is subtracted; at night it is
         :func:`night_bias`. [K]
 
     Returns
     -------
     Estimate
-        [K m²/W], with the line's ``intercept`` [K], the ``offset`` included.
+        [K m²/W], with the line's ``intercept`` [K], which includes the ``offset``.
 
     Raises
     ------
@@ -195,9 +195,8 @@ def r_m(
     """
     Resistance of the module itself: slope of T_o over irradiance in high wind.
 
-    Eq. 13. Parameters as in :func:`r_eq_max`, with
-    ``high_wind`` [m/s] the wind speed from which on the air films count as
-    blown away.
+    This is Eq. 13. Parameters are those of :func:`r_eq_max`; from the wind speed
+    ``high_wind`` [m/s] on, the resistance of the air films is neglected.
     """
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame = frame[frame["wind_speed"] >= high_wind]
@@ -237,18 +236,17 @@ def d(
     """
     Wind coefficient of WM1: slope of -WS over ln(T_o/(k·G)) in high irradiance.
 
-    The second of the two regressions of WM1 (Eq. 18), with ``k`` [K m²/W] from the
-    first (:func:`r_eq_max`). Other parameters as there.
+    This is the second of the two regressions of WM1 (Eq. 18), with ``k`` [K m²/W] from
+    the first (:func:`r_eq_max`). Other parameters are those of :func:`r_eq_max`.
 
     Parameters
     ----------
     poa_min : float, default 600
-        High irradiance; the paper gives no figure, this one is the package's.
+        Limit of high irradiance; the paper gives no number, this one is the package's.
         [W/m²]
     offset : float, default 0
-        Over-temperature without irradiance, taken off before: where ``k`` is the
-        slope of a line with an intercept, that intercept, or d takes the part of
-        the offset. [K]
+        Over-temperature without irradiance, which is subtracted. If ``k`` is the slope
+        of a line with an intercept, give that intercept; otherwise it biases d. [K]
 
     Returns
     -------
@@ -258,7 +256,7 @@ def d(
     Raises
     ------
     ValueError
-        If there are too few averages, or wind does not cool in them.
+        If there are too few averages, or over-temperature does not fall with wind.
     """
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame["over"] = frame["over"] - offset
@@ -289,16 +287,16 @@ def k_w_bins(
     min_points: int = MIN_POINTS,
 ) -> pd.DataFrame:
     """
-    Slopes of over-temperature over wind by irradiance, of which k_W is made.
+    Slopes of over-temperature over wind by irradiance, for :func:`k_w`.
 
-    In each irradiance bin of 20 W/m² between 200 and 1000 W/m² the slope of T_o
-    over wind of 0.5 to 8 m/s (Fig. 5). Parameters as in :func:`k_w`.
+    For each irradiance bin of 20 W/m² between 200 and 1000 W/m² this is the slope of
+    T_o over wind from 0.5 to 8 m/s (Fig. 5). Parameters are those of :func:`k_w`.
 
     Returns
     -------
     DataFrame
         ``poa_global``, the middle of the bin [W/m²], ``slope`` [K s/m] and
-        ``points``; bins of fewer than ``min_points`` averages are left out.
+        ``points``, without bins of fewer than ``min_points`` averages.
     """
     frame = averages(poa_global, temp_air, wind_speed, temp_module)
     frame = frame[
@@ -323,21 +321,19 @@ def k_w(
     """
     Convection coefficient of WM2: a regression of regression coefficients.
 
-    Of Eq. 20: the slope of T_o over wind in each irradiance bin
-    (:func:`k_w_bins`), then the slope of these over irradiance, with its sign
-    turned.
+    By Eq. 20 it is minus the slope over irradiance of the slopes of T_o over wind in
+    each irradiance bin (:func:`k_w_bins`).
 
     Parameters
     ----------
     poa_global, temp_air, wind_speed, temp_module : Series
         [W/m²], [°C], [m/s], [°C]
     min_points : int, default 10
-        Fewest averages of a bin.
+        Least number of averages of a bin.
     intercept : bool, default False
-        Whether the second line may miss the origin. By Eq. 20 the slopes are
-        -k_W·G, so it goes through it; with an intercept few bins make k_W so
-        large that WM2 is no model (0.0056 of k = 0.0356 K m²/W in the measured
-        week, where 8·k_W must be below k).
+        Whether the second line has an intercept. By Eq. 20 the slopes are -k_W·G, so it
+        has none. With an intercept and few bins, k_W can be too large for WM2 (0.0056
+        with k = 0.0356 K m²/W in the measured week; 8·k_W must be below k).
 
     Returns
     -------
@@ -347,7 +343,7 @@ def k_w(
     Raises
     ------
     ValueError
-        If fewer than three bins are left.
+        If fewer than three bins have enough averages.
     """
     bins = k_w_bins(poa_global, temp_air, wind_speed, temp_module, min_points)
     if len(bins) < 3:

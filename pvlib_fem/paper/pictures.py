@@ -1,4 +1,4 @@
-"""What the paper's estimators see: its Figs. 3, 5, 6 and 7 of a record of one's own."""
+"""Pictures of the paper's estimators: its Figs. 3, 5, 6 and 7 for your own record."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,7 +19,7 @@ from pvlib_fem.plotting.look import (
     new_axes,
 )
 
-CLEAR = 0.35  # opacity of points that lie on each other
+CLEAR = 0.35  # opacity of points that overlap
 
 
 def plot_resistances(
@@ -34,16 +34,16 @@ def plot_resistances(
     """
     Over-temperature over irradiance in calm air and in high wind (Fig. 3).
 
-    Points are five-minute averages, the slopes of the lines
-    :func:`pvlib_fem.paper.r_eq_max` and :func:`pvlib_fem.paper.r_m`; between them
-    lies the resistance of the air films.
+    Points are five-minute averages. The slopes of the lines are
+    :func:`pvlib_fem.paper.r_eq_max` and :func:`pvlib_fem.paper.r_m`; their difference
+    is the resistance of the air films.
 
     Parameters
     ----------
     poa_global, temp_air, wind_speed, temp_module : Series
         [W/m²], [°C], [m/s], [°C]
     calm_wind, high_wind : float
-        Winds below which the air is calm, and from which on wind is high. [m/s]
+        Upper limit of calm air, and lower limit of high wind. [m/s]
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -114,7 +114,7 @@ def plot_k_w(
     poa_global, temp_air, wind_speed, temp_module : Series
         [W/m²], [°C], [m/s], [°C]
     intercept : bool, default False
-        As in :func:`pvlib_fem.paper.k_w`; the other line is drawn thin.
+        See :func:`pvlib_fem.paper.k_w`; the other line is thin.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -160,17 +160,17 @@ def plot_step_changes(
     ax: Any = None,
 ) -> Any:
     """
-    Changes of over-temperature over those of irradiance, by wind (Fig. 6).
+    Changes of over-temperature over changes of irradiance, by wind (Fig. 6).
 
     Parameters
     ----------
     poa_global, temp_air, wind_speed, temp_module : Series
         [W/m²], [°C], [m/s], [°C]
     interval, apart
-        As in :func:`pvlib_fem.paper.time_constant`.
+        See :func:`pvlib_fem.paper.time_constant`.
     bins : sequence of int, default (0, 1, 2, 4, 6)
-        Lower edges of the wind bins of 1 m/s to draw; those with fewer than ten step
-        changes are left out. [m/s]
+        Lower edges of the wind bins of 1 m/s; a bin with fewer than ten step changes is
+        not drawn. [m/s]
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -212,12 +212,13 @@ def plot_step_changes(
 
 def plot_tau_bins(tau: TimeConstant, ax: Any = None) -> Any:
     """
-    The paper's time constants by wind bin, and the one that it chooses (Fig. 7).
+    The paper's time constants by wind bin, and the chosen one (Fig. 7).
 
     Parameters
     ----------
     tau : TimeConstant
-        Of :func:`pvlib_fem.paper.time_constant`, which runs backwards.
+        Result of :func:`pvlib_fem.paper.time_constant`, which decreases as the true
+        time constant increases.
     ax : matplotlib Axes, optional
         Where to draw; a new figure without it.
 
@@ -227,7 +228,7 @@ def plot_tau_bins(tau: TimeConstant, ax: Any = None) -> Any:
 
     See Also
     --------
-    pvlib_fem.plotting.plot_tau_by_wind : the record's own, by least squares.
+    pvlib_fem.plotting.plot_tau_by_wind : time constants by least squares.
     """
     ax = new_axes(ax)
     table = tau.table.dropna(subset=["tau"])
@@ -235,9 +236,9 @@ def plot_tau_bins(tau: TimeConstant, ax: Any = None) -> Any:
     used = table["used"].to_numpy(bool)
     dots = dict(linestyle="", markersize=7)
     ax.plot(middle[used], table["tau"][used], "o", color=AFTER, label="used", **dots)
-    left = dict(mfc="none", color=BEFORE, label="left out: tau no longer falls", **dots)
+    rest = dict(mfc="none", color=BEFORE, label="not used: tau no longer falls", **dots)
     if (~used).any():
-        ax.plot(middle[~used], table["tau"][~used], "s", **left)
+        ax.plot(middle[~used], table["tau"][~used], "s", **rest)
     if np.isfinite(tau.f):
         winds = np.linspace(middle[used][0], middle[used][-1], 100)
         fall = tau.tau_0 * np.exp(-(winds - winds[0]) / tau.f)

@@ -1,4 +1,4 @@
-"""The paper's own recipe, step by step: what a fit by ``method="paper"`` does."""
+"""The paper's own recipe, step by step, for fits with ``method="paper"``."""
 
 import numpy as np
 import pandas as pd
@@ -17,11 +17,11 @@ from pvlib_fem.thermal.steady import STEADY_MODELS
 
 METHODS = ("least_squares", "paper")  # of a fit
 MODELS = ("ross", "sapm", "faiman", "wm1", "wm2")  # that the paper compares
-OFFSETS = ("night", "calm")  # by name; else a number [K], or None
+OFFSETS = ("night", "calm")  # names of offsets; others are a number [K], or None
 
 
 def refuse_paper(target, fixed, night):
-    """Refuse what the paper's recipe cannot fit."""
+    """Refuse models and options that the paper's recipe does not have."""
     name, paper = target.steady_model.name, argument("method", "paper")
     if name not in MODELS:
         has = f" has no {name}; it has {', '.join(MODELS)}, or use "
@@ -38,7 +38,7 @@ def refuse_paper(target, fixed, night):
 
 
 def fit_paper(frame, target, notes, calm_wind, offset):
-    """The fit of a model to a record in memory by the paper's recipe."""
+    """Fit a model to a record in memory by the paper's recipe."""
     train, kept = frame.counts, ~frame.out
     stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
     found, own = last(stages)[1], frame.ended(*asked(stages), ())[1]
@@ -81,8 +81,8 @@ def paper_stages(target, record, train, not_held_out, calm_wind, offset, notes):
         memory = {"tau": tau.value}
         points["tau"] = tau.points
         notes.append(
-            "tau is the paper's, from step changes; it runs backwards (see "
-            "paper.time_constant)"
+            "tau is the paper's, from step changes; it decreases as the true time "
+            "constant increases (see paper.time_constant)"
         )
     counted = ", ".join(f"{name} {count}" for name, count in points.items())
     notes.append(f"points used: {counted}")
@@ -99,10 +99,10 @@ def paper_stages(target, record, train, not_held_out, calm_wind, offset, notes):
 
 
 def over_temperature_offset(offset, everything, daytime, calm_wind, notes):
-    """What the regressions take off over-temperature [K]; None for nothing at all."""
+    """Offset that the regressions subtract from over-temperature [K], or None."""
     if offset == "night" and np.sum(night(*everything)) < paper.CALM_POINTS:
         notes.append(
-            "fewer than 20 night rows tell no offset: the calm line's is taken"
+            "fewer than 20 night rows give no offset: the calm line's is taken"
         )
         offset = "calm"
     if offset == "night":
@@ -120,7 +120,7 @@ def over_temperature_offset(offset, everything, daytime, calm_wind, notes):
 
 
 def calm_line(record, calm_wind, offset):
-    """The calm-air k; through the origin once the offset is known."""
+    """The k of calm air; the line goes through the origin if the offset is known."""
     return paper.r_eq_max(
         *record, calm_wind, intercept=offset is None, offset=offset or 0.0
     )
@@ -128,11 +128,11 @@ def calm_line(record, calm_wind, offset):
 
 def recipe(model, record, calm_wind=0.5, offset=0.0):
     """
-    Coefficients of a model the paper's way, with the Filter step.
+    Coefficients of a model by the paper's recipe, with the Filter step.
 
-    Ross's k, Sandia's a and b and Faiman's u0 and u1 come from one regression
-    of five-minute averages (above 200 W/m² for the latter two), WM1 and WM2
-    from the calm-air k and a second regression.
+    Ross's k, Sandia's a and b and Faiman's u0 and u1 are from one regression of
+    five-minute averages (above 200 W/m² for the latter two). WM1 and WM2 use the k
+    of calm air and a second regression.
 
     Parameters
     ----------
@@ -141,11 +141,10 @@ def recipe(model, record, calm_wind=0.5, offset=0.0):
     record : tuple of Series
         ``poa_global``, ``temp_air``, ``wind_speed``, ``temp_module``.
     calm_wind
-        As in :func:`pvlib_fem.paper.r_eq_max`.
+        See :func:`pvlib_fem.paper.r_eq_max`.
     offset : float or None, default 0
-        Over-temperature without irradiance, which every regression takes off
-        before. With None none does, and lines over irradiance have an intercept
-        of their own. [K]
+        Over-temperature without irradiance, which every regression subtracts. With
+        None nothing is subtracted, and lines over irradiance have an intercept. [K]
 
     Returns
     -------
@@ -178,7 +177,7 @@ def recipe(model, record, calm_wind=0.5, offset=0.0):
 
 
 def possible(model, found):
-    """Refuse coefficients that the model's own function would refuse."""
+    """Refuse coefficients that are invalid for the model."""
     try:
         STEADY_MODELS[model].complete({n: e.value for n, e in found.items()})
     except ValueError as error:
@@ -193,14 +192,14 @@ def standard(model, record):
     """
     Coefficients of a model without the Filter step: one regression of all rows.
 
-    WM1 is the Sandia model under other names, WM2 a regression on two columns.
-    Parameters and result as in :func:`recipe`.
+    WM1 is the Sandia model with other parameters, WM2 a regression on two columns.
+    Parameters and result are those of :func:`recipe`.
 
     Notes
     -----
-    The paper does not say what its standard WM1 and WM2 are. This reading is not
-    it: its Table 5 has 3.29 K for WM1 and 3.04 K for the Sandia model, and mean
-    errors of -0.84 and +0.17 K, where here both are one.
+    The paper does not define its standard WM1 and WM2, and this implementation differs
+    from it: the paper's Table 5 has 3.29 K for WM1 and 3.04 K for the Sandia model, and
+    mean errors of -0.84 and +0.17 K; here both models are equal.
     """
     frame = pd.DataFrame(dict(zip(COLUMNS, record)))
     frame["over"] = frame["temp_module"] - frame["temp_air"]
@@ -244,7 +243,7 @@ def one_regression(model, frame, intercept):
 
 
 def usual(name, value, points):
-    """Faiman's coefficient, or its usual value in the place of an outlier."""
+    """Faiman's coefficient, or its default instead of an outlier."""
     row = STEADY_MODELS["faiman"].parameters[name]
     if row.lower <= value <= row.upper:
         return paper.Estimate(value, row.unit, points)

@@ -1,4 +1,4 @@
-"""What the paper found at its sites: its Table 3, with the mountings of its Table 2."""
+"""The paper's results at its sites: its Table 3, with the mountings of its Table 2."""
 
 import pandas as pd
 
@@ -35,14 +35,14 @@ NUMBERS = (
     *("tau_0", "tau", "f"),
 )
 MILLI, KILO = 1e-3, 1e3
-FINE = 300.0  # s, up to which the paper takes its mean of tau
+FINE = 300.0  # s, longest step of the records in the paper's mean of tau
 
 
 def table_3() -> pd.DataFrame:
     """
-    The paper's Table 3: resistances, capacities and time constants of 24 records.
+    The paper's Table 3: resistances, capacities and time constants of 24 records [1]_.
 
-    As printed in [1]_, in SI units.
+    Values are as printed, in SI units.
 
     Returns
     -------
@@ -53,9 +53,10 @@ def table_3() -> pd.DataFrame:
 
     Notes
     -----
-    Its tau is that of :func:`time_constant`, which runs backwards. For the three
-    Heidelberg systems Barry et al. [2]_ found 589, 509 and 547 s, as the caption has
-    them, and the paper 326, 472 and 425 s: in exactly the opposite order.
+    Its tau is that of :func:`time_constant`, which decreases as the true time constant
+    increases. For the three Heidelberg systems Barry et al. [2]_ found 589, 509 and
+    547 s, as quoted in the caption. The paper has 326, 472 and 425 s, in the opposite
+    order.
 
     References
     ----------
@@ -91,7 +92,7 @@ def tau_by_mounting() -> pd.DataFrame:
 
     See Also
     --------
-    table_3 : the rows, and what to think of them.
+    table_3 : the rows, and a remark on them.
 
     Examples
     --------

@@ -16,14 +16,14 @@ from pvlib_fem.record.checks import usual_step
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, refusal
 
 APART = 4  # intervals between the ends of a step change: 20 min
-MARGIN = 20.0  # s, by which tau may rise and still count as falling
-BRIGHT = 200.0  # W/m², from which on a step change counts
-CALM_BINS = 2  # bins of 1 m/s in which tau_0 is looked for
+MARGIN = 20.0  # s, increase of tau up to which it still counts as falling
+BRIGHT = 200.0  # W/m², least irradiance of a step change
+CALM_BINS = 2  # bins of 1 m/s in which tau_0 is searched
 
 
 @dataclass(frozen=True, eq=False)
 class TimeConstant:
-    """Time constants by wind speed, and the one the paper would choose."""
+    """Time constants by wind speed, and the one chosen by the paper's rule."""
 
     value: float  # the chosen one [s]
     tau_0: float  # largest of the bins below 2 m/s [s]
@@ -47,10 +47,10 @@ def time_constant(
 
     .. math:: \tau(WS) = \frac{\Delta T_o}{\Delta G} \frac{\Delta t}{r_{eq,max}}
 
-    (Eq. 21) over :math:`\Delta t` = 20 min of five-minute averages with more than 200
-    W/m², wind within one bin of 1 m/s and its change below its standard
-    deviation. The chosen one is the last bin up to which tau falls (20 s of
-    margin), from its largest value below 2 m/s.
+    The changes (Eq. 21) are over :math:`\Delta t` = 20 min of five-minute averages with
+    more than 200 W/m², wind within one bin of 1 m/s and a change of wind below its
+    standard deviation. From its largest value below 2 m/s, tau falls with wind (with a
+    margin of 20 s); the last bin up to which it falls is chosen.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def time_constant(
     r_eq_max : float
         From :func:`r_eq_max`. [K m²/W]
     min_points : int, default 10
-        Fewest step changes of a bin to accept.
+        Least number of step changes of a bin.
     interval : str, default "5min"
         Length of an average, no shorter than the record's step.
     apart : int, default 4
@@ -68,8 +68,8 @@ def time_constant(
     Returns
     -------
     TimeConstant
-        Its ``f`` is N/ln(tau_0/tau), N [m/s] being the way from the bin of tau_0 to
-        the chosen one; infinite where these are the same.
+        Its ``f`` is N/ln(tau_0/tau), where N [m/s] is the distance from the bin of
+        tau_0 to the chosen bin; infinite if both are equal.
 
     Raises
     ------
@@ -79,9 +79,9 @@ def time_constant(
 
     Notes
     -----
-    **This estimator runs backwards.** For a first-order module the slope over
-    r_eq,max is the *share of the response reached* after 20 min, which falls
-    as the true time constant grows, and it falls with wind by construction.
+    **This estimator decreases as the true time constant increases.** For a first-order
+    module the slope over r_eq,max is the *share of the response reached* after 20 min,
+    which falls as the true time constant grows. It falls with wind by construction.
     On 60 days of :func:`pvlib_fem.datasets.synthetic` at 1 min (seed 1), without
     noise and with the true r_eq,max:
 
@@ -91,12 +91,12 @@ def time_constant(
     least squares [s]      120   200   300   400   600   900
     ====================  ====  ====  ====  ====  ====  ====
 
-    It is here to reproduce the paper's numbers; :func:`pvlib_fem.fit_fem` fits
-    tau by least squares.
+    Use it to reproduce the paper's numbers; :func:`pvlib_fem.fit_fem` fits tau by
+    least squares.
 
     In every row of the paper's Table 3 (:func:`table_3`) f·ln(tau_0/tau) is a whole
-    number from 4 to 10, so its f is of the two ends of the fall, and bins beyond the
-    8 m/s of its text count.
+    number from 4 to 10. So its f is computed from the two ends of the fall, and bins
+    above the 8 m/s of its text are used.
     """
     steps = step_changes(poa_global, temp_air, wind_speed, temp_module, interval, apart)
     minutes = apart * pd.Timedelta(interval).total_seconds() / 60.0
@@ -131,13 +131,15 @@ def step_changes(
     apart: int = APART,
 ) -> pd.DataFrame:
     """
-    Step changes that the paper regresses (Fig. 6); as in :func:`time_constant`.
+    Step changes that the paper regresses (Fig. 6).
+
+    Parameters are those of :func:`time_constant`.
 
     Returns
     -------
     DataFrame
-        Changes of ``poa_global`` [W/m²] and ``over`` [K], and the lower edge of their
-        bin of ``wind_speed`` [m/s], at the time of their end.
+        Changes of ``poa_global`` [W/m²] and ``over`` [K], and the lower edge of the bin
+        of ``wind_speed`` [m/s], indexed by the time of their end.
     """
     check_interval(poa_global.index, interval)
     frame = averages(poa_global, temp_air, wind_speed, temp_module, interval)
@@ -167,7 +169,7 @@ def check_interval(index, interval):
 
 
 def chosen(table, first):
-    """The last bin up to which tau falls from the ``first``, and how it falls."""
+    """The last bin up to which tau falls from the ``first``, and the fitted fall."""
     last, tau = first, table["tau"]
     while last + 1 in table.index and tau[last + 1] <= tau[last] + MARGIN:
         last += 1
@@ -197,10 +199,10 @@ def heat_capacities(
     """
     Heat capacities from time constants and resistances (Eqs. 16 and 17).
 
-    As the paper's Table 3 has them: ``c_eq_max = tau_0/r_M`` and ``c_m =
-    tau/r_M``, whose difference is ``c_film``. Eq. 17, tau_0·exp(-WS/f)/r_M, is the
-    table's c_M at the wind of each site's last bin, where tau_0·exp(-WS/f) is tau;
-    only the name c_eq,max stands in the table for what has tau_0. ``c_eq_min`` is
+    The definitions are those of the paper's Table 3: ``c_eq_max = tau_0/r_M`` and
+    ``c_m = tau/r_M``; ``c_film`` is their difference. Eq. 17, tau_0·exp(-WS/f)/r_M,
+    equals the table's c_M at the wind of each site's last bin, where tau_0·exp(-WS/f)
+    is tau. The table uses the name c_eq,max for the value with tau_0. ``c_eq_min`` is
     ``tau_0/r_eq,max``.
 
     Parameters
@@ -213,8 +215,8 @@ def heat_capacities(
     Returns
     -------
     dict of Estimate
-        ``c_eq_min``, ``c_eq_max``, ``c_m``, ``c_film``; the points of each are
-        the fewest behind its parts. [J/(m² K)]
+        ``c_eq_min``, ``c_eq_max``, ``c_m``, ``c_film``; the points of each are the
+        smaller number of its parts. [J/(m² K)]
     """
     parts = {
         "c_eq_min": (tau.tau_0, r_eq_max),

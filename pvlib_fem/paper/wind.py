@@ -1,4 +1,4 @@
-"""What the paper says of wind: the most that counts, and what it carries away."""
+"""The paper's effective maximum wind, and convection by wind."""
 
 import numpy as np
 import pandas as pd
@@ -7,7 +7,7 @@ from pvlib_fem.paper.estimators import INTERVAL, MIN_POINTS, Estimate
 from pvlib_fem.thermal.steady import CLIP
 from pvlib_fem.types import Numeric
 
-WINDS = 0.99  # share of the averages that lie below, the package's choice
+WINDS = 0.99  # share of the averages below the maximum, the package's choice
 
 
 def wind_max(
@@ -17,21 +17,21 @@ def wind_max(
     min_points: int = MIN_POINTS,
 ) -> Estimate:
     """
-    Effective maximum wind of a site, below which nearly all averages lie.
+    Effective maximum wind of a site: nearly all averages are below.
 
-    The paper reads it off the distribution of wind speeds (Fig. 4): 6 to 8 m/s for
+    The paper takes it from the distribution of wind speeds (Fig. 4): 6 to 8 m/s for
     averages over five minutes, and clips WM2 at 8.
 
     Parameters
     ----------
     wind_speed : Series
-        With a DatetimeIndex. [m/s]
+        Wind speed with a DatetimeIndex. [m/s]
     share : float, default 0.99
-        Of the averages; the paper gives no figure.
+        Share of the averages; the paper gives no number.
     interval : str, default "5min"
         Length of an average.
     min_points : int, default 10
-        Fewest averages to accept.
+        Least number of averages.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def wind_max(
     Raises
     ------
     ValueError
-        If there are too few averages, or ``share`` is none.
+        If there are too few averages, or ``share`` is out of range.
     """
     if not 0 < share <= 1:
         raise ValueError(f"share = {share} must be above 0 and at most 1")
@@ -60,8 +60,8 @@ def convection(
     r"""
     Convective heat transfer of WM2, :math:`h = 1/(k_W\,WS)`, as in Eq. 20.
 
-    The paper's h is no loss beside others: 1/h is what wind takes off the module's
-    resistance, so that it is infinite in calm air.
+    The paper's h is not a loss in parallel to others: 1/h is the reduction of the
+    module's resistance by wind, so h is infinite in calm air.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def convection(
     k_w : float
         From :func:`k_w`. [K m s/W]
     wind_speed_max : float, default 8
-        Wind speed beyond which more wind does nothing. [m/s]
+        Wind speed beyond which more wind has no influence. [m/s]
 
     Returns
     -------
