@@ -1,16 +1,16 @@
-"""A PV module outdoors, simulated from first principles, to test what explains it.
+"""Simulate a PV module outdoors from first principles, to test models and diagnoses.
 
-Three layers, each with its own random numbers: the `weather` of a `Site`, the
-module in it (`simulate`: nodes in W/m², T⁴ radiation, TARP and MoWiTT convection,
-water, snow, ground) and the sensors and loggers that watch (`measure`). Every
-effect is a switch with an amplitude, 0 for off and 1 for its nominal size, so
-that two runs which differ in one switch differ by that effect only. Nothing here
-comes from the models of this package: layers are from [1]_, mounting from [2]_, sun
-and clear sky from [3]_, wet bulb from [4]_. Where the literature has rivals for a law
-(convection, emissivity of the sky, dirt, snow, ...), a site's `Forms` say by name
-which of them holds; `drawn` takes them by chance.
+There are three layers, each with its own random numbers: the `weather` of a `Site`,
+the module in it (`simulate`: nodes in W/m², T⁴ radiation, TARP and MoWiTT
+convection, water, snow, ground), and the sensors and loggers (`measure`). Every
+effect is a switch with an amplitude, 0 for off and 1 for its nominal size. So two
+runs that differ in one switch differ by that effect only. The simulator shares no
+code with the models of this package: layers are from [1]_, mounting from [2]_, sun
+and clear sky from [3]_, wet bulb from [4]_. If the literature has several
+formulations of a law (convection, emissivity of the sky, soiling, snow, ...), a site's
+`Forms` name one of them; `drawn` selects them at random.
 
-`simulate` has a rival as a whole in `fuentes`, which is pvlib's.
+`fuentes`, pvlib's model, is an alternative to `simulate`.
 
 References
 ----------
@@ -65,7 +65,7 @@ __all__ = [
 ]
 
 
-#: what can stand for the module
+#: simulations of the module
 GENERATORS = {"nodes": simulate, "fuentes": fuentes}
 
 
@@ -78,26 +78,25 @@ def record(
     **options: Any,
 ) -> pd.DataFrame:
     """
-    A record as a user would have it, and the truth in its ``attrs``.
+    A simulated record, with the truth in its ``attrs``.
 
     Parameters
     ----------
     site : Site
     effects : dict
-        Switches and amplitudes; `LINEAR`, `PHYSICS`, `OUTDOORS` or one's own, as
+        Switches and amplitudes; `LINEAR`, `PHYSICS`, `OUTDOORS` or your own, as
         ``OUTDOORS | {"soiling": 1.0}``.
     days, step, seed
-        As in `weather`.
+        See `weather`.
     **options
-        ``start`` as in `weather`, ``noise`` as in `measure`; ``forms`` to take the
-        place of the site's, a `Forms` or as `drawn` gives them; ``generator``, one
-        of `GENERATORS`: ``"nodes"``, which is `simulate` and the default, or
-        ``"fuentes"``.
+        ``start`` of `weather`, ``noise`` of `measure`; ``forms`` instead of the site's,
+        a `Forms` or the result of `drawn`; ``generator``, one of `GENERATORS`:
+        ``"nodes"``, which is `simulate` and the default, or ``"fuentes"``.
 
     Returns
     -------
     DataFrame
-        As `measure` gives it. ``.attrs`` holds ``site`` (with its ``forms``),
+        Columns of `measure`. ``.attrs`` holds ``site`` (with its ``forms``),
         ``effects``, ``seed``, ``generator``.
 
     Examples
@@ -122,7 +121,7 @@ def records(
     forms: Any = None,
     generator: str = "nodes",
 ) -> Iterator[pd.DataFrame]:
-    """Records of several scenarios in one weather, one after the other."""
+    """Yield records of several scenarios in one weather."""
     if generator not in GENERATORS:
         raise ValueError(
             f"generator = {generator!r}; it is {' or '.join(map(repr, GENERATORS))}"
@@ -139,7 +138,7 @@ def records(
 
 def difference(on: pd.DataFrame, off: pd.DataFrame) -> pd.DataFrame:
     """
-    Size of an effect: two records that differ in it, column by column.
+    Size of an effect by column, from two records that differ in it.
 
     Returns
     -------

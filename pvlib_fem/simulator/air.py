@@ -8,7 +8,7 @@ from pvlib import irradiance
 
 from pvlib_fem.simulator.pieces import SOLAR_CONSTANT, ZERO
 
-MEAN_DISTANCE = 94  # a day of the year at which the sun is there
+MEAN_DISTANCE = 94  # day of the year with the sun at its mean distance
 
 #: a [Pa], b, c [°C] of a·exp(b·t/(c + t)), saturation over water at t °C. Magnus: WMO
 #: Guide 8, pvlib's; Tetens: O. Tetens, Z. Geophys. 6, 297 (1930); Buck: A. L. Buck,
@@ -29,7 +29,7 @@ def vapour(celsius, form="magnus"):
 
 
 def diffuse_share(form, ghi, elevation):
-    """Share of diffuse in global irradiance by one of pvlib's models. [-]"""
+    """Diffuse fraction of global irradiance by one of pvlib's models. [-]"""
     # pvlib has its own solar constant, and clearness is all that counts
     extra = irradiance.get_extra_radiation(MEAN_DISTANCE)
     light = ghi * extra / SOLAR_CONSTANT

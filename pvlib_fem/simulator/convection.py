@@ -57,7 +57,7 @@ def mcadams(tilt):
 
 
 def sided(excess, freely, stably):
-    """The one where the face's warm air can leave it, the other where it cannot."""
+    """One value for faces that warm air can leave, and another for the other faces."""
     leaves = excess > 0
     leaves[1] = ~leaves[1]  # the back looks down
     return np.where(leaves, freely, stably)

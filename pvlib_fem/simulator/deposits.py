@@ -1,4 +1,4 @@
-"""Dirt and snow on a module, in rival formulations.
+"""Soiling and snow on a module, in several formulations.
 
 Each function is named as in `pvlib_fem.simulator.forms.RIVALS`.
 """
@@ -21,7 +21,7 @@ TAKEN = 0.35  # share of sunlight that snow absorbs
 
 
 def dirt(weather, site):
-    """Share of light lost to dirt."""
+    """Share of light lost by soiling."""
     return DIRT[site.forms.cleaning](weather, site)
 
 
@@ -41,7 +41,7 @@ def rain(weather, site):
 
 
 def kimber(weather, site):
-    """`pvlib.soiling.kimber`: 6 mm in 24 h clean, for two weeks nothing gathers."""
+    """`pvlib.soiling.kimber`: 6 mm in 24 h clean; no soiling for two weeks after."""
     return pvlib.soiling.kimber(
         fallen(weather).tz_localize(None),  # no zone: it asks for bare times
         soiling_loss_rate=PER_DAY,
@@ -50,7 +50,7 @@ def kimber(weather, site):
 
 
 def hsu(weather, site):
-    """`pvlib.soiling.hsu`: mass that settles, 1 mm in an hour cleans."""
+    """`pvlib.soiling.hsu`: settling mass; 1 mm in an hour cleans."""
     ratio = pvlib.soiling.hsu(fallen(weather), 1.0, site.surface_tilt, *PARTICLES)
     return 1.0 - ratio.to_numpy()
 
@@ -68,7 +68,7 @@ def store(change):
 
 
 def snow_depth(weather):
-    """Of snow on the ground, which melts by degree and day. [cm]"""
+    """Depth of snow on the ground, which melts by degree-days. [cm]"""
     melt = DEGREE_DAY * np.maximum(weather["temp_air"].to_numpy(), 0.0) / 24.0
     return store((snowfall(weather) - melt) * seconds(weather.index) / 3600.0)
 
@@ -103,7 +103,7 @@ def sliding(weather, site):
 
 
 def coverage_nrel(weather, site):
-    """The same by parts: `pvlib.snow.coverage_nrel`."""
+    """Share of the module under snow that slides off gradually, by pvlib."""
     depth = snowfall(weather) * seconds(weather.index) / 3600.0
     with warnings.catch_warnings():
         # pvlib 0.16 asks pandas in a way that pandas 3 warns of

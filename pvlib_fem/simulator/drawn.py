@@ -1,4 +1,4 @@
-"""A world's formulations by chance, and obstacles on the path of its sun."""
+"""Random formulations of a site, and obstacles on the path of the sun."""
 
 import numpy as np
 import pandas as pd
@@ -8,19 +8,19 @@ from pvlib_fem.simulator.pieces import stream
 from pvlib_fem.simulator.site import RHINE, Site
 from pvlib_fem.simulator.sky import sun_position
 
-LOW_SUN, HIGH_SUN = 8.0, 40.0  # °, between which an obstacle's edge is
+LOW_SUN, HIGH_SUN = 8.0, 40.0  # °, range of an obstacle's edge
 DAY = 1440  # min
 
 
 def drawn(seed: int, site: Site = RHINE) -> Forms:
     """
-    Formulations by chance, each rival as likely; the same for a seed and a site.
+    Random formulations, each equally likely; they depend on seed and site only.
 
     Parameters
     ----------
     seed : int
     site : Site
-        On whose sun's path the obstacles are put.
+        Site on whose sun path the obstacles are.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def drawn(seed: int, site: Site = RHINE) -> Forms:
 
 
 def obstacles(random, site):
-    """One to three; in half of the worlds with hard edges, of one share."""
+    """One to three obstacles; half of the sites have hard edges and one share."""
     times = pd.date_range("2023-01-01", "2024-01-01", freq="20min", tz=site.tz)
     elevation, azimuth = sun_position(times, site)
     low = np.flatnonzero((elevation > LOW_SUN) & (elevation < HIGH_SUN))
@@ -65,7 +65,7 @@ def obstacles(random, site):
 
 
 def days(random):
-    """One of every 2 to 9 days for as many hours: water for 1 h of each day."""
+    """Water on one of every 2 to 9 days, for as many hours: 1 h per day on average."""
     every = int(random.integers(2, 10))
     begin = random.uniform(0.0, 24.0 - every)
     return Days(every, int(random.integers(every)), ((begin, begin + every),))

@@ -1,4 +1,4 @@
-"""What acts on the module and does not depend on its temperature."""
+"""Inputs of the module that do not depend on its temperature."""
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def fresnel(cosine, index=1.526):
 
 
 def light(weather, site, on, covered, albedo):
-    """What passes the glass and what the back absorbs. [W/m²]"""
+    """Irradiance through the glass, and heat that the back absorbs. [W/m²]"""
     beam, sky, ground, cosine = plane(
         weather,
         site.surface_tilt,
@@ -71,14 +71,14 @@ def light(weather, site, on, covered, albedo):
 
 
 def scattered(weather, site, on):
-    """Wind at the module over what the mast lets expect, 1 on average."""
+    """Wind at the module over its expectation from the mast, 1 on average."""
     scatter = 0.3 * on["wind_scatter"]
     found = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
     return found * np.maximum(1 - total(WIND, weather, site, on), 0.0)
 
 
 def heats(weather, site, on):
-    """Heats that nobody declared, on the glass and on the back. [W/m²]"""
+    """Heat of undeclared sources on the glass and on the back. [W/m²]"""
     air = weather["temp_air"].to_numpy()
     front, back = undeclared(weather.index, air, on, site.forms)
     front = front + total(GLASS, weather, site, on)
@@ -86,7 +86,7 @@ def heats(weather, site, on):
 
 
 def output(sun, idle, on):
-    """Power as constant + slope·T_cell, of a cell in °C. [W/m², W/(m² K)]"""
+    """Power as constant + slope·T_cell, with T_cell in °C. [W/m², W/(m² K)]"""
     full = EFFICIENCY * sun * (1 - idle)
     low = on["conversion"] * LOW_LIGHT * np.log(np.clip(sun, 10.0, None) / 1000.0)
     slope = on["conversion"] * GAMMA * full
@@ -94,7 +94,7 @@ def output(sun, idle, on):
 
 
 def breeze(weather, site, on, calm):
-    """Forced convection of both faces: the form's, and its straight stand-in."""
+    """Forced convection of both faces: the form's, and a linear approximation."""
     law = FORCED[site.forms.forced]
     around = np.radians(weather["wind_direction"].to_numpy() - site.surface_azimuth)
     facing = on["wind_direction"] * np.cos(around)
@@ -123,7 +123,7 @@ def wet_bulb(celsius, humidity):
 
 
 def forcing(weather, site, on):
-    """All that acts on the module and does not depend on its temperature."""
+    """All inputs of the module that do not depend on its temperature."""
     celsius, step = weather["temp_air"].to_numpy(), seconds(weather.index)
     ghi = weather["ghi"].to_numpy()
     air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is

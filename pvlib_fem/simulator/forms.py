@@ -1,9 +1,9 @@
-"""Which of several published formulations a simulated world follows, by name."""
+"""Names of the published formulations that a simulated site follows."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-#: rivals of each law, the default first; tests hold them against their functions
+#: formulations of each law, the default first; tests check them by their functions
 RIVALS = {
     "cleaning": ("rain", "kimber", "hsu"),
     "vapour": ("magnus", "tetens", "buck", "clausius_clapeyron"),
@@ -23,7 +23,7 @@ RIVALS = {
 
 
 def made(kind, value):
-    """A part of `Forms`, also from a mapping, as a record's attrs have it."""
+    """A part of `Forms`; a mapping from a record's attrs is converted."""
     if isinstance(value, Mapping):
         return kind(**value)
     if not isinstance(value, kind):
@@ -40,17 +40,17 @@ def within(name, value, least, most):
 @dataclass(frozen=True)
 class Obstacle:
     """
-    What stands on the horizon between the sun and the module.
+    An obstacle on the horizon between the sun and the module.
 
     Parameters
     ----------
     azimuth, width : float
-        Its middle, from north, clockwise, and how far it extends. [°]
+        Azimuth of its middle, clockwise from north, and its width. [°]
     heights : tuple of float
-        Elevations of its upper edge at even distances from left to right, straight
+        Elevations of its upper edge at even distances from left to right, linear
         between; one for a level edge. [°]
     covers : float
-        Share of the beam that it takes: less than 1 where it covers a part of the
+        Share of the beam that it blocks: less than 1 if it shades a part of the
         module or is a tree. [-]
     blur : float
         Width of its penumbra, half of it inside each edge. [°]
@@ -73,7 +73,7 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Days:
-    """A timetable of days: one of every ``every``, between some ``hours``."""
+    """A schedule by days: one of every ``every`` days, during some ``hours``."""
 
     every: int = 2
     phase: int = 1  # days since 1970-01-01, modulo `every`
@@ -87,7 +87,7 @@ class Days:
 
 @dataclass(frozen=True)
 class Minutes:
-    """A timetable of minutes: the first ``on`` of every ``period``."""
+    """A schedule by minutes: the first ``on`` minutes of every ``period``."""
 
     on: float = 35.0
     period: float = 150.0
@@ -102,37 +102,38 @@ class Minutes:
 @dataclass(frozen=True)
 class Forms:
     """
-    The formulation of each law, and what stands or runs around a module.
+    The formulation of each law, and the surroundings of a module.
 
-    Each name is one of `RIVALS`; the functions of those names have the sources.
+    Each name is one of `RIVALS`; the functions of these names have the sources.
 
     Parameters
     ----------
     obstacles : tuple of Obstacle
-        Before the module or the irradiance sensor, where ``shading`` or
+        Obstacles before the module or the irradiance sensor, if ``shading`` or
         ``shading_sensor`` are on.
     cleaning : {"rain", "kimber", "hsu"}
-        When dirt gathers and goes; ``washed_by`` is of ``"rain"``.
+        Model of soiling; ``washed_by`` applies to ``"rain"``.
     washed_by : tuple of float
-        Rain that cleans, and the time over which it has to fall. [mm, h]
+        Rain that cleans, and its duration. [mm, h]
     vapour : str
         Saturation vapour pressure over water.
     diffuse : str
-        Share of diffuse in global irradiance, as in `pvlib.irradiance`.
+        Diffuse fraction of global irradiance, as in `pvlib.irradiance`.
     transposition : str
-        Of diffuse light from the sky, as in `pvlib.irradiance.get_sky_diffuse`.
+        Transposition of sky diffuse irradiance, as in
+        `pvlib.irradiance.get_sky_diffuse`.
     emissivity : str
-        Of the clear sky.
+        Emissivity of the clear sky.
     natural, forced : str
         Convection of a face without and with wind.
     calm_excess : float
-        Excess at which natural convection stands where its switch is 0. [K]
+        Over-temperature of constant natural convection, if its switch is 0. [K]
     snow : {"sliding", "coverage_nrel", "melting"}
-        How it leaves the module.
+        Removal of snow from the module.
     watering : Days
-        Timetable of ``irrigation``.
+        Schedule of ``irrigation``.
     fan : Minutes
-        Timetable of ``fan``.
+        Schedule of ``fan``.
     """
 
     obstacles: tuple = (Obstacle(),)

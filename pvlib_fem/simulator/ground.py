@@ -1,4 +1,4 @@
-"""Light on a plane, and what stands before it."""
+"""Irradiance on a plane, and obstacles before it."""
 
 import numpy as np
 from pvlib import irradiance
@@ -8,7 +8,7 @@ from pvlib_fem.simulator.pieces import SOLAR_CONSTANT
 
 
 def plane(weather, tilt, azimuth, albedo, form):
-    """Beam, sky and ground light on a plane, and the cosine of incidence."""
+    """Beam, sky and ground irradiance on a plane, and the cosine of incidence."""
     elevation = weather["elevation"].to_numpy()
     cosine = irradiance.aoi_projection(
         tilt, azimuth, 90.0 - elevation, weather["azimuth"].to_numpy()
@@ -20,7 +20,7 @@ def plane(weather, tilt, azimuth, albedo, form):
 
 
 def sky_diffuse(form, weather, tilt, azimuth):
-    """Diffuse light of the sky on a plane by one of pvlib's models. [W/m²]"""
+    """Sky diffuse irradiance on a plane by one of pvlib's models. [W/m²]"""
     zenith = 90.0 - weather["elevation"].to_numpy()
     found = irradiance.get_sky_diffuse(
         tilt,
@@ -36,7 +36,7 @@ def sky_diffuse(form, weather, tilt, azimuth):
 
 
 def hidden(weather, obstacles):
-    """Share of the beam that obstacles take, the largest where they overlap."""
+    """Share of the beam that obstacles block; the largest share if they overlap."""
     azimuth, elevation = weather["azimuth"].to_numpy(), weather["elevation"].to_numpy()
     share = np.zeros(len(weather))
     for one in obstacles:
@@ -50,5 +50,5 @@ def hidden(weather, obstacles):
 
 
 def shade(weather, site, amplitude):
-    """Share of the beam that obstacles leave."""
+    """Share of the beam that obstacles transmit."""
     return 1 - np.minimum(amplitude * hidden(weather, site.forms.obstacles), 1)

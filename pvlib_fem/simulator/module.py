@@ -1,4 +1,4 @@
-"""The module: nodes in W/m², stepped over time."""
+"""Time steps of the module's nodes, in W/m²."""
 
 from collections.abc import Mapping
 
@@ -15,12 +15,12 @@ from pvlib_fem.simulator.pieces import DAY, SIGMA, ZERO, seconds
 from pvlib_fem.simulator.site import Site
 from pvlib_fem.simulator.switches import amplitudes
 
-BLOCK = DAY  # solved side by side, see march
+BLOCK = DAY  # s; days are solved in parallel, see march
 
 # the module: glass, back sheet with its share of frame, cell [1]_
 CAPACITY = np.array([[4800.0], [4900.0], [1400.0]])  # glass, back, cell: J m⁻² K⁻¹
 LINK = np.array([[450.0], [330.0]])  # glass, back to cell, 1/r there: W m⁻² K⁻¹
-ROOM = 295.0  # K, where the linear world takes its radiation coefficient
+ROOM = 295.0  # K, temperature of the constant radiation coefficient
 
 # water on glass
 LATENT = 2.45e6  # J/kg
@@ -32,15 +32,15 @@ JOIN = np.array([5e-5, 5e-5, 5e-5, 5e-5, 1e-5])[:, None]  # K and kg/m², see ma
 
 def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFrame:
     """
-    True temperatures of a module, and the heat that moves them.
+    True temperatures and heat flows of a module.
 
     Parameters
     ----------
     weather : DataFrame
-        As `weather` gives it, on even steps.
+        Result of `weather`, on even steps.
     site : Site
     effects : dict
-        Names of `SWITCHES` and their amplitudes; what is not named is off.
+        Amplitudes of `SWITCHES` by name; other switches are off.
 
     Returns
     -------
@@ -48,9 +48,9 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFram
         ``temp_glass``, ``temp_back``, ``temp_cell``, ``temp_ground`` [°C] at the
         end of each step; ``film`` [kg/m²]; over the step ``h_front``, ``h_back``
         (convection [W/(m²K)], at the temperatures before), ``latent`` and
-        ``sensible`` (what film, rain and snow take [W/m²]), ``heat_glass``,
-        ``heat_back``, ``heat_cell`` (what sun and others bring less what the sky
-        takes [W/m²]), ``p_dc_per_area`` [W/m²].
+        ``sensible`` (heat to film, rain and snow [W/m²]), ``heat_glass``,
+        ``heat_back``, ``heat_cell`` (heat from the sun and other sources minus loss to
+        the sky [W/m²]), ``p_dc_per_area`` [W/m²].
 
     Raises
     ------
@@ -74,11 +74,11 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFram
 
 def march(on, step, surfaces, series):
     """
-    Nodes over time, each day side by side with the others.
+    Nodes over time, with all days in parallel.
 
-    The module forgets in minutes and its ground in hours. So all days are
-    stepped at once, each from a guess made by running its eve; then those days
-    are repeated whose start is not where the day before ended (`JOIN`).
+    Time constants of the module are minutes, of the ground hours. So all days are
+    stepped at once, each from a start that the half day before gives. Then days are
+    repeated whose start differs from the end of the day before (`JOIN`).
     """
     rows = len(series["air"])
     block = min(rows, round(BLOCK / step))
@@ -116,8 +116,8 @@ def advance(on, step, surfaces, series, start):
     """
     Step all columns from ``start``: glass, back, cell, ground [K], film [kg/m²].
 
-    Linearly implicit, coefficients at the old state; the ground is explicit.
-    In place where it can be, as this loop is where the time goes.
+    The step is linearly implicit, with coefficients at the old state; the ground is
+    explicit. Operations are in place, because this loop takes most of the time.
     """
     store, damp = on["thermal_storage"], max(on["rain"], on["dew"])
     shape, free = on["wind_shape"], on["natural_convection"]
@@ -134,7 +134,7 @@ def advance(on, step, surfaces, series, start):
     h, radiation = np.empty_like(skin), np.empty_like(skin)
     found = np.zeros((len(series["air"]), 8, skin.shape[1]))
     for i, air in enumerate(series["air"]):
-        # convection: natural and forced in quadrature, or their straight stand-in
+        # convection: natural and forced in quadrature, or a linear approximation
         calm = natural(skin - air)
         calm *= free
         calm += still

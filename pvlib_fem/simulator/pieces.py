@@ -1,4 +1,4 @@
-"""Small pieces that all layers share: constants, chance, memory, clocks."""
+"""Common functions of all layers: constants, random numbers, lags, clocks."""
 
 import zlib
 
@@ -12,12 +12,12 @@ SOLAR_CONSTANT = 1361.0  # W/m²; this world's sun is always at its mean distanc
 
 
 def stream(seed, purpose):
-    """Random numbers of one purpose, so that no other use of chance moves them."""
+    """Random numbers of one purpose, independent of all others."""
     return np.random.default_rng([seed, zlib.crc32(purpose.encode())])
 
 
 def wander(random, rows, lag):
-    """Ornstein-Uhlenbeck noise of unit variance, with a memory of ``lag`` rows."""
+    """Ornstein-Uhlenbeck noise of unit variance, correlated over ``lag`` rows."""
     decay = np.exp(-1.0 / lag)
     source = random.standard_normal(rows)
     source[1:] *= np.sqrt(1.0 - decay**2)
@@ -25,7 +25,7 @@ def wander(random, rows, lag):
 
 
 def lagged(values, lag):
-    """First-order response with a memory of ``lag`` rows, settled at the start."""
+    """First-order response with a time constant of ``lag`` rows, from steady state."""
     decay = np.exp(-1.0 / lag)
     return lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0]
 

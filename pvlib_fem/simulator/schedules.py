@@ -1,4 +1,4 @@
-"""What people and animals do around a module, by the clock."""
+"""Scheduled activities around a module."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ PLAIN = Forms()
 
 
 def curtailed(weather):
-    """Hours of no output: midday, most often on weekends in spring."""
+    """Hours without output: midday, most often on weekends in spring."""
     times, seed = weather.index, weather.attrs.get("seed", 0)
     weekend = times.day_of_week.to_numpy() >= 5
     spring = (times.month.to_numpy() >= 3) & (times.month.to_numpy() <= 6)
@@ -21,7 +21,7 @@ def curtailed(weather):
 
 
 def undeclared(times, air, on, forms=PLAIN):
-    """Heats of schedules and neighbours, on the glass and on the back. [W/m²]"""
+    """Heat of scheduled and neighbouring sources, on glass and back. [W/m²]"""
     hour, month = clock(times)[0], times.month.to_numpy()
     weekend = times.day_of_week.to_numpy() >= 5
     exhaust = 120.0 * (weekend & (hour >= 9) & (hour < 16))
@@ -49,5 +49,5 @@ def running(times, timetable):
 
 
 def local(times, unit):
-    """Whole units since 1970-01-01, by the clock on the wall."""
+    """Whole units since 1970-01-01 in local time."""
     return times.tz_localize(None).to_numpy().astype(f"datetime64[{unit}]").astype(int)

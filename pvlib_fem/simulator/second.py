@@ -1,4 +1,4 @@
-"""A second generator that is not ours: `pvlib.temperature.fuentes`."""
+"""A second, independent generator: `pvlib.temperature.fuentes`."""
 
 from collections.abc import Mapping
 
@@ -21,10 +21,10 @@ from pvlib_fem.simulator.surroundings import AIR, total
 from pvlib_fem.simulator.switches import amplitudes
 
 ABSORPTION = 0.83  # share of sunlight that is heat, pvlib's default
-INSTALLED = {"rack": 45.0, "roof": 49.0}  # °C, installed NOCT as PVWatts has it
+INSTALLED = {"rack": 45.0, "roof": 49.0}  # °C, installed NOCT of PVWatts
 HEIGHT = 9.144 * AT_MODULE**5  # m, at which v·(height/9.144)^0.2 is our module's wind
 
-#: switches that this model has in it, and those for which it has no place
+#: switches that this model always includes, and switches that it cannot have
 INSIDE = ("radiative_loss", "natural_convection", "wind_shape")
 NO_PLACE = ("sky_radiation", "wind_direction", "rain", "dew", "thermal_storage")
 
@@ -35,27 +35,26 @@ def fuentes(
     """
     Temperature of a module by M. K. Fuentes, SAND85-0330 (1987), in the same weather.
 
-    What changes the light that a module receives changes the model's irradiance;
-    heats and the output that is not taken are irradiance of the same heat. The
-    model's absorption is constant, so that ``conversion`` is of the power alone,
-    and its sky follows the air.
+    Effects on the light of a module change the model's irradiance. Heat sources and
+    curtailed output are converted to equivalent irradiance. The model's absorption is
+    constant, so ``conversion`` changes only the power, and its sky temperature depends
+    on the air.
 
     Parameters
     ----------
     weather, site, effects
-        As in `simulate`. Switches `INSIDE` the model have to be 1, those that have
-        `NO_PLACE` in it 0.
+        See `simulate`. Switches `INSIDE` must be 1, and switches `NO_PLACE` 0.
 
     Returns
     -------
     DataFrame
-        ``temp_back`` and ``temp_cell``, which are the same [°C], ``p_dc_per_area``,
-        ``poa_global`` (what the model was given [W/m²]).
+        ``temp_back`` and ``temp_cell``, which are equal [°C], ``p_dc_per_area``,
+        ``poa_global`` (input of the model [W/m²]).
 
     Raises
     ------
     ValueError
-        Of a switch that this model cannot follow.
+        If the model does not have a switch.
     """
     on = amplitudes(effects)
     wrong = [name for name in INSIDE if on[name] != 1.0]

@@ -1,4 +1,4 @@
-"""The sensors and loggers that watch, with their faults."""
+"""Sensors and loggers, with their faults."""
 
 from collections.abc import Mapping
 
@@ -29,7 +29,7 @@ SENSORS = {
     "temp_module": (0.05, 0.30, 1.5, 0.1, False),
     "wind_direction": (5.0, 0.0, 1.0, 1.0, False),
     "relative_humidity": (0.0, 2.0, 24.0, 0.1, False),
-    "precipitation": (0.0, 0.0, 1.0, 0.1, False),  # its tips are made before
+    "precipitation": (0.0, 0.0, 1.0, 0.1, False),  # tips are counted before
     "longwave_down": (0.0, 3.0, 2.0, 0.1, False),
     "snow_depth": (0.0, 0.0, 1.0, 1.0, False),
     "p_dc_per_area": (0.01, 0.0, 1.0, 0.01, True),
@@ -45,21 +45,21 @@ def measure(
     noise: float = 1.0,
 ) -> pd.DataFrame:
     """
-    What sensors and loggers make of a weather and the module in it.
+    The record of sensors and loggers for a weather and the module in it.
 
     Parameters
     ----------
     weather : DataFrame
-        As `weather` gives it.
+        Result of `weather`.
     truth : DataFrame
-        As `simulate` gives it for the same ``effects``.
+        Result of `simulate` for the same ``effects``.
     site : Site
     effects : dict
         Switches; ``swap`` maps a column to one of `UNITS`.
     seed : int
-        Of the sensors' noise, which no switch moves.
+        Seed of the sensors' noise, which does not depend on switches.
     noise : float, default 1
-        Scale of all noise; 0 leaves out the resolution of the sensors, too.
+        Scale of all noise; with 0 the sensors also have no finite resolution.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def measure(
 
 
 def pyranometer(weather, site, on, step):
-    """Irradiance in the plane of the sensor, as it tells it. [W/m²]"""
+    """Reading of the irradiance sensor in its plane. [W/m²]"""
     azimuth = site.surface_azimuth + on["poa_misalignment"]
     albedo = bright(weather, site, on)
     beam, sky, ground, _ = plane(
@@ -124,7 +124,7 @@ def pyranometer(weather, site, on, step):
 
 
 def module_logger(weather, truth, site, on, step):
-    """Module temperature, 40 s behind, and power, both by this logger's clock."""
+    """Module temperature with a lag of 40 s, and power, by this logger's clock."""
     times = weather.index
     now = np.arange(len(times)) * step
     late = 60.0 * on["clock_shift"] + on["clock_drift"] * now / DAY
@@ -144,9 +144,9 @@ def years(times):
 
 
 def summer_time(times):
-    """From the last Sunday of March to that of October, as in Europe."""
+    """Mask from the last Sunday of March to the last of October, as in Europe."""
     months, days = times.month.to_numpy(), times.day.to_numpy()
-    sunday = days - (times.day_of_week.to_numpy() + 1) % 7  # the one on or before
+    sunday = days - (times.day_of_week.to_numpy() + 1) % 7  # last Sunday until then
     past = sunday >= 25
     return (
         ((months > 3) & (months < 10))
@@ -156,7 +156,7 @@ def summer_time(times):
 
 
 def spoil(data, on, swap, step, random):
-    """Shift, freeze, lose and mislabel."""
+    """Add faults of the file: shifted, stuck and missing rows, wrong units."""
     rows, hour = len(data), 3600.0 / step
     late = on["file_shift"] / 60.0 + on["file_dst"] * summer_time(data.index)
     shown = np.arange(rows) - np.round(late * hour).astype(int)

@@ -1,4 +1,4 @@
-"""Where the module stands, and in which climate."""
+"""The site of the module, and its climate."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,14 +11,14 @@ MOUNTINGS = ("rack", "roof")
 @dataclass(frozen=True)
 class Site:
     """
-    Where the module stands, and in which climate. Defaults: the Rhine valley.
+    The site of the module, and its climate; by default the Rhine valley.
 
     Parameters
     ----------
     latitude, longitude : float
         North and east positive. Time is local standard, from the longitude. [°]
     surface_tilt, surface_azimuth : float
-        Of the module; azimuth from north, clockwise. [°]
+        Orientation of the module; azimuth from north, clockwise. [°]
     mounting : {"rack", "roof"}
         Open at the back, or a channel over a roof.
     temp_mean, temp_amplitude : float
@@ -28,11 +28,11 @@ class Site:
     rain_days, clear_share : float
         Share of days with rain, share of hours with a clear sky. [-]
     dew_depression : float
-        Median of air temperature less dew point. [K]
+        Median of air temperature minus dew point. [K]
     albedo : float
-        Of the ground. [-]
+        Albedo of the ground. [-]
     forms : Forms
-        Which formulation each law has there, and what stands or runs around.
+        Formulation of each law, and surroundings of the module.
     """
 
     latitude: float = 49.4
@@ -50,14 +50,14 @@ class Site:
     forms: Forms = field(default_factory=Forms)
 
     def __post_init__(self):
-        if isinstance(self.forms, Mapping):  # of a record's attrs
+        if isinstance(self.forms, Mapping):  # from a record's attrs
             object.__setattr__(self, "forms", Forms(**self.forms))
         if self.mounting not in MOUNTINGS:
             raise ValueError(f"mounting = {self.mounting!r}; it is 'rack' or 'roof'")
 
     @property
     def utc_offset(self) -> int:
-        """Local standard time less universal time. [h]"""
+        """Local standard time minus universal time. [h]"""
         return round(self.longitude / 15.0)
 
     @property

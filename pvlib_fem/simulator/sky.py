@@ -1,4 +1,4 @@
-"""Weather that a climate could have, minute by minute."""
+"""Synthetic weather of a climate, minute by minute."""
 
 import numpy as np
 import pandas as pd
@@ -35,7 +35,7 @@ def weather(
     seed: int = 0,
 ) -> pd.DataFrame:
     """
-    Weather that a climate could have: the same for a site, a seed and a step.
+    Synthetic weather of a climate, determined by site, seed and step.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def rainfall(site, sky, days, minute, random):
 
 
 def clear_sky_index(share, minute, random):
-    """Global irradiance over that of a clear sky, from the shares of the regimes."""
+    """Global irradiance relative to a clear sky, from the shares of the regimes."""
     rows = len(share[0])
     clear = 1.0 + 0.02 * wander(random, rows, 20 * minute)
     overcast = 0.32 + 0.16 * wander(random, rows, 240 * minute)
@@ -208,7 +208,7 @@ def clear_sky_index(share, minute, random):
     spells = np.minimum(shortest * (1 + random.pareto(1.5, spells)), 90 * minute)
     turn = np.searchsorted(np.cumsum(spells), np.arange(rows), side="right")
     shadow = 0.38 + 0.1 * wander(random, rows, 30 * minute)
-    gap = 1.03 + 0.04 * wander(random, rows, 6 * minute)  # clouds beside it reflect
+    gap = 1.03 + 0.04 * wander(random, rows, 6 * minute)  # clouds nearby reflect
     broken = lagged(np.where(turn % 2, gap, shadow), 1.7 * minute)
     index = share[0] * clear + share[1] * broken + share[2] * overcast
     return np.clip(index, 0.05, 1.25)
@@ -234,7 +234,7 @@ def outflow(onset, minute, random):
 
 
 def wind(site, hour, minute, random):
-    """Speed at the mast, direction, and what the module's wind does on its own."""
+    """Speed at the mast, direction, and the scatter of the wind at the module."""
     rows = len(hour)
     waves = ((0.65, 14 * 60), (0.55, 90), (0.40, 8), (0.33, 1.2))
     level = sum(a * wander(random, rows, lag * minute) for a, lag in waves)

@@ -1,8 +1,8 @@
 """
-Causes that no effect of the catalogue is: heats, light, air, wind and readings.
+Causes that are not in the catalogue of effects: heat, light, air, wind and readings.
 
-Each law is named as its switch and gives amplitude 1. A site's hours, directions and
-limits are drawn from the weather's seed, by a stream of random numbers for each law.
+Each law has the name of its switch and returns amplitude 1. A site's hours, directions
+and limits are drawn from the weather's seed, with separate random numbers for each law.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ def chance(weather, name):
 
 
 def around(angle, centre):
-    """Of an angle, how far it is from another. [°]"""
+    """Distance of angles from another. [°]"""
     return np.abs((angle - centre + 180.0) % 360.0 - 180.0)
 
 
@@ -30,7 +30,7 @@ def between(weather, begin, length):
 
 
 def warmer(weather, site, share):
-    """Rows in air that is above the year's mean by a share of its half swing."""
+    """Rows with air above the annual mean by a share of the annual amplitude."""
     limit = site.temp_mean + share * site.temp_amplitude
     return weather["temp_air"].to_numpy() > limit
 
@@ -44,7 +44,7 @@ def hours_of_sun(weather):
 
 def reflection(weather, site):
     """
-    Sun in a façade beside the module, which its sensor does not see. [W/m²]
+    Sun reflected by a façade near the module, which its sensor does not see. [W/m²]
 
     Coated glass reflects 10 to 30 % of the sun; here the module gets 20 % of the beam.
     """
@@ -52,7 +52,7 @@ def reflection(weather, site):
     azimuth, elevation = (weather[n].to_numpy() for n in ("azimuth", "elevation"))
     low = (elevation > LOW_SUN) & (elevation < HIGH_SUN)
     low = np.flatnonzero(low & (around(azimuth, 180.0) < 90.0))
-    if not len(low):  # hours that have no such sun
+    if not len(low):  # no hours with such sun
         return np.zeros(len(weather))
     place = random.choice(low)
     width, height = random.uniform(15.0, 30.0), random.uniform(8.0, 15.0)
@@ -63,9 +63,9 @@ def reflection(weather, site):
 
 def plume(weather, site):
     """
-    Exhaust that wind of one direction brings. [W/m²]
+    Exhaust air in wind from one direction. [W/m²]
 
-    Air 2 K warmer at 25 W/(m² K) of both faces.
+    Air is 2 K warmer, at 25 W/(m² K) of both faces.
     """
     random = chance(weather, "plume")
     direction = weather["wind_direction"].to_numpy()
@@ -77,8 +77,8 @@ def puddles(weather, site):
     """
     Wet ground behind the module, for half a day to two days after rain. [W/m²]
 
-    Wet ground is 10 to 15 K colder in full sun than dry ground; of that the back has
-    6 W/(m² K) by longwave, and its air some more.
+    Wet ground is 10 to 15 K colder in full sun than dry ground. The back loses
+    6 W/(m² K) of that by longwave, and some more by its air.
     """
     dries = chance(weather, "puddles").uniform(12.0, 40.0)  # h
     rows = np.arange(len(weather))
@@ -90,10 +90,11 @@ def puddles(weather, site):
 
 def sea_breeze(weather, site):
     """
-    Air of the sea that comes to the module, and not as far as the station. [K]
+    Sea breeze that reaches the module but not the station. [K]
 
-    Behind its front it is colder by some kelvin: S. T. K. Miller et al., Rev. Geophys.
-    41, 1011 (2003), :doi:`10.1029/2003RG000124`. On sunny days of the warm half year.
+    Air behind its front is colder by some kelvin: S. T. K. Miller et al., Rev. Geophys.
+    41, 1011 (2003), :doi:`10.1029/2003RG000124`. It blows on sunny days of the warm
+    half year.
     """
     random = chance(weather, "sea_breeze")
     hours = between(weather, random.uniform(10.0, 13.0), random.uniform(5.0, 8.0))
@@ -106,8 +107,8 @@ def misters(weather, site):
     """
     Nozzles of a barn or a terrace that cool the module's air in heat. [K]
 
-    Fog systems take 30 to 60 % of the wet-bulb depression, which is two thirds of air
-    less dew point; the module beside them has half of that.
+    Fog systems remove 30 to 60 % of the wet-bulb depression, which is two thirds of air
+    temperature minus dew point; a module nearby gets half of that.
     """
     random = chance(weather, "misters")
     hours = between(weather, random.uniform(8.0, 12.0), random.uniform(6.0, 10.0))
@@ -117,10 +118,10 @@ def misters(weather, site):
 
 def fog(weather, site):
     """
-    Drops that a humid night leaves on the glass, and the sun dries. [W/m²]
+    Dew on the glass after a humid night, dried by the sun. [W/m²]
 
-    Nights leave 0.1 to 0.3 mm (J. L. Monteith and M. H. Unsworth, "Principles of
-    environmental physics"); 80 W/m² over 2 h are 0.24 mm.
+    A night deposits 0.1 to 0.3 mm (J. L. Monteith and M. H. Unsworth, "Principles of
+    environmental physics"); 80 W/m² over 2 h evaporate 0.24 mm.
     """
     lasts = chance(weather, "fog").uniform(2.0, 4.0)  # h
     humid = (weather["relative_humidity"].to_numpy() > 85.0).astype(float)
@@ -131,9 +132,9 @@ def fog(weather, site):
 
 def inverter_hall(weather, site):
     """
-    Exhaust of inverters: by their power, once it is warm enough for the fans. [W/m²]
+    Exhaust of inverters by their power, if it is warm enough for the fans. [W/m²]
 
-    Air 3 K warmer at 25 W/(m² K) of both faces.
+    Air is 3 K warmer, at 25 W/(m² K) of both faces.
     """
     share = chance(weather, "inverter_hall").uniform(0.1, 0.6)
     power = np.minimum(weather["ghi"].to_numpy() / 850.0, 1.0)
@@ -145,7 +146,7 @@ def compost(weather, site):
     A heap that is turned once in 1 to 3 months and cools for weeks. [W/m²]
 
     Windrows keep 55 °C for 15 days (40 CFR 503, appendix B): 40 K above air at
-    6 W/(m² K), of which the module sees a quarter.
+    6 W/(m² K), and the module's view factor is a quarter.
     """
     random = chance(weather, "compost")
     day = np.arange(len(weather)) * seconds(weather.index) / DAY
@@ -157,10 +158,10 @@ def compost(weather, site):
 
 def lorries(weather, site):
     """
-    Share of the wind that parked lorries take on workdays. [-]
+    Share of the wind that parked lorries block on workdays. [-]
 
-    Half of it within five heights behind a dense wall: G. M. Heisler and D. R.
-    DeWalle, Agric. Ecosyst. Environ. 22-23, 41 (1988). A row with gaps takes less.
+    A dense wall blocks half of it within five heights: G. M. Heisler and D. R.
+    DeWalle, Agric. Ecosyst. Environ. 22-23, 41 (1988). A row with gaps blocks less.
     """
     random = chance(weather, "lorries")
     hours = between(weather, random.uniform(5.0, 9.0), random.uniform(8.0, 11.0))
@@ -169,10 +170,10 @@ def lorries(weather, site):
 
 def charger(weather, site):
     """
-    A logger's cold junction, warm while its battery charges. [K]
+    Error of a logger's cold junction that is warm while its battery charges. [K]
 
-    From sunrise until the night's use is back. 3 W in a box of 0.5 m² that loses
-    5 W/(m² K) are 1.2 K.
+    The battery charges from sunrise until the night's use is replaced. 3 W in a box of
+    0.5 m² that loses 5 W/(m² K) give 1.2 K.
     """
     share = chance(weather, "charger").uniform(0.2, 0.35)
     step, since = seconds(weather.index), hours_of_sun(weather)
@@ -185,7 +186,7 @@ def frozen_contact(weather, site):
     """
     Share of the over-temperature that a contact loses while it is frozen. [-]
 
-    A glue that shrinks lets a sensor read air in part, as after a failed fixing.
+    With shrunk glue a sensor partly reads the air, as after a failed fixing.
     """
     limit = chance(weather, "frozen_contact").uniform(0.0, 4.0)  # °C
     return 0.2 * (weather["temp_air"].to_numpy() < limit)
@@ -208,6 +209,6 @@ CONTACT = {"frozen_contact": frozen_contact}
 
 
 def total(laws, weather, site, on):
-    """What the laws that are on make together; 0 where none is."""
+    """Sum of the laws that are on; 0 without any."""
     some = [on[name] * law(weather, site) for name, law in laws.items() if on[name]]
     return sum(some, start=0.0)

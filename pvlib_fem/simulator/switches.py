@@ -4,9 +4,9 @@ import numpy as np
 
 from pvlib_fem.simulator.pieces import ZERO
 
-#: Every switch, with what amplitude 1 is and what 0 means. Nominal sizes lie within
-#: what is published: curtailment at spring noon (CAISO), 0.1 to 0.5 % of dirt a day,
-#: 2 to 4 K of air sensors in calm sun (Hubbard and Lin 2001), 3 to 15 W/m² of
+#: Every switch, with the meaning of amplitudes 1 and 0. Nominal sizes are within
+#: published ranges: curtailment at spring noon (CAISO), 0.1 to 0.5 % of soiling per
+#: day, 2 to 4 K of air sensors in calm sun (Hubbard and Lin 2001), 3 to 15 W/m² of
 #: thermopiles at night, loggers late by 6 to 8 s a day (J. Barry's PVRAD).
 SWITCHES = {
     # the physical world; PHYSICS has these at 1, LINEAR at 0
@@ -32,14 +32,14 @@ SWITCHES = {
     "rear_irradiance": "light on the back of a rack; 0: dark",
     "season": "4 % more light absorbed in midwinter, 4 % less in midsummer; 0: even",
     "wind_scatter": "wind at the module differs from the mast's, sd 0.3; 0: in step",
-    # heats that nobody declared
+    # undeclared heat sources
     "weekend_exhaust": "120 W/m² behind the module on weekends, 9–16 h",
     "chiller": "up to 100 W/m² behind it on warm afternoons of June to August, 13–19 h",
     "irrigation": "−150 W/m² on the glass by a timetable of days, April to "
     "September; by default every second day, 6–7 and 20–21 h",
     "fan": "100 W/m² behind it by a timetable of minutes; by default 35 of every 150",
     "shelter": "50 W/m² behind it on nights from October to April (animals)",
-    # causes that no effect of the catalogue is, by laws of a site's own
+    # causes that are not in the catalogue of effects
     "reflection": "a façade mirrors 20 % of the beam onto the module, not its sensor",
     "plume": "50 W/m² behind it while wind comes from one direction",
     "puddles": "−10 % of irradiance behind it after rain, until the ground is dry",
@@ -59,7 +59,7 @@ SWITCHES = {
     "temperature_gain": "module sensor reads 3 % of its °C low",
     "temperature_drift": "module sensor gains 1 K a year",
     "air_shield": "air sensor is 2 K warm in full sun and calm; 0: aspirated",
-    "wind_stall": "cups stand still below 1 m/s (an amplitude in m/s)",
+    "wind_stall": "cups do not turn below 1 m/s (an amplitude in m/s)",
     # loggers
     "clock_shift": "module logger's record is 1 min late (an amplitude in minutes)",
     "clock_drift": "it gets later by 1 s a day (an amplitude in s/day)",
@@ -71,9 +71,9 @@ SWITCHES = {
 }
 #: one mass, linear heat balance
 LINEAR: dict[str, float] = {}
-#: what is always there, and no effect with a driver of its own
+#: physics that is always there, and no effect with a driver of its own
 PHYSICS = dict.fromkeys(list(SWITCHES)[:5], 1.0)
-#: a plain site as it is
+#: an ordinary site
 OUTDOORS = PHYSICS | dict.fromkeys(
     [
         "sky_radiation",
@@ -88,7 +88,7 @@ OUTDOORS = PHYSICS | dict.fromkeys(
     ],
     1.0,
 )
-#: what a swapped unit does to a column, for ``{"swap": {"wind_speed": "km/h"}}``
+#: conversion of a column to a wrong unit, for ``{"swap": {"wind_speed": "km/h"}}``
 UNITS = {
     "degF": lambda x: 1.8 * x + 32.0,
     "K": lambda x: x + ZERO,
