@@ -80,7 +80,7 @@ def test_what_all_have_in_common_is_a_record_for_the_loop(plant):
     assert gap.abs().max() < 0.25  # a step of 12 % of 40 K, taken out of one of four
     words = str(comparison)
     assert "temp_module_2 alone reads 1" in words and "% less over-temp" in words
-    assert "are common to all" in words
+    assert "of the error common to all" in words
     with pytest.raises(
         ValueError, match=r"Of 4 module sensors give one as temp_module"
     ):

@@ -12,10 +12,10 @@ from pvlib_fem.thermal_parameters.steady import NO_ERROR, joined
 SHARE = 0.98
 WEATHER = ("poa_global", "temp_air", "wind_speed")
 YEAR = 365.25  # days
-WHOLE = 0.9  # share of a year's time that has to be there
+WHOLE = 0.9  # least share of a year's time with data
 FEWEST_YEARS = 3
 FEWEST_WEEKS = 8
-#: °C up to which a class of modules may be used
+#: upper limits of T98 [°C] and the classes of modules for them
 LEVELS = {70.0: "no level needed", 80.0: "Level 1", 90.0: "Level 2"}
 SOURCE = "IEC TS 63126; levels as pvdeg.standards has them"
 EQUATION = "98th percentile of T over all hours of a year, nights included"
@@ -61,7 +61,7 @@ def hottest_rows(measured, why, steady, typical_year):
 
 
 def of_record(measured):
-    """T98 of all rows with Woodruff's range by weeks, and that of each whole year."""
+    """T98 of all rows with Woodruff's range by weeks, and T98 of each whole year."""
     module = measured.series("temp_module")
     kept = module.notna().to_numpy()
     module, dates = module[kept], measured.dates[kept]
@@ -91,7 +91,8 @@ def share_error(above, dates):
     """
     Standard error of the share of rows above a temperature, and effective weeks.
 
-    Weather of a week is one draw about a season of two harmonics of the year.
+    The weather of a week is one independent draw about a seasonal mean of two
+    harmonics.
     """
     weeks = pd.Series(above).groupby(calendar_weeks(dates)).agg(["sum", "size"])
     if len(weeks) < FEWEST_WEEKS:
@@ -104,13 +105,13 @@ def share_error(above, dates):
     squares *= len(weeks) / max(len(weeks) - rank, 1)
     if not squares.sum() > 0.0:
         return np.nan, np.nan
-    # the hot hours are in few weeks, which are the effective number of draws
+    # hot hours are in a few weeks; these are the effective number of draws
     draws = squares.sum() ** 2 / (squares**2).sum()
     return float(np.sqrt(squares.sum()) / rows.sum()), float(draws)
 
 
 def whole_years(measured, module, dates):
-    """T98 of each year from the record's first day that is there."""
+    """T98 of each complete year, counted from the record's first day."""
     number = np.floor((dates - dates[0]) / YEAR).astype(int)
     full = WHOLE * YEAR * 86400.0 / measured.step
     years = module.groupby(number)
@@ -118,7 +119,7 @@ def whole_years(measured, module, dates):
 
 
 def of_years(years):
-    """T98 of a year as the years of the record have it."""
+    """T98 of a typical year: the mean over the years of the record."""
     many, spread = len(years), np.std(years, ddof=1)
     return dict(
         value=float(np.mean(years)),
@@ -130,7 +131,7 @@ def of_years(years):
 
 
 def of_weather(steady, weather):
-    """T98 of a year of weather by the fit."""
+    """T98 of a year of weather, modelled by the fit."""
     fit, model = steady.fit, steady.fit.thermal_model
     there = with_aliases(weather, (*model.usual, *model.drivers))
 
@@ -153,7 +154,7 @@ def of_weather(steady, weather):
 
 
 def level(value):
-    """The class of modules that is needed."""
+    """The required class of modules."""
     for most, words in LEVELS.items():
         if value <= most:
             return f"up to {most:g} °C: {words}"

@@ -1,4 +1,4 @@
-"""The record that some rows need: the fit's own, or one that is given."""
+"""The record that some rows need: the fit's own, or a given one."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,7 +25,7 @@ class Measured:
     fit : FemFit
     record : Record
     counts, out : array of bool
-        Rows that count in a fit, and those that are held out.
+        Masks of rows that count in a fit, and of held-out rows.
     """
 
     fit: object
@@ -51,10 +51,10 @@ class Measured:
     @cached_property
     def winds(self):
         """
-        Winds that stand for those of the record, each for as much as another.
+        Representative winds of the record with equal weights. [m/s]
 
-        Quantiles of the rows that count, by the square of irradiance: as least squares
-        of the temperature weighs them. [m/s]
+        They are quantiles over the rows that count, weighted by irradiance squared, as
+        in least squares of the temperature.
         """
         poa = self.record["poa_global"][self.counts]
         wind = self.record["wind_speed"][self.counts]
@@ -67,12 +67,12 @@ class Measured:
 
     @cached_property
     def inputs(self):
-        """The record with the drivers of the fit's effects."""
+        """The inputs of the record, completed by the drivers of the fit's effects."""
         return self.fit.thermal_model.with_drivers(self.record.inputs)
 
     @cached_property
     def modelled(self):
-        """Temperature of the fit; steady temperature and its slopes."""
+        """Temperature of the fit, and the steady temperature with its slopes."""
         model = self.fit.thermal_model
         found = model.completed(self.fit.coefficients)
         steady, slopes = replace(model, dynamics="steady").slopes(self.inputs, found)
@@ -82,15 +82,15 @@ class Measured:
 
     @cached_property
     def known_effects(self):
-        """Means of the effects by the coefficients, so that each is found once."""
+        """Cache of :meth:`effects`, by the coefficients."""
         return {}
 
     def effects(self, coefficients):
         """
         Mean steady temperature that the effects add on fitted rows. [K]
 
-        It is weighted with the square of irradiance, as least squares of the
-        over-temperature weights it.
+        It is weighted by irradiance squared, as in least squares of the
+        over-temperature.
         """
         model, key = self.fit.thermal_model, tuple(coefficients.values())
         if not model.effects:
@@ -110,14 +110,14 @@ class Measured:
 
 def measured_of(fit, data, out_of, holdout=None):
     """
-    Check the record of a fit or the one that is given; None without both.
+    Check the given record or that of a fit; None without both.
 
     Parameters
     ----------
     fit : FemFit
     data : DataFrame or None
     out_of : callable
-        From a record, its fitted rows and ``holdout`` to the rows held out.
+        Function from a record, its fitted rows and ``holdout`` to the held-out rows.
     holdout : Series of bool or None
 
     Raises

@@ -17,17 +17,17 @@ from pvlib_fem.thermal_parameters.rows import Row
 from pvlib_fem.thermal_parameters.steady import AIR, BREEZE, IEC, NOMINAL
 
 READING = 5.0  # s, the longest time between readings
-BRIGHT = 400.0  # W/m², below which none counts
-QUIET = "10min"  # before a reading, in which sun and wind have to be steady
-MEAN = "5min"  # of the wind
-VARIES = 0.10  # from the largest irradiance to the smallest
-CALM, GUST = 0.25, 3.0  # m/s, and times the mean
-BETWEEN = (1.0, 8.0)  # m/s of the mean wind
-SPREAD = 4.0  # m/s that the mean winds have to cover
-POINTS = 10  # before noon and after it, of a day that counts
+BRIGHT = 400.0  # W/m², least irradiance of a reading
+QUIET = "10min"  # time before a reading in which sun and wind must be steady
+MEAN = "5min"  # averaging time of the wind
+VARIES = 0.10  # largest relative variation of irradiance
+CALM, GUST = 0.25, 3.0  # least wind [m/s], and largest ratio to the mean wind
+BETWEEN = (1.0, 8.0)  # m/s, range of the mean wind
+SPREAD = 4.0  # m/s, least range of the mean winds
+POINTS = 10  # least number of readings before and after noon of a day
 DAYS = 10
 TILT = (37.5, 2.5)  # °, and its tolerance
-STEP = 300.0  # s, above which no filter can be formed
+STEP = 300.0  # s, longest step with which the filters can be computed
 NOT_SEEN = (
     "not checked, since no record shows it: open rack, load at maximum power, "
     "surrounding modules, place of the anemometer"
@@ -37,7 +37,7 @@ EQUATION = "G / (T - T_air) = u0 + u1 WS; NMOT = 20 °C + 800 W/m² / (u0 + u1 1
 
 @dataclass(frozen=True, eq=False)
 class Nmot:
-    """Numbers by name with their errors; the days; what is not met."""
+    """Numbers and errors by name, number of days, and requirements not met."""
 
     values: dict
     errors: dict
@@ -87,7 +87,7 @@ def nmot_rows(measured, why, surface_tilt=None):
 
 
 def procedure(measured, surface_tilt=None):
-    """The procedure on a record."""
+    """Apply the procedure to a record."""
     step, unmet = measured.step, []
     if step > READING:
         unmet.append(f"readings every {READING:g} s or less (here {step:g} s)")
@@ -118,7 +118,7 @@ def procedure(measured, surface_tilt=None):
 
 
 def readings(measured):
-    """Readings that pass the filters, and how many days are lit."""
+    """Readings that pass the filters, and the number of days with light."""
     columns = ("poa_global", "temp_air", "wind_speed", "temp_module")
     sun, air, wind, module = (measured.series(name) for name in columns)
     mean = wind.rolling(MEAN).mean()
@@ -129,7 +129,7 @@ def readings(measured):
     over = module - air
     kept = (sun >= BRIGHT) & mean.between(*BETWEEN) & ~unsteady & (over > 0.0)
     dates = pd.Series(measured.dates, sun.index)
-    # noon is the middle of each day's light: the place need not be known
+    # noon is the middle of each day's light, so the site need not be known
     hours = pd.Series(np.arange(len(sun)), sun.index)
     light = hours[sun > DAYLIGHT].groupby(dates[sun > DAYLIGHT].to_numpy())
     noon = (light.min() + light.max()) / 2.0

@@ -1,4 +1,4 @@
-"""The table of thermal parameters for readers: as text and as a page."""
+"""The table of thermal parameters as text and as an HTML page."""
 
 import textwrap
 
@@ -16,7 +16,7 @@ from pvlib_fem.report.document import (
     with_error,
 )
 
-#: parts of the page: the conventions of each, by how they begin, and how to use them
+#: parts of the page: beginnings of the names of their conventions, and their use
 PARTS = {
     "pvlib: Faiman": (
         ("faiman",),
@@ -74,7 +74,7 @@ COLUMNS = (
 
 
 def cells(row):
-    """Value, error and range for readers."""
+    """Value, error and range as text."""
     value, error = row["value"], row["stderr"]
     if not np.isfinite(value):
         return "–", "–", "–"
@@ -85,12 +85,12 @@ def cells(row):
 
 def as_text(table):
     """
-    The table as a terminal shows it, with conditions and notes below.
+    The table as text for a terminal, with conditions and notes below.
 
     Parameters
     ----------
     table : DataFrame
-        Of ``fit.thermal_parameters()``.
+        Result of ``fit.thermal_parameters()``.
 
     Returns
     -------
@@ -128,13 +128,13 @@ def left(row):
 
 
 def conditions(table):
-    """Conditions of the first row that has a mismatch, else of the first row."""
+    """Conditions of the first row with a mismatch, or of the first row."""
     compared = table[table["mismatch"].notna()]
     return (compared if len(compared) else table)["conditions"].iloc[0]
 
 
 def notes(table):
-    """Each note once, with the parameters that it is of."""
+    """Each note once, with the parameters that have it."""
     for note, rows in table[table["note"] != ""].groupby("note", sort=False):
         of, names = (rows.index.get_level_values(n).unique() for n in (0, 1))
         yield f"{'; '.join(of)} ({', '.join(names)})", note
@@ -147,9 +147,9 @@ def page(table, title=""):
     Parameters
     ----------
     table : DataFrame
-        Of ``fit.thermal_parameters()``.
+        Result of ``fit.thermal_parameters()``.
     title : str, optional
-        Of the plant or the file.
+        Title of the page.
 
     Returns
     -------
@@ -163,7 +163,7 @@ def page(table, title=""):
 
 
 def part(table, begins, use):
-    """The rows of some conventions, what defines them, and how to use them."""
+    """The rows of some conventions, their definitions, and their use."""
     of = [name.startswith(begins) for name in table.index.get_level_values(0)]
     own = table[of]
     compared = bool(own["mismatch"].notna().any())

@@ -1,4 +1,4 @@
-"""One row of the table, and the columns that it fills."""
+"""Rows of the table of thermal parameters, and its columns."""
 
 from dataclasses import dataclass
 
@@ -31,19 +31,19 @@ class Row:
     Attributes
     ----------
     convention, name : str
-        Whose it is, and what it is called there.
+        The convention, and the name of the parameter in it.
     value, stderr : float
-        NaN where there is none; then ``note`` says why.
+        Value and standard error; if NaN, ``note`` has the reason.
     unit : str
     freedom : float
         Degrees of freedom of the error.
     of : str
-        ``"module"``, as the sensor has it, or ``"cell"``.
+        ``"module"`` (the sensor's temperature) or ``"cell"``.
     mismatch : float
         Largest difference of the convention's model from the fit. [K]
     conditions, equation, source, note : str
     span : tuple of float
-        Low and high, where they are not by Student's t.
+        Low and high, if they are not from Student's t.
     """
 
     convention: str
@@ -61,7 +61,7 @@ class Row:
     span: tuple | None = None
 
     def cells(self):
-        """What stands in the table."""
+        """Cells of the table."""
         reach = student.ppf(0.5 + LEVEL / 2, max(self.freedom, 1.0)) * self.stderr
         low, high = self.span or (self.value - reach, self.value + reach)
         own = {name: getattr(self, name) for name in COLUMNS if hasattr(self, name)}

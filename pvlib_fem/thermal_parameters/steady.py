@@ -1,4 +1,4 @@
-"""What follows from a fit's coefficients alone: other models' parameters."""
+"""Parameters of other models from the coefficients of a fit alone."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -9,13 +9,13 @@ from pvlib_fem.thermal_parameters.measured import Measured
 from pvlib_fem.thermal_parameters.rows import Row
 from pvlib_fem.translation import SHAPES, at_winds, reciprocal
 
-NOMINAL = 800.0  # W/m², of NOCT and NMOT; a bias is taken in here
-AIR = 20.0  # °C, of the same
-BREEZE = 1.0  # m/s, of the same
+NOMINAL = 800.0  # W/m², of NOCT and NMOT; the bias is added at this irradiance
+AIR = 20.0  # °C, of NOCT and NMOT
+BREEZE = 1.0  # m/s, of NOCT and NMOT
 HEIGHT = 10.0  # m, of the wind in weather files
 TAU_WINDS = (1.0, 3.0, 5.0)  # m/s
-SUNS = np.array([400.0, 1000.0])  # W/m², between which models are compared
-NUDGE = 1e-2  # of a standard error, for slopes by differences
+SUNS = np.array([400.0, 1000.0])  # W/m², range in which models are compared
+NUDGE = 1e-2  # step of finite differences, in standard errors
 
 FAIMAN = "D. Faiman, Prog. Photovolt. 16, 307 (2008), doi:10.1002/pip.813; IEC 61853-2"
 KING = "D. L. King et al., SAND2004-3535 (2004), doi:10.2172/919131"
@@ -47,7 +47,7 @@ OF_SENSOR = "cells taken as warm as the sensor, since deltaT is unknown"
 
 @dataclass(frozen=True)
 class Curve:
-    """A resistance by the wind, of which a line is made as of a model's own."""
+    """Resistance as a function of wind, with the interface of a model's shape."""
 
     curve: Callable
 
@@ -55,7 +55,7 @@ class Curve:
         return self.curve(np.asarray(wind_speed, float))
 
     def seen_at(self, share):
-        """The curve by another wind, of which the anemometer measures a share."""
+        """The curve as a function of another wind, with a given ratio to it."""
         return Curve(lambda wind_speed: self.curve(wind_speed * share))
 
     def plus(self, more):
@@ -65,7 +65,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Convention:
-    """A model of others that the resistance is written as."""
+    """A model of other tools, in which the resistance is expressed."""
 
     name: str
     shape: str
@@ -74,8 +74,8 @@ class Convention:
     equation: str
     source: str
     fixed: Mapping = field(default_factory=dict)
-    high: bool = False  # for wind at 10 m
-    calm: bool = False  # of one number: without wind
+    high: bool = False  # whether its wind is at 10 m
+    calm: bool = False  # whether it has one parameter and no wind
 
 
 def conventions(module_efficiency, absorptance):
@@ -129,13 +129,13 @@ class Steady:
     ----------
     fit : FemFit
     deltaT : float or None
-        From the back of the module to its cells at 1000 W/m². [K]
+        Cell minus back temperature at 1000 W/m². [K]
     with_bias : bool
         Whether the fit's bias belongs to the module's temperature.
     share : float or None
         Wind at the anemometer over wind at 10 m.
     winds : array
-        At which models are made alike, each as much as another. [m/s]
+        Winds at which models are fitted, with equal weights. [m/s]
     measured : Measured or None
     """
 
@@ -147,18 +147,18 @@ class Steady:
     measured: Measured | None = None
 
     def own(self, coefficients):
-        """The steady model by the wind, as it is."""
+        """The resistance of the steady model as a function of wind."""
         model = self.fit.thermal_model
         law, own = model.steady_model, model.own(model.completed(coefficients))
         return Curve(lambda wind_speed: law.resistance(wind_speed, **own))
 
     def curve(self, coefficients, of):
-        """Over-temperature per irradiance at 800 W/m², bias and cell taken in."""
+        """Over-temperature per irradiance at 800 W/m², with bias and cell."""
         more = self.bias(coefficients) / NOMINAL
         return self.own(coefficients).plus(more + self.cell(of) / 1000.0)
 
     def bias(self, coefficients):
-        """What is added to the over-temperature at 800 W/m²: bias and effects. [K]"""
+        """Bias and mean effects, added to the over-temperature at 800 W/m². [K]"""
         added = coefficients["bias"] if self.with_bias else 0.0
         return added + self.effects(coefficients)
 
@@ -167,7 +167,7 @@ class Steady:
 
     @property
     def left_out(self):
-        """A note on effects that are left out, without the record."""
+        """A note on effects that are not included without the record."""
         names = ", ".join(effect.name for effect in self.fit.effects)
         return NO_EFFECTS.format(names) if names and self.measured is None else ""
 
@@ -175,13 +175,13 @@ class Steady:
         return self.deltaT or 0.0 if of == "cell" else 0.0
 
     def seen(self, one, curve):
-        """A curve and the winds by the wind that a convention means."""
+        """A curve and the winds, at the height of a convention."""
         if one.high:
             return curve.seen_at(self.share), self.winds / self.share
         return curve, self.winds
 
     def line(self, one, coefficients):
-        """The convention's line in wind, by least squares. None where it has none."""
+        """The convention's line in wind by least squares; None if impossible."""
         curve, winds = self.seen(one, self.curve(coefficients, one.of))
         goal = SHAPES[one.shape]
         resistance = curve.resistance(winds)
@@ -194,14 +194,14 @@ class Steady:
         return None if warms else (first, second)
 
     def parameters(self, one, coefficients):
-        """The convention's parameters by name, NaN where it has none."""
+        """The convention's parameters by name; NaN if impossible."""
         line = self.line(one, coefficients)
         if line is None:
             return dict.fromkeys(one.units, np.nan)
         return SHAPES[one.shape].coefficients(*line, **one.fixed)
 
     def mismatch(self, one, found):
-        """Largest difference from the fit, 400 to 1000 W/m², at all winds. [K]"""
+        """Largest difference from the fit at 400 to 1000 W/m² and all winds. [K]"""
         coefficients = self.fit.coefficients
         curve = self.own(coefficients).plus(self.cell(one.of) / 1000.0)
         curve, winds = self.seen(one, curve)
@@ -274,7 +274,7 @@ def joined(*notes):
 
 
 def row(steady, convention, name, value, unit, error, left, why, like):
-    """A row of a number that has its error from the fit."""
+    """A row of a parameter whose error is from the fit."""
     freedom = steady.fit.train_days - 1.0
     if np.isfinite(value) and not np.isfinite(error):
         why = joined(why, NO_ERROR)
@@ -292,14 +292,14 @@ def row(steady, convention, name, value, unit, error, left, why, like):
 
 
 def of_cell(steady, convention, like):
-    """The row of what cells are warmer than the back."""
+    """The row of deltaT, cell minus back temperature."""
     value = np.nan if steady.deltaT is None else steady.deltaT
     note = NO_DELTA if steady.deltaT is None else GIVEN
     return Row(convention, "deltaT", value, "K", note=note, **{**like, "of": "cell"})
 
 
 def nmot_row(steady):
-    """The temperature that the fit gives at 800 W/m², 20 °C of air and 1 m/s."""
+    """The row of the fit's temperature at 800 W/m², 20 °C of air and 1 m/s."""
 
     def nmot(coefficients):
         curve = steady.curve(coefficients, "module")
@@ -316,7 +316,7 @@ def nmot_row(steady):
 
 
 def memory_rows(steady):
-    """Time constants by the wind, for samples at the end of steps and for means."""
+    """Rows of time constants by wind, for samples at the end of steps and for means."""
     fit, why = steady.fit, ""
     if fit.dynamics == "steady":
         why = "dynamics='steady' has no memory; fit with 'balance' or 'ewm'"
@@ -333,7 +333,7 @@ def memory_rows(steady):
         return coefficients["capacity"] * steady.own(coefficients).resistance(TAU_WINDS)
 
     def of_means(coefficients):
-        # means follow means with the mean age of the memory, found at the mean wind
+        # for means, tau is the mean age of the past, computed at the mean wind
         usual = taus(coefficients)[0]
         if fit.dynamics == "balance":
             at = np.nan if steady.measured is None else steady.measured.wind

@@ -68,7 +68,7 @@ def cell_of(fit):
 
 
 def check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, deltaT):
-    """Refuse what cannot be."""
+    """Refuse arguments out of range."""
     if wind_height is not None and not 0.0 < wind_height <= 200.0:
         raise ValueError(f"wind_height = {wind_height} must be a height, above 0 m")
     if not 0.0 <= exponent <= 1.0:
@@ -89,9 +89,9 @@ def check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, d
 
 
 def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
-    """A function that gives the conditions of a row."""
-    told = fit.summary
-    start, end, sun = told.start, told.end, "more than 20 W/m² by day"
+    """A function that returns the conditions of a row."""
+    record = fit.summary
+    start, end, sun = record.start, record.end, "more than 20 W/m² by day"
     if measured is not None:
         start, end = measured.record.index[[0, -1]]
         poa = measured.record["poa_global"][measured.counts]

@@ -1,9 +1,10 @@
 """
-The unit mass of Prilliman's model, as pvlib has it and PVsyst takes it from the module.
+The unit mass of Prilliman's model, for pvlib and PVsyst.
 
 The rate of the model, a0 + a1 WS + a2 m + a3 WS m, falls with the mass m. At 20 kg/m²
-it is zero in still air: the mean of the last 20 min, whatever the module. Beyond, older
-temperatures weigh more than newer ones. So no such mass is ever used or given here.
+it is zero in still air, so the model is the mean of the last 20 min for any module. At
+a larger mass, older temperatures have more weight than newer ones. So a mass of
+20 kg/m² or more is neither used nor returned.
 """
 
 import warnings
@@ -21,13 +22,13 @@ from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
 from pvlib_fem.thermal_parameters.measured import Measured
 from pvlib_fem.thermal_parameters.rows import LEVEL, Row
 
-HEAVIEST = 20.0  # kg/m², at which the rate is zero in still air
-WINDOW = 1200.0  # s, that Prilliman's mean looks back
-FEWEST = 3  # samples of which pvlib tells that their steps are even
-CELLS = 5_000_000  # of pvlib's matrices at once, 40 MB each
-FINEST = 60.0  # s; of finer steps a single answer takes pvlib 10 s for each day
-FINE = 5e-3  # kg/m², to which the mass is searched
-EDGE = 0.02  # kg/m² from an end of the range, which counts as there
+HEAVIEST = 20.0  # kg/m², mass at which the rate is zero in still air
+WINDOW = 1200.0  # s, window of Prilliman's mean
+FEWEST = 3  # samples that pvlib needs to detect an even step
+CELLS = 5_000_000  # size of pvlib's matrices, 40 MB each
+FINEST = 60.0  # s; at finer steps one evaluation by pvlib takes 10 s per day
+FINE = 5e-3  # kg/m², tolerance of the search
+EDGE = 0.02  # kg/m², distance from an end of the range that counts as the end
 
 RATE = (
     "T = mean of T_steady over the last 20 min, weights exp(-P age), P = 0.0046 + "
@@ -61,16 +62,16 @@ NO_WIND = "needs wind, which nobody measured"
 
 def smoothed(steady, wind_speed, unit_mass):
     """
-    Steady temperature under Prilliman's moving mean, each even piece on its own.
+    Smooth steady temperature by Prilliman's moving mean, each even part separately.
 
-    pvlib's function [1]_ refuses gaps, and holds one row for each second of the
-    window and sample of the record. Here pieces are separated by a window of NaN,
-    which it leaves out of every mean, and smoothed a part at a time.
+    pvlib's function [1]_ refuses gaps, and its memory grows with the number of samples
+    times the samples of the window. Here even parts are separated by a window of NaN,
+    which pvlib ignores, and smoothed in blocks of rows.
 
     Parameters
     ----------
     steady : Series or DataFrame
-        Several columns are smoothed with the same weights. [°C]
+        Steady temperature; several columns are smoothed with equal weights. [°C]
     wind_speed : Series
         [m/s]
     unit_mass : float
@@ -79,7 +80,7 @@ def smoothed(steady, wind_speed, unit_mass):
     Returns
     -------
     Series or DataFrame
-        The input itself where steps are 20 min or longer. [°C]
+        Smoothed temperature; a copy of the input for steps of 20 min or more. [°C]
 
     Raises
     ------
@@ -108,7 +109,7 @@ def smoothed(steady, wind_speed, unit_mass):
     begins = np.append(True, np.abs(seconds - step) > 1e-6 * step)
     place = np.arange(len(begins)) + behind * np.cumsum(begins)
     values = steady.to_numpy().reshape(len(begins), -1).T
-    # columns one after the other, each with its windows of NaN before the pieces
+    # concatenated columns, with a window of NaN before each even part
     apart = np.full((len(values), place[-1] + 1), np.nan)
     apart[:, place] = values
     wind = np.zeros(place[-1] + 1)
@@ -117,14 +118,14 @@ def smoothed(steady, wind_speed, unit_mass):
         apart.ravel(), np.tile(wind, len(values)), step, behind, unit_mass
     )
     answer = answer.reshape(apart.shape)[:, place]
-    answer[:, begins] = values[:, begins]  # nothing is before them
+    answer[:, begins] = values[:, begins]  # no row is before these
     if isinstance(steady, pd.Series):
         return pd.Series(answer[0], steady.index, name=steady.name)
     return pd.DataFrame(answer.T, steady.index, steady.columns)
 
 
 def moving_mean(steady, wind, step, behind, unit_mass):
-    """pvlib's function on even steps, a part of the rows at a time."""
+    """pvlib's function on even steps, applied to blocks of rows."""
     answer, rows = np.empty(len(steady)), max(CELLS // behind, behind, FEWEST)
     for first in range(0, len(steady), rows):
         part = slice(max(first - behind, 0), first + rows)
@@ -134,8 +135,8 @@ def moving_mean(steady, wind, step, behind, unit_mass):
             "2000-01-01", periods=len(given), freq=pd.Timedelta(seconds=step)
         )
         winds = pd.Series(np.pad(wind[part], (0, few)), times)
-        # pvlib divides by nothing where a window is empty, and makes a call itself
-        # that newer pandas warns of
+        # pvlib divides by zero if a window is empty, and uses a call for which newer
+        # pandas warns
         with warnings.catch_warnings(), np.errstate(invalid="ignore"):
             warnings.filterwarnings("ignore", "A future version of pandas")
             smooth = pvlib.temperature.prilliman(
@@ -184,9 +185,9 @@ def unit_mass_rows(measured, why):
     )
     for name, words in MODELS.items():
         score, spread, days = scores.get(name, (np.nan, np.nan, np.inf))
-        lacks = note or NO_TEST
+        why_not = note or NO_TEST
         if np.isfinite(score):
-            lacks = "" if np.isfinite(spread) else few(days)
+            why_not = "" if np.isfinite(spread) else few(days)
         yield Row(
             "held-out error",
             name,
@@ -197,7 +198,7 @@ def unit_mass_rows(measured, why):
             of="module",
             equation=words,
             source="this package",
-            note=lacks,
+            note=why_not,
         )
 
 
@@ -217,13 +218,13 @@ class Mass:
 
 @dataclass(frozen=True, eq=False)
 class PrillimanFit:
-    """Prilliman's model on a record."""
+    """Fit of Prilliman's model to a record."""
 
     measured: Measured
 
     @cached_property
     def table(self):
-        """Columns by row, in means over a minute where steps are shorter."""
+        """Table of the record, as means over a minute if steps are shorter."""
         own, record = self.measured, self.measured.record
         fit, steady, slopes = own.modelled
         table = pd.DataFrame(
@@ -247,11 +248,11 @@ class PrillimanFit:
 
     @cached_property
     def slopes(self):
-        """Names of the columns that hold slopes of the steady temperature."""
+        """Names of the columns with slopes of the steady temperature."""
         return [name for name in self.table if isinstance(name, tuple)]
 
     def smoothed(self, unit_mass):
-        """Steady temperature and its slopes under Prilliman's mean."""
+        """Steady temperature and its slopes, smoothed by Prilliman's mean."""
         columns = self.table[["steady", *self.slopes]]
         found = smoothed(columns, self.table["wind_speed"], unit_mass)
         return [found[name] for name in columns]
@@ -260,17 +261,17 @@ class PrillimanFit:
         """
         Fit the steady coefficients for a mass, linearised about those of the fit.
 
-        Those of the heat balance differ a little from those under this mean, and would
-        bias the mass. Returns the changes of the coefficients, the temperature, the
-        residual on the fitted rows, and the columns of the regression.
+        The best coefficients of the heat balance and of this model differ slightly, and
+        fixed ones would bias the mass. Returns the changes of the coefficients, the
+        temperature, the residual on fitted rows, and the columns of the regression.
         """
         steady, *columns = self.smoothed(unit_mass)
-        left = (self.table["measured"] - steady)[self.fitted]
+        rest = (self.table["measured"] - steady)[self.fitted]
         matrix = np.transpose([column[self.fitted] for column in columns])
-        kept = np.isfinite(matrix).all(axis=1) & left.notna().to_numpy()
-        moved, *_ = np.linalg.lstsq(matrix[kept], left[kept], rcond=None)
+        kept = np.isfinite(matrix).all(axis=1) & rest.notna().to_numpy()
+        moved, *_ = np.linalg.lstsq(matrix[kept], rest[kept], rcond=None)
         modelled = steady + sum(m * c for m, c in zip(moved, columns))
-        return moved, modelled, left[kept] - matrix[kept] @ moved, matrix[kept].T
+        return moved, modelled, rest[kept] - matrix[kept] @ moved, matrix[kept].T
 
     def temperature(self, moved, unit_mass):
         """Temperature for a mass and changed coefficients. [°C]"""
@@ -279,14 +280,14 @@ class PrillimanFit:
 
     @cached_property
     def fitted(self):
-        """Complete rows of the days that were fitted."""
+        """Mask of complete rows of the fitted days."""
         return self.table["train"] & self.table.notna().all(axis=1)
 
     def cost(self, unit_mass):
         return float((self.at(unit_mass)[2] ** 2).mean())
 
     def best(self):
-        """The best mass with its error, or the reason why there is none."""
+        """The best mass with its error, or None and the reason."""
         step = usual_step(self.table.index)
         if not step < WINDOW:
             return None, (
@@ -310,7 +311,7 @@ class PrillimanFit:
         return Mass(found, float(np.sqrt(covariance[0, 0])), days, modelled), ""
 
     def scores(self, found):
-        """Root mean square errors on held-out days, with standard errors. [K]"""
+        """RMSE on held-out days, with standard errors. [K]"""
         table = self.table
         modelled = {"this fit": table["fit"], "without memory": table["steady"]}
         if found is not None:
@@ -322,7 +323,7 @@ class PrillimanFit:
 
 
 def looked_at(rows):
-    """The given rows, and those within the window before them."""
+    """Mask of the given rows and of rows within the window before them."""
     behind = int(WINDOW // usual_step(rows.index)) + 1
     last = np.cumsum(rows.to_numpy())
     ahead = np.minimum(np.arange(len(rows)) + behind, len(rows) - 1)
@@ -330,7 +331,7 @@ def looked_at(rows):
 
 
 def rms_of(residual, dates):
-    """A root mean square, its error by leaving out each day in turn, and the days."""
+    """A root mean square, its error by the jackknife over days, and the days."""
     squares = (residual**2).dropna()
     if squares.empty:
         return np.nan, np.nan, np.inf
