@@ -164,7 +164,7 @@ def test_tangents_at_some_rows_need_only_what_those_remember(kind, dynamics):
 @pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
 @pytest.mark.parametrize("dynamics", thermal.MEMORY)
 def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch):
-    """Normal matrix and sums by the day, from blocks and from whole columns."""
+    """Normal matrix and daily sums, from blocks and from whole columns."""
     whole = record(kind)
     model, values = model_of("faiman", dynamics, EFFECTS)
     inputs = model.with_drivers(whole.inputs)
@@ -190,7 +190,7 @@ def test_the_sums_of_a_pass_are_those_of_the_columns(kind, dynamics, monkeypatch
 @pytest.mark.parametrize("law", STEADY_MODELS)
 @pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
 def test_the_compiled_loops_are_the_columns(kind, law, dynamics, monkeypatch):
-    """Temperature, normal matrix and sums by the day, to twelve digits."""
+    """Temperature, normal matrix and daily sums, to twelve digits."""
     pytest.importorskip("numba")
     monkeypatch.setattr(thermal, "BLOCK", 200)
     model, values = model_of(law, dynamics, EFFECTS if law == "faiman" else ())

@@ -27,7 +27,7 @@ def world(seed=0, **changed):
 
 
 def adds_up(budget):
-    """What steps took and what is left; days that stand out, and all others' scales."""
+    """Reductions and the remaining error; unusual days and the scales of all others."""
     by = budget.groupby("kind")["mean_square"].sum()
     assert by["taken"] + by["left"] == pytest.approx(by["start"], rel=1e-12)
     in_time = by["scale"] + by.get("episodes", 0.0)

@@ -1,4 +1,4 @@
-"""Sums by the day against the same things done on rows."""
+"""Daily sums, compared with computations on rows."""
 
 import numpy as np
 import pytest
@@ -85,7 +85,7 @@ def test_days_of_one_length_are_summed_together_to_the_bits_of_each(lengths, col
 @pytest.mark.parametrize("length", [4096, 4320, 5760, 8640])
 @pytest.mark.parametrize("size", [2, 4, 6])
 def test_long_days_are_summed_as_short_ones_are(length, size):
-    """Days at steps of ten to twenty seconds, beside a short one."""
+    """Days at steps of ten to twenty seconds, and a short day."""
     dates = np.repeat(np.arange(3), [length, length, 7])
     columns = list(np.random.default_rng(length).normal(size=(size, len(dates))))
     days, found = products_by_day(columns, dates)

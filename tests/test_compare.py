@@ -1,4 +1,4 @@
-"""Models beside each other: the table, its steps, and the models of others."""
+"""Comparison of models: the table, its steps, and the models of others."""
 
 import warnings
 

@@ -93,7 +93,7 @@ def small_wheel(tmp_path, monkeypatch):
 
 
 def pip(monkeypatch, wheel_file=None, stderr="", error=None):
-    """Pip that brings a file, or says why not; what it was asked is returned."""
+    """Replace pip: it brings a file, or fails; its commands are returned."""
     asked = []
 
     def run(command, **options):
@@ -255,7 +255,7 @@ def test_the_made_up_record_is_its_truth_and_the_same_every_time():
 
 @pytest.mark.parametrize("step", [5.0, 60.0, 900.0])
 def test_its_weather_does_not_depend_on_the_step(step):
-    """The same statistics at every step: wind 3 m/s, clouds, a warm afternoon."""
+    """Statistics do not depend on the step: wind 3 m/s, clouds, a warm afternoon."""
     data = datasets.synthetic(20, step, seed=1)
     assert data["wind_speed"].mean() == pytest.approx(3.0, abs=0.6)
     assert (data["wind_speed"] >= 0).all()

@@ -361,7 +361,7 @@ def vent(column, **options):
 
 
 def above(level):
-    """The same that is open above a level of humidity, more so in wind."""
+    """A vent that is open above a level of humidity, and more in wind."""
 
     def terms(relative_humidity, wind_speed, *, warmth, windy):
         heat = warmth + windy * wind_speed
@@ -438,7 +438,7 @@ def test_ones_own_scan_finds_settings_in_what_is_left(vented):
         return above(levels[int(np.argmax(alike))])
 
     def by_value(rest, tangents, *others):
-        # and then those beside which it is weighed
+        # and then the tangents of the fitted coefficients
         assert list(tangents)[:4] == ["vent.at40", "vent.at60", "vent.at80", "u0"]
         return scan(rest, list(tangents.values())[:3], *others)
 

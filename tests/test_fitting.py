@@ -235,7 +235,7 @@ def test_scores_are_those_of_the_held_out_daytime(week):
     assert line["mae_test"] == pytest.approx(error[test].abs().mean())
     assert line["mbe_test"] == pytest.approx(error[test].mean())
     assert line["rmse_train"] == pytest.approx(np.sqrt((error[train] ** 2).mean()))
-    # the bias is fitted: nothing of it is left where it was
+    # the bias is fitted, so the training error has no mean
     assert line["mbe_train"] == pytest.approx(0, abs=1e-6)
     assert list(fit.scores.index) == ["standard", "filter", "ewm", "fem"]
 
@@ -324,7 +324,7 @@ def test_without_wind_there_is_no_wind_coefficient(month):
     fit = fem.fit_fem(poa, air, calm, module)
     assert fit.coefficients["k"] == pytest.approx(0.035, rel=1e-6)
     assert any("does not determine d " in note for note in fit.notes)
-    # of what is nowhere to be seen no other error depends
+    # a coefficient without any effect on the record changes no other error
     assert np.isnan(fit.stderr["d"]) and fit.stderr["k"] < 1e-6
 
 
@@ -509,7 +509,7 @@ def test_rows_are_counted_by_their_date(days):
 @pytest.mark.parametrize("model", ["wm1", "sapm", "faiman"])
 @pytest.mark.parametrize("windy, step", [(1.0, 300), (1.0, 3600), (3.0, 3600)])
 def test_a_module_that_no_sun_warms_is_fitted_or_refused_by_name(model, windy, step):
-    """Such as by the air's sensor in its place, where the check of units is off."""
+    """For example a sensor in the air, with the check of units switched off."""
     data = fem.simulator.record(days=20, step=step, seed=4, start="2023-05-10")
     data["temp_module"] = data["temp_air"]
     data["wind_speed"] *= windy

@@ -32,7 +32,7 @@ SITE = fem.simulator.RHINE
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Files of five systems, one of which holds no table, and one that lacks."""
+    """Files of five systems: one holds no table, and one is missing."""
     folder = tmp_path_factory.mktemp("plants")
     rows = []
     for seed, name in enumerate(("east", "west/2", "roof 3", "ß")):
@@ -75,7 +75,7 @@ def bits(out):
 
 
 def seen():
-    """What became of systems, and a function that is told it."""
+    """The answers so far, and a function that collects them."""
     answers = []
     return answers, answers.append
 
@@ -475,7 +475,7 @@ def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
         systems, findings = rows_of(*found, ("c", named, 0.5, when))
         groups = shared(systems.assign(weighed=SEES), findings)
         assert [group.without for group in groups if group.have == 2] == [{"c"}]
-    # nor is one alone, beside which as many may have it as have it not
+    # one system is not alone if as many may have the cause as do not have it
     systems, findings = rows_of(found[0], ("b", ["contact_episode"], 0.5, MARCH))
     (group, _) = shared(systems.assign(weighed=SEES), findings)
     assert (group.without, group.maybe) == ({"c"}, {"b"}) and not group.alone

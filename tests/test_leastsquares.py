@@ -56,7 +56,7 @@ def test_a_bound_that_binds_is_scipys_too(upper):
 
 @pytest.mark.parametrize("flat", [1e-4, 1e-8, 1e-13])
 def test_a_last_step_that_is_not_looked_at_leaves_next_to_nothing(flat):
-    """By the slopes at the end, one more step would gain far less than was asked."""
+    """By the slopes at the end, one more step would gain far less than ``flat``."""
     places = []
 
     def seen(b):

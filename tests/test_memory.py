@@ -30,7 +30,7 @@ def fitted(data, dynamics):
 @pytest.mark.parametrize("step", [600, 900, 1800])
 @pytest.mark.parametrize("seed", range(3))
 def test_no_fit_is_worse_than_the_truth_on_long_steps(dynamics, step, seed):
-    """On which one that searched by tau itself stuck where nothing is left of it."""
+    """A search in tau itself gets stuck there, where the past has no weight."""
     data = made(dynamics, step, seed)
     fit = fitted(data, dynamics)
     function = fem.heat_balance if dynamics == "balance" else fem.fem_temperature

@@ -164,7 +164,7 @@ def test_coefficients_may_stand_with_each_array(weather):
 
 
 def test_the_reference_irradiance_of_an_array_counts(weather):
-    """As in pvlib's sapm_cell: deltaT is at irrad_ref, 1000 W/m² without one."""
+    """deltaT is at irrad_ref, by default 1000 W/m², as in pvlib's sapm_cell."""
     parameters = {**WM1, "deltaT": 3.0, "irrad_ref": 800.0}
     plant = system(180, parameters=parameters)
     results = chain(plant, fem.DynamicCellTemperature("wm1")).run_model(weather).results

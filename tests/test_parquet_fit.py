@@ -84,7 +84,7 @@ def test_a_fit_of_files_is_that_in_memory(data, folder, case):
     assert fit.stderr == pytest.approx(expected.stderr, rel=1e-6, nan_ok=True)
     pd.testing.assert_frame_equal(fit.scores, expected.scores, rtol=1e-5, atol=1e-5)
     assert fit.notes == expected.notes
-    # in memory derived columns are beside the measured
+    # in memory the record also has derived columns
     contents = [one.summary.content() | {"columns": ""} for one in (fit, expected)]
     assert contents[0] == contents[1]
     assert fit.summary.measured == expected.summary.measured
@@ -144,7 +144,7 @@ REMEMBERING = {
 
 
 def worlds(effect, lacking, step):
-    """A record in which an effect is, its own column lacking here or there."""
+    """A record with an effect; its column has missing values in some places."""
     effects = fem.simulator.PHYSICS | {effect: 1.0}
     days = {15: 12, 60: 20, 900: 60}[step]
     how = dict(step=step, seed=4, start="2023-02-10")
@@ -174,7 +174,7 @@ def in_memory_and_of_files(data, effect, folder):
 @pytest.mark.parametrize("effect", REMEMBERING)
 @pytest.mark.parametrize("step", [60, 900])
 def test_what_minutes_remember_is_as_in_memory(effect, lacking, step, tmp_path):
-    """Whatever lacks, and wherever a block ends, of all that the record determines."""
+    """For any missing values and blocks, if the record determines the coefficient."""
     data = worlds(effect, lacking, step)
     expected, fit, left = in_memory_and_of_files(data, effect, tmp_path)
     for name in [name for name, error in expected.stderr.items() if error > 0]:
@@ -188,7 +188,7 @@ def test_what_minutes_remember_is_as_in_memory(effect, lacking, step, tmp_path):
 @pytest.mark.parametrize("lacking", ["nowhere", "at the start", "here and there"])
 @pytest.mark.parametrize("effect", REMEMBERING)
 def test_what_seconds_remember_is_of_means(effect, lacking, tmp_path):
-    """The same coefficients to a tenth of their error; rain, that dries soon, exact."""
+    """Coefficients agree to a tenth of their error; rain, which dries soon, exactly."""
     data = worlds(effect, lacking, 15)
     expected, fit, left = in_memory_and_of_files(data, effect, tmp_path)
     share = 1e-3 if effect == "rain" else 0.1

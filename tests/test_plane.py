@@ -82,7 +82,7 @@ def test_planes_are_two_where_they_part_by_more_than_their_errors():
 
 @pytest.mark.parametrize("turned", [0.0, 16.0])
 def test_a_sensor_in_another_plane_is_told_and_no_obstacle_is_named(turned):
-    """What a plane far off leaves beside its slopes looks like shade."""
+    """The residual of a plane that is far off, beyond first order, looks like shade."""
     effects = fem.simulator.PHYSICS | {"poa_misalignment": turned}
     site = study_worlds.site(813116)
     how = dict(days=365, step=300, seed=813116)

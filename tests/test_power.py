@@ -14,7 +14,7 @@ INDEX = pd.date_range("2021-01-01", periods=2 * 8760, freq="h", tz="Etc/GMT-1")
 
 
 def weather():
-    """Irradiance and module temperature of two years, by the hour."""
+    """Hourly irradiance and module temperature of two years."""
     random = np.random.default_rng(1)
     sky = Location(48.0, 11.0).get_clearsky(INDEX, model="haurwitz")["ghi"]
     light = sky * random.uniform(0.2, 1.0, len(INDEX))

@@ -69,7 +69,7 @@ def test_a_loop_comes_back_to_the_bit(loop, files):
 
 
 def test_what_comes_back_predicts_the_same_bits(loop, record, files):
-    """Anywhere: on other weather, beside gaps, with every effect's own settings."""
+    """On other weather, next to gaps, and with every effect's own settings."""
     other = record.iloc[:3000].assign(temp_air=record["temp_air"] - 5.0)
     other.loc[other.index[200:210], "relative_humidity"] = np.nan
     again = fem.Loop.from_json(files / "loop.json")
@@ -146,7 +146,7 @@ def test_every_dynamics_comes_back(dynamics, tmp_path):
 
 
 def test_deltaT_travels_and_its_want_is_said(loop, files, record):
-    """Once, where cells are asked for, and not where it was given."""
+    """One warning if a cell temperature is needed, and none if deltaT was given."""
     weather = record.drop(columns="temp_module")
     with pytest.warns(UserWarning, match="deltaT = 0 K is taken"):
         model = loop.temperature_model(weather)
@@ -322,7 +322,7 @@ def keys(content, place=()):
 
 @given(st.data())
 def test_a_file_that_is_damaged_anywhere_is_refused_or_read(files, data):
-    """Whatever lacks or is something else: no other error, and no NaN that was none."""
+    """A missing or changed value raises no other error and makes no new NaN."""
     content = json.loads((files / "loop.json").read_text("utf-8"))
     *way, last = data.draw(st.sampled_from(list(keys(content))))
     part = content

@@ -257,7 +257,7 @@ def test_the_slopes_of_a_steady_model_are_exact(model):
 
 
 def test_pvlibs_own_defaults_are_known(drivers):
-    """Those of its functions: faiman's 25.0 and 6.84, pvsyst_cell's 29.0 and 0.0."""
+    """Defaults are pvlib's: faiman's 25.0 and 6.84, pvsyst_cell's 29.0 and 0.0."""
     for model, function in (
         ("faiman", pvlib.temperature.faiman),
         ("pvsyst", pvlib.temperature.pvsyst_cell),

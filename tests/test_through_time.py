@@ -52,7 +52,7 @@ def fitted(data, model="faiman", dynamics="balance", **how):
 
 
 def against(fit, truth, freq="MS"):
-    """The table beside the mean of the truth, and how far that moves in a period."""
+    """The table, the mean of the truth, and the change of the truth in a period."""
     truth = truth.assign(r_eq=1.0 / (truth["u0"] + truth["u1"] * fit.daily.winds[0]))
     table = fit.through_time(freq)
     starts = table.loc["u0"].index
@@ -103,7 +103,7 @@ def test_it_follows_what_changes(course, step):
     assert (error < within).drop(index="bias").all()
     size = {"wind": "u1", "sensor": "bias"}.get(course, "r_eq")
     told = rows["value"].loc[size]
-    # it really changed, by far more than what is asked of the numbers
+    # the true change is far larger than the tolerance
     assert told.max() - told.min() > 0.05 * abs(told.mean())
 
 
@@ -170,7 +170,7 @@ def test_one_period_of_all_is_the_fit():
 
 
 def test_a_period_is_a_fit_of_its_days_alone():
-    """The same answer by another route, within half of its error."""
+    """A separate fit of the period agrees within half of its error."""
     data, _ = world(90, 900, noise=0.5, gain=step_of(1.1))
     none = pd.Series(False, data.index)
     table = fitted(data, holdout=none).through_time()
@@ -206,7 +206,7 @@ def test_coefficients_that_do_not_vary_keep_their_value():
 
 def test_what_a_period_cannot_tell_has_a_reason():
     data, _ = world(100, 900, noise=0.1)
-    june = data.index.month == 6  # of which no u1 can be told from u0
+    june = data.index.month == 6  # in which u1 cannot be distinguished from u0
     calm = 2.0 + 1e-7 * np.random.default_rng(0).uniform(size=june.sum())
     data.loc[june, "wind_speed"] = calm
     short = data.drop(data.loc["2023-07-04":"2023-07-31"].index)

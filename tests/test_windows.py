@@ -11,7 +11,7 @@ from pvlib_fem.effects.catalogue.shading import within_any
 from pvlib_fem.effects.windows import find_windows, largest, orthonormal
 
 LEAST = 0.1  # K, that each window has to take
-#: obstacles with edges anywhere, what is left of the beam, and where the module is
+#: obstacles with edges anywhere, the transmitted share of beam, and the module's site
 OBSTACLES = {
     "a house": (50.0, [(112.6, 141.3, 0.0, 26.4)]),
     "in the west": (35.0, [(222.7, 251.3, 0.0, 33.3)]),
@@ -43,7 +43,7 @@ class Scene:
         self.beside = [self.tangent, up, up * sky * up, np.ones(len(index))]
 
     def rest(self, windows, share):
-        """What a fit leaves that knows the other columns and not the windows."""
+        """Residual of a fit that has the other columns and not the windows."""
         inside = within_any(windows, self.azimuth, 90.0 - self.elevation)
         whole = share * self.tangent * inside + self.noise
         known = np.column_stack(self.beside)
