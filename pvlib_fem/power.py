@@ -115,14 +115,14 @@ class PowerRelation:
 
     def light(self, power: Any, temp_module: Any, day: Any) -> np.ndarray:
         """
-        Irradiance at which a plant gives such power; 0 where it gives none.
+        Irradiance at which a plant gives a power; 0 for no power.
 
         Parameters
         ----------
         power : array
-            In the unit of the power that was fitted.
+            Power in the unit of the fitted power.
         temp_module, day : array
-            As in :meth:`expected`.
+            See :meth:`expected`.
 
         Returns
         -------

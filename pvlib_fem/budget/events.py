@@ -1,4 +1,4 @@
-"""Hours on which power and the module's temperature show an outage or a cover."""
+"""Find outages and covers by power and the module's temperature."""
 
 from dataclasses import dataclass
 
@@ -7,8 +7,8 @@ import pandas as pd
 
 from pvlib_fem.drivers.plant import LEAST, NONE, agree, lost
 
-FEWEST = 2  # hours of an event: the means of one hour may be of two states
-SEEN = 2.0  # standard deviations of means that a temperature has to differ by
+FEWEST = 2  # least hours of an event: one hour may have two states
+SEEN = 2.0  # least difference of temperature, in standard deviations of means
 NORMAL = 1.4826  # standard deviation over median absolute deviation
 SHARES = {"modules_covered": 1.0, "sensor_covered": 1.0, "outage": 0.2}
 TIMES = ("start", "end")
@@ -18,18 +18,18 @@ COLUMNS = ["effect", "start", "end", "hours", "size", "share", "power", "temp_ai
 @dataclass(frozen=True, eq=False)
 class Hours:
     """
-    Means over the hours of a record, those with light.
+    Means over the hours of a record with light.
 
     Attributes
     ----------
     begin, end : DatetimeIndex
         First and last row of each hour.
     number : array of int
-        Of the hour, since 1970-01-01.
+        Number of the hour, since 1970-01-01.
     residual : array
-        Measured minus modelled without what power shows. [K]
+        Measured minus modelled temperature, without effects from power. [K]
     squares : array
-        Sum of its squares. [K²]
+        Sum of squares of the residual. [K²]
     seen, shown : array
         Irradiance by the sensor and by power. [W/m²]
     power, expected : array
@@ -37,9 +37,9 @@ class Hours:
     loss : array
         [W/(m² K)]
     off : array of bool
-        Without power, and not by snow.
+        Hours without power, for another reason than snow.
     extra : dict of array
-        Further columns that are reported.
+        Further columns of the report.
     """
 
     begin: pd.DatetimeIndex
@@ -57,7 +57,7 @@ class Hours:
 
     @classmethod
     def of(cls, index, rows, columns, extra):
-        """Of some rows of columns."""
+        """The hours of some rows of columns."""
         index = index[rows]
         columns, extra = (
             {name: column[rows] for name, column in some.items()}
@@ -86,7 +86,7 @@ class Hours:
         )
 
     def apart(self, spread):
-        """Light that modules lose, and light that the sensor does not see. [W/m²]"""
+        """Irradiance that modules lose, and that the sensor does not see. [W/m²]"""
         same = agree(self.seen, self.shown, spread)
         shown = np.where(same, self.seen, self.shown)
         return lost(self.seen, shown), np.maximum(shown - self.seen, 0.0)
@@ -96,20 +96,19 @@ def found_in(hours, spread, total, shares):
     """
     Events of some hours, as a table.
 
-    Where power is far from what irradiance leads one to expect for two hours or more of
-    a day, the temperature of the module decides: it is nearer to what a cover makes of
-    it, or to what there would be without one. An hour without power that is no cover is
-    an outage, as far as a cover would show.
+    If power deviates from its expectation for two hours or more of a day, the module's
+    temperature decides: it is nearer to its value with a cover, or without one. An hour
+    without power and without a cover is an outage, if a cover would be visible.
 
     Parameters
     ----------
     hours : Hours
     spread : float
-        Of the relation of power to irradiance. [-]
+        Spread of the relation of power to irradiance. [-]
     total : float
-        Sum of squares of which the shares are. [K²]
+        Sum of squares for the shares. [K²]
     shares : dict
-        Coefficients of the effects that are in the model.
+        Coefficients of the effects in the model.
     """
     if not len(hours.number):
         return event_table([], hours.extra)
@@ -128,7 +127,7 @@ def found_in(hours, spread, total, shares):
 
 
 def kind_of(hours, some, less, more, noise, shares):
-    """Which effect a stretch of hours has, "" for none."""
+    """The effect of a stretch of hours; "" for none."""
     size, sure = hours.residual[some].mean(), SEEN * noise.of(some.stop - some.start)
 
     def makes(name, light):
@@ -141,7 +140,8 @@ def kind_of(hours, some, less, more, noise, shares):
         hours.expected[some],
         hours.power[some] < NONE * hours.expected[some],
     )
-    none = expected[dead].sum() > 0.5 * expected.sum()  # at its ends it may be half
+    # the first and the last hour may have power for half of the time
+    none = expected[dead].sum() > 0.5 * expected.sum()
     cold = -makes("modules_covered", less)
     warm = makes("outage", hours.seen) if none else 0.0
     if warm - cold > sure:
@@ -153,12 +153,12 @@ def kind_of(hours, some, less, more, noise, shares):
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """How far means over so many usual hours are from zero."""
+    """Noise of means over usual hours."""
 
     residual: np.ndarray
 
     def of(self, hours):
-        """Standard deviation, by the median. [K]"""
+        """Standard deviation of a mean over so many hours, by the median. [K]"""
         if len(self.residual) < hours:
             return np.inf
         total = np.concatenate(([0.0], np.cumsum(self.residual)))
@@ -167,7 +167,7 @@ class Noise:
 
 
 def joined(kinds):
-    """From and to (exclusive) of each event: of one kind, over one hour of another."""
+    """From and to (exclusive) of each event; one hour of another kind is bridged."""
     found = []
     for start, end in runs(kinds):
         if not kinds[start]:
@@ -180,7 +180,7 @@ def joined(kinds):
 
 
 def runs(values, breaks=None):
-    """From and to (exclusive) of each run of one value, anew at each break."""
+    """From and to (exclusive) of each run of one value; a break starts a new run."""
     if not len(values):
         return
     new = np.append(True, values[1:] != values[:-1])
@@ -209,7 +209,7 @@ def rows_of(hours, ends, kinds, total):
 
 
 def event_table(rows, extra=()):
-    """Events of a record or a file as a table."""
+    """Events as a table."""
     names = [*COLUMNS, *(name for name in extra if name not in COLUMNS)]
     table = pd.DataFrame(rows, columns=names)
     numbers = {name: float for name in names if name not in COLUMNS[:4]}
@@ -217,7 +217,7 @@ def event_table(rows, extra=()):
 
 
 def event_rows(table):
-    """The same for a file: instants in UTC, and the zone of the record."""
+    """Rows of a table of events for a file, with times in UTC and the zone."""
     rows = table.to_dict(orient="records")
     for row in rows:
         row["zone"] = str(row["start"].tz or "")

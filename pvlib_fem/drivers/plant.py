@@ -1,4 +1,4 @@
-"""What a plant's power says of the light on its modules and on the sensor."""
+"""Irradiance on modules and sensor, as shown by a plant's power."""
 
 import numpy as np
 import pandas as pd
@@ -7,16 +7,16 @@ from pvlib_fem.drivers.memory import dated
 from pvlib_fem.power import days_of, fitted
 from pvlib_fem.record.columns import known_values
 
-LEAST = 50.0  # W/m², below which irradiance and power say little of each other
-NONE = 0.02  # of the usual power per irradiance, below which there is none
-MISSING = 0.15  # of irradiance, from which power and irradiance differ
-SPREADS = 4.0  # of the relation, from which they do: as rare as 6 in 100,000
+LEAST = 50.0  # W/m², least irradiance for a comparison with power
+NONE = 0.02  # of the usual power per irradiance; less counts as no power
+MISSING = 0.15  # of irradiance; a larger difference from power is significant
+SPREADS = 4.0  # of the relation; a larger difference is as rare as 6 in 100,000
 #: °C, below which precipitation may be snow: 95 % of stations have equal parts of rain
 #: and snow below it (Jennings et al., 2018, doi:10.1038/s41467-018-03629-7)
 FROST = 2.4
-THAW = 10.0  # °C, in which no snow stays on a module by day
-BEFORE = "24h"  # in which frost before an hour counts
-PAUSE = 3.0 * 86400.0  # s without light or values, over which a stretch does not go on
+THAW = 10.0  # °C, air temperature at which no snow stays on a module in daytime
+BEFORE = "24h"  # time before an hour in which frost counts
+PAUSE = 3.0 * 86400.0  # s without light or values that end a stretch
 
 
 def frost_past_day(temp_air, inputs):
@@ -30,9 +30,9 @@ def power_off(poa_global, temp_air, frost_past_day, power, inputs, *, scale=np.n
     """
     Whether a plant gives no power, for another reason than snow. [-]
 
-    In light above 50 W/m² without 2 % of the usual power, ``scale`` [W per W/m²]. A
-    stretch of such rows, over nights, is no snow where air has 10 °C in it, or there
-    is no frost before and during it.
+    Such rows have more than 50 W/m² and less than 2 % of the usual power, by ``scale``
+    [W per W/m²]. A stretch of these rows, over nights, is not snow if the air reaches
+    10 °C in it, or without frost before and during it.
     """
     if np.isnan(scale):
         scale = usual_scale(poa_global, power)
@@ -54,7 +54,7 @@ def power_off(poa_global, temp_air, frost_past_day, power, inputs, *, scale=np.n
 
 
 def usual_scale(poa_global, power):
-    """Power per irradiance that a quarter of the bright rows have at least."""
+    """Upper quartile of power per irradiance of bright rows."""
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = (power / poa_global)[poa_global > 2.0 * LEAST]
     ratio = ratio[np.isfinite(ratio)]
@@ -62,7 +62,7 @@ def usual_scale(poa_global, power):
 
 
 def light_shown(relation, poa_global, temp_module, power, day):
-    """Irradiance that power shows, at least that of the sensor at the limit. [W/m²]"""
+    """Irradiance by power; at the power limit at least that of the sensor. [W/m²]"""
     shown = relation.light(power, temp_module, day)
     at_limit = power >= (1.0 - NONE) * relation.limit
     return np.where(at_limit, np.fmax(shown, poa_global), shown)
@@ -70,10 +70,10 @@ def light_shown(relation, poa_global, temp_module, power, day):
 
 def lights(poa_global, temp_base, power, inputs, relation):
     """
-    Irradiance by the sensor and by power, the same where they agree. [W/m²]
+    Irradiance by the sensor and by power; equal where they agree. [W/m²]
 
-    They agree where both are within 50 W/m², 15 % or four spreads of the relation, at
-    the limit of the plant, and in the dark.
+    They agree if they differ by less than 50 W/m², 15 % or four spreads of the
+    relation, at the limit of the plant, and in the dark.
     """
     index = dated(inputs, "what a plant should give")
     day = days_of(index)
@@ -95,9 +95,9 @@ def agree(seen, shown, spread):
 
 def lost(seen, shown):
     r"""
-    Irradiance that modules lose, where power shows less than the sensor sees. [W/m²]
+    Irradiance that modules lose, if power shows less than the sensor. [W/m²]
 
-    Of the share :math:`p` of the power that is left, :math:`\sqrt p` of the light is.
+    With a share :math:`p` of the power, the share of irradiance is :math:`\sqrt p`.
     """
     left = np.sqrt(np.clip(shown / np.maximum(seen, LEAST), 0.0, 1.0))
     return np.where(shown >= seen, 0.0, seen * (1.0 - left))
@@ -107,16 +107,16 @@ def light_lost(poa_global, temp_base, power, power_off, inputs, *, relation=None
     r"""
     Irradiance that covered modules lose, by their power. [W/m²]
 
-    Power falls faster than light where a part of a string is covered: of the share
-    :math:`p` of the power that is left, :math:`\sqrt p` of the light is. Where all
-    modules are covered alike, it is up to twice as much.
+    Power falls faster than irradiance if a part of a string is covered: with a share
+    :math:`p` of the power, the share of irradiance is :math:`\sqrt p`. If all modules
+    are covered evenly, the loss is up to twice as much.
     """
     seen, shown = lights(poa_global, temp_base, power, inputs, relation)
     return lost(seen, shown) * (1.0 - power_off)
 
 
 def light_unseen(poa_global, temp_base, power, inputs, *, relation=None):
-    """Irradiance that power shows beyond that of the sensor. [W/m²]"""
+    """Irradiance by power minus that of the sensor, if positive. [W/m²]"""
     seen, shown = lights(poa_global, temp_base, power, inputs, relation)
     return np.maximum(shown - seen, 0.0)
 
@@ -125,16 +125,16 @@ def light_unused(
     poa_global, temp_base, frost_past_day, power, power_off, inputs, *, relation=None
 ):
     """
-    Irradiance of which power is not taken, as by curtailment. [W/m²]
+    Irradiance that is not converted to power, for example by curtailment. [W/m²]
 
-    None where there is no power at all, and where snow may lie.
+    It is 0 without any power, and where snow may lie.
     """
     seen, shown = lights(poa_global, temp_base, power, inputs, relation)
     return np.maximum(seen - shown, 0.0) * (1.0 - power_off) * (1.0 - frost_past_day)
 
 
 def of_column(power):
-    """The drivers that follow a column of power, by name."""
+    """The drivers that are computed from a column of power, by name."""
     kind = power.removeprefix("power")  # _dc or _ac
     usual = ("poa_global", "temp_base")
     off = f"power_off{kind}"

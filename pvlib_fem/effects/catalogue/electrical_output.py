@@ -64,12 +64,12 @@ def curtailed(
 
 def unused(light_unused_dc, *, share):
     r"""
-    The same of power that is missing by a plant's own relation to irradiance.
+    Heat by missing power, relative to a plant's own relation of power to irradiance.
 
     .. math:: \mathrm{heat} = \mathrm{share} \cdot \mathrm{light\_unused\_dc}
 
-    or with the driver ``light_unused_ac``. ``share`` is the efficiency over the share
-    of irradiance that is heat. Hours without any power are those of :ref:`outage
+    The driver may also be ``light_unused_ac``. ``share`` is the efficiency over the
+    share of irradiance that is heat. Hours without any power belong to :ref:`outage
     <effect-outage>`.
     """
     return Terms(heat=share * light_unused_dc)

@@ -1,4 +1,4 @@
-"""Snow, leaves or shade on the modules, which their power shows."""
+"""Snow, leaves or shade on the modules, detected by their power."""
 
 from dataclasses import replace
 
@@ -8,13 +8,13 @@ from pvlib_fem.effects.plant import by_power
 
 def terms(light_lost_dc, *, share):
     r"""
-    Sunlight that the irradiance sensor sees and covered modules do not [1]_.
+    Irradiance that the sensor measures and covered modules do not receive [1]_.
 
     .. math:: \mathrm{heat} = -\mathrm{share} \cdot \mathrm{light\_lost\_dc}
 
-    or with the driver ``light_lost_ac``. ``share`` is near 1 where the measured module
-    is covered as the others of the plant, and up to 2 where all are covered alike, as
-    by leaves or by a shadow of all of them.
+    The driver may also be ``light_lost_ac``. ``share`` is near 1 if the cover of the
+    measured module is that of the plant on average, and up to 2 if all modules are
+    covered evenly, as by leaves or a shadow on the whole plant.
 
     References
     ----------

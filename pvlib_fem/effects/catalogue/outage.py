@@ -1,4 +1,4 @@
-"""Hours without power, whose electrical share heats the module."""
+"""Hours without power: the share that would be electricity heats the module."""
 
 from dataclasses import replace
 
@@ -8,15 +8,15 @@ from pvlib_fem.effects.plant import by_power
 
 def terms(poa_global, power_off_dc, *, share):
     r"""
-    Heat that leaves as electricity, and stays while a plant is off [1]_.
+    Heat that would leave as electricity, while a plant gives no power [1]_.
 
     .. math::
 
         \mathrm{heat} = \mathrm{share} \cdot \mathrm{power\_off\_dc}
         \cdot \mathrm{poa\_global}
 
-    or with the driver ``power_off_ac``. ``share`` is the efficiency over the share of
-    irradiance that is heat with power on: 0.2 to 0.3 of silicon.
+    The driver may also be ``power_off_ac``. ``share`` is the efficiency over the share
+    of irradiance that is heat with power on: 0.2 to 0.3 for silicon.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Snow, leaves or shade on the irradiance sensor, which the plant's power shows."""
+"""Snow, leaves or shade on the irradiance sensor, detected by the plant's power."""
 
 from dataclasses import replace
 
@@ -8,12 +8,12 @@ from pvlib_fem.effects.plant import by_power
 
 def terms(light_unseen_dc, *, share):
     r"""
-    Sunlight that heats the modules and that a covered sensor does not see [1]_.
+    Irradiance that heats the modules and that a covered sensor does not measure [1]_.
 
     .. math:: \mathrm{heat} = \mathrm{share} \cdot \mathrm{light\_unseen\_dc}
 
-    or with the driver ``light_unseen_ac``. ``share`` is 1 where the measured module
-    has the light of the others.
+    The driver may also be ``light_unseen_ac``. ``share`` is 1 if the measured module
+    receives as much irradiance as the others.
 
     References
     ----------
