@@ -306,4 +306,4 @@ def test_the_picture_has_the_numbers_and_the_changes():
 @pytest.mark.parametrize(("days", "drawn"), [(100, False), (130, True)])
 def test_the_page_of_a_long_record_has_its_months(days, drawn):
     data, _ = world(days, 3600)
-    assert ("Coefficients by the month" in fitted(data).to_html()) is drawn
+    assert ("Monthly coefficients" in fitted(data).to_html()) is drawn
