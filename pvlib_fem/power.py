@@ -296,14 +296,14 @@ class Search:
     def run(self, limit):
         """The relation that most rows follow, found from the shortest half of them."""
         known, gamma, own = np.zeros(self.table.shape[1]), GAMMA, 0.0
-        rest = self.left(known, gamma, own)
+        rest = self.log_residual(known, gamma, own)
         level = densest(rest)
         known[: len(self.days)] = level
         spread = NORMAL * np.median(np.abs(rest - level))
         # change of a logarithm per unit of each parameter, at 30 K and 500 W/m²
         units = np.append(np.ones(len(known)), [30.0, 1.0 / 500.0])
         for _ in range(TURNS):
-            rest = self.left(known, gamma, own)
+            rest = self.log_residual(known, gamma, own)
             free = self.is_free(rest, limit)
             near = free & (np.abs(rest) < NEAR * spread)
             spread = max(NORMAL * np.median(np.abs(rest[near])), LEAST_SPREAD)
@@ -325,7 +325,7 @@ class Search:
             float(spread),
         )
 
-    def left(self, known, gamma, own):
+    def log_residual(self, known, gamma, own):
         """Logarithm of measured over expected power."""
         warm = np.log(np.maximum(1.0 + gamma * self.warm, 0.1))
         return self.ratio - self.table @ known - warm - np.log1p(-own / self.light)

@@ -50,7 +50,7 @@ def test_what_is_left_is_cross_validation_by_weeks(rows):
         found = np.linalg.lstsq(x, y, rcond=None)[0]
         squares.append((residual - columns[:, kept] @ found)[fold == out] ** 2)
     want = np.concatenate(squares).mean()
-    assert summed(rows).left(kept) == pytest.approx(want, rel=1e-6)
+    assert summed(rows).cross_validated(kept) == pytest.approx(want, rel=1e-6)
 
 
 def test_errors_are_those_of_weeks_left_out(rows):

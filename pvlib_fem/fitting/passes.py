@@ -9,7 +9,7 @@ import pandas as pd
 from pvlib_fem.drivers import is_modelled
 from pvlib_fem.fitting.pasts import MEANS, Held, with_a_past
 from pvlib_fem.fitting.rows import EvalRequest, Part, Source, temperature_of
-from pvlib_fem.fitting.seen import Gaps, Seen, by_day, even, rows_that_count
+from pvlib_fem.fitting.seen import BlockRows, Gaps, by_day, even, rows_that_count
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.inputs import Inputs, Record
@@ -229,7 +229,7 @@ def first_pass(screened, target, night):
         wind += speed[there].sum(), there.sum()
         rows, dates = rows_that_count(block, night, drivers), block.dates
         complete = np.isfinite(sum(block[name] for name in COLUMNS))
-        seen[block.start] = Seen.of(complete, rows, dates, even(block).steps)
+        seen[block.start] = BlockRows.of(complete, rows, dates, even(block).steps)
         by_day(table, dates, rows, block["poa_global"] ** 2, speed)
     found = np.array([table[date] for date in sorted(table)]).reshape(-1, 4)
     inputs = sums.inputs()

@@ -13,7 +13,7 @@ OTHERS = 0.02  # largest share of unusual steps in a block that is stored sparse
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class BlockRows:
     """Masks, dates and steps of a block, packed, for every pass."""
 
     complete: np.ndarray  # rows with all four columns, as bits

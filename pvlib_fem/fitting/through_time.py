@@ -8,7 +8,7 @@ from pvlib_fem.effects import several
 from pvlib_fem.fitting.daily import directions, tied_names
 from pvlib_fem.fitting.memory import lag
 from pvlib_fem.fitting.shift import R_EQ, Minimum, in_time, moved
-from pvlib_fem.statistics.clusters import FEWEST_DAYS, days_left_out, those
+from pvlib_fem.statistics.clusters import FEWEST_DAYS, days_left_out, submatrices
 from pvlib_fem.thermal.model import MEMORY
 
 LEVEL = 0.95  # of the intervals
@@ -151,7 +151,7 @@ def solution(minimum, days):
     kept = [minimum.daily.names.index(name) for name in minimum.names]
     daily = minimum.daily.sums.on(days)
     clusters, scale = daily.by_cluster, daily.scale[kept]
-    normals = those(clusters, kept)
+    normals = submatrices(clusters, kept)
     inverse, unknown = directions(normals.sum(axis=0))
     shift = inverse @ clusters[:, kept, -1].sum(axis=0)
     scores = clusters[:, kept, -1] - normals @ shift

@@ -150,7 +150,7 @@ class Fits:
         case = self.case
         sums = self.sums(step, step.coefficients, case.record, case.searched).sums
         folds = days_of_folds(sums.dates, FOLDS)
-        return replace(sums, folds=folds).left(range(len(sums.scale)))
+        return replace(sums, folds=folds).cross_validated(range(len(sums.scale)))
 
     def sums(self, step, coefficients, record, counts):
         """Sums by the day of the rows of a record that count and a step knows."""

@@ -71,7 +71,7 @@ class ClusterSums:
 
     def of(self, kept):
         """Sums of some columns and the residual."""
-        sums = those(self.sums, [*kept, self.sums.shape[1] - 1])
+        sums = submatrices(self.sums, [*kept, self.sums.shape[1] - 1])
         return replace(self, sums=sums, scale=self.scale[kept])
 
     def on(self, days):
@@ -84,21 +84,21 @@ class ClusterSums:
         return ridged(self.whole[kept][:, kept], self.whole[kept, -1])
 
     @cached_property
-    def lefts(self):
-        """Cache of :meth:`left`, by the kept columns."""
+    def validated(self):
+        """Cache of :meth:`cross_validated`, by the kept columns."""
         return {}
 
-    def left(self, kept):
+    def cross_validated(self, kept):
         """Cross-validated mean square of the residual with the kept columns."""
         kept = tuple(kept)
-        if kept not in self.lefts:  # many candidates share the same other columns
-            self.lefts[kept] = self.losses(list(kept), self.by_fold) / self.rows
-        return self.lefts[kept]
+        if kept not in self.validated:  # many candidates share the other columns
+            self.validated[kept] = self.losses(list(kept), self.by_fold) / self.rows
+        return self.validated[kept]
 
     def losses(self, kept, parts):
         """Residual sum of squares over the parts, each by a solution of the others."""
-        parts = those(parts, [*kept, -1])
-        rest = those(self.whole[None], [*kept, -1]) - parts
+        parts = submatrices(parts, [*kept, -1])
+        rest = submatrices(self.whole[None], [*kept, -1]) - parts
         found = ridged(rest[:, :-1, :-1], rest[:, :-1, -1])
         inner = np.einsum("fi,fij,fj->f", found, parts[:, :-1, :-1], found)
         crossed = np.einsum("fi,fi->f", found, parts[:, :-1, -1])
@@ -107,7 +107,7 @@ class ClusterSums:
     def covariance(self, kept):
         """Covariance of the solution by the jackknife over weeks (CR3)."""
         sums = self.by_cluster
-        normals = those(sums, kept)
+        normals = submatrices(sums, kept)
         whole = normals.sum(axis=0)
         inverse = np.linalg.inv(whole + ridge(whole))
         scores = sums[:, kept, -1] - normals @ self.solve(kept)
@@ -121,7 +121,7 @@ class ClusterSums:
         return covariance / np.outer(self.scale, self.scale)
 
 
-def those(sums, columns):
+def submatrices(sums, columns):
     """Copy of the products of some columns, in the given order."""
     columns = np.asarray(columns) % sums.shape[-1]
     places = columns[:, None] * sums.shape[-1] + columns
