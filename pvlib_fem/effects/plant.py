@@ -1,4 +1,4 @@
-"""Effects that follow a plant's power: one form for DC power, one for AC power."""
+"""Effects by a plant's power: one form for DC power, and one for AC power."""
 
 from dataclasses import replace
 from functools import partial
@@ -12,18 +12,18 @@ USED = ("poa_global", "temp_base")
 
 def by_power(effect, *columns):
     """
-    The forms of an effect by the column of power that is there, the best first.
+    The forms of an effect by the available column of power, the best first.
 
     Parameters
     ----------
     effect : Effect
     *columns : str
-        Its drivers, those that follow power without the kind of power.
+        Its drivers; names of drivers by power are without the kind of power.
 
     Returns
     -------
     tuple of Effect
-        Of the loop's record each takes the relation of power to irradiance.
+        Each takes the relation of power to irradiance from the loop's record.
     """
     return tuple(form(effect, power, columns) for power in PLANT_POWER)
 
@@ -43,7 +43,7 @@ def form(effect, power, columns):
 
 
 def of_relation(effect, relation=None):
-    """The effect by a relation that is known, as :class:`pvlib_fem.power` has it."""
+    """The effect with a known relation of :mod:`pvlib_fem.power`."""
     if relation is None:
         return effect
     if not isinstance(relation, PowerRelation):

@@ -1,4 +1,4 @@
-"""Convection of the two faces, without and with wind, in rival formulations.
+"""Convection of the two faces, without and with wind, in several formulations.
 
 Each function is named as in `pvlib_fem.simulator.forms.RIVALS`.
 """
@@ -15,7 +15,7 @@ WINDWARD, LEEWARD = (3.26, 0.89), (3.55, 0.617)  # MoWiTT a, b of a·v^b
 
 def tarp(tilt):
     """
-    Of |ΔT|^(1/3), larger on a warm face that looks up or a cold one that looks down.
+    A multiple of |ΔT|^(1/3), larger on warm faces upwards and cold faces downwards.
 
     TARP: G. N. Walton, "Thermal analysis research program", NBSIR 83-2655 (1983),
     as in the EnergyPlus Engineering Reference.
@@ -27,11 +27,11 @@ def tarp(tilt):
 
 def churchill_chu(tilt):
     """
-    An isothermal vertical plate, with the part of gravity along an inclined one.
+    An isothermal vertical plate, with the component of gravity along an inclined one.
 
     S. W. Churchill and H. H. S. Chu, Int. J. Heat Mass Transf. 18, 1323 (1975),
-    :doi:`10.1016/0017-9310(75)90243-4`; not flatter than 30°, the last for which
-    that part is meant.
+    :doi:`10.1016/0017-9310(75)90243-4`. Tilts below 30° count as 30°, the lowest for
+    which that component is valid.
     """
     along = np.sin(np.radians(max(tilt, 30.0)))
     pull = 0.387 / (1.0 + (0.492 / PRANDTL) ** (9 / 16)) ** (8 / 27)
@@ -65,7 +65,7 @@ def sided(excess, freely, stably):
 
 def mowitt(speed, luff):
     """
-    ``a·v^b`` of windward and leeward faces by the share ``luff`` of the first.
+    ``a·v^b`` of windward and leeward faces, with the share ``luff`` of windward.
 
     M. Yazdanian and J. H. Klems, ASHRAE Trans. 100, 1087 (1994).
     """
@@ -77,7 +77,7 @@ def flat_plate(speed, luff):
     """
     Turbulent flow along a flat plate: Nu = 0.037 Re^0.8 Pr^(1/3).
 
-    Incropera et al., the mean over a boundary layer that a frame trips at its edge.
+    Incropera et al.: the mean over a boundary layer that the frame makes turbulent.
     """
     reynolds = speed * LENGTH / VISCOSITY
     return 0.037 * CONDUCTIVITY / LENGTH * reynolds**0.8 * PRANDTL ** (1 / 3)
@@ -87,8 +87,8 @@ def sparrow(speed, luff):
     """
     An inclined plate of finite width: Nu = 0.86 Re^(1/2) Pr^(1/3).
 
-    E. M. Sparrow, J. W. Ramsey and E. A. Mass, J. Heat Transfer 101, 199 (1979),
-    the length being 4 area/perimeter.
+    E. M. Sparrow, J. W. Ramsey and E. A. Mass, J. Heat Transfer 101, 199 (1979); the
+    length is 4 area/perimeter.
     """
     length = 2 * LENGTH * WIDTH / (LENGTH + WIDTH)
     root = np.sqrt(speed * length / VISCOSITY)
@@ -97,9 +97,9 @@ def sparrow(speed, luff):
 
 def watmuff(speed, luff):
     """
-    A straight line of 3 W m⁻² K⁻¹ per m/s.
+    A linear law of 3 W m⁻² K⁻¹ per m/s.
 
-    J. H. Watmuff, W. W. S. Charters and D. Proctor, COMPLES 2, 56 (1977), whose
+    J. H. Watmuff, W. W. S. Charters and D. Proctor, COMPLES 2, 56 (1977); their
     2.8 W m⁻² K⁻¹ without wind is natural convection here.
     """
     return 3.0 * speed

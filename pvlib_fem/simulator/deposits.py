@@ -31,7 +31,7 @@ def fallen(weather):
 
 
 def rain(weather, site):
-    """0.3 % a day since ``washed_by``, of its millimetres within its hours."""
+    """0.3 % per day since the last rain of ``washed_by`` [mm, h]."""
     enough, hours = site.forms.washed_by
     step, rows = seconds(weather.index), np.arange(len(weather))
     total = np.cumsum(fallen(weather).to_numpy())
@@ -43,7 +43,7 @@ def rain(weather, site):
 def kimber(weather, site):
     """`pvlib.soiling.kimber`: 6 mm in 24 h clean; no soiling for two weeks after."""
     return pvlib.soiling.kimber(
-        fallen(weather).tz_localize(None),  # no zone: it asks for bare times
+        fallen(weather).tz_localize(None),  # it needs times without a zone
         soiling_loss_rate=PER_DAY,
         max_soiling=DIRTIEST,
     ).to_numpy()
