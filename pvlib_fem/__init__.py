@@ -4,10 +4,10 @@ import warnings
 
 import lazy_loader
 
-# what there is stands in __init__.pyi, and is loaded when it is first asked for
+# the public names are in __init__.pyi; each is loaded at its first use
 _attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-#: names until 0.2, and those to write instead
+#: names that are valid until 0.2, and their replacements
 _RENAMED = {
     "compare": "compare_models",
     "recover": "recover_effects",
@@ -31,10 +31,10 @@ def __getattr__(name):
 
 
 def _version():
-    """That of the tag from which the package was built."""
+    """The version of the tag from which the package was built."""
     from importlib.metadata import PackageNotFoundError, version
 
     try:
         return version(__name__)
-    except PackageNotFoundError:  # files on the path that nobody installed
+    except PackageNotFoundError:  # not installed, only on the path
         return "0.0"

@@ -159,8 +159,8 @@ def translate_coefficients(
         ``"ross"``, ``"noct"`` (Ross's model by its NOCT), ``"sapm"``,
         ``"faiman"``, ``"wm1"``, ``"wm2"``, ``"pvsyst"`` or ``"noct_sam"``.
     method : str, default "two_winds"
-        Wind speeds at which both models agree. ``"two_winds"``: at 1.4 and 5.4 m/s,
-        as in pvlib's ``GenericLinearModel`` [2]_ (``noct_sam``, whose wind slope is
+        Wind speeds at which both models agree. ``"two_winds"``: at the 1.4 and 5.4 m/s
+        of pvlib's ``GenericLinearModel`` [2]_ (``noct_sam``, whose wind slope is
         fixed, at 1/0.51 m/s, and ``ross`` in their mean). ``"least_squares"``: least
         mean square over ``wind_speed``. ``"calm"``: at 0 m/s, the paper's k = e^a =
         1/u0 [1]_; that the slopes agree there, too, is this package's choice.

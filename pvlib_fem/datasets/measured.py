@@ -31,7 +31,7 @@ TASK_13 = {
     "doi:10.1002/pip.3397",
     "licence": "BSD-2-Clause of that package",
     "hours": "means; not stated whether named by their begin or their end",
-    "missing": "NaN where the file has no value; it has no flags, no row is left out",
+    "missing": "NaN where the file has no value; it has no flags; all rows are kept",
 }
 
 

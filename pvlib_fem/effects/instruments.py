@@ -152,8 +152,8 @@ CHANNELS = (
         "sensitivity",
         sensitivity,
         {"change": Parameter(0.0, -0.5, 1.0, "-")},
-        decided_by="a recalibration of the irradiance sensor, or power and a clear sky "
-        "beside it",
+        decided_by="a recalibration of the irradiance sensor, or a comparison with "
+        "power and a clear sky",
         confused_with=(
             "contact",
             "mounting",
