@@ -319,10 +319,10 @@ def test_a_place_has_the_zone_of_the_record(index, tz):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--lat", 35), "--lat needs --lon beside it"),
-        (("--lon", 8), "--lon needs --lat beside it"),
-        (("--tilt", 35), "--tilt needs --azimuth beside it"),
-        (("--azimuth", 180), "--azimuth needs --tilt beside it"),
+        (("--lat", 35), "--lat needs --lon, too"),
+        (("--lon", 8), "--lon needs --lat, too"),
+        (("--tilt", 35), "--tilt needs --azimuth, too"),
+        (("--azimuth", 180), "--azimuth needs --tilt, too"),
         (("--out", "nowhere/loop.json"), "there is no folder nowhere for loop.json"),
         (("--report", "nowhere/a.html"), "there is no folder nowhere for a.html"),
         (("--map", "wind_direction=Dir"), "plant.csv has no column Dir; it has"),

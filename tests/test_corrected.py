@@ -325,7 +325,7 @@ def test_a_row_without_the_column_that_its_correction_needs_is_unknown(true, sou
     assert corrected["temp_air"].isna().sum() == 3
     without = loop.corrected(data.drop(columns="poa_global"))
     assert without.data["temp_air"].equals(data["temp_air"])
-    assert "data lack poa_global" in str(without)
+    assert "data have no poa_global" in str(without)
 
 
 def test_faults_of_one_sensor_are_taken_out_together(true, sound):

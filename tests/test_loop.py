@@ -458,7 +458,7 @@ def test_rows_without_a_driver_do_not_count_for_its_effect(two):
         coefficient = found.fit.coefficients[share]
         assert coefficient == pytest.approx(0.865 / (0.92 - 0.2), rel=0.2)
     assert loop.fit.residual[gone].isna().all()
-    lacking = f"relative_humidity lacks in {gone.sum():,} rows"
+    lacking = f"relative_humidity is missing in {gone.sum():,} rows"
     assert any(lacking in note and "sky_radiation" in note for note in loop.notes)
     predicted = loop.predict(bare)
     assert predicted[gone].isna().all() and predicted[~gone].notna().all()
@@ -541,7 +541,7 @@ def test_on_the_measured_day_fifteen_sensors_are_no_drivers(day):
     loop = fem.close_loop(day)
     assert loop.effects == []
     assert not any(n.startswith("driver:temp_module") for n in loop.untestable)
-    (note,) = [note for note in loop.notes if "vouch for instruments" in note]
+    (note,) = [note for note in loop.notes if "cross-check the instruments" in note]
     assert note.count("temp_module_") == 16 and "power_string" in note
     assert np.isnan(loop.table["rmse_test"]).all()
     assert "no test days" in loop.report()

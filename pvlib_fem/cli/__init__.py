@@ -9,7 +9,7 @@ COMMANDS = {
     "demo": "Close the loop on a measured plant, a simulated site and a measured week.",
     "fit": "Fit FILE, or several that are joined on their times, and print the report.",
     "fleet": "Close the loop on each of the SYSTEMS of a table, or fit them.",
-    "loop": "Find which physical effects the model lacks in FILE, or several.",
+    "loop": "Find the effects and faults that the model misses in FILE, or several.",
     "modules": "Compare the module sensors of FILE: what is common, what is one's own.",
     "parameters": "Give the thermal parameters of FIT as pvlib, PVsyst and SAM take "
     "them.",

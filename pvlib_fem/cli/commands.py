@@ -65,7 +65,7 @@ from pvlib_fem.sensors.compare import compare_modules
 from pvlib_fem.stored import saved
 from pvlib_fem.thermal_parameters.page import as_text, page
 
-FEW = 5  # failures that are told
+FEW = 5  # failures that are reported
 
 
 @click.command()
@@ -122,9 +122,9 @@ def fit(files, out, plot, report, title, **options):
 @title_option
 @out_option
 def loop(files, report, title, out, details, corrected, resolve, **options):
-    """Find which physical effects the model lacks in FILE, or several.
+    """Find the effects and faults that the model misses in FILE, or several.
 
-    Beside the columns of a fit it takes wind_direction [° from north],
+    In addition to the columns of a fit it takes wind_direction [° from north],
     relative_humidity [%], longwave_down [W/m²], precipitation [mm/h], p_dc_per_area
     [W per m² of module], snow_depth [cm] and poa_rear [W/m²]; every other numeric
     column is tried as a cause of its own. With --lat, --lon, --tilt and --azimuth it
@@ -309,7 +309,7 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
 def demo(days, step, seed, report):
     """Close the loop on a measured plant, a simulated site and a measured week.
 
-    The simulation is made from first principles; its truth is told after the
+    The simulation is made from first principles; its truth is printed after the
     answer. Measured records are public and downloaded once.
     """
     with plainly():

@@ -72,7 +72,7 @@ def demo_years():
     place = [data.attrs[name] for name in ("latitude", "longitude", "tz")]
     found = closed(data, site={"location": Location(*place)})
     say(
-        f"a measured plant: {data.attrs['site']}, eight years by the hour; "
+        f"a measured plant: {data.attrs['site']}, eight hourly years; "
         f"{data.attrs['source']}\n\n{found}\n\n"
         "no log of this plant is published, so that the truth is not known; without a "
         "model the record shows\nthat from April 2012 on over-temperature per "

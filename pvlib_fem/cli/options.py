@@ -227,8 +227,8 @@ stand_in_option = click.option(
     "stand_ins",
     multiple=True,
     metavar="NAME",
-    help="Second source of air or wind that stands in where the first lacks, such as "
-    "temp_air_2 or wind_speed_2; once for each.",
+    help="Second source of air or wind that replaces missing values of the first, such "
+    "as temp_air_2 or wind_speed_2; once for each.",
 )
 effects_option = click.option(
     "--effects",
@@ -499,7 +499,7 @@ def columns_of(renames):
             raise bad(f"time={column}", "--map", why)
         if name not in QUANTITIES and not vouches(name):
             why = (
-                f"is none of {', '.join(QUANTITIES)}, nor a column that vouches for an "
+                f"is none of {', '.join(QUANTITIES)}, nor a cross-check of an "
                 "instrument: power_ac, power_dc, poa_global_2, temp_module_2 …"
             )
             raise bad(name, "--map", why)

@@ -62,9 +62,9 @@ def read(files, options, drivers=False, needed=COLUMNS):
     ----------
     files : sequence of Path
     options : dict
-        Those of reading, of which nothing is left in it.
+        Options of reading, which are taken out of it.
     drivers : bool
-        Whether further columns count, so that a likely one is asked about.
+        Whether further columns count, so that likely ones are proposed.
     needed : sequence of str
         Columns without which nothing can be done.
 
@@ -232,7 +232,7 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
                 check["module_area"] = 1.0
             data = frame(files, found.layouts, found.columns, **check)
             check_columns(data, needed)
-    except Exception:  # a proposal is an extra; the error itself is told anyway
+    except Exception:  # a proposal is an extra; the error itself is reported anyway
         return "", ""
     line = command(found, lacking, how, ["--model", "ross"] * calm, level)
     lines = [LOOK, "", f"  {line}", ""]
@@ -244,7 +244,7 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
             else "--unit p_dc_per_area=W"
         )
         lines.append(
-            f"- {power!r} as power_ac vouches for instruments and shows outages and "
+            f"- {power!r} as power_ac cross-checks instruments and shows outages and "
             "covered modules; with the area of the modules "
             f"{quoted(['--map', f'p_dc_per_area={power}'])} {unit} "
             "--module-area AREA gives loop power for each m²"

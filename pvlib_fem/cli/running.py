@@ -72,7 +72,7 @@ def in_their_days(data, lon, told):
     local = in_local_days(data, lon, told)
     if local is not data:
         note(
-            f"the times are instants; days and hours are told in {local.index.tz}, by "
+            f"the times are instants; days and hours are those of {local.index.tz}, by "
             "--lon"
         )
     return local
@@ -84,4 +84,4 @@ def check_partners(options):
         given = [name for name in pair if options[name] is not None]
         if len(given) == 1:
             (other,) = set(pair) - set(given)
-            raise ValueError(f"--{given[0]} needs --{other} beside it")
+            raise ValueError(f"--{given[0]} needs --{other}, too")

@@ -18,7 +18,7 @@ def safe(text):
 
 
 def say(text, err=False):
-    """Print, also where the terminal lacks a sign."""
+    """Print; a character that the terminal does not have becomes "?"."""
     stream = sys.stderr if err else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     text = safe(text).encode(encoding, "replace").decode(encoding)

@@ -216,7 +216,7 @@ class Work:
         if repair.column == "temp_module":
             needed.add("temp_air")
         missing = [name for name in sorted(needed) if name not in self.columns]
-        return f"data lack {', '.join(missing)}" if missing else ""
+        return f"data have no {', '.join(missing)}" if missing else ""
 
     def terms(self, effect, coefficients):
         """Terms of a fault on the rows; of the air's, by each W/m² that air brings."""

@@ -1,1 +1,1 @@
-"""The closed loop: from the residual to the effect that the model lacks."""
+"""The closed loop: from the residual to the effect that the model misses."""

@@ -35,10 +35,10 @@ class Case:
     seen: np.ndarray  # rows of the whole that count
     parts: np.ndarray  # what each row of the whole is for
     drivers: tuple
-    witnesses: tuple  # columns that vouch for instruments
+    witnesses: tuple  # columns that cross-check instruments
     wanted: tuple  # effects whose drivers are there
     untestable: dict  # name: why
-    site: dict  # where the sun can be told from it
+    site: dict  # if it gives the position of the sun
     place: dict  # as it was given
     clock: Clock
     criteria: Criteria
@@ -46,7 +46,7 @@ class Case:
     notes: tuple = ()
     corrections: tuple = ()  # of the whole file
     kept: np.ndarray | None = None  # rows of the file that the whole has
-    late: float = 0.0  # of the file's times beside the sun [s]
+    late: float = 0.0  # of the file's times against the sun [s]
     transposed: bool = False  # whether poa_global is, from the horizontal
     standing: tuple = ()  # columns that stand in for others
 
@@ -101,7 +101,7 @@ class Case:
         return record.having({name: c.to_numpy() for name, c in places.items()})
 
     def placed_for(self, record, model):
-        """The same where a model asks for it, and the record does not have it."""
+        """The record with the geometry, if a model needs it and it is not there."""
         asked = {*model.drivers} & {*GEOMETRY} - {*record.inputs.columns}
         return self.placed(record) if asked else record
 

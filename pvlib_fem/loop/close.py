@@ -65,7 +65,7 @@ def close_loop(
     stand_ins: str | Iterable[str] = (),
 ) -> Loop:
     """
-    Trace what a fit leaves to the physical effects that the model lacks.
+    Trace the residual of a fit to the physical effects that the model misses.
 
     The weeks of a record are divided once. On *fitting* weeks the model is fitted and
     linearised, and the remaining error is described by single effects: each is one
@@ -180,7 +180,7 @@ def close_loop(
 
 
 def searched(data, model, place, progress, **how):
-    """A search that is done, and the loop that came of it."""
+    """A finished search, and the loop that it gives."""
     site = checked_place(*place)
     given = {n: said_of(value) for n, value in told_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
@@ -220,7 +220,7 @@ def searched(data, model, place, progress, **how):
 
 
 def told_of(how):
-    """The arguments of a call, with what stands in the place of columns by its name."""
+    """The arguments of a call, with the replacements of columns by their names."""
     instead = how.get("instead") or Instead()
     told = {name: value for name, value in how.items() if name != "instead"}
     if instead.transposition:
@@ -365,7 +365,7 @@ class Search:
 
     @cached_property
     def another_plane(self):
-        """The plane of the light, where that is not the stated one; asked for once."""
+        """The plane of the light, if it is not the stated one; computed once."""
         return another_plane(self.case)
 
     def leave_out_leaks(self, base):

@@ -42,6 +42,7 @@ def finding_of(choice, effect, case, floor, heard=()):
     floor : float
         Fall of the mean square that is material. [K²]
     heard : sequence of Witness
+        Cross-checks.
     """
     limits = case.criteria
     order = sorted(choice.probabilities.items(), key=lambda item: -item[1])

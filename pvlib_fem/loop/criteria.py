@@ -23,7 +23,7 @@ class Criteria:
         used. [-]
     leak : float
         A column that follows the measured temperature as a whole is made from it and
-        is not used, unless what the model explains and what it leaves, with
+        is not used, unless the modelled temperature and the residual, with
         coefficients of their own, describe more of the column by at least this share
         of what the remaining error describes. [-]
     search_step : float
@@ -37,7 +37,7 @@ class Criteria:
         weeks left out in turn. The default is a third of the 0.4 K of a contact
         sensor. [K]
     min_share : float
-        The same as a share of the mean square error that is left. [-]
+        The material gain as a share of the remaining mean square error. [-]
     hint_gain : float
         Gain from which an effect that was not added is reported as a hint. [K]
     probability : float
@@ -53,7 +53,8 @@ class Criteria:
         Relative error of an effect's law: by so much a true effect may explain less
         than another with the same inputs. [-]
     shape_error : float
-        The same of effects that are functions of the usual inputs alone. [-]
+        Relative error of the law of effects that are functions of the usual inputs
+        alone. [-]
     change_side : int
         Days with rows that there have to be before and after the date of a change.
         [days]

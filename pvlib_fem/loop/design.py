@@ -1,8 +1,8 @@
 """
-The fitted model, linearised: tangents and residual by the hour, day and week.
+The linearised fit: hourly, daily and weekly tangents and residuals.
 
 Everything that the selection asks is a least squares of a few columns. Products of
-all columns are summed by the day once; a change of an instrument from a date on is a
+daily sums of all columns are made once; a change of an instrument from a date on is a
 column times a weight of each day, so that no date needs a pass over the rows.
 """
 
@@ -18,7 +18,7 @@ from pvlib_fem.statistics.clusters import calendar_weeks
 from pvlib_fem.statistics.weekly import products, solve, steady
 
 HOUR = 3600.0  # s, over which rows share a cell
-FOLDS = 5  # groups of weeks that are left out in turn
+FOLDS = 5  # groups of weeks that are held out in turn
 FEWEST_WEEKS = 8  # below which errors come from the spread between days
 ALIKE = 1e-6  # share of a column's square below which it is a sum of others
 APART = 7  # days by which an effect is shifted at least to see what chance does
@@ -181,7 +181,7 @@ class Design:
 
     @cached_property
     def daily(self):
-        """Sums of products by the day."""
+        """Daily sums of products."""
         return products(self.cells, self.rows, np.append(self.first, len(self.rows)))
 
     @cached_property
@@ -202,7 +202,7 @@ class Design:
 
     @cached_property
     def weekly(self):
-        """The same by the week."""
+        """Weekly sums of products."""
         return np.add.reduceat(self.daily, self.clusters, axis=0)
 
     @cached_property
@@ -222,7 +222,7 @@ class Design:
 
     @cached_property
     def made(self):
-        """Weights of changes, and products by the day with all columns, once made."""
+        """Weights of changes, and their daily products with all columns, made once."""
         return {}
 
     def weights(self, change):
@@ -230,7 +230,7 @@ class Design:
         return weights_of(change.effect, self.dates)
 
     def parts(self, change):
-        """Weights of a change, and its products by the day with every column."""
+        """Weights of a change, and its daily products with every column."""
         if change not in self.made:
             weights = self.weights(change)
             if self.noise:
@@ -259,7 +259,7 @@ class Design:
         return self.cells[:, 0] - table @ solve(self.whole(columns))
 
     def whitened(self, noise):
-        """The same as generalised least squares sees it, by some random effects."""
+        """The design for generalised least squares with some random effects."""
         if not noise:
             return self
         cells = np.column_stack([self.freed(column, noise) for column in self.cells.T])
@@ -274,7 +274,7 @@ class Design:
         return column
 
     def adding(self, sizes):
-        """The same of a residual that has so much more of some columns, or changes."""
+        """The design whose residual has multiples of some columns or changes more."""
         cells = self.cells.copy()
         for column, size in sizes.items():
             (scale,) = self.scales([column])
@@ -282,7 +282,7 @@ class Design:
         return replace(self, cells=cells)
 
     def by_week(self, columns):
-        """Products by the week of the residual and some columns, changes among them."""
+        """Weekly products of the residual and some columns, changes among them."""
 
         def sums(rows):
             return np.add.reduceat(rows, self.clusters, axis=0)
@@ -290,11 +290,11 @@ class Design:
         return self.products(columns, self.weekly, sums)
 
     def whole(self, columns):
-        """The same of all weeks together."""
+        """Products of the residual and some columns over all weeks."""
         return self.products(columns, self.total, lambda rows: rows.sum(axis=0))
 
     def products(self, columns, known, sums):
-        """Products of the residual and some columns, from those by the day."""
+        """Products of the residual and some columns, from daily ones."""
         places = [0, *(c if isinstance(c, int) else c.place for c in columns)]
         found = known[..., places, :][..., places]
         changes = [(i + 1, c) for i, c in enumerate(columns) if not isinstance(c, int)]
@@ -306,7 +306,7 @@ class Design:
         return found
 
     def crossed(self, change, other):
-        """Products of two changes by the day."""
+        """Daily products of two changes."""
         if self.noise:
             product = self.values(change) * self.values(other) * self.rows
             return np.add.reduceat(product, self.first)
@@ -314,7 +314,7 @@ class Design:
         return both * self.daily[:, change.place, other.place]
 
     def by_day(self, place, columns):
-        """Products by the day of one column with the residual and some others."""
+        """Daily products of one column with the residual and some others."""
         found = np.empty((len(self.dates), len(columns) + 1))
         found[:, 0] = self.daily[:, place, 0]
         for i, column in enumerate(columns):
@@ -358,7 +358,7 @@ class Design:
         """
         Covariance that an estimate would have by accident, and its freedom.
 
-        What is left is compared with the effect as it was on other days: each shift
+        The residual is compared with the effect as it was on other days: each shift
         by a week or more is a draw in which the effect explains nothing.
         """
         size, root = len(own), np.sqrt(self.rows)

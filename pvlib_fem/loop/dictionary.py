@@ -10,7 +10,7 @@ from pvlib_fem.statistics.weekly import solve, steady
 
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
 GRID = 60  # dates between which temporary changes are looked for first
-USUAL = 2.0  # times what is left of half of the days: beyond it a day counts less
+USUAL = 2.0  # times the median of the daily residuals: beyond it a day counts less
 UNSEEN = 1e-6  # of a column's square: less of it is nothing given the others
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
 LIKELY = 3.84  # twice the log-likelihood by which 95 % of dates are as good
@@ -105,7 +105,7 @@ def signs(changes):
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Products by the day with what some columns leave, summed up to each date."""
+    """Daily products with the residual given some columns, summed up to each date."""
 
     design: object
     given: list
@@ -212,7 +212,7 @@ def first_days(design, one, given, side, errors):
     falls = scan.worth(sums[last] - sums[starts], -1.0, 1.0)
     best = int(np.searchsorted(days, number(begin)))
     most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
-    # what it lacks of the best date's part, in the errors of that part
+    # the difference to the best date's part, in standard errors of that part
     lacks = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
     good = np.append(starts[lacks <= LIKELY], best)
     # the days with rows around a date may not be neighbours

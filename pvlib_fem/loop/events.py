@@ -17,7 +17,7 @@ EXTRA = ("temp_air", "snow_depth")
 
 def events_of(fits, step):
     """
-    Events that a plant's power shows, of all weeks: they are told, and decide nothing.
+    Events that a plant's power shows, of all weeks; they decide nothing.
 
     Parameters
     ----------

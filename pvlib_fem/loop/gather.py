@@ -1,4 +1,4 @@
-"""Tangents of a fitted model and of effects that it lacks, row by row."""
+"""Tangents of a fitted model and of absent effects, row by row."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
@@ -22,7 +22,7 @@ FEW = 18  # effects of which the tangents are made at a time
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """
-    Tangents of a fitted model and of effects that it lacks, and the remaining error.
+    Tangents of a fitted model and of absent effects, and the remaining error.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Evidence:
     dates : array of int
         Day of each of the rows, from 1970-01-01.
     rows : array of int
-        Those of the record that count.
+        Rows of the record that count.
     base : tuple of str
         The fitted coefficients.
     misfits : tuple of str
@@ -64,8 +64,8 @@ class Evidence:
     changing: tuple = ()
 
     def with_effect(self, effect, columns, known):
-        """The same with the tangents of one more effect, on the rows it is known."""
-        # of what is nowhere to be seen, as snow that never stays, nothing is asked
+        """The evidence with the tangents of one more effect, on its known rows."""
+        # an absent cause, such as snow that never stays, is not tested
         columns = {n: c for n, c in columns.items() if c[known].any()} or columns
         return replace(
             self,
@@ -242,7 +242,7 @@ class Tangents:
 
     @classmethod
     def of(cls, model, inputs, coefficients, rows):
-        """Those at some rows, which are in order."""
+        """The evidence at some rows, which are in order."""
         model = model.knowing(inputs, coefficients)
         lasting = FADED * model.longest(inputs, coefficients)
         read = remembered(rows, inputs.seconds, lasting)
@@ -334,7 +334,7 @@ def narrowed(found, scan, own, known, inputs, drivers, least):
 
 def misfits(temperature, record, rows):
     """
-    What a misshapen steady model leaves at some rows, beside other confounders.
+    Errors of a misshapen steady model at some rows, given other confounders.
 
     Functions of the usual inputs alone, which every cause without a driver of
     its own shares: curvature in the over-temperature, its fall with air

@@ -1,4 +1,4 @@
-"""What stands in the place of columns that a record lacks."""
+"""Replacements for columns that are missing from a record."""
 
 from dataclasses import dataclass, field
 
@@ -15,7 +15,7 @@ LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0}
 @dataclass(frozen=True)
 class Instead:
     """
-    What a user wants in the place of columns that a record lacks.
+    Replacements that a user wants for columns that are missing from a record.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Instead:
 
     @classmethod
     def of_arguments(cls, transposition, stand_ins, calm=False):
-        """The same, where no transposition is None."""
+        """The replacements of a call, in which no transposition is None."""
         return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
 
     def of(self, data, needed, site, limits, check_units, check_clock=True):
@@ -53,7 +53,7 @@ class Instead:
             columns, more = with_plane(columns, *how)
             said = (*said, *more)
             if not measured:
-                # poa_global is made of these: they are no causes beside it
+                # poa_global is made of these: they are no causes in addition to it
                 light = {n: columns.pop(n) for n in ("ghi", *PARTS) if n in columns}
                 horizontal = light["ghi"].to_numpy()
         frame = data.drop(columns=list(data)).assign(**columns)
@@ -72,7 +72,7 @@ def without_still_wind(columns):
 
 @dataclass(frozen=True, eq=False)
 class Filled:
-    """Columns with what stands in the place of others."""
+    """Columns with the replacements of missing ones."""
 
     columns: dict
     said: tuple = ()

@@ -30,7 +30,7 @@ def leaks(record, seen, modelled, names, criteria):
 
     Each is described by smooth functions of the usual inputs, now and smoothed over
     minutes to hours, and by one of these, at several lags: what the model explains of
-    the temperature, what it leaves, or the temperature as a whole. A column is made
+    the temperature, the residual, or the temperature as a whole. A column is made
     from the temperature if the whole describes it better than either part does, and
     both parts with coefficients of their own do not describe it much better. So a
     column that a cause drives stays, and so does one that the weather alone drives.
@@ -118,7 +118,7 @@ def asleep(column, poa_global):
 
 def is_one_piece(column, usual, whole, model, dates, most):
     """
-    Whether a column takes what a model explains and what it leaves as one piece.
+    Whether a column follows the modelled temperature and the residual as one sum.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def is_one_piece(column, usual, whole, model, dates, most):
 
 
 def coefficients(columns, table):
-    """Those of a least squares of each column of a table."""
+    """Coefficients of a least-squares fit of each column of a table."""
     products = columns.T @ columns
     size = np.sqrt(np.diag(products))
     size[size == 0.0] = 1.0

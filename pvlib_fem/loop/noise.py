@@ -20,7 +20,7 @@ from pvlib_fem.statistics.tables import Table, joined, largest
 from pvlib_fem.statistics.weekly import LeastSquares, products
 
 TINY = 1e-100  # density of what is as far as anything
-FAR = 0.35  # spread of the part that is left of what stands for something unknown
+FAR = 0.35  # spread of the part of an effect that holds under other conditions
 USUAL = COLUMNS[:3]
 #: axes of the tables in which an effect has to have the same size
 PAIRS = (
@@ -91,7 +91,7 @@ def with_outside(design, choice, given, criteria, logs=None):
 
 
 def shares(design, one, given):
-    """Share of its size that is left under other conditions, with its error."""
+    """Share of its size that remains under other conditions, with its error."""
     own = one.beyond(given)
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
     others = [within(design, given, own, t) for t in tables(design, one.effect)]
@@ -180,7 +180,7 @@ def within(design, given, own, groups):
 
 
 def kept(plain, other):
-    """Share of its size that is left in another fit, and its error."""
+    """Share of its size that remains in another fit, and its error."""
     size = plain.size
     before, after = (np.diag(one.whole)[-size:] for one in (plain, other))
     if (after < 1e-3 * before).any():
@@ -218,7 +218,7 @@ def usual_tables(axes):
 
 def random_effects(design, given, least):
     """
-    Tables of what is left given some columns: the largest, then that of the rest.
+    Tables of the residual given some columns: the largest, then that of the rest.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ def random_effects(design, given, least):
 
 
 def in_turn(design, rest, kinds, least):
-    """The largest table of some kinds, then that of what it leaves, and so on."""
+    """The largest table of some kinds, then the largest of the rest, and so on."""
     found = []
     while len(found) < MOST_TABLES:
         table = largest(kinds, rest, design.rows, design.weeks, least)
@@ -249,5 +249,5 @@ def in_turn(design, rest, kinds, least):
 
 
 def numbered(groups):
-    """The same numbers without those that do not occur."""
+    """The groups numbered without those that do not occur."""
     return np.unique(groups, return_inverse=True)[1]

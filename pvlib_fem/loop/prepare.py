@@ -40,7 +40,7 @@ from pvlib_fem.record.names import unmapped
 
 UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
-NEAR_HOUR = 0.25  # h beside a whole one, as near as a file of half hours shows it
+NEAR_HOUR = 0.25  # h from a whole one, as near as a file of half hours shows it
 #: faults with which the sun is elsewhere
 OFF_THE_SUN = ("file_shift", "file_dst", "file_jump")
 
@@ -52,14 +52,14 @@ class Look:
     whole: Record  # less what was not measured
     parts: np.ndarray  # what each row is for
     drivers: dict
-    witnesses: tuple  # columns that vouch for others, and drive nothing
+    witnesses: tuple  # columns that cross-check others, and drive nothing
     refused: dict  # further columns, and why they are not used
     faults: Faults
     odd: tuple  # what looks odd, in sentences
     health: Health
-    still: np.ndarray  # test rows of sensors that stand still
+    still: np.ndarray  # test rows of stuck sensors
     kept: np.ndarray  # rows of the file that have a sure time
-    filled: Filled  # what stands in the place of columns that it lacks
+    filled: Filled  # replacements of missing columns
 
     @property
     def light(self):
@@ -103,7 +103,7 @@ def prepared(
     power = plant_power(look.whole, criteria.max_missing)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
-    if plane is not None:  # an obstacle has no place beside a plane that is not known
+    if plane is not None:  # an obstacle cannot be located from an unknown plane
         scans = filter(is_before_the_sun, wanted)
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
         wanted = [effect for effect in wanted if effect.name not in untestable]
@@ -145,7 +145,7 @@ def estimated(look, site):
 
 
 def is_before_the_sun(effect):
-    """Whether it is looked for where the sun stands, beside the module's plane."""
+    """Whether it is searched for by the position of the sun, given the plane."""
     return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
 
 
@@ -160,7 +160,7 @@ def another_plane(case):
 
 
 def late_of(look):
-    """By how much a file's times are late beside the sun, as far as that is seen."""
+    """By how much a file's times run ahead of the sun, if that is known. [s]"""
     late = look.health.noon.late
     return late if np.isfinite(late) else 0.0
 
@@ -225,7 +225,7 @@ def in_standard_time(data, holdout, look, how):
 def used(look, sun):
     """The record of what is used, without the sun, and the rows that may count."""
     stands, whole = look.health.mask | look.still, look.whole
-    others = {*look.refused, *sun}  # of which the second comes where it is asked for
+    others = {*look.refused, *sun}  # of which the second is added where it is needed
     kept = [name for name in whole.inputs.columns if name not in others]
     blank = {name: rows for name, rows in look.health.frozen.items() if name in kept}
     blank["temp_module"] = stands | blank.get("temp_module", False)
@@ -261,8 +261,8 @@ def notes_of(look, corrections, wanted, site, criteria):
     if look.witnesses:
         alone = len(look.witnesses) == 1
         yield (
-            f"{', '.join(look.witnesses)} vouch{'es' * alone} for instruments: power "
-            "and second sensors see what those should see"
+            f"{', '.join(look.witnesses)} cross-check{'s' * alone} the instruments and "
+            f"drive{'s' * alone} nothing"
         )
     yield from gaps(look.whole, look.drivers, wanted)
 
@@ -279,10 +279,10 @@ def twins(look, limits):
 
 def with_answer(hidden, faults, health, usual, test, limits):
     """
-    The record with the answer of the test rows, and which of them stand still.
+    The record with the module temperature of the test rows, and the stuck ones.
 
     Of that answer nothing is known to any rule; what it shows of a sensor is of the
-    test rows alone. What is told of the record counts both.
+    test rows alone. Reported counts are of both.
     """
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})
@@ -303,13 +303,13 @@ def with_answer(hidden, faults, health, usual, test, limits):
 
 
 def gaps(record, drivers, wanted):
-    """How many rows do not count for effects whose drivers lack, one line each."""
+    """Rows that do not count for effects because a driver is missing, a line each."""
     for name in drivers:
         lacking = int(np.isnan(record[name]).sum())
         using = [e.name for e in wanted if name in needed_for(e.drivers)]
         if lacking and using:
             yield (
-                f"{name} lacks in {lacking:,} rows, which do not count for "
+                f"{name} is missing in {lacking:,} rows, which do not count for "
                 f"{', '.join(using)}"
             )
 
@@ -322,7 +322,7 @@ def of_the_zone(index, location):
     sun = location.longitude / 15.0
     if abs((own - sun + 12.0) % 24.0 - 12.0) > FAR_ZONE:
         yield (
-            f"hours are told in the record's zone, {index.tz}; at longitude "
+            f"hours are those of the record's zone, {index.tz}; at longitude "
             f"{location.longitude:g}° the sun's are {abs(own - sun):.0f} h "
             f"{'earlier' if own > sun else 'later'}: for local hours give "
             "data.tz_convert(zone) or --tz"
@@ -331,7 +331,7 @@ def of_the_zone(index, location):
 
 def told_of(summer, fault=""):
     """What was made of a file whose clock jumps."""
-    noon = "the day's light beside the sun, root mean square"
+    noon = "middle of the daily irradiance against the sun, root mean square"
     why = because(Reason.ONE_CLOCK, fault=summer.brief, evidence=summer.evidence)
     if not summer.explained:
         why = because(Reason.NOT_CORRECTED, fault=fault, remedy=summer.line)

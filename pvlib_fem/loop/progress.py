@@ -9,14 +9,14 @@ LOG = logging.getLogger("pvlib_fem")
 
 
 def line(disable=None):
-    """One line on a terminal, which goes away; nothing elsewhere, unless asked for."""
+    """One line on a terminal, which goes away; nothing elsewhere unless requested."""
     return tqdm(disable=disable, leave=False, bar_format="{desc} [{elapsed}]")
 
 
 @contextmanager
 def telling(progress=None):
     """
-    A function that is told each stage in a few words.
+    A function that takes each stage in a few words.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def telling(progress=None):
 @contextmanager
 def counting(whole, done=0, shown=True, words=None):
     """
-    A function that is told each thing that is done, of so many; with a bar.
+    A function that takes each finished item, of so many; with a bar.
 
     ``shown`` is True, False, or None for a bar on a terminal only.
     """

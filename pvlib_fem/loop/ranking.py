@@ -1,4 +1,4 @@
-"""Which absent effect could explain what a fit leaves."""
+"""Rank absent effects by how much of the residual of a fit they could explain."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -190,8 +190,8 @@ def refuse_missing(effects, columns, refused):
                 remedy = "give it, or rank a fit without the effect"
             why = f" ({refused[name]})" if name in refused else ""
             raise ValueError(
-                f"{effect.name} of the fit needs {name}, which the record lacks{why}; "
-                f"{remedy}"
+                f"{effect.name} of the fit needs {name}, which is not in the "
+                f"record{why}; {remedy}"
             )
 
 
@@ -254,12 +254,12 @@ def rank_effects(
         nothing left to explain: the record cannot tell them apart;
         ``note``: what stands in the way.
 
-        ``attrs["notes"]`` say what of the record was not measured and is left out.
+        ``attrs["notes"]`` say which values were not measured and are not used.
 
     Raises
     ------
     ValueError
-        If a column lacks or is unusable, one that an effect of the fit needs among
+        If a column is missing or unusable, one that an effect of the fit needs among
         them, or the place is none.
     """
     place = checked_place(location, surface_tilt, surface_azimuth)

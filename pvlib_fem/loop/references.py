@@ -1,7 +1,7 @@
 """
 What is compared with an instrument: power, second sensors, a clear sky, usual wind.
 
-Where the instrument has changed and not what it measures, the two part along the same
+If the instrument has changed and not the quantity, the two deviate along the same
 course; where the change is elsewhere, they do not.
 """
 
@@ -46,7 +46,7 @@ class Comparison:
     serves: Callable  # whether what has that name can be so compared
     rows: Callable  # record to the rows that are compared
     parts: Callable  # record and the column to two columns, whose sums are compared
-    differ: Callable  # those sums by the day to how far the two are apart
+    differ: Callable  # daily sums to the deviation of the two
     shows: dict  # channel: its change and the fit's coefficients to what is shown
     unit: str = "-"
     ages: bool = False  # whether it fades by itself
@@ -97,7 +97,7 @@ def warmer(record, values):
 
 
 def warmed(record, values):
-    """The same, for each 1000 W/m²."""
+    """The deviation for each 1000 W/m²."""
     return values - record["temp_air"], record["poa_global"] / 1000.0
 
 
@@ -161,7 +161,7 @@ COMPARISONS = (
 
 @dataclass(frozen=True, eq=False)
 class Apart:
-    """How far two columns are apart, by the day."""
+    """Daily deviation of two columns."""
 
     comparison: Comparison
     column: str
@@ -170,11 +170,11 @@ class Apart:
 
     @cached_property
     def usual(self):
-        """What comes and goes of itself, by the day."""
+        """Daily columns of usual variation."""
         return [np.ones(len(self.days)), *self.year()]
 
     def along(self, weights, values=None, beside=()):
-        """The change along a course, beside others, its error, and what all leave."""
+        """The change along a time profile given others, its error, and the residual."""
         values = self.apart if values is None else values
         columns = [*self.usual, *beside, weights]
         sums = cluster_sums(columns, values, self.days)

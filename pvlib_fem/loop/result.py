@@ -86,10 +86,10 @@ class Loop:
         Where the mean square of the steady model went, on the test weeks (on the
         fitting weeks where there are none). Of the rows by ``kind``, those ``taken``
         by a step and ``left`` add up to the ``start``; the ``episodes`` below and,
-        of all other days, the time ``scale`` rows add up to what is left: means of
-        weeks, of days about their week's, of hours about their day's and rows about
+        of all other days, the time ``scale`` rows add up to the remaining error: means
+        of weeks, of days about their week's, of hours about their day's and rows about
         their hour's, each less the part of white noise, which is ``from row to row``.
-        Those ``of which`` are contained in what is left and may overlap: tables of
+        Rows ``of which`` are parts of the remaining error and may overlap: tables of
         unknown structure, by what each takes off fitting weeks left out in turn.
         ``mean_square`` [K²], its root with sign ``error`` [K], its ``share`` of the
         start, and the ``weeks``.
@@ -97,7 +97,7 @@ class Loop:
         Days that stand out of those around them, the largest share first: ``start``
         and ``end``, the last of its ``days``; mean residual by ``day`` and by
         ``night`` [K]; ``share`` of the mean square. Of all weeks, the test weeks
-        too: they are told, and decide nothing.
+        too: they are reported, and decide nothing.
     events : DataFrame
         Hours on which a plant's power is not what irradiance leads one to expect, and
         the module's temperature agrees, the largest share first: the ``effect``
@@ -105,7 +105,7 @@ class Loop:
         ``hours`` of light, ``size``, the mean residual without these effects [K],
         ``share`` of its square in the record, ``power`` over that expected, and
         means of ``temp_air`` [°C] and ``snow_depth`` [cm], where there is one. Of all
-        weeks: they are told, and decide nothing.
+        weeks: they are reported, and decide nothing.
     plain : tuple of ThermalModel and dict
         The model without effects, and its coefficients.
     criteria : Criteria
@@ -125,8 +125,8 @@ class Loop:
         Model of the sky by which ``poa_global`` was made of ``ghi``, and is made where
         ``predict`` and the others are given data without it; "" where it was measured.
     stand_ins : tuple of StandIn
-        Second sources of air or wind that stand in where the first lack, here as in the
-        data of ``predict`` and the others.
+        Second sources of air or wind that replace missing values of the first, here as
+        in the data of ``predict`` and the others.
     """
 
     findings: tuple
@@ -281,7 +281,7 @@ class Loop:
             ``poa_global``, ``temp_air``, ``wind_speed`` and the columns of the
             effects; ``wind_speed`` only where the model depends on it.
         fallback : bool, default False
-            Where the column of an effect lacks, take the model without any effect
+            Where the column of an effect is missing, take the model without any effect
             instead of NaN.
         correct_times : bool, default True
             Apply the clock corrections of this record to times within its period. The
@@ -298,7 +298,7 @@ class Loop:
         Raises
         ------
         ValueError
-            If a whole column lacks, and there is no fallback.
+            If a whole column is missing, and there is no fallback.
         """
         timed, known = self.timed(data, correct_times)
         found = self.by_one_clock(timed, fallback, place)
@@ -518,7 +518,7 @@ class Loop:
         gamma: float = GAMMA,
     ) -> str:
         """
-        The report with pictures as one HTML file, which needs nothing beside it.
+        The report with pictures as one self-contained HTML file.
 
         Parameters
         ----------
@@ -600,7 +600,7 @@ class Loop:
         ----------
         path : str or path-like
         effects : Effect or sequence of these, optional
-            Those of one's own, which the file knows by name and settings only.
+            Your own effects, which the file knows by name and settings only.
 
         Returns
         -------
@@ -609,7 +609,7 @@ class Loop:
         Raises
         ------
         ValueError
-            If the file is of another kind or version, or a number lacks or is none;
+            If the file is of another kind or version, or a number is missing or none;
             the message names the key.
         """
         with opened(path, [LOOP]) as stored:

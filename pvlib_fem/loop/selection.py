@@ -105,7 +105,7 @@ class Selection:
     design: Design
     criteria: Criteria
     closed: frozenset = frozenset()  # names that are not to be taken
-    noise: tuple = ()  # random effects, by which certainty is told
+    noise: tuple = ()  # random effects, by which the certainty is computed
     known: dict = field(default_factory=dict)
 
     @cached_property
@@ -128,7 +128,7 @@ class Selection:
         return sorted(choices, key=lambda one: -one.fall)
 
     def settled(self, choices):
-        """The same when none is better replaced given the others, or left out."""
+        """The choices when none is better replaced, or removed, given the others."""
         for _ in range(SWEEPS):
             changed = False
             for i in range(len(choices) - 1, -1, -1):
@@ -206,7 +206,7 @@ class Selection:
         return fall(whole, len(one.columns)) / self.design.count
 
     def in_samples(self, found, given):
-        """The same of many candidates given the same columns, at once."""
+        """Scores of many candidates given the same columns, at once."""
         design, size, falls = self.design, len(given), np.zeros(len(found))
         plain = [i for i, one in enumerate(found) if not one.effect.channel]
         places = dict.fromkeys(c for i in plain for c in found[i].columns)
@@ -298,7 +298,7 @@ class Selection:
         """
         Posterior among members of one single effect, averaged over draws of weeks.
 
-        Each explains some of what the best one explains. What it lacks of that is
+        Each explains some of what the best one explains. The difference is
         compared with the error of the laws: an exact likelihood of so many rows
         would be sure of a law that is not exact (Huggins and Miller, 2023).
         """

@@ -33,12 +33,12 @@ class Step:
     coarse: dict  # where the search ended on coarse steps
     at_bound: tuple
     converged: bool
-    temperature: np.ndarray  # NaN where a driver lacks
+    temperature: np.ndarray  # NaN where a driver is missing
     measured: np.ndarray
     daily: DailySums | None = None  # of the fitted rows, where effects were fitted
 
     def as_base(self):
-        """The same, by which effects know the temperature of the module."""
+        """The step by which effects know the temperature of the module."""
         return replace(self, model=replace(self.model, base=self.coefficients))
 
     def error(self, rows):
@@ -134,13 +134,13 @@ class Fits:
         )
 
     def daily(self, step):
-        """Sums by the day of a step's fitted rows, on the record's own steps."""
+        """Daily sums of a step's fitted rows, on the record's own steps."""
         if step.daily is not None:
             return step.daily
         return self.sums(step, step.coefficients, self.case.whole, self.case.fitting)
 
     def errors(self, step):
-        """Standard errors of a step's coefficients, by the day on coarse steps."""
+        """Standard errors of a step's coefficients, from daily sums on coarse steps."""
         found = natural(step.model, step.coarse)[0]
         daily = self.sums(step, found, self.case.record, self.case.searched)
         return errors(step.model, daily, step.at_bound, [])
@@ -153,7 +153,7 @@ class Fits:
         return replace(sums, folds=folds).cross_validated(range(len(sums.scale)))
 
     def sums(self, step, coefficients, record, counts):
-        """Sums by the day of the rows of a record that count and a step knows."""
+        """Daily sums of the rows of a record that count and that a step knows."""
         record, tabled = self.prepared(record, step.model)
         rows = counts & record.known(step.model.drivers)
         return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
@@ -184,7 +184,7 @@ class Fits:
         return larger, replace(model, effects=effects)
 
     def gathered(self, step, candidates):
-        """Evidence of some effects beside a step, on the coarse fitting rows."""
+        """Evidence of some effects given a step, on the coarse fitting rows."""
         case = self.case
         self.prepared(case.record, step.model)
         base, record, tabled = self.ready["coarse"]
@@ -220,7 +220,7 @@ def with_measured(inputs, effects):
     for effect in effects:
         wide = effect.scanned_from or effect
         names = [name for name in wide.drivers if not is_modelled([name])]
-        with suppress(Exception):  # which is told where the effect is tried
+        with suppress(Exception):  # which is reported where the effect is tested
             inputs = completed(inputs, names)
     return inputs
 

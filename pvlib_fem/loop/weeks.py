@@ -18,7 +18,7 @@ class Part(IntEnum):
 
 
 def named(parts):
-    """The parts by name, as a user is told them."""
+    """The parts by name, as users see them."""
     there = [part.name.lower() for part in Part if (parts == part).any()]
     names = pd.Categorical.from_codes(parts, [part.name.lower() for part in Part])
     return names.set_categories(there)
