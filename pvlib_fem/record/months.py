@@ -21,7 +21,7 @@ BEGIN = (
     "nov",
     "dec dez dic",
 )
-NUMBER = {word: n for n, words in enumerate(BEGIN) for word in words.split()}
+NUMBER = {word: n for n, names in enumerate(BEGIN) for word in names.split()}
 WORD = re.compile(r"[^\W\d_]{3,}\.?")
 HALF = re.compile(r"\b([ap])\.?\s?m\b\.?", re.IGNORECASE)
 
