@@ -22,7 +22,7 @@ SHARE = 0.99  # of the rows that follow the ends of their period
 
 
 def between(inputs):
-    """What columns lack between values further apart than rows, a sentence each."""
+    """Report columns whose values are further apart than the rows, a sentence each."""
     step = inputs.step
     if not step > 0:
         return

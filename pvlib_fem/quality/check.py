@@ -56,7 +56,7 @@ def unusable(frozen):
 
 
 def frozen_in(record, limits):
-    """Rows of sensors that stand still while what moves them does, by one clock."""
+    """Rows of stuck sensors whose drivers change, by one clock."""
     frozen = stuck(record, limits)
     # what moves them is told beside the module's column, which may be off by hours
     others = any(rows.any() for n, rows in frozen.items() if n != "temp_module")

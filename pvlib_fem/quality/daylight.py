@@ -142,7 +142,7 @@ def as_it_is(index, reason, noon):
 
 
 def better(then, now):
-    """Whether less of the clock's jumps is left, and the light nearer to the sun."""
+    """Whether fewer jumps remain, and the light is nearer to the sun."""
     near = root_mean_square(then.days) < root_mean_square(now.days)
     return len(then.jumps) < len(now.jumps) and near
 
@@ -169,7 +169,7 @@ def root_mean_square(days):
 
 
 def untold(index, noon):
-    """Why the file is left as it is before any zone is asked; "" if it is not."""
+    """Why no zone is tried; "" if zones are tried."""
     if not noon.jumps:
         return "no jump of the light was found: nothing is to be corrected"
     if index.tz is not None and list(transitions(index, str(index.tz))):

@@ -102,7 +102,7 @@ def size(day, middle, first, at, end, limits):
 
 
 def widened(jump, day, middle, limits):
-    """The same with the days beside that are by neither clock, as one it was set on."""
+    """The jump with adjacent days by neither clock, such as the day of setting."""
     at, side, far = jump["at"], limits.noon_side, abs(jump["by"]) / 4
     before, after = (
         np.median(middle[max(at - side, 0) : at]),

@@ -91,7 +91,7 @@ def follows(poa_global, *columns):
 
 
 def grid(seconds, columns, step, count):
-    """Means of columns over even steps of whole days; days without rows lack."""
+    """Means of columns over even steps of whole days; NaN on days without rows."""
     row = np.round(seconds / step - 1e-6).astype(np.int64)
     number = row // count
     day = np.cumsum(np.diff(number, prepend=number[:1]) > 0)
@@ -105,7 +105,7 @@ def grid(seconds, columns, step, count):
 
 
 def changes(values):
-    """Changes from row to row; 0 beside one that lacks."""
+    """Changes from row to row; 0 next to a missing value."""
     change = np.diff(values, prepend=values[:1])
     return np.where(np.isfinite(change), change, 0.0)
 
@@ -122,7 +122,7 @@ class Products:
         self.of_air = np.array([self.whole(poa, air, j) for j in range(length)])
 
     def part(self, first, end):
-        """The same of some days."""
+        """The products of some days."""
         rows = slice(first * self.count, end * self.count)
         columns = (self.poa[rows], self.air[rows], self.module[rows])
         return Products(*columns, self.count, self.length)
@@ -146,7 +146,7 @@ class Products:
         return self.cross[lag]
 
     def of(self, one, other, lag=0):
-        """The same by the day of the one."""
+        """Products for each day of the first column."""
         later = np.zeros_like(other)
         end = len(other)
         later[max(-lag, 0) : end - max(lag, 0)] = other[max(lag, 0) : end + min(lag, 0)]
@@ -159,7 +159,7 @@ class Products:
         return told - self.of_air, square - 2 * self.whole(self.air, self.module, lag)
 
     def left(self, lag, answer):
-        """What is left of each day by an answer that begins at a lag."""
+        """Daily residual of a response that begins at a lag."""
         own = np.correlate(answer, answer, "full")[len(answer) - 1 :].copy()
         own[1:] *= 2
         left = self.of(self.module, self.module) + self.of(self.air, self.air)
@@ -179,7 +179,7 @@ def weighed(sums, step, limits):
     root = np.linalg.cholesky(stable(shapes.T @ normal @ shapes))
 
     def answer(lag):
-        """The answer that begins at a lag, and what it leaves."""
+        """The response that begins at a lag, and its residual."""
         target, square = sums.at(lag)
         right = np.linalg.solve(root, shapes.T @ target)
         weights, rest = nnls(root.T, right)

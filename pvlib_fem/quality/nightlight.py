@@ -65,7 +65,7 @@ class Nights:
 
 
 def beside(table):
-    """Sums of a time of day and of those beside it."""
+    """Sums of a time of day and of the adjacent ones."""
     flat = np.cumsum(np.pad(table.ravel(), (NEAR + 1, NEAR)))
     return (flat[2 * NEAR + 1 :] - flat[: -2 * NEAR - 1]).reshape(table.shape)
 

@@ -152,7 +152,7 @@ def noon_faults(late, jumps, step, limits):
 
 
 def with_nights(seconds, poa, limits):
-    """The same with 0 before and after each day's light, in a file of days alone."""
+    """Irradiance with 0 before and after each day, in a file without nights."""
     whole = np.floor(seconds / DAY)  # twice as fast as // and %
     deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
     if not deep.any() or np.isfinite(poa[deep]).mean() > limits.few_share:
@@ -201,7 +201,7 @@ def longest(day, seconds, limits):
 
 
 def edge(seconds, poa, lit, way, limits):
-    """When light begins or ends, between a lit row and the dark one beside it. [s]"""
+    """When light begins or ends, between a lit row and the adjacent dark one. [s]"""
     dark = np.clip(lit + way, 0, len(poa) - 1)
     change, rest = poa[lit] - poa[dark], poa[lit] - limits.light
     there = poa[dark] <= limits.light  # no edge in a polar day, nor beside a gap

@@ -20,7 +20,7 @@ FADE = 3600.0  # s; slower changes are the sun's path and the weather's, not clo
 
 @dataclass(frozen=True)
 class Sums:
-    """Products of the two columns of changes, by the day and by the lag."""
+    """Products of the two columns of changes, for each day and lag."""
 
     own: np.ndarray  # irradiance with itself, lags 0 … reach
     cross: np.ndarray  # temperature that many rows later, lags −reach … reach
@@ -37,7 +37,7 @@ class Sums:
         return self.own.shape[1] - 1
 
     def later(self, lag, count, days=slice(None)):
-        """Products at ``count`` lags from ``lag`` on, by the day."""
+        """Daily products at ``count`` lags from ``lag`` on."""
         return self.cross[days, self.reach + lag : self.reach + lag + count]
 
     def begin(self, day):
@@ -46,7 +46,7 @@ class Sums:
 
 
 def daily_sums(seconds, base, poa, module, limits):
-    """Products by the day, of rows a minute apart or more; days end in the dark."""
+    """Daily products of rows a minute apart or more; days end in the dark."""
     # short steps are taken together: the mean of what came in, the end of the answer
     gather = max(1, round(FINEST / base))
     step = base * gather
@@ -88,7 +88,7 @@ def night(seconds, poa):
 
 
 def changes(values, step, apart):
-    """Changes from row to row, less their hour's mean; 0 beside a NaN or a gap."""
+    """Changes from row to row, less their hour's mean; 0 next to a NaN or a gap."""
     change = np.diff(values, prepend=values[:1])
     change[~np.isfinite(change)] = 0.0
     change[apart] = 0.0
@@ -182,7 +182,7 @@ def least(misfit, near, step):
 
 
 def error(sums, days, lags, onset, weights, normal):
-    """Standard error of the onset, from whole days; what each day tells of it."""
+    """Standard error of the onset, from the contribution of each day."""
     step, small = sums.step, 0.01 * sums.step
     used = decays(lags, step, onset)[:, weights > 0]
     answer = used @ weights[weights > 0]
@@ -202,7 +202,7 @@ def error(sums, days, lags, onset, weights, normal):
 
 
 def quadratic(own, one, other):
-    """``one · R · other`` by the day, R the Toeplitz matrix of its lags."""
+    """Daily ``one · R · other``, with R the Toeplitz matrix of its lags."""
     lags = np.correlate(one, other, "full")
     middle = len(one) - 1
     both = lags[middle:].copy()

@@ -8,7 +8,7 @@ from pvlib_fem.record.ranges import possible
 
 
 def apart(codes, rest, limits):
-    """Those of the codes in a column of unknown range that are no values."""
+    """Codes in a column of unknown range that are no values."""
     if not len(rest):
         return codes
     low, high = rest.min(), rest.max()

@@ -143,7 +143,7 @@ def turned(angles):
 
 
 def clearest(poa, zenith, up, light, there, months, share):
-    """The days with most light of each month, beside the sun's height, or None."""
+    """The days of each month with most light for the sun's elevation, or None."""
     frame = pd.DataFrame(
         {
             "day": there,
@@ -199,11 +199,11 @@ class Sky:
         )
 
     def scaled_by(self, groups):
-        """The same with a scale for each group of rows."""
+        """The clear sky with a scale for each group of rows."""
         return replace(self, scale=np.unique(groups, return_inverse=True)[1])
 
     def plane(self):
-        """The angles, their errors, and what they leave of the mean irradiance."""
+        """The angles, their errors, and the relative residual of the irradiance."""
         best = self.best()
         sky = self.rows(np.isin(self.day, self.nearest(best)))
         found = sky.search(best)
@@ -214,7 +214,7 @@ class Sky:
         return found, errors, np.sqrt(np.mean(sky.left(found) ** 2))
 
     def rows(self, kept):
-        """The same of some rows."""
+        """The clear sky of some rows."""
         return Sky(*(column[kept] for column in vars(self).values()))
 
     def on_plane(self, angles):

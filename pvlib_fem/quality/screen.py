@@ -49,11 +49,11 @@ class Faults:
 
     @property
     def notes(self):
-        """The same in sentences."""
+        """The findings in sentences."""
         return tuple(map(sentence, self.counts.itertuples()))
 
     def and_in(self, rows, other):
-        """The same with temp_module's faults in some rows as another has them."""
+        """The faults with those of temp_module in some rows from another."""
         name, masks = "temp_module", {}
         for kind in KINDS:
             columns = dict(self.masks.get(kind, {}))

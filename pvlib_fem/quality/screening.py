@@ -124,7 +124,7 @@ class Screener:
         return self.look.sampled(self.clean)
 
     def judged(self):
-        """Those rows less what no unit can make of a sensor: by them units are told."""
+        """Rows without values that no unit explains; they identify the units."""
         sample, lost = self.sampled(), {}
         numbers = np.arange(len(sample.index)) * self.look.every
         for name in POSSIBLE:
@@ -135,7 +135,7 @@ class Screener:
         return sample.having(sample.columns.put(np.nan, lost)) if lost else sample
 
     def ruled(self):
-        """Columns that the rules are asked of."""
+        """Columns that the rules check."""
         for name, one in self.look.columns.items():
             if name in self.asked and name not in self.doubts and name not in GEOMETRY:
                 yield name, one
@@ -156,7 +156,7 @@ class Screener:
         self.clean = self.clean.lacking({name: rows})
 
     def look_again(self):
-        """The look at what is left, where a rule took what others would see."""
+        """The look at the remaining values, if a rule removed some that others see."""
         self.look = Look.of(self.clean, self.limits)
 
     def refuse_nothing(self, needed):
@@ -198,7 +198,7 @@ class Screener:
             self.look_again()
 
     def refuse_empty(self):
-        """Refuse one of the four columns in which no value is left."""
+        """Refuse one of the four columns without any remaining value."""
         for row in self.told():
             if row.column in POSSIBLE and not self.look.columns[row.column].known:
                 raise empty_error(row)
@@ -293,7 +293,7 @@ class Screener:
             refuse_share(name, share, value, time, self.limits)
 
     def standing(self, refuse=True):
-        """Take out sensors that stand still, or refuse one that always does."""
+        """Take out stuck values, or refuse a sensor that is always stuck."""
         clean, columns = self.clean, self.look.columns
         sample = self.sampled()
         rests = {n: rest_of(n, sample[n], self.limits) for n in clean.names}

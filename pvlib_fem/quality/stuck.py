@@ -1,4 +1,4 @@
-"""A sensor that stands still while what moves it moves."""
+"""A sensor that is stuck while its driver changes."""
 
 from dataclasses import dataclass, field, fields
 
@@ -416,14 +416,14 @@ def frozen_error(name, lines):
 
 
 def stuck_line(record, frozen):
-    """What stands still, from when on and at what, in one line."""
+    """The stuck sensor, since when and at which value, in one line."""
     lines = [one_line(record, name, rows) for name, rows in frozen.items()]
     lines = "; ".join(filter(None, lines))
     return f"{lines}: they are not used; look at sensor and logger"
 
 
 def one_line(record, name, rows):
-    """The same of one column, or nothing where it moves."""
+    """The line of one column, or nothing if it moves."""
     values = record[name]
     if not rows.any():
         return ""
@@ -437,7 +437,7 @@ def one_line(record, name, rows):
 
 
 def whole_line(record, name):
-    """The same of a column that never moves."""
+    """The line of a column that never moves."""
     values = record[name]
     seen = np.flatnonzero(np.isfinite(values))
     first, last = record.index[seen[0]], record.index[seen[-1]]

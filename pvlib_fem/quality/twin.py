@@ -1,4 +1,4 @@
-"""The clock of a second irradiance beside the first: whose light comes when."""
+"""The clock of a second irradiance sensor against the first."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from pvlib_fem.record.checks import instants, usual_step
 
 @dataclass(frozen=True, eq=False)
 class TwinClock:
-    """How late a second irradiance is beside the first, from :func:`twin_clock`."""
+    """The clock of a second irradiance against the first, from :func:`twin_clock`."""
 
     late: float  # median of the days; NaN where no day has both [s]
     stderr: float  # [s]

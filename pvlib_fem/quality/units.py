@@ -230,7 +230,7 @@ def signs(inputs):
 
 
 def signs_of(inputs):
-    """The same, from its columns; of a long record some rows tell."""
+    """The signs, from the columns; of a long record from some rows."""
     some = slice(None, None, max(1, len(inputs.index) // ENOUGH))
     few = inputs.columns.taken(some)
     poa, air, wind, module = (few[name] for name in POSSIBLE)
@@ -337,7 +337,7 @@ def module_lag(inputs, limits):
 
 
 def in_step(inputs, off):
-    """The same with the module by the clock of the irradiance."""
+    """The inputs with the module by the clock of the irradiance."""
     module = retimed(inputs.seconds, inputs["temp_module"], off.late)
     return inputs.having({"temp_module": module})
 
