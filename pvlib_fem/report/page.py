@@ -10,7 +10,6 @@ from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import spaced
 from pvlib_fem.reasons import Reason
 from pvlib_fem.report import advice, budget, events
-from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.document import (
     document,
     figures,
@@ -125,8 +124,8 @@ def page(loop, never=(), title=None, gamma=GAMMA):
 def could_be(loop):
     """How much could still be explained, where that was computed."""
     if (ceiling := loop.known_ceiling) is not None:
-        body = [paragraph(sentence(ceiling)), figures([picture_of_ceiling(ceiling)])]
-        yield section("How much could still be explained", "\n".join(body))
+        bar = figures([picture_of_ceiling(ceiling)])  # the conclusion has the numbers
+        yield section("How much could still be explained", bar)
 
 
 def to_do(statements):
