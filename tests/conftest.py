@@ -25,7 +25,7 @@ COLUMNS = (*DRIVERS, "temp_module")
 
 
 def measured(*columns, **drivers):
-    """A record as it is before sensors that stand still are looked for."""
+    """A record before the search for stuck sensors."""
     return alone(as_record(*columns, **drivers), Limits())[0]
 
 

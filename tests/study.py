@@ -199,7 +199,7 @@ def hardly_worse(row):
 
 
 def no_step(row):
-    """Whether no step of an instrument is told but in a class that holds a truth."""
+    """Whether every reported step of an instrument is ambiguous with a truth."""
     told = [*listed(row["named_wrong"]), *listed(row["class_wrong"])]
     return not any(name.split("|")[0].endswith("_step") for name in told)
 

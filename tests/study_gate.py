@@ -132,7 +132,7 @@ def records_of(table, changes):
 
 
 def gates(table, changes):
-    """Words, what is asked, what was measured, and whether it is met."""
+    """Words, requirement, measurement, and whether the requirement is met."""
     records = [found for *_, found in records_of(table, changes)]
     found = [one for some in records for one in some]
     wrong = sum(any(one.wrong for one in some) for some in records)
@@ -225,7 +225,7 @@ def paired(table, rules):
 
 
 def against(table, changes, rules, rules_changes):
-    """The same as `gates`, against what the rules said of the same records."""
+    """The gates against the results of the rules on the same records."""
     both = paired(table, rules)
     right = both[both["first_ok_rules"].eq(True)]  # NaN where a loop broke
     some = int(right["first_ok"].eq(True).sum())

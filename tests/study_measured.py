@@ -205,7 +205,7 @@ def by_date(usual, draws):
 
 
 def by_coefficient(usual, draws):
-    """Whether coefficients stay within the ranges that they are told with."""
+    """Whether coefficients stay within their reported ranges."""
     head = ("coefficient", "every fifth", "range", "draws", "in it", "± holds")
     yield f"| {' | '.join(head)} |"
     yield "|---" * len(head) + "|"

@@ -56,7 +56,7 @@ def told(options):
 
 
 def inside(options):
-    """Rows by the modules beside this file, which are those of its commit."""
+    """Rows by the modules next to this file, of its own commit."""
     import study
     import study_instruments
 

@@ -1,4 +1,4 @@
-"""One record of the study: what the loop says of it, beside the truth."""
+"""One record of the study: the loop's result and the truth."""
 
 import math
 import time
@@ -73,7 +73,7 @@ test_error.__test__ = False  # no test, whatever its name
 
 
 def refitted(loop, effects):
-    """The same base with other effects, fitted to the same rows."""
+    """The base with other effects, fitted to the same rows."""
     record, fit = loop.fit.record, loop.fit
     model = thermal_model("faiman", fit.dynamics, effects)
     columns = {

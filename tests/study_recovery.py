@@ -133,7 +133,7 @@ def met(kept):
 
 
 def mistaken(table):
-    """What was told that is not the truth, the most frequent first."""
+    """Reported causes that are not the truth, the most frequent first."""
     told = []
     for effect, names, classes in table[["effect", "wrong", "misled"]].to_numpy():
         told += [(f"named `{name}`", effect) for name in names]

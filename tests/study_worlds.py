@@ -77,7 +77,7 @@ def sky_share(world, size):
 
 
 def power_share(world, size):
-    """That of all power, however much of it is curtailed."""
+    """The coefficient of all power, however much of it is curtailed."""
     return 1.0 / ABSORBED[world.generator]
 
 

@@ -125,7 +125,7 @@ def gaps(data, random):
 
 
 def far(data, random):
-    """A driver that mostly lacks, a clock five minutes late and wandering sensors."""
+    """A driver that is mostly missing, a clock five minutes ahead, wandering sensors."""
     data.loc[random.random(len(data)) < 0.3, "precipitation"] = np.nan
     return data.assign(
         temp_module=data["temp_module"].shift(1),
@@ -230,7 +230,7 @@ def swept(names, world, case, change):
 
 
 def told(loop):
-    """What a reader is told besides: hints, the withdrawn, corrections, the rest."""
+    """Other reported results: hints, withdrawn findings, corrections, the rest."""
     others = tuple(
         (f.verdict, f.candidates, str(f.place)) for f in loop.findings if not f.added
     )

@@ -115,7 +115,7 @@ def test_a_column_that_nobody_measured_is_none():
 
 
 def test_a_loop_that_sees_all_leaves_trees_little(record):
-    """The same cause as a column, which a loop names."""
+    """The cause as a column, which a loop names."""
     data = record.drop(columns="poa_global_2")
     data["unseen"] = record["poa_global_2"] - record["poa_global"]
     loop = fem.close_loop(data)

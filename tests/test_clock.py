@@ -243,7 +243,7 @@ def test_hours_are_found_by_coarse_rows(sites, step, held):
 
 
 def test_a_slow_roof_of_hours_is_no_clock(sites):
-    """Its time constant is as long as a row, which beside hours is all it can hide."""
+    """Its time constant is as long as a row, which is all it can hide among hours."""
     for data in sites:
         over = data["temp_module"] - data["temp_air"]
         slow = data["temp_air"] + ewm(over.to_numpy(), 3600.0, step=300)

@@ -1,4 +1,4 @@
-"""A file that keeps summer time is told from none, and brought to standard time."""
+"""A file in summer time is distinguished from others, and set to standard time."""
 
 import numpy as np
 import pandas as pd
@@ -40,13 +40,13 @@ def years():
 
 
 def by_the_wall(data, zone):
-    """What a logger writes that keeps a zone's clock: an hour lacks, one is twice."""
+    """A logger that keeps a zone's clock: one hour is missing, one comes twice."""
     aware = data.tz_localize(ZONES[zone].tz).tz_convert(zone)
     return aware.tz_localize(None)
 
 
 def once(data):
-    """The same as a data base has it, in which each time is once."""
+    """The file of a data base, in which each time comes once."""
     return data[~data.index.duplicated()]
 
 
@@ -231,7 +231,7 @@ def apart():
 
 
 def late_by(data, hours, first, last="2100"):
-    """The same with the clock of some days late."""
+    """The file with the clock of some days ahead."""
     late = (data.index >= first) & (data.index < last)
     moved = data.index + pd.to_timedelta(np.where(late, hours, 0), unit="h")
     return once(data.set_axis(moved)).sort_index()

@@ -18,7 +18,7 @@ DAY = "2024-06-15"
 
 @pytest.fixture(scope="module")
 def record():
-    """Three years by the hour, with power that knows nothing of the sensor."""
+    """Three hourly years, with power that does not depend on the sensor."""
     data = simulator.record(RHINE, OUTDOORS, 1100, 3600.0, 3)
     random = np.random.default_rng(4)
     warm = 1.0 - 0.004 * (data["temp_module"] - 25.0)

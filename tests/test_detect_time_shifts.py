@@ -27,7 +27,7 @@ def poa():
 
 
 def ahead(series, minutes, start, end=None):
-    """The same with timestamps that are ahead by some minutes on some days."""
+    """The record with timestamps ahead by some minutes on some days."""
     parts = series[: pd.Timestamp(start, tz=series.index.tz)], series[start:end]
     moved = parts[1].copy()
     moved.index += pd.Timedelta(minutes=minutes)

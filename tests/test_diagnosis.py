@@ -273,7 +273,7 @@ def test_in_a_world_of_other_equations_the_truth_comes_first(outdoors, name):
 
 
 def test_in_a_world_without_effects_nothing_is_material(outdoors):
-    """Power tells of the irradiance sensor's errors: informative, not physical."""
+    """Power shows errors of the irradiance sensor: informative, not physical."""
     table = fem.rank_effects(base_fit(outdoors["nothing"]), outdoors["nothing"])
     assert (table["gain"][table["physical"].eq(True)] < 0.15).all()
     power = table.loc["electrical_output"]

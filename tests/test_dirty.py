@@ -607,7 +607,7 @@ def test_dates_and_hours_as_loggers_write_them_are_proposed(logger, record, tmp_
 
 
 def test_a_campbell_table_needs_the_proposal_alone(plant, tmp_path):
-    """TOA5: four lines of header, a record number, "NAN", statistics beside means."""
+    """TOA5: four lines of header, a record number, "NAN", statistics next to means."""
     names = {
         "POA_Irrad_Avg": ("W/m^2", "poa_global"),
         "AirTC_Avg": ("Deg C", "temp_air"),

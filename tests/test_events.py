@@ -96,7 +96,7 @@ def test_a_record_without_events_has_at_most_one_a_year(seed, effects):
 
 
 def test_power_alone_is_no_event(clean):
-    """A meter that loses half of the power, beside modules as warm as ever."""
+    """A meter that loses half of the power, with modules as warm as before."""
     data = clean.copy()
     for rows in bright_days(data, 20):
         data.loc[rows, "power_ac"] *= 0.5

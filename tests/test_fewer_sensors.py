@@ -438,7 +438,7 @@ def bifacial(site=simulator.RHINE, **effects):
 
 
 def test_a_held_bifaciality_leaves_the_coefficients_of_the_module():
-    """Over dark ground, and beside light on the rear whose share is known."""
+    """Over dark ground, and with light on the rear of a known share."""
     effects = ["sky_radiation", REAR]
     how = dict(model="faiman", dynamics="balance", night=True)
     dark = fem.fit_fem(bifacial(rear_irradiance=0.0), effects=effects[:1], **how)

@@ -46,7 +46,7 @@ def record():
 
 @pytest.fixture
 def raw(record):
-    """The same as a logger has it: names of its own, mph and °F."""
+    """The record of a logger: names of its own, mph and °F."""
     data = record.rename(columns=NAMES)
     data["Tamb [°F]"] = convert_temperature(data["Tamb [°F]"], "C", "F")
     data["Wind (mph)"] /= 0.44704
@@ -721,7 +721,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(
 
 
 def test_the_months_of_one_logger_are_one_record(record, tmp_path):
-    """In whatever order they come; what overlaps or lacks a column is named."""
+    """In whatever order they come; overlaps and missing columns are named."""
     from pvlib_fem.record.files import frame
     from pvlib_fem.record.layout import Layout
 

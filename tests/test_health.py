@@ -274,7 +274,7 @@ def test_a_sensor_that_moves_once_is_stuck_by_what_moves_it(name):
 )
 @pytest.mark.parametrize("gaps", [False, True])
 def test_a_sensor_that_never_moves_is_found_and_refused(column, value, gaps):
-    """No row is left to fit; the message says which sensor, and what to do."""
+    """No row can be fitted; the message says which sensor, and what to do."""
     data = simulated({}, 20, 600.0, 2, start="2023-06-01")
     data[column] = value
     if gaps:

@@ -254,7 +254,7 @@ def test_where_nothing_changes_nothing_is_found():
 
 
 def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
-    """By temperatures alone: 19 % more over-temperature, told as a class."""
+    """By temperatures alone: 19 % more over-temperature, an ambiguous finding."""
     loop = fem.close_loop(bolzano[list(COLUMNS)])
     first = loop.findings[0]
     assert {"contact_step", "mounting_step"} <= {*first.candidates}

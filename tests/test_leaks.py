@@ -1,4 +1,4 @@
-"""A column that is made from the module's temperature is no cause of what is left."""
+"""A column that is made from the module's temperature is no cause of the residual."""
 
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ def data(request):
 
 
 def found(data, columns):
-    """Those of some columns that are refused, of a loop's fitting weeks."""
+    """Refused columns among some, by a loop's fitting weeks."""
     fit = fem.fit_fem(
         *(data[name] for name in COLUMNS),
         model="faiman",

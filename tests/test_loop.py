@@ -31,7 +31,7 @@ HALF = dict(days=200, step=300, seed=4, start="2023-04-01")
 
 
 def hidden(*names, file_dst=0.0, **changed):
-    """Half a year of the simulated world, of which the loop is told nothing."""
+    """Half a year of the simulated world, which the loop does not know."""
     effects = PHYSICS | dict.fromkeys(names, 1.0) | {"file_dst": file_dst}
     data = simulator.record(effects=effects, **{**HALF, **changed})
     data.attrs = {}
@@ -405,7 +405,7 @@ def told(loop):
 
 @pytest.mark.parametrize("step", [120, 300])
 def test_no_decision_sees_the_test_weeks(step):
-    """Noise in their place changes no finding, coefficient, chance or veto by a bit."""
+    """Noise instead of them changes no finding, coefficient, chance or veto by a bit."""
     data = hidden("sky_radiation", "weekend_exhaust", days=120, step=step)
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects
@@ -437,7 +437,7 @@ def test_weeks_are_divided_once_and_whole():
 
 
 def test_what_is_told_is_of_the_model_that_is_returned():
-    """What was found is not told as absent."""
+    """What was found is not reported as absent."""
     data = hidden("sky_radiation", "wind_direction")
     loop = fem.close_loop(data, **PLACE)
     assert {"sky_radiation", "wind_direction"} <= {*loop.effects}
@@ -606,7 +606,7 @@ def test_names_of_the_effects_are_those_of_the_contract():
 
 @pytest.mark.parametrize("seed", [21, 22])
 def test_air_of_another_station_beside_a_pyrgeometer_is_not_the_sky(seed):
-    """Where the sky lacks more than it should, so does the air that it is held to."""
+    """If the sky's deficit is too large, so is that of the air that checks it."""
     data = simulator.record(effects=PHYSICS, days=365, step=600, seed=seed)
     noise = np.random.default_rng(seed).normal(size=len(data))
     away = pd.Series(noise, data.index).ewm(halflife=18).mean()  # 3 h
@@ -637,7 +637,7 @@ def test_an_early_clock_is_called_early():
 
 
 def test_each_stage_is_in_the_log_and_on_one_line(caplog, capsys):
-    """The same words as a function is told; nothing is shown unasked."""
+    """A function gets the words of the log; nothing is shown by default."""
     data = simulator.record(days=6, step=1800)
     told = []
     with caplog.at_level("INFO", logger="pvlib_fem"):

@@ -178,7 +178,7 @@ def test_what_is_no_data_set_is_said(data, tmp_path):
 
 
 def clocks():
-    """What a file keeps of a year by the hour, and the times that are left of it."""
+    """Blocks of an hourly year in a file, and their remaining times."""
     utc = pd.date_range("2023-01-01", periods=8760, freq="1h", tz="UTC")
     shown = utc.tz_convert(ZONE).tz_localize(None)
     once = ~shown.duplicated()

@@ -376,7 +376,7 @@ def test_the_zone_that_fits_the_sun_is_named(tz, late, zone):
 
 
 def test_nothing_later_contradicts_a_wrong_clock(shifted):
-    """The place was given: it is neither lacking nor asked for, and told."""
+    """The place was given: it is reported, and neither missing nor requested."""
     (clock,) = shifted.corrections
     assert clock.fault == "file_shift" and not clock.applied
     assert clock.values["late"] == pytest.approx(120.0, abs=15.0)
@@ -394,7 +394,7 @@ def test_nothing_later_contradicts_a_wrong_clock(shifted):
 
 
 def test_a_column_is_asked_for_once_by_each_effect(record, place):
-    """Rain has two forms, which lack the same column."""
+    """Rain has two forms without the same column."""
     there = record[[*COLUMNS, "relative_humidity"]]
     told = dict(advice.to_measure(close_loop(there, **place)))
     assert told["precipitation"] == "would test rain, soiling"
@@ -415,7 +415,7 @@ def fit_html(loop, title):
 
 
 def test_kelvins_are_told_as_yield(closed):
-    """At the coefficient that is given; without signs as in the table of errors."""
+    """At the given coefficient; absolute as in the table of errors."""
     rows = {row[0]: row for row in Page(closed.to_html()).rows}
     points = closed.table["energy_error_test"]
     for name, step in (("before", closed.base), ("after", closed.last)):

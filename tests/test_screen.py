@@ -86,7 +86,7 @@ def test_a_code_does_not_hide_a_value_that_no_list_has(record):
 
 
 def test_a_code_of_a_column_that_goes_far_is_one_too(record):
-    """Its distance from what the column holds is little beside the column's span."""
+    """Its distance from the column's values is small against the column's span."""
     counter = record.assign(fan=np.arange(1440.0) ** 2)
     assert fem.screen_record(counter).counts.empty
     found = fem.screen_record(with_values(counter, "fan", [50, 51], -999.0))

@@ -1,4 +1,4 @@
-"""How the loop decides: sums by the week, single effects, and causes outside."""
+"""How the loop decides: weekly sums, single effects, and causes outside."""
 
 from dataclasses import replace
 

@@ -136,7 +136,7 @@ PLACE = Location(40.0, -105.0, "Etc/GMT+7", 1700.0)
 
 
 def under_clouds(fading=0.0, tilt=20.0, late=0, seed=0):
-    """Two years by the hour below a sky of which two days in three have clouds."""
+    """Two hourly years below a sky of which two days in three have clouds."""
     index = pd.date_range("2021-01-01", periods=2 * 8760, freq="1h")
     sun = PLACE.get_solarposition(index.tz_localize(PLACE.tz))
     air = pvlib.atmosphere.get_relative_airmass(sun["apparent_zenith"])
@@ -265,7 +265,7 @@ def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa:
 
 
 def test_what_a_class_shares_with_the_model_is_not_fitted_twice():
-    """Snow is in the model when an episode of the sensor is told beside snow."""
+    """Snow is in the model when an episode of the sensor is found in addition."""
     data, _, (world, *_) = study_instruments.made(11001)
     loop = close_loop(data, check_units=False, **world.place)
     names = [effect.name for effect in loop.fit.effects]
