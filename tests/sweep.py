@@ -125,7 +125,7 @@ def gaps(data, random):
 
 
 def far(data, random):
-    """A driver that is mostly missing, a clock five minutes ahead, wandering sensors."""
+    """A driver that is mostly missing, a clock 5 min ahead, wandering sensors."""
     data.loc[random.random(len(data)) < 0.3, "precipitation"] = np.nan
     return data.assign(
         temp_module=data["temp_module"].shift(1),

@@ -405,7 +405,7 @@ def told(loop):
 
 @pytest.mark.parametrize("step", [120, 300])
 def test_no_decision_sees_the_test_weeks(step):
-    """Noise instead of them changes no finding, coefficient, chance or veto by a bit."""
+    """Noise instead of them changes no finding, coefficient or probability by a bit."""
     data = hidden("sky_radiation", "weekend_exhaust", days=120, step=step)
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects
