@@ -14,7 +14,7 @@ from pvlib_fem.record.months import in_english
 from pvlib_fem.record.names import usual_name
 from pvlib_fem.record.numbers import marks_of
 
-HOUR = pd.Timedelta(hours=1)
+HOUR, DAY = pd.Timedelta(hours=1), pd.Timedelta(days=1)
 SPANISH = {5: "may"}
 MODULES = ("temp_module", "temp_module_2", "temp_module_3")
 
@@ -134,6 +134,21 @@ def test_dates_that_are_filled_in_are_counted(plant, tmp_path):
     assert any(f"taken for the rows below: {rows:,}" in n for n in data.attrs["notes"])
 
 
+def test_rows_of_readings_keep_the_order_of_the_file(plant, tmp_path):
+    """A date and a time of day, which as texts are in another order."""
+    data = plant["2023-05-19":].set_axis(plant["2023-05-19":].index + 12 * DAY)
+    clock = {
+        "Date": data.index.strftime("%d/%m/%Y"),
+        "Time": data.index.strftime("%H:%M"),
+    }
+    rows = data[list(COLUMNS)].assign(**clock).melt(["Date", "Time"], var_name="what")
+    rows.to_csv(path := tmp_path / "plant.csv", index=False)
+    how = dict(time=("Date", "Time"), time_format="%d/%m/%Y %H:%M")
+    read = fem.read_file(path, **how, tag="what", value="value")
+    assert (read.index == data.index).all() and [*read] == list(COLUMNS)
+    np.testing.assert_array_equal(read, data[list(COLUMNS)])
+
+
 def test_readings_that_are_not_good_and_times_of_their_own_are_told(plant, tmp_path):
     historian(plant, path := tmp_path / "plant.csv")
     rows = pd.read_csv(path)
@@ -144,6 +159,9 @@ def test_readings_that_are_not_good_and_times_of_their_own_are_told(plant, tmp_p
     own = pd.to_datetime(rows["Timestamp"]) + pd.to_timedelta(tags, unit="s")
     rows.assign(Timestamp=own).to_csv(path, index=False)
     with pytest.raises(ValueError, match=r"times of their own.*a file for each tag"):
+        fem.read_file(path, tag="Tag", value="Value")
+    pd.concat([rows, rows.iloc[[9, 9]]]).to_csv(path, index=False)
+    with pytest.raises(ValueError, match=r"has a second reading at 2023-.*2 are"):
         fem.read_file(path, tag="Tag", value="Value")
     with pytest.raises(ValueError, match="no column 'Point' to make columns of"):
         fem.read_file(path, tag="Point", value="Value")

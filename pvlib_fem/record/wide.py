@@ -23,7 +23,8 @@ def wide(data, tag, value, times):
     Raises
     ------
     ValueError
-        If a column lacks, or the tags have times of their own.
+        If a column lacks, a tag has two readings at a time, or the tags have times of
+        their own.
     """
     for name in (tag, value):
         if name not in data:
@@ -33,8 +34,18 @@ def wide(data, tag, value, times):
             )
     times = list(times) or [data.columns[0]]
     readings = data[[*times, tag, value]].dropna(subset=[tag])
-    how = dict(index=times, columns=tag, values=value, aggfunc="first", sort=False)
-    found = readings.pivot_table(**how, dropna=False).rename_axis(columns=None)
+    if (twice := readings.duplicated([*times, tag])).any():
+        first = readings[twice].iloc[0]
+        when = " ".join(str(first[name]) for name in times)
+        raise ValueError(
+            f"{first[tag]!r} has a second reading at {when}, and {twice.sum():,} are "
+            "such: keep one of each, or write times with their distance from UTC if a "
+            "clock shows an hour twice"
+        )
+    once = readings.set_index([*times, tag])[value]
+    rows = readings[times].drop_duplicates().set_index(times).index
+    found = once.unstack(tag).reindex(rows)[readings[tag].unique()]  # noqa: PD010
+    found = found.rename_axis(columns=None)
     if len(found) and found.notna().to_numpy().mean() < FULL:
         raise ValueError(
             f"the readings of {tag!r} have times of their own: of {len(found):,} times "
