@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import study_detectors_known as known
 from pvlib.location import Location
 
 import pvlib_fem as fem
@@ -303,7 +304,9 @@ def page(folder, wheel, day):
         yield LACKS.rstrip()
     else:
         yield from shifts_section(folder)
+    yield known.summer_time()
     yield from steps_section(wheel)
+    yield from known.sensors()
     yield ""
 
 
