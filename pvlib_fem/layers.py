@@ -20,7 +20,7 @@ class Layer:
     Parameters
     ----------
     name : str
-        What it is called in the table.
+        Name in the table.
     thickness : float
         Along the flow of heat. [m]
     conductivity : float
@@ -139,8 +139,8 @@ def glass_tedlar(
     Parameters
     ----------
     back_film : float, default 1.5e-3
-        Thickness of the air film on the back; 4.2e-3 stands for a module on a
-        roof. [m]
+        Thickness of the air film on the back; for a module on a roof it is
+        4.2e-3. [m]
     frame : float, default 2e-3
         Thickness of the aluminium frame; 0 leaves it out. The paper's total counts
         its capacity by its own area, 0.296 m² a side; by the module's 1.6 m² c would

@@ -256,8 +256,8 @@ def delayed_sensor(
     measured : Series
         Measured temperature with a DatetimeIndex. [°C]
     delays : iterable of float, optional
-        Delays, in whole steps of the record; by default those of 1, 2, … 10 min, as in
-        the paper, that are whole steps. [s]
+        Delays, in whole steps of the record; by default the paper's 1, 2, … 10 min, as
+        far as they are whole steps. [s]
     rows : Series of bool, optional
         Rows to compare, by default all. For a yardstick, give the rows on which the
         model is scored: little changes at night, so all rows make a late sensor look

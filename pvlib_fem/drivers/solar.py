@@ -196,7 +196,7 @@ def beam_around(beam, beam_clear, elapsed, inputs=None, seen=1.0):
     Beam in the plane, expected from the hours before and after. [W/m²]
 
     It is the clear-sky beam times the share of it that was measured in those hours,
-    weighted by ``seen``. So it shows what a shaded irradiance sensor does not see.
+    weighted by ``seen``. So it includes beam that a shaded irradiance sensor misses.
     """
     steps = np.diff(elapsed, prepend=elapsed[:1])
     there, whole = (

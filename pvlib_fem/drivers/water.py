@@ -29,7 +29,7 @@ def wetness(precipitation, inputs, *, drying=1800.0):
 
 def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
     """
-    Vapour pressure of a wet module above that of the air, times wetness. [hPa]
+    Excess vapour pressure of a wet module over the air, times wetness. [hPa]
 
     The film makes the module colder than a dry one, ``temp_base``. In balance, its loss
     by evaporation and to the air equals the loss of the dry module to the air, as for

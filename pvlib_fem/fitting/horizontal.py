@@ -161,7 +161,7 @@ def again(columns, index, place, transposition):
         return columns
     if "ghi" not in columns:
         raise ValueError(
-            f"data lack {LIGHT}, and ghi, of which it was transposed; they have "
+            f"data lack {LIGHT}, and ghi, from which it was transposed; they have "
             f"{', '.join(columns)}"
         )
     check_transposition(transposition, place)

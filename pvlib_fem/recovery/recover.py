@@ -132,10 +132,10 @@ def recover_effects(
       does not lose an effect with another variant, such as radiation to the sky by
       clouds of the day, nor one whose moved column still explains more than half of
       the variance of the original;
-    * *dates scrambled*: each week of the year, in each second record each quarter, is
-      taken from a year by chance, with all columns. Steps and drifts of instruments are
-      lost, and by weeks their episodes; those that the record itself shows are taken
-      off ``temp_module`` before.
+    * *dates scrambled*: each week of the year, or each quarter in every second record,
+      is taken from a random year, with all columns. The record loses steps and drifts
+      of sensors, and with weeks also episodes. Faults that the record itself shows are
+      subtracted from ``temp_module`` before.
 
     Everything else remains true and is not counted: the model, the bias, longwave
     exchange, functions of irradiance, air, wind and sun. If ``f`` of ``n`` records that

@@ -35,7 +35,7 @@ class Recovery:
     outcomes : tuple of Outcome
         Outcomes in the order of the plan.
     planned : int
-        Number of planned injections; larger than that of outcomes if interrupted.
+        Number of planned injections; there are fewer outcomes after an interrupt.
     baseline : tuple of Finding
         Findings of the loop in the record itself.
     units : dict

@@ -134,7 +134,7 @@ class Scrambler:
         return record, self.holdout, self.lost_without(moved), words
 
     def lost_without(self, moved):
-        """Effects of which every possible variant needs a moved column."""
+        """Effects whose every possible variant needs a moved column."""
         lost = set()
         for effect in self.tried:
             forms = EFFECTS.get(effect.name, effect).forms

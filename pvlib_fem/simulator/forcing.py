@@ -150,7 +150,7 @@ def forcing(weather, site, on):
     calm = natural(np.full((2, 1), site.forms.calm_excess))
     forced, straight = breeze(weather, site, on, calm)
     ground = SURFACE[site.mounting]
-    # the ground gains this, less what it would lose if its air were at 0 K
+    # heat of the ground minus its loss with air at 0 K
     lit = ground["lit"] * (1 - albedo) * ghi + ground["loss"] * air
     lit += TO_DEEP * lagged(air, 3 * DAY / step)
     lit += GROUND_EMISSIVITY * (1 - ground["module"]) * (black - cold)

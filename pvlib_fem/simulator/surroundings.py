@@ -192,8 +192,8 @@ def frozen_contact(weather, site):
     return 0.2 * (weather["temp_air"].to_numpy() < limit)
 
 
-#: laws by what they change: heat on the glass and behind it, light on the module, its
-#: air, the wind there (share lost), what its sensor reads, and its contact (share lost)
+#: laws by the changed quantity: heat on the glass and behind it, light on the module,
+#: its air, the wind there (share lost), its sensor's reading, its contact (share lost)
 GLASS = {"fog": fog}
 BACK = {
     "plume": plume,
