@@ -28,7 +28,7 @@ EFFECTS = ("temperature_gain", "wind_shape")
 
 
 def record(kind, seed=0):
-    """Six days at 10 min: as they are, with gaps, with missing values, uneven."""
+    """Six days at 10 min: complete, with gaps, with missing values, or uneven."""
     random, data = np.random.default_rng(seed), DAYS.copy()
     if "missing" in kind:
         data = data.mask(random.random(data.shape) < 0.1)
@@ -69,7 +69,7 @@ def model_of(law, dynamics, effects):
     seed=st.integers(0, 3),
 )
 def test_blocks_are_the_whole(dynamics, effects, kind, law, rows, seed):
-    """Whatever their size: states, slopes and the time over gaps are carried on."""
+    """Blocks of any size continue states, slopes and the time over gaps."""
     model, values = model_of(law, dynamics, effects)
     inputs = model.with_drivers(record(kind, seed).inputs)
     whole, slopes = model.answer(inputs, values, model.past(inputs))
@@ -143,7 +143,7 @@ def test_the_compiled_loops_answer_further_terms_alike(kind, dynamics, monkeypat
 @pytest.mark.parametrize("kind", ["", "uneven missing gaps"])
 @pytest.mark.parametrize("dynamics", thermal.MEMORY)
 def test_tangents_at_some_rows_need_only_what_those_remember(kind, dynamics):
-    """To the last digits those of all rows, of two days of six."""
+    """On two days of six, equal to the computation on all rows to the last digits."""
     model, values = model_of("faiman", dynamics, EFFECTS)
     whole = record(kind)
     inputs, also = model.with_drivers(whole.inputs), some_terms(len(whole.index))
@@ -245,7 +245,7 @@ def test_some_blocks_are_a_record_with_gaps(kind, dynamics, monkeypatch):
 
 @pytest.mark.parametrize("dynamics", thermal.MEMORY)
 def test_an_effect_on_the_capacity_is_as_with_numpy(dynamics, monkeypatch):
-    """None of the catalogue has one, and one's own may."""
+    """No effect of the catalogue has one, but a user's own may."""
 
     def wet(poa_global, *, more):
         return Terms(capacity=more * (poa_global > 300.0))

@@ -38,7 +38,7 @@ def adds_up(budget):
 
 @pytest.fixture(scope="module")
 def covered():
-    """A week with a cover over half of the irradiance sensor, of which nobody tells."""
+    """A week with an unreported cover over half of the irradiance sensor."""
     data = world()
     week = (data.index >= "2023-06-05") & (data.index < "2023-06-12")
     data.loc[week, "poa_global"] *= 0.5

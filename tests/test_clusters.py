@@ -73,7 +73,7 @@ def test_few_weeks_are_folded_by_days():
 
 @given(st.lists(st.integers(1, 60), min_size=1, max_size=30), st.integers(1, 9))
 def test_days_of_one_length_are_summed_together_to_the_bits_of_each(lengths, columns):
-    """Whatever the days around them are."""
+    """The result does not depend on the days around them."""
     dates = np.repeat(np.arange(len(lengths)), lengths)
     random = np.random.default_rng(len(dates))
     columns = list(random.normal(size=(columns, len(dates))))

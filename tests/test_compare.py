@@ -110,7 +110,7 @@ def test_a_comparator_finds_its_own_coefficients(fortnight, name):
 
 
 def test_a_fine_record_is_fitted_in_means_where_a_comparator_says_so(month):
-    """Prilliman's fit at 20 s is that of its minutes."""
+    """Prilliman's fit at 20 s equals the fit to means over a minute."""
     comparator = COMPARATORS["prilliman"]
     minutes = month.iloc[600:1000]
     fine = minutes.resample("20s").ffill()
@@ -141,7 +141,7 @@ def test_the_table_has_what_fit_fem_says_of_each_model(compared, fortnight):
     balance = fem.fit_fem(*columns, model="faiman", dynamics="balance")
     error = balance.scores.loc["fem", "rmse_test"]
     assert compared.by_step().loc["fem", "torres_lobera"] == pytest.approx(error)
-    assert compared.best() == "torres_lobera"  # of which the record is made
+    assert compared.best() == "torres_lobera"  # the model that made the record
 
 
 def test_the_shapes_of_the_papers_tables(compared):
@@ -329,7 +329,7 @@ def test_a_record_of_which_nothing_can_be_fitted_says_so(fortnight):
 
 
 def test_the_week_with_and_without_a_bias(week):
-    """The paper's table, of which `compare_models` has the first and last row."""
+    """The paper's table; `compare_models` has its first and last row."""
     record = [week[name] for name in COLUMNS]
     table = {
         "ross": (4.70, 4.42, 3.84, 2.90, 2.95),

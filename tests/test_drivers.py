@@ -146,7 +146,7 @@ def test_clear_skies_have_the_emissivity_of_their_sources():
 
 @pytest.fixture(scope="module")
 def rhine():
-    """Two months of a simulated module, whose sky is that of other formulas."""
+    """Two months of a simulated module with a sky by other formulas."""
     site = simulator.RHINE
     data = simulator.record(site, days=60, step=300, start="2023-04-01", seed=4)
     place = Location(site.latitude, site.longitude)

@@ -1,4 +1,4 @@
-"""Effects: what they add, and that a fit finds what was planted."""
+"""Effects: their terms, and that a fit finds known effects."""
 
 import dataclasses
 import json
@@ -171,7 +171,7 @@ def test_an_effect_that_is_not_there_comes_out_as_nothing(plant, noise, name):
 
 
 def test_all_driven_effects_at_once_are_told_apart(plant, noise):
-    """Shapes of the usual columns are not: several of them look alike."""
+    """Functions of the usual columns are not named: several have equal signatures."""
     model = model_with("balance", *DRIVEN)
     values = coefficients("balance", *DRIVEN)
     module = predicted(plant, model, values) + noise(len(plant), 0.2)
@@ -250,7 +250,7 @@ def film(wet, humidity, air, module):
 
 
 def test_a_film_gives_off_what_the_air_does_not_hold():
-    """At 20 °C and 50 %: 23.3 hPa at saturation, of which half is there (Magnus)."""
+    """At 20 °C and 50 %: half of the 23.3 hPa at saturation (Magnus)."""
     assert film(0.0, 50, 20, 40) == 0.0
     assert film(1.0, 100, 20, 20) == 0.0
     # so little of it that the module is as warm as a dry one
@@ -267,7 +267,7 @@ def test_a_wet_module_is_as_cold_as_a_wet_bulb(monkeypatch):
 
 @given(st.floats(0.0, 1.0), st.floats(0.0, 100.0), st.floats(-5, 40), st.floats(-5, 90))
 def test_what_a_film_takes_makes_it_colder(wet, humidity, air, module):
-    """The balance holds, and no film takes more than what the air brings it."""
+    """The balance holds, and a film takes no more heat than the air brings."""
     vapour = film(wet, humidity, air, module)
     held = humidity / 100.0 * water.saturation(air)
     dry = wet * max(water.saturation(module) - held, 0.0)
@@ -351,7 +351,7 @@ def test_ones_own_effect_can_be_read_back(plant, tmp_path):
 
 
 def vent(column, **options):
-    """Heat of a vent of one's own, by a column that says how far it is open."""
+    """Heat of a user's own vent, by a column of its opening."""
 
     def terms(opened, *, warmth):
         return fem.Terms(heat=warmth * opened)
@@ -376,7 +376,7 @@ def above(level):
 
 @pytest.fixture(scope="module")
 def vented(plant):
-    """Heat where it is humid, of which the model knows nothing."""
+    """Heat in humid air, which the model does not have."""
     values = {**coefficients("balance"), "vent.warmth": 60.0, "vent.windy": 20.0}
     model = ThermalModel(STEADY_MODELS["faiman"], "balance", (above(60.0),))
     usual = [plant[n] for n in DRIVERS]
@@ -388,7 +388,7 @@ def vented(plant):
 
 
 def added(data, effect):
-    """What the loop adds of one effect."""
+    """The one effect that the loop adds, and the coefficients."""
     loop = fem.close_loop(data, effects=effect)
     assert loop.effects == ["vent"], loop
     return loop.fit.effects[0], loop.fit.coefficients
@@ -409,7 +409,7 @@ def test_ones_own_effect_takes_settings_from_the_record(vented):
 
     def prepare(columns, rows):
         looked_at.append(rows.sum())
-        # three levels, of which the record's own mean is near the true one
+        # three levels; the record's own mean is near the true one
         return above(round(columns["relative_humidity"][rows].mean() / 20) * 20.0)
 
     start = dataclasses.replace(above(0.0), prepare=prepare)

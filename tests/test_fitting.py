@@ -1,4 +1,4 @@
-"""Fits: planted truth comes back, with errors that mean what they say."""
+"""Fits find known coefficients, with errors of the right size."""
 
 import json
 import re

@@ -99,7 +99,7 @@ def test_every_system_is_a_row_and_a_bad_file_one_with_its_message(table, tmp_pa
     assert (rows["mounting"] == "rack").all()
     data = fem.read_file(table["file"].iloc[0], {"poa_global": "Irr"})
     fit = fem.fit_fem(*(data[name] for name in COLUMNS), model="faiman")
-    # what is kept is what the function gives, to the bit
+    # the stored result equals that of the function, to the bit
     assert results.result("east").to_json() == fit.to_json()
     whole = results.table("systems", json=True).set_index("id")
     assert json.loads(whole.loc["east", "json"]) == json.loads(fit.to_json())
@@ -136,7 +136,7 @@ def test_what_is_done_stays_and_what_has_changed_is_done_again(folder, tmp_path)
     table.loc[0, "site"] = "another"
     assert kept(model="faiman") == again | {"east": False}
     other = ("{", "[]", '{"fleet": []}', '{"fleet": {}}', '{"fleet": {"key": ""}}')
-    for text in other:  # half a file, and what no fleet wrote
+    for text in other:  # half a file, and a file that no fleet wrote
         result_path(tmp_path, "east").write_text(text, "utf-8")
         assert kept(model="faiman") == again | {"east": False}, text
         assert pd.read_parquet(tmp_path / "systems.parquet")["state"].eq("done").all()
@@ -437,7 +437,7 @@ def test_what_all_have_at_one_time_is_the_stations_and_what_one_has_its_modules(
 
 
 def test_a_system_that_would_not_show_it_is_not_asked():
-    """A gain below what it can show, in the others, says nothing of one module."""
+    """A gain that the other systems could not show does not single out a module."""
     systems, findings = rows_of(("a", ["soiling"], 0.3, None))
     blind = json.dumps({"soiling": [0.0, 0.5]})
     (group,) = shared(systems.assign(weighed=blind), findings)

@@ -46,7 +46,7 @@ def at(**forms):
 
 
 def hourly(days=40, **columns):
-    """An hourly sky in which only some columns are looked at."""
+    """An hourly sky with only the columns that are used."""
     times = pd.date_range("2023-01-01 01:00", periods=24 * days, freq="h", tz=RHINE.tz)
     usual = dict(precipitation=0.0, temp_air=10.0, ghi=0.0)
     return pd.DataFrame(usual | columns, index=times)

@@ -189,7 +189,7 @@ def test_a_step_is_found_with_its_date(half_a_year, channel):
 
 
 def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
-    """From a day on its cups stand in winds below 1.8 m/s."""
+    """From a day on its cups do not turn in winds below 1.8 m/s."""
     data = datasets.synthetic(400, 3600, seed=3, noise=0).tz_localize(None)
     data, _ = with_change(data)
     wind, day = data["wind_speed"], "2023-08-15"
@@ -203,7 +203,7 @@ def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
 
 
 def of_a_world(seed, *change):
-    """The loop of a record with full physics, one of whose instruments changes."""
+    """The loop of a record with full physics and a change of one sensor."""
     _, data, (world, *drawn) = study_instruments.made(seed)
     assert drawn[:2] == [*change]
     data = data.drop(columns="p_dc_per_area", errors="ignore")
@@ -284,7 +284,7 @@ def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
 @pytest.mark.parametrize("source", ["measured longwave", "humidity"])
 @pytest.mark.parametrize("channel", ["air_offset", "air_shelter"])
 def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
-    """With it the model has of the wrong air what it has of the true one."""
+    """With it the model has equal temperatures by the wrong and by the true air."""
     days = simulator.record(effects=simulator.PHYSICS, days=20, step=600)
     site = simulator.RHINE
     place = Location(site.latitude, site.longitude)
@@ -308,7 +308,7 @@ def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
 
 
 def test_a_fit_of_a_change_beside_a_sky_is_the_same_from_its_file(tmp_path):
-    """Its base has the sky, of which an offset of the air takes a part back."""
+    """Its base has the sky, and an offset of the air compensates a part of it."""
     data = simulator.record(effects=simulator.PHYSICS, days=60, step=1800)
     change = dated("air_offset_step", at=f"{data.index[len(data) // 2]:%Y-%m-%d}")
     data.loc[data.index[len(data) // 2] :, "temp_air"] -= 1.0

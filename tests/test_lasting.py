@@ -46,7 +46,7 @@ def test_the_error_of_a_mean_is_that_of_its_series(memory):
         means.append(error.mean())
     apart = np.arange(1, days)
     want = (1.0 + 2.0 * ((1.0 - apart / days) * memory**apart).sum()) / days
-    # the law of the series, by itself and as 200 means scatter
+    # the law of the series, directly and from the scatter of 200 means
     assert np.mean(found) == pytest.approx(want, rel=0.06)
     assert np.var(means) == pytest.approx(want, rel=0.25)
     assert np.mean(alone) == pytest.approx(1.0 / days, rel=0.06)

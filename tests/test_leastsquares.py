@@ -1,4 +1,4 @@
-"""The search against a certified fit, scipy, and the jackknife it stands for."""
+"""The search, compared with a certified fit, scipy and the explicit jackknife."""
 
 import numpy as np
 import pytest

@@ -68,7 +68,7 @@ def test_a_memory_that_the_step_hides_is_said(dynamics):
 @both
 @pytest.mark.parametrize("step", [300, 900])
 def test_means_over_long_steps_have_the_memory_that_the_note_says(dynamics, step):
-    """The mean age of what a mean still holds is tau itself, whatever the step."""
+    """The mean age of the past in a mean is tau itself, at any step."""
     data = made(dynamics, 60, days=60)
     means = data.resample(f"{step}s", label="right", closed="right").mean()
     (note,) = fitted(means, dynamics).notes

@@ -1,4 +1,4 @@
-"""Several module sensors: what all have in common, and what is one's own."""
+"""Several module sensors: errors common to all, and errors of one."""
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ SHARES, OFFSETS = (0.95, 1.0, 1.02, 1.05), (0.0, 0.4, -0.3, 0.1)
 
 @pytest.fixture(scope="module")
 def plant():
-    """Four sensors of 200 days, whose common part is not that of any model."""
+    """Four sensors of 200 days with a common part that no model has."""
     data = datasets.synthetic(200, 3600, seed=3, noise=0).tz_localize(None)
     random = np.random.default_rng(1)
     both = np.cumsum(random.normal(0.0, 0.05, len(data)))
@@ -52,7 +52,7 @@ def test_a_step_is_of_the_one_that_has_it(plant):
 
 
 def test_what_a_fit_leaves_is_told_apart(plant):
-    """Common is what the made over-temperature has, own the noise of each."""
+    """The made over-temperature is common, and the noise of each sensor its own."""
     data, there = plant.copy(), plant.index >= "2023-09-15"
     data["temp_module_2"] += 3.0 * there
     comparison = fem.compare_modules(data)
@@ -116,7 +116,7 @@ def test_copies_and_failed_sensors_are_said_and_not_used(plant):
 
 
 def test_two_sensors_share_a_step(plant):
-    """It is of either, and stays in what they have in common."""
+    """A step of two sensors can be in either, and stays in their common part."""
     pair, there = ["temp_module_0", "temp_module_2"], plant.index >= "2023-09-15"
     same = fem.compare_modules(plant, pair)
     assert (same.table["step"] == "").all() and "with the other" in str(same)

@@ -42,7 +42,7 @@ def noisy(power, limit=np.inf, size=0.03):
 
 
 def broken(power, share, lowest=0.0, highest=0.9):
-    """Power with so many days on which it is anything below what it should be."""
+    """Power with so many days on which it is below its expectation."""
     random = np.random.default_rng(3)
     days = len(power) // 24
     bad = np.repeat(random.random(days) < share, 24)
@@ -100,7 +100,7 @@ def test_a_plant_that_fades_is_followed_from_year_to_year():
 
 
 def test_a_stretch_of_nothing_is_no_level():
-    """Five weeks of outage leave the expectation of these weeks what it was."""
+    """Five weeks of outage do not change the expectation of these weeks."""
     truth = plant()
     power = noisy(truth)
     power["2021-04-14":"2021-05-20"] = 0.0

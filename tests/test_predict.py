@@ -1,4 +1,4 @@
-"""What a model says of weather: the fitted temperature, and no nonsense."""
+"""Predictions for weather: the fitted temperature, and no impossible values."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""The paper's recipe: what it finds, what it takes off, and what it never returns."""
+"""The paper's recipe: its estimates, its offset, and values that it refuses."""
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,7 @@ def fortnight():
 
 @models
 def test_the_papers_recipe(month, model):
-    """Its parts, called alone, are what the fit says; its bias is the MBE."""
+    """Its estimators, called alone, give the fit's numbers; its bias is the MBE."""
     record = tuple(month[name] for name in COLUMNS)
     fit = fem.fit_fem(*record, model=model, method="paper", calm_wind=1.0)
     kept = tuple(column[~fit.holdout] for column in record)

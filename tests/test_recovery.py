@@ -1,4 +1,4 @@
-"""Effects put into a record, and what the loop finds of them."""
+"""Effects added to a record, and the findings of the loop."""
 
 import subprocess
 import sys
@@ -66,7 +66,7 @@ def injection(name, value, **settings):
 def test_the_response_is_that_of_the_model_with_the_effect(
     record, done, name, value, settings
 ):
-    # from the public side: what a fit with the effect predicts, less one without
+    # by public functions: prediction of a fit with the effect minus one without
     search, loop = done
     put = injection(name, value, **settings)
     change = Injector.of(search, loop).response(put)
@@ -94,7 +94,7 @@ def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     faded = injector.into(record, injection("sensitivity_step", 0.1, **DATES))
     fewer = np.where(late, 1.1, 1.0) * faded["poa_global"]
     np.testing.assert_allclose(fewer, record["poa_global"], atol=1e-9)
-    # power and the module see the sun as it is
+    # power and the module receive the true irradiance
     others = record.columns.drop("poa_global")
     pd.testing.assert_frame_equal(faded[others], record[others])
     looser = injector.into(record, injection("contact_step", 0.1, **DATES))
@@ -123,7 +123,7 @@ def test_an_instrument_reads_something_at_any_size_that_is_put_in(record, done, 
 
 
 def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
-    """Though it holds a change, too, that the record shows by itself."""
+    """Even if it also holds a change that the record itself shows."""
     step = injection("sensitivity_step", 0.1, **DATES)
     effect = find({"name": "sensitivity_step", **DATES})
     told = finding("sensitivity_step", "sensitivity_drift", place=DATES["at"])
@@ -226,7 +226,7 @@ def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
     both, _ = plan(search, loop, names, [1.0], 2, 0)
     assert [one.key for one in first] == [one.key for one in both][:1]
     assert len({one.dates for one in both if one.dates}) == 2
-    # what has no date and no sign is there once
+    # an effect without date and sign is there once
     assert [one.effect for one in both].count("sky_radiation") == 1
     days = np.unique(search.case.record.dates[search.case.searched])
     steps = [drawn(find("contact_step"), days, 21, 3, seed)[0] for seed in (0, 1)]

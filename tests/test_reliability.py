@@ -1,4 +1,4 @@
-"""Names in records that have lost what they name, and how reliable that makes names."""
+"""False names in records without the named effect, and the reliability of names."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -114,7 +114,7 @@ def test_weeks_are_those_of_other_years_with_all_columns(record, scrambler):
     assert np.minimum(apart, 365 - apart).max() <= 1
     other = (mixed["temp_air"] != record["temp_air"]).to_numpy()
     assert 0.3 < other[: 730 * 24].mean() < 0.7 and not other[731 * 24 :].any()
-    # rows are wholes: what a row has together it keeps
+    # values of a row stay together
     columns = ["poa_global", "temp_air", "wind_direction"]
     rows = {*map(tuple, record[columns].round(6).to_numpy())}
     assert {*map(tuple, mixed[columns].round(6).to_numpy())} <= rows

@@ -40,7 +40,7 @@ def year():
 
 @pytest.fixture(scope="module")
 def outdoors(year):
-    """A year of measurements at a plain site, and what they hide."""
+    """A year of measurements at an ordinary site, and the truth behind them."""
     truth = simulate(year, RHINE, OUTDOORS)
     data = measure(year, truth, RHINE, OUTDOORS, seed=1)
     data["excess"] = truth["temp_back"] - year["temp_air"]
@@ -93,7 +93,7 @@ def constant(rows=2880, sun=800.0, air=20.0, wind=2.5, cold=90.0, step=60):
     ids=lambda path: path.stem,
 )
 def test_imports_nothing_of_the_package(path):
-    """What it tests must not be what it is made of."""
+    """The simulator must not contain the code that it tests."""
     outside = {
         "zlib",
         "collections",

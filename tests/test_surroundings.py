@@ -29,7 +29,7 @@ def sky(request):
 
 
 def made(name, sky):
-    """What a law makes, and the rows in which it is there."""
+    """The effect of a law, and the rows in which it acts."""
     found = np.asarray(LAWS[name](sky, RHINE), dtype=float)
     there = np.abs(found) > 1e-9
     assert there.any() and not there.all()

@@ -361,7 +361,7 @@ def test_random_weather_keeps_the_laws_of_a_dynamic_model(rows, model, balance, 
         instantaneous = (air + poa * r_eq)[~missing]
         low, high = instantaneous.min(), instantaneous.max()
     else:
-        # smoothed sun and wind stay within what they were
+        # smoothed irradiance and wind stay within their ranges
         low = np.nanmin(air) + np.nanmin(poa) * np.nanmin(
             steady_model.resistance(
                 np.nanmax(wind), **steady_model.complete(COEFFICIENTS[model])

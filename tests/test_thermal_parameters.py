@@ -462,7 +462,7 @@ def test_a_short_record_says_that_its_t98_is_of_no_year(fits):
 
 
 def test_fits_without_errors_say_so(week):
-    """Four fitted days have none; values stand, and the notes tell."""
+    """Four fitted days give no errors; values remain, and the notes say why."""
     fit = fem.fit_fem(week, model="faiman", dynamics="balance")
     table = fit.thermal_parameters()
     row = table.loc[("faiman", "u0")]
@@ -485,7 +485,7 @@ def test_the_unit_mass_of_the_measured_week(week):
 GUIDE = Path(__file__).parents[1] / "docs" / "guide" / "thermal_parameters.md"
 
 
-#: of which the guide says that the height of the anemometer is unknown
+#: records for which the guide says that the height of the anemometer is unknown
 HIGH = [
     *[("sapm, 10 m", name) for name in ("a", "b", "deltaT")],
     *[("pvsyst, 10 m", name) for name in ("u_c", "u_v")],
@@ -503,7 +503,7 @@ def guide_lines(table):
 
 
 def test_the_guide_has_the_tables_of_both_records(bolzano, week):
-    """Line by line what the guide prints is what the records give."""
+    """Each line that the guide prints is the result of the records."""
     out = pd.Series(week.index.day_of_week >= 5, week.index)
     fits = {"bolzano": (bolzano, None), "week": (week, out)}
     tables = {

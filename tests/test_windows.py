@@ -1,4 +1,4 @@
-"""Windows of the sky: an obstacle is found wherever it stands, and no other."""
+"""Windows of the sky: an obstacle is found at any place, and no other is found."""
 
 import numpy as np
 import pandas as pd
@@ -61,7 +61,7 @@ class Scene:
         )
 
     def share(self, rest, windows):
-        """What a fit makes of windows."""
+        """Fit of a share for some windows."""
         inside = within_any(windows, self.azimuth, 90.0 - self.elevation)
         columns = np.column_stack([self.tangent * inside, *self.beside])
         return np.linalg.lstsq(columns, rest, rcond=None)[0][0]
