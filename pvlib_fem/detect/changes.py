@@ -1,4 +1,4 @@
-"""Steps and drift of a sensor's reading, by the day."""
+"""Daily steps and drift of a sensor's reading."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class LevelChanges:
         By what share it reads more from year to year, and its standard error; NaN
         where only steps are looked for. [1/year]
     level : Series
-        By the day that was compared: what it reads by its steps, 1 in the level that
+        For each compared day: its reading by the steps, 1 in the level that
         lasted longest. [-]
     reference : str
         With what it was compared.
@@ -43,12 +43,12 @@ class LevelChanges:
 
     @property
     def changed(self) -> pd.Series:
-        """By the day: whether it reads another share than for the longest time."""
+        """Whether the daily reading is another share than for the longest time."""
         return (self.level - 1.0).abs() > 1e-9
 
     @property
     def changepoints(self) -> pd.Series:
-        """By the day: whether another level begins."""
+        """Whether another level begins on each day."""
         return pd.Series(
             self.level.index.isin([day for day, _ in self.steps]), self.level.index
         )

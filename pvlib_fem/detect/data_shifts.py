@@ -30,7 +30,7 @@ def data_shifts(series: pd.Series) -> LevelChanges:
     Parameters
     ----------
     series : Series
-        Irradiance, power or energy, in any unit and at any step, also by the day.
+        Irradiance, power or energy, in any unit and at any step, daily sums too.
 
     Returns
     -------

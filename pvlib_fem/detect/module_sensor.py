@@ -35,11 +35,11 @@ class DetachedSensor:
     Attributes
     ----------
     detached : Series of bool
-        By the day with sun.
+        For each sunny day.
     over_temperature : Series
         Over-temperature by irradiance of each day. [K m²/W]
     attached : float
-        That of the attached sensor; NaN where it never is attached. [K m²/W]
+        Resistance of the attached sensor; NaN if it never is attached. [K m²/W]
     """
 
     detached: pd.Series

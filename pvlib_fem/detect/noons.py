@@ -32,7 +32,7 @@ def noons(values, index, location, plane=(None, None), label="left"):
     Returns
     -------
     Series
-        By the day. [min]
+        For each day. [min]
     """
     limits, step = Limits(), usual_step(index)
     seconds, values = regular(seconds_of(index), values, step)
@@ -54,7 +54,7 @@ def noons(values, index, location, plane=(None, None), label="left"):
 
 
 def regular(seconds, values, step):
-    """The same with NaN in rows that lack, at the times of a regular record."""
+    """The record at regular times, with NaN in missing rows."""
     place = np.round(seconds / step).astype(int)
     if (np.diff(place) == 1).all():
         return seconds, values
@@ -66,7 +66,7 @@ def regular(seconds, values, step):
 
 def with_dark_nights(seconds, light, limits):
     """
-    The same with 0 for what lacks by night.
+    The record with 0 for missing values at night.
 
     Rows next to the first and the last light stay as they are: where they lack, the
     edge of that day's light is not known.

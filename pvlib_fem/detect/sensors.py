@@ -54,7 +54,7 @@ class Columns:
 
 
 def compared_with(name, values, index, **columns):
-    """A sensor compared with what has that name, or an error that says what lacks."""
+    """A sensor compared with the reference of a name; refuse missing columns."""
     comparison = next(one for one in COMPARISONS if one.serves(name))
     found = references.compared(comparison, Columns(index, columns), name, values)
     if found is None:
@@ -138,7 +138,7 @@ def irradiance_changes(
 
 
 def aged(changes):
-    """The same without what a plant loses by itself."""
+    """The comparison without the plant's own losses."""
     if changes.reference != POWER:
         return changes
     fades = references.FADES

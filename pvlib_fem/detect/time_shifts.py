@@ -28,7 +28,7 @@ class TimeShifts:
     Attributes
     ----------
     minutes : Series
-        By the day: how far the timestamps are ahead of correct ones, below 0 where
+        For each day: how far the timestamps are ahead of correct ones, negative if
         they are behind; NaN where too few days have light. [min]
     jumps : tuple
         First day of each other clock, and by how much it is ahead of the one before.
@@ -37,7 +37,7 @@ class TimeShifts:
         First and last day on which each jump may be: the days from the last light by
         the clock before to the first by the other.
     middle : Series
-        By the day with light: how much later than due its middle is. [min]
+        For each day with light: how much later than due its middle is. [min]
     usual : float
         What of that is the plane's, the horizon's or the inverter's. [min]
     noise : float
@@ -53,7 +53,7 @@ class TimeShifts:
 
     @property
     def shifted(self) -> pd.Series:
-        """By the day: whether the clock is off."""
+        """Whether the clock is off on each day."""
         return self.minutes.fillna(0.0) != 0.0
 
     def __str__(self):

@@ -1,6 +1,6 @@
 """Faults of sensors and loggers, found before any model is fitted.
 
-What is checked needs no thermal model: a sensor that stands still while the others
+No check needs a thermal model: a sensor that is stuck while the others
 move, a file whose noon is at one o'clock (`noon`), a module that answers before the
 sun asks (`clock`), a driver in another unit (`units`).
 """
@@ -58,7 +58,7 @@ def unusable(frozen):
 def frozen_in(record, limits):
     """Rows of stuck sensors whose drivers change, by one clock."""
     frozen = stuck(record, limits)
-    # what moves them is told beside the module's column, which may be off by hours
+    # their drivers are known without the module's column, which may be off by hours
     others = any(rows.any() for n, rows in frozen.items() if n != "temp_module")
     if not others or (off := module_lag(record.inputs, limits)) is None:
         return frozen
@@ -100,7 +100,7 @@ def check(
     Raises
     ------
     ValueError
-        If a sensor stands still for the whole record, so that no row is left, or
+        If a sensor is stuck for the whole record, so that no row remains, or
         some rows are years from all others.
     """
     limits = limits or Limits()

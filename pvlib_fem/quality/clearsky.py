@@ -40,7 +40,7 @@ def clear_sky(
 
     Notes
     -----
-    Of each month of each year the fifth of the days with most light beside the sun's
+    Of each month of each year the fifth of the days with most light for the sun's
     height is looked at; those are clear whose values, in order of size, are those of a
     clear sky (Ineichen and Perez [1]_) but for a factor. So neither a sensor that
     fades nor a clock that is late changes which days are clear. The sky's turbidity is
@@ -68,7 +68,7 @@ def clear_sky(
 def shape_left(poa, modelled, day):
     """What one factor leaves between the ordered values of each day, of its mean."""
     one, other = (values[np.lexsort((values, day))] for values in (poa, modelled))
-    # sorted by the day, too
+    # sorted by day, too
     day = np.sort(day)
     times = np.bincount(day, one) / np.maximum(np.bincount(day, other), 1e-9)
     square = np.bincount(day, (one - times[day] * other) ** 2) / np.bincount(day)

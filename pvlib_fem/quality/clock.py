@@ -71,7 +71,7 @@ class Clock:
         -------
         array
             Interpolated to what happened at ``seconds``; NaN beyond the record's
-            ends, and beside a NaN. A clock without fault changes nothing.
+            ends, and next to a NaN. A clock without fault changes nothing.
         """
         values = np.asarray(values, dtype=float)
         if not self.fault:
@@ -107,7 +107,7 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     (40 s) and held over each step; the time at which it begins is fitted. Errors
     leave days whole, since clouds of one day are not independent.
 
-    Which hours of the day belong together is asked first, by :func:`.lag.lag`: over
+    The lag in whole steps is found first, by :func:`.lag.lag`: over
     half a day either way and on rows up to an hour apart. By rows of 15 min or less
     the onset is then looked for around that.
 

@@ -84,11 +84,11 @@ def daylight_saving(
     none of its transitions lacks that the record could show. By its clock an hour is
     left out in spring: rows that a file has in it have no time. An hour comes twice in
     autumn: where a file has it twice, the first is summer time; where it has it once,
-    which one is not known. Such rows are left out, and ``line`` counts them.
+    which one is not known. Such rows are dropped, and ``line`` counts them.
 
     Any other jump is of a clock that was set. Between two of them the rows move as a
     whole, to where the clock fits the sun best; those within a day of the night, or
-    the nights, in which it may have been are left out. The light decides whether
+    the nights, in which it may have been are dropped. The light decides whether
     either step holds: it must move less often, and be nearer to the sun. What still
     moves is in ``left``.
     """

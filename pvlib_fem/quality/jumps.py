@@ -12,8 +12,8 @@ def jumps_of(day, middle, limits, apart=False):
 
     A list of dicts: ``day``, ``by`` [s] and ``within``, the days it may be on. Moves
     near to whole hours are those; others need as long again on both sides. Where days
-    are ``apart``, by whole seasons, only whole hours are told, and only of a middle
-    that is beside the sun's: over shorter gaps neither a season nor shade moves it.
+    are ``apart``, by whole seasons, only whole hours are reported, and only of a middle
+    that deviates from the sun's: over shorter gaps neither a season nor shade moves it.
     """
     fewest = max(limits.noon_side // 2, 1)
     tried = np.arange(fewest, len(day) - fewest + 1)

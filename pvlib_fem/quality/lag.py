@@ -25,7 +25,7 @@ class Lag:
     late: float  # [s]; 0 where no other step fits better
     step: float  # [s]
     sure: float  # standard errors between the days by which it fits better than none
-    share: float  # of the changes that are told at it
+    share: float  # of the changes that are explained at it
     left: float  # of what none leaves
     best: int  # rows by which it fits best, whether that is sure or not
     answer: np.ndarray  # there, change by change
@@ -196,7 +196,7 @@ def weighed(sums, step, limits):
     # next in it, and may be below nothing
     both = (usual + there)[seen]
     least = np.maximum(both, np.median(np.abs(both)) / 2)
-    fall = np.zeros(both.shape)  # of a day of which nothing is left either way
+    fall = np.zeros(both.shape)  # of a day without a residual either way
     np.divide((usual - there)[seen], least, out=fall, where=least > 0)
     fall = np.clip(fall, -1.0, 1.0)
     error = fall.std(ddof=1) / np.sqrt(fall.size)

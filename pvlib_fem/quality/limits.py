@@ -33,8 +33,8 @@ class Limits:
     ----------
     few_share : float
         *all.* Share of rows up to which what is odd is an accident: values of another
-        unit, rows years from all others, rows that a day lacks or a night has in a file
-        of days alone, values below a calm. A code that nobody knows stands in no more,
+        unit, rows years from all others, rows that are missing by day or present by
+        night in a file of days alone, values below a calm. A code that nobody knows stands in no more,
         since more is a state of what is measured, such as on. [-]
     few_rows : int
         *fill value, spike, stuck.* Rows that an accident may last: a value that jumps
@@ -45,7 +45,7 @@ class Limits:
         or that is no end. [-]
     far : float
         *fill value, spike.* Multiple of the largest other value, in size, from which a
-        positive code is one in a column whose range is not known. Its square is asked
+        positive code is one in a column whose range is not known. Its square is needed
         of a value that repeats and is no known code, its cube of a lone one. [-]
     most_impossible : float
         *out of range.* Share of one of the four columns that may be impossible; with
@@ -59,7 +59,7 @@ class Limits:
         *light by night.* Share of the nights around up to which light at a time of
         night is an accident; with more it may be a clock that was set. [-]
     spike : float
-        *spike.* Change of temperature there and back that may be noise, beside the
+        *spike.* Change of temperature there and back that may be noise, against the
         fastest of air and of modules. Of air twice as much within ``still_air`` is
         none: fronts do not return, and heat bursts reach 15 K. [K]
     end_days : int
@@ -91,7 +91,7 @@ class Limits:
         some 300 W/m². [K]
     temp_slack : float
         *stuck.* Difference of temperatures that tells nothing: of the air that a module
-        need not answer, beside twice the resolution of both sensors, and from 0 °C
+        need not answer, in addition to twice the resolution of both, and from 0 °C
         where snow melts. [K]
     light : float
         *noon, stuck, light by night.* Irradiance above which there is light, above what
@@ -114,7 +114,7 @@ class Limits:
         which another lag's has to be, and one that is but a step off: that may be by
         half where rows hold means of one column and ends of the other. [-]
     lag_share : float
-        *clock.* Share of those changes that has to be told at it: what irradiance
+        *clock.* Share of those changes that it has to explain: what irradiance
         hardly moves is no module. [-]
     farthest_clock : float
         *clock, stuck.* Time around such a lag, or none, within which the onset is
@@ -136,7 +136,7 @@ class Limits:
         [s]
     sure : float
         *clock, noon.* Standard errors by which a fault has to differ from none; with
-        few blocks Student's t of the same chance. Twice as many are asked of a block
+        few blocks Student's t of the same chance. Twice as many are required of a block
         beside the others. [-]
     sun_slack : float
         *noon, negative by day.* Time of day to which light alone tells it: what a

@@ -14,7 +14,7 @@ from pvlib_fem.record.clean import NONE, covered
 from pvlib_fem.record.inputs import Inputs
 from pvlib_fem.record.ranges import NO_CODE, as_codes, possible
 
-SOME = 1 << 20  # rows of which what is usual in a column is told
+SOME = 1 << 20  # rows from which the usual values of a column are taken
 
 
 @dataclass(eq=False)

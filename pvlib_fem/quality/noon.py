@@ -22,7 +22,7 @@ class SolarNoon:
     """How late a whole file is by the sun, from :func:`solar_noon_shift`."""
 
     late: float  # outside daylight saving; NaN without a location [s]
-    days: pd.Series  # by the day: the middle of its light, less what is due [s]
+    days: pd.Series  # for each day: the middle of its light, less that of the sun [s]
     jumps: tuple  # (first day after it, seconds)
     faults: dict  # name: one line
     why: str = ""  # what was not looked for
@@ -71,7 +71,7 @@ def solar_noon_shift(
 
     A jump is of the median from the ten days before to the ten after, by half an hour
     at least. Within 15 min of whole hours it is those; any other has to hold over 30
-    days. Where a file has no rows by night, what lacks outside its days is dark.
+    days. Where a file has no rows by night, missing rows outside its days are dark.
     """
     limits = limits or Limits()
     times = instants(index)
@@ -204,7 +204,7 @@ def edge(seconds, poa, lit, way, limits):
     """When light begins or ends, between a lit row and the adjacent dark one. [s]"""
     dark = np.clip(lit + way, 0, len(poa) - 1)
     change, rest = poa[lit] - poa[dark], poa[lit] - limits.light
-    there = poa[dark] <= limits.light  # no edge in a polar day, nor beside a gap
+    there = poa[dark] <= limits.light  # no edge in a polar day, nor next to a gap
     part = np.divide(rest, change, out=np.full(len(lit), np.nan), where=there)
     return seconds[lit] + part * (seconds[dark] - seconds[lit])
 

@@ -9,7 +9,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.optimize import minimize_scalar, nnls
 
 DAY, HOUR = 86400.0, 3600.0  # s
-#: a contact sensor answers in 40 s, a thermopile in 8: what is left between them [s]
+#: a contact sensor answers in 40 s, a thermopile in 8: the difference [s]
 SENSOR = 32.0
 DECAYS = np.array([150.0, 300.0, 600.0, 1200.0, 2400.0])  # s, of modules and roofs
 BEFORE, AFTER = 720.0, 2700.0  # s, lags around the onset
@@ -69,7 +69,7 @@ def daily_sums(seconds, base, poa, module, limits):
     x = changes(came, step, apart * count).reshape(-1, count)
     y = changes(fold(module)[:, -1], step, apart * count).reshape(-1, count)
     reach = int((limits.farthest_clock + AFTER) / step)
-    # transforms by the day are small and alike on any number of cores
+    # daily transforms are small and alike on any number of cores
     length = next_fast_len(count + reach, real=True)
     fx, fy = rfft(x, length), rfft(y, length)
     own = irfft(fx.real**2 + fx.imag**2, length)[:, : reach + 1]

@@ -107,8 +107,8 @@ def plane_of(
     if looked is None:
         return None
     rows, sky = looked
-    # the scale of a clear day, free by the year or by the day: by the year the sun's
-    # way through the seasons counts, and what its air does; by the day its shape alone
+    # the scale of a clear day, free for each year or day: for each year the sun's
+    # way through the seasons counts, and what its air does; for each day its shape
     both = [sky.scaled_by(by).plane() for by in (np.asarray(local.year)[rows], sky.day)]
     angles, errors, left = (np.array(part) for part in zip(*both))
     apart = turned(angles[1] - angles[0])

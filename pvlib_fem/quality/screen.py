@@ -103,9 +103,9 @@ def screened(record, limits=None, check_units=True):
 
 def alone(record, limits, check_units=True, names=None, late=False):
     """
-    The same but for sensors that stand still, for which others have to be asked.
+    Screen all but stuck sensors, which need other columns.
 
-    ``names`` are those columns that are asked, by default all. ``late`` has a module
+    ``names`` are the screened columns, by default all. ``late`` has a module
     pass whose clock is off by hours.
     """
     return less(record, *by_columns(record, limits, check_units, names, late))
@@ -156,7 +156,7 @@ class Screening:
         A row for each column and kind that was found: ``column``, ``kind``, ``rows``,
         ``first`` (its time) and ``value`` (there).
     notes : tuple of str
-        The same in sentences, and what looks odd without being at fault.
+        The findings in sentences, and what looks odd without being at fault.
     cleaned : DataFrame
         The data with NaN where a value is at fault. Irradiance that is a little
         negative by night, a pyranometer's offset, is 0.
@@ -197,7 +197,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
         With a DatetimeIndex and columns in pvlib's names: any of ``poa_global``
         [W/m²], ``temp_air``, ``temp_module`` [°C], ``wind_speed`` [m/s], of the
         drivers of effects, and of further ones, of which less is known. Columns that
-        are not numeric are left as they are.
+        are not numeric stay as they are.
     limits : Limits, optional
         The thresholds; by default those of :class:`pvlib_fem.quality.limits.Limits`.
 
@@ -221,10 +221,10 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     has no light within an hour and a half of it. *Spikes* are changes there and back
     that the heat capacity of module or air forbids. *End of range* is where a sensor or
     its logger stops, and stays, on several days; of light, air and wind the half hour
-    after it is left out, too, which a module remembers. *Stuck* are values that repeat
+    after it is dropped, too, which a module remembers. *Stuck* are values that repeat
     for far longer than their column's own changes make likely, while what moves them
     moves: but for wind and drivers that takes all four columns. What is usual in a
-    column is told by a million of its rows, evenly taken. What this finds wrongly is in
+    column is taken from a million of its rows, evenly spaced. False findings are in
     :doc:`/quality`.
 
     Examples

@@ -45,7 +45,7 @@ PARTS = 1000  # of a day, more than there are
 #: what was found of one kind in one column, as Faults.counts has it
 Found = namedtuple("Found", "column kind rows first value")
 
-#: what a value can be found at fault for, in the order in which it is asked, and how
+#: faults of a value, in the order in which they are checked, and how
 #: it is said after the column's name
 KINDS = {
     "fill value": "holds the fill value {value:.7g}",
@@ -342,7 +342,7 @@ class Screener:
 
 def stuck(record, limits=None) -> dict[str, np.ndarray]:
     """
-    Rows in which a sensor stands still while what moves it moves.
+    Rows in which a sensor is stuck while its driver changes.
 
     A value repeats by nature as long as its column's resolution, averaging and own
     changes make it: a column that keeps its value from row to row with a share of *p*

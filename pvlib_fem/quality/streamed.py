@@ -40,14 +40,14 @@ def screened_blocks(source, drivers=(), limits=None, check_units=True, needed=No
     """
     A record in files without what was not measured, from few passes over them.
 
-    Rules that ask what is usual in a column (its unit, codes where its range is not
+    Rules that need the usual values of a column (its unit, codes where its range is not
     known) are answered by a million of its rows, evenly taken.
 
     Parameters
     ----------
     source : ParquetRecord
     drivers : sequence of str
-        Columns beside the usual four.
+        Columns in addition to the usual four.
     limits : Limits, optional
     check_units : bool, default True
         Refuse columns that look to be in another unit.

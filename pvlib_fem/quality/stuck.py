@@ -187,7 +187,7 @@ def still_module(runs, extent, steps, limits):
     return (of_sun | of_air) & ~melting
 
 
-#: what makes a repetition of each column a fault beside others that move
+#: what makes a repetition of each column a fault while others move
 STILL = {
     "temp_module": still_module,
     "poa_global": still_irradiance,
@@ -226,7 +226,7 @@ SEEN_BY = {
 
 def frozen(clean, standing, rests, limits):
     """
-    Spans of rows in which a sensor stands still, by column.
+    Spans of rows in which a sensor is stuck, by column.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def frozen(clean, standing, rests, limits):
             left.remove(name)
             if kept.any():
                 found[name] = runs.some(kept).spans
-                # a module that stands still is no witness of what moves it
+                # a stuck module shows nothing of its drivers
                 clean = clean.lacking({name: found[name]})
                 break
     for name in [name for name in DRIVERS if name in standing]:
@@ -352,7 +352,7 @@ def merge(bounds, i, values):
     """
     Take further values into the least and largest of the i-th repetition.
 
-    Its last row is left out, as it is in memory: it waits until another comes.
+    Its last row waits until another comes, as in memory.
     """
     if not len(values):
         return

@@ -19,14 +19,14 @@ class TwinClock:
 
     late: float  # median of the days; NaN where no day has both [s]
     stderr: float  # [s]
-    days: pd.Series  # by the day [s]
+    days: pd.Series  # for each day [s]
     jumps: tuple = ()  # (first day after it, seconds)
     line: str = ""  # what is wrong with it; "" where nothing is
 
 
 def twin_clock(poa_global, other, index, limits=None) -> TwinClock:
     """
-    How late one irradiance is written beside another, by the middle of their light.
+    By how much one irradiance is ahead of another, by the middle of their light.
 
     Parameters
     ----------

@@ -191,7 +191,7 @@ def power_doubt(power, poa, limits):
     return ""
 
 
-#: what to ask of a driver by its name
+#: checks of a driver by its name
 DOUBTS = {
     "relative_humidity": humidity_doubt,
     "longwave_down": longwave_doubt,
@@ -262,7 +262,7 @@ class Suspicion:
     what: str
     remedy: str
     right: str = "the unit is"
-    columns: tuple = ()  # those in another unit, or each in the place of the other
+    columns: tuple = ()  # those in another unit, or swapped
     unit: str = ""  # that can be converted
     why: str = ""
 
@@ -512,7 +512,7 @@ def oddities(inputs, limits=None, absent=()):
     """
     What looks odd in the columns but may be so, a sentence each.
 
-    Those that are ``absent`` nobody measured.
+    The ``absent`` columns were not measured.
     """
     yield from between(inputs)
     limits, found = limits or Limits(), signs(inputs)

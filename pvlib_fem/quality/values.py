@@ -2,7 +2,7 @@
 
 import numpy as np
 
-FEW = 1000  # rows, of which most columns can be told
+FEW = 1000  # rows, which identify most columns
 
 
 def resolution(values):

@@ -1,4 +1,4 @@
-"""Columns of longer steps beside a record of shorter ones."""
+"""Columns of longer steps joined to a record of shorter ones."""
 
 from dataclasses import dataclass, field
 
@@ -14,8 +14,8 @@ class Alongside:
     """
     Columns that files do not hold, at times further apart; straight lines between.
 
-    A value that lacks is bridged by those before and after it. Rows that lack what a
-    column is made of lack the column, too, as in memory.
+    A missing value is interpolated from those before and after it. A column is missing
+    in rows without the values that it is made of, as in memory.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Alongside:
     @classmethod
     def of(cls, inputs, names, made_of=None):
         """
-        Those columns of some inputs.
+        The columns of some inputs.
 
         Raises
         ------

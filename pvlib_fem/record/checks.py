@@ -183,7 +183,7 @@ def as_numbers(name, value, index):
 
 
 def as_given(name, value, index):
-    """The same, where single precision stays as it is."""
+    """The numbers, with single precision kept."""
     if np.ma.isMaskedArray(value):
         value = value.astype(float).filled(np.nan)
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)

@@ -76,16 +76,16 @@ class CleanRecord:
         return len(self.source)
 
     def lacking(self, rows):
-        """The same without further spans of rows, by column."""
+        """The record without further spans of rows, by column."""
         both = {name: joined(self.of(name), more) for name, more in rows.items()}
         return replace(self, holes=self.holes | both)
 
     def clipped(self):
-        """The same with 0 where irradiance is below it."""
+        """The record with 0 instead of negative irradiance."""
         return replace(self, clip=True)
 
     def with_columns(self, more):
-        """The same with columns that the files do not hold."""
+        """The record with columns that the files do not hold."""
         return replace(self, beside=(*self.beside, more))
 
     def of(self, name):
@@ -152,7 +152,7 @@ def size(some):
 
 
 def within(some, start, rows):
-    """Those parts of spans that lie in a block, counted from its first row."""
+    """Parts of spans within a block, counted from its first row."""
     if not len(some):
         return some
     near = some[(some[:, 1] > start) & (some[:, 0] < start + rows)]

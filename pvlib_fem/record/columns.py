@@ -77,7 +77,7 @@ def is_power(name):
 
 
 def known_values(name, values, poa_global):
-    """Rows of a column that are known: without light, power that lacks is none."""
+    """Known rows of a column: missing power without light is 0."""
     known = np.isfinite(values)
     return known | (poa_global <= DAYLIGHT) if name in PLANT_POWER else known
 
@@ -180,7 +180,7 @@ def of_several(columns):
 
 
 def numeric(columns):
-    """Those that hold numbers, and no infinity."""
+    """Columns that hold numbers, and no infinity."""
     found = {
         name: column.astype(float)
         for name, column in columns.items()
@@ -200,7 +200,7 @@ def usable_drivers(columns, record, most_missing, taken=()):
         Screened, with the usual columns, of which no other may be a copy, and
         those that are numeric.
     most_missing : float
-        Share of a column's rows that may lack.
+        Share of a column's rows that may be missing.
     taken : collection of str
         Names that no column may have.
 

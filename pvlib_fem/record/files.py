@@ -24,7 +24,7 @@ from pvlib_fem.types import FilePath
 MOST_SWELLING = 200  # times its size, to which a packed record unpacks
 MOST_CELLS = 200_000_000  # of a sheet: each takes some 50 bytes while it is read
 
-MISSING = ("NAN",)  # as TOA5 writes it, beside what pandas knows
+MISSING = ("NAN",)  # as TOA5 writes it, in addition to what pandas knows
 
 
 def read_file(
@@ -74,8 +74,8 @@ def read_file(
     Returns
     -------
     DataFrame
-        What was done beside reading is in ``.attrs["notes"]``, and by column the unit
-        that it was converted from in ``.attrs["converted"]``.
+        What was done in addition to reading is in ``.attrs["notes"]``, and the unit that
+        each column was converted from in ``.attrs["converted"]``.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def frame(
     check_units=True,
     module_area=None,
 ):
-    """The same of several files, each with its layout; of a list, pieces in time."""
+    """Several files, each with its layout; of a list, pieces in time."""
     tables, names, notes = [], [], []
     for file, layout in zip(files, layouts):
         pieces = file if isinstance(file, list) else [file]
@@ -321,7 +321,7 @@ def named(data, columns):
 
 
 def in_units(data, headers, convert, units, check_units, module_area):
-    """Columns in the package's units where that is asked for, and what they were in."""
+    """Columns in the package's units, if that is requested, and their own units."""
     told = {name: unit_of(name, unit) for name, unit in units.items()}
     if absent := [name for name in told if name not in data]:
         raise ValueError(

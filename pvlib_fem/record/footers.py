@@ -41,7 +41,7 @@ class Footer:
         return ", ".join(self.schema.names)
 
     def kind(self, name):
-        """Type of a column, None where it lacks."""
+        """Type of a column, None if it is missing."""
         return self.schema.field(name).type if name in self.schema.names else None
 
 

@@ -62,7 +62,7 @@ COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their dig
 SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
 SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
 DATENUMS = (718_000.0, 770_000.0)  # days: 1965 to 2108
-TWICE = 0.05  # share of rows with the same time up to which they are left out
+TWICE = 0.05  # share of rows with the same time up to which they are dropped
 LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
 FIRST = 5
 OFFSET = re.compile(r"\d\s*[+-]\d\d:?\d\d$")
@@ -253,7 +253,7 @@ def written(raw, layout):
 
 
 def time_columns(raw, layout):
-    """The columns of the times: as they are told, or the first."""
+    """The columns of the times: the given ones, or the first."""
     if layout.time or isinstance(raw.index, pd.DatetimeIndex):
         return [column for column in layout.time if column in raw]
     return [raw.columns[0]]

@@ -71,11 +71,11 @@ def guess(files, layouts, columns, how=None, place=None, check=None, sensors=Fal
     ----------
     files : list of Path
     layouts : list of Layout
-        As given; what is told there of times and zone is kept.
+        As given; its times and zone are kept.
     columns : dict
-        Those that are mapped already.
+        Names that are mapped already.
     how : dict, optional
-        What else :func:`pvlib_fem.record.files.frame` is told.
+        Other arguments of :func:`pvlib_fem.record.files.frame`.
     place : float, optional
         Longitude of the site. [°]
     check : callable, optional
@@ -154,7 +154,7 @@ def with_tags(file, layout, raw, doubts):
 
 
 def with_cells(file, layout, raw, doubts):
-    """The layout with what stands in cells beside numbers, and the table."""
+    """The layout with the texts in cells of numbers, and the table."""
     columns = [raw[name] for name in texts(raw)]
     sign = "" if layout.thousands else thousands_of(columns, layout.decimal)
     if sign:
@@ -295,7 +295,7 @@ def of_wind(found, data):
 
 
 def exchange(found, why):
-    """What is told of the air is told of the module, and the other way round."""
+    """A unit of the air holds for the module, and the other way round."""
     pair = ("temp_air", "temp_module")
     columns = [found.columns.get(name, name) for name in pair]
     found.columns |= dict(zip(pair, columns[::-1]))

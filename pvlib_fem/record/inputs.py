@@ -56,7 +56,7 @@ class Columns(Mapping):
     Columns by name, kept as they were given and read in double precision.
 
     What is in single precision would take twice its memory again if all of it were
-    widened: rows are taken first, and those that are asked for are widened.
+    widened: rows are taken first, and the requested ones are widened.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Columns(Mapping):
         return len(self.given)
 
     def __or__(self, more):
-        """These, with others in their place or beside them."""
+        """The columns, with others that replace them or are added."""
         return Columns(self.given | Columns(more).given)
 
     @property
@@ -97,7 +97,7 @@ class Columns(Mapping):
         return Columns({name: values[rows] for name, values in self.given.items()})
 
     def put(self, value, rows):
-        """The same with a value in some rows of its columns, by name."""
+        """The columns with a value in some of their rows, by name."""
         given = {name: self.given[name] for name in rows}
         return self | {
             name: np.where(rows[name], values.dtype.type(value), values)
@@ -175,11 +175,11 @@ class Inputs:
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
 
     def only(self, names):
-        """The same inputs with some of their columns, in that order."""
+        """The inputs with some of their columns, in that order."""
         return replace(self, columns=self.columns.only(names))
 
     def having(self, columns):
-        """The same inputs with other values of some columns, or with more of them."""
+        """The inputs with other values of some columns, or with more of them."""
         return replace(self, columns=self.columns | columns)
 
     def frame(self):
@@ -217,7 +217,7 @@ class Inputs:
         return float(initial), self.steps
 
     def past(self, initial):
-        """What is known of a Series that goes before, in times that can be told."""
+        """The facts of a Series that goes before, with times that can be compared."""
         initial = initial.dropna()
         if initial.empty:
             raise ValueError("initial holds no value; drop it to start anew")
@@ -286,21 +286,21 @@ class Record:
         return int(np.count_nonzero(self.rows_by_date(rows)[1]))
 
     def only(self, names):
-        """The same record with some of its columns."""
+        """The record with some of its columns."""
         inputs = self.inputs.only(names)
         missing = {n: rows for n, rows in self.missing.items() if n in inputs.columns}
         return replace(self, inputs=inputs, missing=missing)
 
     def having(self, columns):
-        """The same record with other values of some columns, or with more of them."""
+        """The record with other values of some columns, or with more of them."""
         return replace(self, inputs=self.inputs.having(columns))
 
     def lacking(self, rows):
-        """The same record with NaN in some rows of its columns, by name."""
+        """The record with NaN in some rows of its columns, by name."""
         return self.put(np.nan, rows)
 
     def put(self, value, rows):
-        """The same record with a value in some rows of its columns, by name."""
+        """The record with a value in some rows of its columns, by name."""
         columns = self.inputs.columns.put(value, rows)
         return replace(self, inputs=replace(self.inputs, columns=columns))
 

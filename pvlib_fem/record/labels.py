@@ -17,7 +17,7 @@ def joined_labels(levels):
     Returns
     -------
     list of str
-        A level that says the same as the one above is left out; a column without a
+        A level that repeats the one above is dropped; a column without a
         label has a number, as pandas gives it.
     """
     names = [name_of(parts) for parts in zip(*levels)]
@@ -65,7 +65,7 @@ def flat(data):
 
 
 def flat_header(data):
-    """The same of a header of several lines, in which a cell may span columns."""
+    """The names of a header of several lines, in which a cell may span columns."""
     if data.columns.nlevels == 1:
         return data.rename(columns=lambda name: str(name).strip())
     return data.set_axis(joined_labels(merged(levels_of(data))), axis=1)

@@ -1,4 +1,4 @@
-"""How a file is written: as it is told, or as its first lines look."""
+"""How a file is written: as given, or by its first lines."""
 
 import codecs
 import csv

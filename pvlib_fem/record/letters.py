@@ -7,7 +7,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import numpy as np
 import pandas as pd
 
-ISO = "ISO8601"  # the form of times, unless another is told
+ISO = "ISO8601"  # the form of times, unless another is given
 #: hours before UTC of letters that one zone alone has, or several that agree
 HOURS = {
     **dict.fromkeys(("UTC", "GMT", "WET", "WEZ"), 0.0),

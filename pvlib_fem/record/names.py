@@ -50,7 +50,7 @@ NAMES = {
         r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set)).*(power|leistung)",
     ),
 }
-#: effects' drivers, and what vouches for an instrument: columns beside the usual four
+#: drivers of effects and cross-checks: columns in addition to the usual four
 DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
 #: words before a name that say where its sensor is
 PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
@@ -138,7 +138,7 @@ def unused(columns, taken):
     Parameters
     ----------
     columns : dict of Series
-        Those that are not mapped.
+        Names that are not mapped.
     taken : collection of str
         The package's names that have a column.
 

@@ -124,7 +124,7 @@ def in_the_zone(run, times_of, tz):
 
 
 def in_file(groups):
-    """Rows of the row groups of a file that are left out, and that are late."""
+    """Rows of a file's row groups that are dropped, and that are late."""
     left, late, start = [], [], 0
     for group in groups:
         left += [start + row for row in group.left]

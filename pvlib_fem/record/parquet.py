@@ -77,7 +77,7 @@ class ParquetRecord:
     """
     A record in Parquet files that is never held in memory as a whole.
 
-    From :func:`pvlib_fem.open_parquet`. ``fit_fem`` takes it in the place of the
+    From :func:`pvlib_fem.open_parquet`. ``fit_fem`` takes it instead of the
     columns, and ``len(record)`` is its number of rows.
 
     Attributes
@@ -87,7 +87,7 @@ class ParquetRecord:
     columns : dict of str
         The package's names to those of the files, of all columns of numbers.
     tz : str or None
-        Zone in which days and hours are told.
+        Zone of days and hours.
     """
 
     files: tuple
@@ -100,7 +100,7 @@ class ParquetRecord:
     naive: bool  # whether the files' times have no zone
     filesystem: Any = None  # of pyarrow; None for local files
     absent: tuple = ()  # columns that nobody measured, which hold 0
-    notes: tuple = ()  # rows that have no time and are left out
+    notes: tuple = ()  # rows without a time, which are dropped
 
     def __len__(self):
         return sum(group.rows for group in self.groups)
@@ -128,13 +128,13 @@ class ParquetRecord:
         return in_zone(pd.DatetimeIndex(times), self.tz)
 
     def without(self, name: str) -> Self:
-        """The same with 0 in the place of a column that no file has."""
+        """The record with 0 for a column that no file has."""
         if name in self.columns or name in self.partial:
             return self
         return replace(self, absent=(*self.absent, name))
 
     def needing(self, names: Iterable[str]) -> Self:
-        """The same, if all files have columns of some names."""
+        """The record, if all files have columns of some names."""
         for name in names:
             if name in self.partial:
                 raise ValueError(self.partial[name])
@@ -256,7 +256,7 @@ def open_parquet(
         column of timestamps.
     tz : str, optional
         Zone of naive times, or that into which others are brought. Rows at times that
-        its clock skips are left out, and those of an hour that it shows twice and the
+        its clock skips are dropped, and those of an hour that it shows twice and the
         files have once; ``record.notes`` count them.
     check_units : bool, default True
         Refuse a column whose header names another unit.

@@ -11,7 +11,7 @@ class Range(NamedTuple):
     low: float  # that a sensor can have measured
     high: float
     unit: str
-    least: float = -np.inf  # of the quantity itself, where that tells of its unit
+    least: float = -np.inf  # of the quantity itself, if that identifies its unit
     most: float = np.inf
 
 

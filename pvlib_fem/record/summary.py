@@ -24,7 +24,7 @@ class Summary:
     columns : tuple of str
         All that it has, those of the sun's place included.
     missing, impossible : dict of int
-        Values by column that lack, or were not used.
+        Values by column that are missing, or were not used.
     clipped : int
         Rows of negative irradiance, set to 0.
     sha256 : str
@@ -48,7 +48,7 @@ class Summary:
         return measured(self.missing, self.columns)
 
     def content(self):
-        """The same for a file."""
+        """The content for a file."""
         ends = {"start": self.start.isoformat(), "end": self.end.isoformat()}
         return {**asdict(self), **ends}
 
@@ -110,7 +110,7 @@ def digest(record):
 
 
 def digest_of(names, blocks):
-    """The same of records that follow each other, as ``blocks(names)`` gives them."""
+    """The summary of records that follow each other, from ``blocks(names)``."""
     found = hashlib.sha256()
     for block in blocks(()):
         found.update(instants(block.index).astype("M8[ns]").astype("<i8").tobytes())

@@ -251,7 +251,7 @@ def parsed_times(column, time_format, tz=None):
 
 
 def parsed_as(column, time_format):
-    """The same of texts as they stand."""
+    """The times of texts as they stand."""
     how = {"format": time_format, "errors": "coerce"}
     try:
         parsed = pd.to_datetime(column, **how)
@@ -262,7 +262,7 @@ def parsed_as(column, time_format):
 
 
 def lettered_times(column, time_format, tz):
-    """The same of texts that name their zone by letters, as instants."""
+    """The times of texts that name their zone by letters, as instants."""
     text, form, hours = without_letters(column, time_format, tz)
     local = parsed_times(text, form)
     times = (local - pd.to_timedelta(hours, unit="h")).dt.tz_localize("UTC")
@@ -398,7 +398,7 @@ def skipped(index, tz, there):
 
 
 def in_order(data, sort=False, drop_doubled=False):
-    """Rows in the order of their times, each time once, where that is asked for."""
+    """Rows in the order of their times, each time once, if requested."""
     notes = []
     if sort and not data.index.is_monotonic_increasing:
         moved = int((np.diff(data.index.asi8) < 0).sum())
