@@ -74,8 +74,8 @@ def read_file(
     Returns
     -------
     DataFrame
-        What was done in addition to reading is in ``.attrs["notes"]``, and the unit that
-        each column was converted from in ``.attrs["converted"]``.
+        What was done in addition to reading is in ``.attrs["notes"]``, and the unit
+        that each column was converted from in ``.attrs["converted"]``.
 
     Raises
     ------
