@@ -34,6 +34,7 @@ from .quality.screen import (
 )
 from .record.files import read_file as read_file
 from .record.parquet import ParquetRecord as ParquetRecord, open_parquet as open_parquet
+from .recovery.events import recover_events as recover_events
 from .recovery.recover import recover_effects as recover_effects
 from .recovery.result import Recovery as Recovery
 from .relaxation import ewm as ewm

@@ -200,3 +200,22 @@ def test_without_power_there_are_none(clean):
     assert loop.events.empty and "power shows" not in loop.report()
     why = "no power_dc or power_ac"
     assert {str(loop.untestable[kind]) for kind in HAPPENS} == {why}
+
+
+def test_events_that_are_put_into_a_record_are_found_again(clean):
+    found = fem.recover_events(clean, size=2.0, draws=8)
+    shares = found.groupby("effect")["found"].mean()
+    assert set(shares.index) == {*HAPPENS} and (shares >= 0.9).all()
+    assert (found["hours"] == 6).all() and found["light"].between(0.02, 1.0).all()
+    assert found.attrs["own"] == dict.fromkeys(HAPPENS, 0)
+    again = fem.recover_events(clean, "outage", size=2.0, draws=8, seed=0)
+    assert len(again) == 8 and again["found"].all()
+
+
+def test_what_cannot_be_put_in_is_refused(clean):
+    with pytest.raises(ValueError, match="rain is no event; there are modules_covered"):
+        fem.recover_events(clean, "rain")
+    with pytest.raises(ValueError, match="data lack power_dc or power_ac"):
+        fem.recover_events(clean.drop(columns="power_ac"))
+    with pytest.raises(ValueError, match="no day has room for outage of 30 K"):
+        fem.recover_events(clean, "outage", size=30.0)

@@ -281,7 +281,7 @@ def test_at_golden_power_shows_snow_and_outages(at_golden):
 
 def test_at_bolzano_few_events_leave_the_loop_as_it_was(at_bolzano, bolzano):
     assert not {*BY_POWER} & {*at_bolzano.effects}
-    assert len(at_bolzano.events) < 2 * 8  # years
+    assert len(at_bolzano.events) < 4 * 8  # years
     without = closed(bolzano.drop(columns=["power_dc", "power_ac"]))
     before, after = (loop.table["rmse_test"].iloc[-1] for loop in (without, at_bolzano))
     assert after == pytest.approx(before, abs=0.02)

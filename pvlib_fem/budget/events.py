@@ -1,13 +1,20 @@
 """Find outages and covers by power and the module's temperature."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import median_filter
 
+from pvlib_fem.budget.days import AROUND
 from pvlib_fem.drivers.plant import LEAST, NONE, agree, lost
 
 FEWEST = 2  # least hours of an event: one hour may have two states
+FAINT, DIM = 0.05, 20.0  # least difference of irradiance, as a share and in W/m²
+MOST = 3.0  # largest temperature difference, over that of the cover
+#: least difference of power, in standard deviations of means, if the temperature has to
+#: differ, too: by chance both do so once in decades
+BOTH = 3.0
 SEEN = 2.0  # least difference of temperature, in standard deviations of means
 NORMAL = 1.4826  # standard deviation over median absolute deviation
 SHARES = {"modules_covered": 1.0, "sensor_covered": 1.0, "outage": 0.2}
@@ -85,11 +92,18 @@ class Hours:
             **found,
         )
 
-    def apart(self, spread):
-        """Irradiance that modules lose, and that the sensor does not see. [W/m²]"""
-        same = agree(self.seen, self.shown, spread)
-        shown = np.where(same, self.seen, self.shown)
-        return lost(self.seen, shown), np.maximum(shown - self.seen, 0.0)
+    def beyond_usual(self, values):
+        """Values minus their median at the same hour of the days around."""
+        values, clock = values.copy(), self.number % 24
+        for hour in np.unique(clock):
+            rows = np.flatnonzero(clock == hour)
+            values[rows] -= median_filter(values[rows], 2 * AROUND + 1, mode="reflect")
+        return values
+
+    def days(self):
+        """Hours before which another day, or a gap, begins."""
+        new = np.diff(self.number, prepend=-2) > 1
+        return new | (np.diff(self.number // 24, prepend=-1) > 0)
 
 
 def found_in(hours, spread, total, shares):
@@ -97,7 +111,8 @@ def found_in(hours, spread, total, shares):
     Events of some hours, as a table.
 
     If power deviates from its expectation for two hours or more of a day, the module's
-    temperature decides: it is nearer to its value with a cover, or without one. An hour
+    temperature decides: it is nearer to its value with a cover, or without one. If power
+    deviates less, both have to differ from their usual values at the same hours. An hour
     without power and without a cover is an outage, if a cover would be visible.
 
     Parameters
@@ -110,60 +125,132 @@ def found_in(hours, spread, total, shares):
     shares : dict
         Coefficients of the effects in the model.
     """
-    if not len(hours.number):
+    if len(hours.number) < 2 * FEWEST:
         return event_table([], hours.extra)
-    shares = SHARES | shares
-    less, more = hours.apart(spread)
-    noise = Noise(hours.residual[(less == 0.0) & (more == 0.0)])
-    kinds = np.full(len(hours.number), "", dtype=object)
-    state = np.where(less > 0.0, -1, np.where(more > 0.0, 1, 0))
-    day, pause = hours.number // 24, np.diff(hours.number, prepend=-2) > 1
-    for start, end in runs(state, pause | (np.diff(day, prepend=-1) > 0)):
-        if state[start] == 0 or end - start < FEWEST:
-            continue
-        some = slice(start, end)
-        kinds[some] = kind_of(hours, some, less, more, noise, shares)
+    deciding = Deciding.of(hours, spread, SHARES | shares)
+    state = deciding.state
+    kinds = np.full(len(state), "", dtype=object)
+    for start, end in runs(state, hours.days()):
+        if state[start] and end - start >= FEWEST:
+            some = slice(start, end)
+            kinds[some] = deciding.kind(some)
     return event_table(rows_of(hours, joined(kinds), kinds, total), hours.extra)
 
 
-def kind_of(hours, some, less, more, noise, shares):
-    """The effect of a stretch of hours; "" for none."""
-    size, sure = hours.residual[some].mean(), SEEN * noise.of(some.stop - some.start)
+@dataclass(frozen=True, eq=False)
+class Deciding:
+    """Data that decide which effect a stretch of hours has."""
 
-    def makes(name, light):
-        return shares[name] * float((light / hours.loss)[some].mean())
+    hours: Hours
+    far: np.ndarray  # hours on which power is far from irradiance
+    apart: np.ndarray  # light by power beyond usual, over that by the sensor [-]
+    shown: np.ndarray  # light by power, where it is near that beyond usual [W/m²]
+    state: np.ndarray  # −1 where power shows less light, 1 where more
+    warmth: "Noise"  # of the residual [K]
+    strange: "Noise"  # of the residual beyond usual [K]
+    light: "Noise"  # of ``apart`` [-]
+    shares: dict
 
-    if more[some].any():
-        hot = makes("sensor_covered", more)
-        return "sensor_covered" if hot > sure and size > 0.5 * hot else ""
-    expected, dead = (
-        hours.expected[some],
-        hours.power[some] < NONE * hours.expected[some],
-    )
-    # the first and the last hour may have power for half of the time
-    none = expected[dead].sum() > 0.5 * expected.sum()
-    cold = -makes("modules_covered", less)
-    warm = makes("outage", hours.seen) if none else 0.0
-    if warm - cold > sure:
-        if size < 0.5 * (cold + warm):
-            return "modules_covered"
-        return "outage" if none else ""
-    return "outage" if none and hours.off[some].all() else ""
+    @classmethod
+    def of(cls, hours, spread, shares):
+        seen = hours.seen
+        far = ~agree(seen, hours.shown, spread)
+        apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST))
+        shown = np.where(far, hours.shown, seen * (1.0 + apart))
+        faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
+        state = np.where(far | faint, np.sign(shown - seen), 0.0).astype(int)
+        usual = state == 0
+        strange = hours.beyond_usual(hours.residual)
+        noise = Noise(hours.residual[usual]), Noise(strange), Noise(apart)
+        state = bridged(state, hours.days())
+        return cls(
+            hours, far, apart, shown, bridged(state, hours.days()), *noise, shares
+        )
+
+    def kind(self, some):
+        """The effect of a stretch of hours; "" for none."""
+        hours, length = self.hours, some.stop - some.start
+        if self.far[some].mean() <= 0.5:
+            return self.faint(some, length)
+        if self.state[some.start] > 0:
+            covered = self.follows(some, length, self.hot(some))
+            return "sensor_covered" if covered else ""
+        expected, cold = hours.expected[some], self.cold(some)
+        dead = hours.power[some] < NONE * expected
+        if (
+            not expected[dead].sum() > 0.5 * expected.sum()
+        ):  # at its ends it may be half
+            return "modules_covered" if self.follows(some, length, cold) else ""
+        warm = self.makes("outage", hours.seen, some)
+        if warm - cold > SEEN * self.warmth.of(length):
+            size = hours.residual[some].mean()
+            return "modules_covered" if size < 0.5 * (cold + warm) else "outage"
+        return "outage" if hours.off[some].all() else ""
+
+    def follows(self, some, length, made):
+        """
+        Whether the temperature is nearer to its value with a cover than without one.
+
+        The residual decides, or its difference from the days around.
+        """
+        size = self.hours.residual[some].mean() * np.sign(made)
+        beyond = self.strange.values[some].mean() * np.sign(made)
+        made, noise = abs(made), self.strange.of(length)
+        within = beyond < MOST * made + SEEN * noise
+        if size > max(0.5 * made, SEEN * self.warmth.of(length)):
+            return made > SEEN * self.warmth.of(length) or within
+        return max(0.5 * made, noise) < beyond and within
+
+    def faint(self, some, length):
+        """The effect if power deviates little, and so does the temperature."""
+        sides = abs(self.apart[some].mean()) > BOTH * self.light.of(length)
+        size, sure = self.strange.values[some].mean(), SEEN * self.strange.of(length)
+        warms = self.state[some.start] > 0
+        made = self.hot(some) if warms else self.cold(some)
+        along = size * np.sign(made)
+        if sides and along > sure and 0.5 * abs(made) < along < MOST * abs(made):
+            return "sensor_covered" if warms else "modules_covered"
+        return ""
+
+    def hot(self, some):
+        """Temperature by irradiance that the sensor does not see. [K]"""
+        unseen = np.maximum(self.shown - self.hours.seen, 0.0)
+        return self.makes("sensor_covered", unseen, some)
+
+    def cold(self, some):
+        """Temperature by irradiance that the modules lose. [K]"""
+        return -self.makes("modules_covered", lost(self.hours.seen, self.shown), some)
+
+    def makes(self, name, light, some):
+        """What so much light does to the module, over a stretch. [K]"""
+        return self.shares[name] * float((light / self.hours.loss)[some].mean())
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise of means over usual hours."""
+    """Noise of means over hours."""
 
-    residual: np.ndarray
+    values: np.ndarray
+    known: dict = field(default_factory=dict)
 
     def of(self, hours):
-        """Standard deviation of a mean over so many hours, by the median. [K]"""
-        if len(self.residual) < hours:
-            return np.inf
-        total = np.concatenate(([0.0], np.cumsum(self.residual)))
-        means = (total[hours:] - total[:-hours]) / hours
-        return NORMAL * float(np.median(np.abs(means - np.median(means))))
+        """Standard deviation of a mean over so many hours, by the median."""
+        if hours not in self.known:
+            self.known[hours] = np.inf
+            if len(self.values) > hours:
+                total = np.concatenate(([0.0], np.cumsum(self.values)))
+                means = (total[hours:] - total[:-hours]) / hours
+                off = np.abs(means - np.median(means))
+                self.known[hours] = NORMAL * float(np.median(off))
+        return self.known[hours]
+
+
+def bridged(state, breaks):
+    """The state, with one hour of none between two that are alike as these."""
+    state, inside = state.copy(), ~(breaks[1:-1] | breaks[2:])
+    alike = inside & (state[:-2] == state[2:]) & (state[1:-1] == 0)
+    state[1:-1] = np.where(alike, state[2:], state[1:-1])
+    return state
 
 
 def joined(kinds):
