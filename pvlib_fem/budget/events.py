@@ -111,9 +111,9 @@ def found_in(hours, spread, total, shares):
     Events of some hours, as a table.
 
     If power deviates from its expectation for two hours or more of a day, the module's
-    temperature decides: it is nearer to its value with a cover, or without one. If power
-    deviates less, both have to differ from their usual values at the same hours. An hour
-    without power and without a cover is an outage, if a cover would be visible.
+    temperature decides: it is nearer to its value with a cover, or without one. If
+    power deviates less, both have to differ from their usual values at the same hours.
+    An hour without power and without a cover is an outage, if a cover would be visible.
 
     Parameters
     ----------
