@@ -34,7 +34,7 @@ class Limits:
     few_share : float
         *all.* Share of rows up to which what is odd is an accident: values of another
         unit, rows years from all others, rows that are missing by day or present by
-        night in a file of days alone, values below a calm. An unknown code is in no more,
+        night in a file of days alone, values below a calm. An unknown code has no more,
         since more is a state of what is measured, such as on. [-]
     few_rows : int
         *fill value, spike, stuck.* Rows that an accident may last: a value that jumps
