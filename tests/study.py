@@ -34,6 +34,7 @@ from study_worlds import (
     LOGGERS,
     MARGIN,
     NEAR,
+    NO_WIND,
     SECOND_GENERATOR,
     UNKNOWN,
     WHOLE,
@@ -68,6 +69,7 @@ QUICK = {
     "ties": (0, 1),
     LOGGERS: (0, 7),
     "short records": (0, 4, 5, 9),
+    NO_WIND: (0, 12, 28),
 }
 
 
@@ -288,6 +290,9 @@ BARS = (
         modest,
     ),
     Bar("short records", NO_NAME, done, honest),
+    Bar(NO_WIND, NO_NAME, done, honest, 0.95),
+    Bar(NO_WIND, "the first finding holds the truth", clear, first, 0.95),
+    Bar(NO_WIND, "coefficient within 20 %", has_coefficient, near, 0.95),
     Bar("all", f"error ≤ a refit with the truth + {MARGIN} K", long_enough, close),
     Bar("all", "error on test weeks not above that before", done, no_worse, 0.98),
     Bar("all", f"and nowhere by more than {RISE} K", done, hardly_worse),

@@ -75,14 +75,15 @@ test_error.__test__ = False  # no test, whatever its name
 def refitted(loop, effects):
     """The base with other effects, fitted to the same rows."""
     record, fit = loop.fit.record, loop.fit
-    model = thermal_model("faiman", fit.dynamics, effects)
+    model = thermal_model(fit.model, fit.dynamics, effects)
     columns = {
         name: pd.Series(record[name], record.index)
         for name in (*COLUMNS, *model.drivers)
+        if name not in record.absent
     }
     return fit_fem(
         **columns,
-        model="faiman",
+        model=fit.model,
         dynamics=fit.dynamics,
         effects=effects,
         holdout=loop.weeks != "fitting",
@@ -114,7 +115,8 @@ def catalogue(loop, data, case, forms):
             terms[switch] = within(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = (loop.weeks == "fitting").to_numpy()
-            base = thermal_model("faiman", loop.fit.dynamics, (), loop.plain[1])
+            own = loop.fit.model, loop.fit.dynamics
+            base = thermal_model(*own, (), loop.plain[1])
             columns = base.with_base(record.inputs).columns
             terms[switch] = EFFECTS[switch].prepare(columns, rows)
         elif switch == "sky_radiation" and "longwave_down" in case.drop:
@@ -150,6 +152,8 @@ def judged(world, cases):
     for name, off in nulls.items():
         second = world.generator == "fuentes"
         null = Case(SECOND_GENERATOR if second else "physics null", off)
+        if "wind_speed" in cases[0].drop:
+            null = Case(cases[0].family, off, drop=cases[0].drop)
         known[name], row = looked(world, null, next(made))
         rows.append(row)
     for case, data in zip(cases, made):
@@ -177,7 +181,7 @@ def looked(world, case, data, off=None):
     data = seen(data, case, world.site.forms)
     begin = time.perf_counter()
     try:
-        loop = close_loop(data, **world.place)
+        loop = close_loop(data, case.model, **world.place)
     except np.linalg.LinAlgError as error:  # a ValueError, and no refusal
         return None, row | {"broken": f"LinAlgError: {error}", "first": "broken"}
     except ValueError as error:
@@ -303,7 +307,7 @@ def sizes(loop, terms, before, best, off):
         others = [term for name, term in terms.items() if name != switch]
         without = refit(loop, others) if others else before
         own = terms[switch]
-        if not set(thermal_model("faiman", "ewm", [own]).drivers) <= {
+        if not set(thermal_model(loop.fit.model, "ewm", [own]).drivers) <= {
             *off.fit.record.inputs.columns
         }:
             gains[switch] = root(without**2 - best**2)

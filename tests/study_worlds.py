@@ -232,6 +232,11 @@ class Case:
     form: dict | None = None  # of an exact null
 
     @property
+    def model(self):
+        """The steady model that a user takes."""
+        return "ross" if "wind_speed" in self.drop else "faiman"
+
+    @property
     def truths(self):
         """Names in the catalogue, each once."""
         names = [TRUTHS[s].effect for s in self.sizes if s in TRUTHS]
@@ -480,6 +485,39 @@ def short(count=20):
         yield world, [Case("short records", PHYSICS | sizes, sizes)]
 
 
+#: without an anemometer: effects that need no wind, each in a size that shows
+CALM = dict(
+    sky_radiation=1.0,
+    electrical_output=1.0,
+    rain=1.5,
+    snow=1.0,
+    soiling=2.0,
+    soiling_sensor=2.0,
+    shading=1.0,
+    shading_sensor=1.0,
+)
+NO_WIND, NO_VANE = "no wind sensor", ("wind_speed", "wind_direction")
+
+
+def no_wind(nulls=12, weathers=2):
+    """Nulls, effects and unknown causes in records that the model ross is fitted to."""
+    alone = dict(drop=NO_VANE)
+    for i in range(nulls):
+        seed = SHIFT + 9700 + i
+        case = Case(NO_WIND, PHYSICS, **alone)
+        yield World(site(seed), seed, step=600.0), [case]
+    for i, (switch, size) in enumerate([*CALM.items()] * weathers):
+        seed, truth = SHIFT + 9720 + i, TRUTHS[switch]
+        world = World(site(seed, **truth.place), seed, truth.days, 600.0)
+        own = {switch: size}
+        off = PHYSICS | {switch: 0.0}
+        yield world, [Case(NO_WIND, off | own, own, off, **alone)]
+    for i, switch in enumerate(UNDECLARED):
+        seed, own = SHIFT + 9750 + i, {switch: LARGER.get(switch, 1.0)}
+        world = World(site(seed, **PLACES.get(switch, {})), seed, step=600.0)
+        yield world, [Case(NO_WIND, PHYSICS | own, own, PHYSICS, **alone)]
+
+
 FAMILIES = {
     "exact null": exact_null,
     "physics null": physics_null,
@@ -493,6 +531,7 @@ FAMILIES = {
     "ties": ties,
     LOGGERS: loggers,
     "short records": short,
+    NO_WIND: no_wind,
 }
 #: of which every world counts, however few of the others do
 WHOLE = ("no catalogue", CLOSED_CAUSES)
