@@ -217,8 +217,8 @@ def always(row):
 
 #: words in which each fault of a logger is told
 TOLD = {
-    "clock_shift": ("clock",),
-    "clock_drift": ("clock", "drift"),
+    "clock_shift": ("timestamps of temp_module", "clock of temp_module"),
+    "clock_drift": ("timestamps of temp_module", "clock of temp_module"),
     "dst": ("daylight-saving",),
     # where no such time is kept, the file's clock was set, and back
     "file_dst": ("daylight-saving", "clock was set", "keeps the clock of"),
