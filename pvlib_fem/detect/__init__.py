@@ -6,10 +6,10 @@ Boolean Series. None needs a fitted model.
 """
 
 from pvlib_fem.detect.changes import LevelChanges
-from pvlib_fem.detect.data_shifts import data_shifts
 from pvlib_fem.detect.module_sensor import DetachedSensor, detached_module_sensor
 from pvlib_fem.detect.sensors import irradiance_changes, slow_anemometer
-from pvlib_fem.detect.time_shifts import TimeShifts, time_shifts
+from pvlib_fem.detect.shifted_clock import TimeShifts, time_shifts
+from pvlib_fem.detect.shifted_level import data_shifts
 
 __all__ = [
     "DetachedSensor",

@@ -92,6 +92,15 @@ def detached_module_sensor(
     ----------
     .. [1] R. G. Ross, "Flat-plate photovoltaic array design optimization", 14th IEEE
        Photovoltaic Specialists Conference, 1126-1132, 1980.
+
+    Examples
+    --------
+    >>> from pvlib_fem import detect, simulator
+    >>> data = simulator.record(days=90, step=3600, start="2023-04-01")
+    >>> off = data["temp_air"].where(data.index >= "2023-06-01", data["temp_module"])
+    >>> print(detect.detached_module_sensor(off, data["temp_air"], data["poa_global"]))
+    2023-04-01  attached
+    2023-06-01  detached
     """
     columns = dict(temp_module=temp_module, temp_air=temp_air, poa_global=poa_global)
     index, (module, air, poa) = checked(**columns)

@@ -113,6 +113,16 @@ def irradiance_changes(
     ----------
     .. [1] G. D. Forney, "The Viterbi algorithm", Proc. IEEE 61, 268-278, 1973.
        :doi:`10.1109/PROC.1973.9030`
+
+    Examples
+    --------
+    >>> from pvlib_fem import detect, simulator
+    >>> data = simulator.record(days=400, step=3600)
+    >>> power = 6 * data["poa_global"]
+    >>> sensor = data["poa_global"].where(data.index < "2023-08-01", 1.1 * power / 6)
+    >>> found = detect.irradiance_changes(sensor, power=power)
+    >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in found.steps]
+    [('2023-08-01', 0.1)]
     """
     place = checked_place(location, surface_tilt, surface_azimuth)
     if location is None and power is None:
@@ -196,6 +206,15 @@ def slow_anemometer(
     As :func:`irradiance_changes`. The mean wind differs by 10 % from season to season
     and from year to year by itself, so that without a reference only a loss of
     about half is seen.
+
+    Examples
+    --------
+    >>> from pvlib_fem import detect, simulator
+    >>> wind = simulator.record(days=400, step=3600)["wind_speed"]
+    >>> slow = wind.where(wind.index < "2023-08-01", 0.7 * wind)
+    >>> found = detect.slow_anemometer(slow, reference=wind)
+    >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in found.steps]
+    [('2023-08-01', -0.3)]
     """
     index, (wind, other) = checked(wind_speed=wind_speed, reference=reference)
     if other is None:

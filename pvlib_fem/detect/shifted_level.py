@@ -58,6 +58,14 @@ def data_shifts(series: pd.Series) -> LevelChanges:
     .. [2] K. Perry and M. Muller, "Automated shift detection in sensor-based PV power
        and irradiance time series", IEEE Photovoltaic Specialists Conference, 2022, as
        in ``pvanalytics.quality.data_shifts``.
+
+    Examples
+    --------
+    >>> from pvlib_fem import detect, simulator
+    >>> light = simulator.record(days=800, step=3600)["poa_global"]
+    >>> stream = light.where(light.index < "2024-03-01", 0.5 * light)
+    >>> print(detect.data_shifts(stream))
+    2024-02-29  -50 %
     """
     index, (values,) = checked(series=series)
     days, place = np.unique(dates_of(index), return_inverse=True)
