@@ -105,7 +105,7 @@ def used():
 
 
 def killer(after):
-    """Is told each answer, and ends one worker in mid-run."""
+    """Gets each answer, and ends one worker in mid-run."""
     seen = []
 
     def tell(answer):

@@ -27,16 +27,16 @@ PAGE = Path(__file__).parents[1] / "docs" / "quality.md"
 USUAL = ["poa_global", "temp_air", "wind_speed", "temp_module"]
 ZONE = "Europe/Berlin"  # whose dates the simulator's summer time has
 DATES = pd.DatetimeIndex(["2023-03-26", "2023-10-29"])
-#: error, root mean square, from which a sensor that stands still does harm
+#: error, root mean square, from which a stuck sensor does harm
 HARM = {"poa_global": 50.0, "temp_air": 2.0, "wind_speed": 0.5, "temp_module": 2.0}
 LATITUDES = (-33.9, 19.4, 30.0, 37.5, 44.0, 49.4, 52.5, 56.0, 59.3, 64.1)
 
 
-# sensors that stand still
+# stuck sensors
 
 
 def sound_records():
-    """Names and records in which no sensor stands still."""
+    """Names and records in which no sensor is stuck."""
 
     def made(site, days, step, seed, start):
         return simulator.record(site, OUTDOORS, days, step, seed, start=start)[USUAL]

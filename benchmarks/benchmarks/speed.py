@@ -74,7 +74,7 @@ class FemTemperature:
 
 
 class YearAtOneSecond:
-    """31.5 million rows: time, and memory beside that of the input."""
+    """31.5 million rows: time, and memory relative to that of the input."""
 
     timeout = 300
 
@@ -134,7 +134,7 @@ class Loop:
 
 
 class LoopOfEight(Loop):
-    """The same with eight effects to find, one after the other."""
+    """A loop with eight effects to find, one after the other."""
 
     params = [1]
     hidden = (*Loop.hidden, "rain", "snow", "soiling", "shading", "thermal_storage")
