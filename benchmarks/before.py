@@ -1,9 +1,9 @@
 """
 Run the work by an earlier commit and by this tree in turn, for ratios of one run.
 
-The commit is checked out in a second folder, from the repository's history. Each runs in a
-process of its own on one thread of BLAS; the shortest of some runs counts, in time of
-the processor, so that a busy machine changes a ratio little.
+The commit is checked out in a second folder, from the repository's history. Each runs
+in a process of its own on one thread of BLAS; the shortest of some runs counts, in time
+of the processor, so that a busy machine changes a ratio little.
 """
 
 import json
