@@ -40,8 +40,8 @@ def test_the_blocks_of_the_page_on_fitting_run_and_print_what_is_shown(week, cap
     exec(f"import pvlib_fem as fem\n{first}", names)
     assert capsys.readouterr().out == blocks("text", page)[0]
     scores = names["fit"].scores["rmse_test"].round(1)
-    sentence = f"leaves {scores['standard']} K (RMSE) on the two days that the fit "
-    assert f"{sentence}never saw, this one {scores['fem']} K." in page
+    sentence = f"has an error of {scores['standard']} K (RMSE) on the two held-out days"
+    assert f"{sentence}, this one {scores['fem']} K." in page
     shown = f"leaves {scores['standard']} K (RMSE) on two days that the fit never saw"
     words = " ".join(README.split())
     assert f"{shown}, the paper's form {scores['fem']} K" in words
@@ -52,7 +52,7 @@ def test_the_blocks_of_the_page_on_fitting_run_and_print_what_is_shown(week, cap
         dynamics="steady",
         holdout=names["fit"].holdout,
     )
-    assert f"with a bias leaves {steady.scores.rmse_test['fem']:.1f} K" in page
+    assert f"with a bias has {steady.scores.rmse_test['fem']:.1f} K" in page
     for block in others:
         exec(block, names)
     assert names["modelled"].notna().all()
