@@ -1,4 +1,4 @@
-"""What `import pvlib_fem` has; each is loaded when it is first asked for."""
+"""Public names of `pvlib_fem`; each is loaded at its first use."""
 
 from . import (
     datasets as datasets,

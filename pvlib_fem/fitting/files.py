@@ -214,10 +214,10 @@ class InFiles:
         stages = {n: (model, natural(model, found[n][1])[0]) for n, model, *_ in steps}
         return stages, found[steps[-1][0]][0], starts
 
-    def ended(self, asked, last, names):
+    def ended(self, requests, last, names):
         """Daily sums of the last step, and the attributes of a result from the rows."""
         files, means = self.files, self.files.means
-        table, daily = files.ends(asked, last, names)
+        table, daily = files.ends(requests, last, names)
         out = pd.Series(np.isin(means.dates, files.out), means.index, name="holdout")
         return daily, dict(
             scores=table,

@@ -28,7 +28,7 @@ def fit_source(source, target, notes):
     target, stages, minimum = stages_of(source, target)
     at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
     found, names = last(stages)[1], [n for n in target.free if n not in at_bound]
-    daily, own = source.ended(*asked(stages), tuple(names))
+    daily, own = source.ended(*requests_of(stages), tuple(names))
     stderr = errors(target, daily, at_bound, notes)
     days = own["train_days"]
     notes += memory_notes(source, target, found, stderr, at_bound, days)
@@ -45,7 +45,7 @@ def fit_source(source, target, notes):
     )
 
 
-def asked(stages):
+def requests_of(stages):
     """Requests to a source for the models of some steps, and the last step's name."""
     final = list(stages)[-1]
     models = {

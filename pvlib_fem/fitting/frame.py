@@ -77,10 +77,13 @@ class Frame(Rows):
         inputs = model.with_drivers(self.record.inputs)
         return replace(self, record=replace(self.record, inputs=inputs), divided={})
 
-    def ended(self, asked, last, names):
+    def ended(self, requests, last, names):
         """Daily sums of the last step, and the attributes of a result from the rows."""
-        whole, temperature = self.known(asked[last].model), np.empty(len(self.counts))
-        table, daily = whole.ends(asked, last, names, temperature)
+        whole, temperature = (
+            self.known(requests[last].model),
+            np.empty(len(self.counts)),
+        )
+        table, daily = whole.ends(requests, last, names, temperature)
         own = of_rows(whole.record, temperature, self.counts, self.test, self.out)
         return daily, {**own, "scores": table}
 

@@ -96,16 +96,16 @@ class Files(Source):
         """The state before the first row of the record."""
         return Past(self.usual[self.drivers if model.drivers else ()])
 
-    def parts(self, asked):
+    def parts(self, requests):
         """The record in parts of its blocks; see :meth:`Source.parts`."""
-        pasts = {key: self.past(one.model) for key, one in asked.items()}
-        bases = Bases(self, asked.values())
-        for start, inputs in self.inputs(asked.values()):
+        pasts = {key: self.past(one.model) for key, one in requests.items()}
+        bases = Bases(self, requests.values())
+        for start, inputs in self.inputs(requests.values()):
             rows, dates = self.kept(start, len(inputs.index))
             for piece in blocks(len(inputs.index), self.at_once):
                 here = bases.added_to(inputs.part(piece))
                 given = {}
-                for key, one in asked.items():
+                for key, one in requests.items():
                     own = one.model.with_drivers(here), one.coefficients
                     known = one.model.knowing(*own, one.wanted)
                     given[key] = known, (*own, pasts[key])
@@ -133,8 +133,8 @@ class Files(Source):
 
     def residuals(self, model, coefficients):
         """Times and residual of all rows, block by block."""
-        asked, past = EvalRequest(model, coefficients), self.past(model)
-        bases = Bases(self, [asked])
+        request, past = EvalRequest(model, coefficients), self.past(model)
+        bases = Bases(self, [request])
         for block in self.clean.blocks():
             inputs, found = even(block), []
             for part in blocks(len(block), self.at_once):
@@ -145,10 +145,10 @@ class Files(Source):
                 found.append(temperature_of(known, given, self.quick(known)))
             yield block.index, block["temp_module"] - np.concatenate(found)
 
-    def inputs(self, asked):
+    def inputs(self, requests):
         """First row and inputs of all blocks, without times if nothing needs them."""
         sparse = all(seen.steps is not None for seen in self.seen.values())
-        if not sparse or any(one.model.effects for one in asked):
+        if not sparse or any(one.model.effects for one in requests):
             for block in self.clean.blocks():
                 yield block.start, even(block)
             return
@@ -177,8 +177,8 @@ class FileSummary(Summary):
 class Bases:
     """The temperature of the base model, continued from part to part."""
 
-    def __init__(self, files, asked):
-        models = (one.model for one in asked)
+    def __init__(self, files, requests):
+        models = (one.model for one in requests)
         needing = [model for model in models if is_modelled(model.effect_drivers)]
         self.model = needing[0] if needing else None
         if self.model:

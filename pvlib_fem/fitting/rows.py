@@ -130,13 +130,13 @@ class Source:
         """Whether the compiled loops can solve a model with known terms."""
         raise NotImplementedError
 
-    def parts(self, asked):
+    def parts(self, requests):
         """
         Consecutive parts of the rows, with the input of each requested model.
 
         Parameters
         ----------
-        asked : dict of EvalRequest
+        requests : dict of EvalRequest
 
         Yields
         ------
@@ -146,22 +146,24 @@ class Source:
         """
         raise NotImplementedError
 
-    def sums(self, asked, names):
+    def sums(self, requests, names):
         """:class:`Normal` of several models by some of their coefficients each."""
-        total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in asked}
-        for part, given in self.parts(asked):
+        total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in requests}
+        for part, given in self.parts(requests):
             for key, (model, own) in given.items():
-                answer = part.answered(model, own, asked[key].rows, self.quick(model))
+                answer = part.answered(
+                    model, own, requests[key].rows, self.quick(model)
+                )
                 total[key] += answer.products(names[key])
         return {key: Normal.of(found) for key, found in total.items()}
 
-    def ends(self, asked, last, names, temperature=None):
+    def ends(self, requests, last, names, temperature=None):
         """
         Scores of several models, and daily sums of one of them.
 
         Parameters
         ----------
-        asked : dict of EvalRequest
+        requests : dict of EvalRequest
         last : hashable
             Key of the model of the daily sums.
         names : tuple of str
@@ -173,8 +175,8 @@ class Source:
         -------
         DataFrame, DailySums
         """
-        tallies, by_day, end = {key: scores.tallying() for key in asked}, [], 0
-        for part, given in self.parts(asked):
+        tallies, by_day, end = {key: scores.tallying() for key in requests}, [], 0
+        for part, given in self.parts(requests):
             first, end = end, end + len(part.dates)
             train, test = part.counts["train"], part.counts["test"]
             rows = {"train": np.flatnonzero(train), "test": np.flatnonzero(test)}
@@ -246,23 +248,23 @@ class Rows(Source):
         """Whether the compiled loops can solve a model with known terms."""
         return fast(len(self.record.index), model.effects)
 
-    def parts(self, asked):
+    def parts(self, requests):
         """The record in blocks; see :meth:`Source.parts`."""
         inputs, dates, kept = self.record.inputs, self.record.dates, self.kept
-        pasts = {key: one.model.past(inputs) for key, one in asked.items()}
+        pasts = {key: one.model.past(inputs) for key, one in requests.items()}
         known = {
             key: one.model.knowing(inputs, one.coefficients, one.wanted)
-            for key, one in asked.items()
+            for key, one in requests.items()
         }
         size = len(inputs.index)
         if not all(map(self.quick, known.values())):
             size = BLOCK
-        elif len(asked) > 1 or inputs.columns.narrow or known_effects(known):
+        elif len(requests) > 1 or inputs.columns.narrow or known_effects(known):
             size = AT_ONCE  # terms and widened columns would take too much memory
         for block, part in self.in_blocks(size):
             given = {
                 key: (known[key].on(block), (part, one.coefficients, pasts[key]))
-                for key, one in asked.items()
+                for key, one in requests.items()
             }
             counts = {which: rows[block] for which, rows in kept.items()}
             yield Part(part["temp_module"], dates[block], counts), given

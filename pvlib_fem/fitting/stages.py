@@ -103,11 +103,11 @@ def minima(source, steps, starts, flat):
     }
 
     def sums(points):
-        asked = {
+        requests = {
             name: EvalRequest(models[name][0], coefficients, models[name][1])
             for name, (coefficients, _) in points.items()
         }
-        return source.sums(asked, {name: own for name, (_, own) in points.items()})
+        return source.sums(requests, {name: own for name, (_, own) in points.items()})
 
     return minima_of(searches, sums)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
-from pvlib_fem.fitting.fit import asked, of_minimum
+from pvlib_fem.fitting.fit import of_minimum, requests_of
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.stages import last
 from pvlib_fem.paper import estimators as paper
@@ -41,7 +41,7 @@ def fit_paper(frame, target, notes, calm_wind, offset):
     """Fit a model to a record in memory by the paper's recipe."""
     train, kept = frame.counts, ~frame.out
     stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
-    found, own = last(stages)[1], frame.ended(*asked(stages), ())[1]
+    found, own = last(stages)[1], frame.ended(*requests_of(stages), ())[1]
     notes.append("no errors: the paper's recipe gives none")
     return FemFit(
         **of_minimum(target, found, dict.fromkeys(found, np.nan), (), True),

@@ -53,7 +53,7 @@ def normal(residual, jacobian):
 
 def minimum_of(search, evaluate):
     """Run a search to its end; ``evaluate`` answers its points."""
-    return minima_of({"": search}, lambda asked: {"": evaluate(asked[""])})[""]
+    return minima_of({"": search}, lambda points: {"": evaluate(points[""])})[""]
 
 
 def minima_of(searches, evaluate):
@@ -63,16 +63,16 @@ def minima_of(searches, evaluate):
     ``evaluate`` takes the points of all searches that have not ended, by name, and
     returns the answers to send.
     """
-    found, asked = {}, {}
+    found, points = {}, {}
     answers = dict.fromkeys(searches)
     while answers:
         for name, answer in answers.items():
             try:
-                asked[name] = searches[name].send(answer)
+                points[name] = searches[name].send(answer)
             except StopIteration as end:
-                asked.pop(name, None)
+                points.pop(name, None)
                 found[name] = end.value
-        answers = evaluate(asked) if asked else {}
+        answers = evaluate(points) if points else {}
     return found
 
 
