@@ -87,7 +87,7 @@ The task of the [PV Validation Hub](https://github.com/kperrynrel/time-shift-val
 clock that was set for a while, with the shift of each day. The score is the mean
 absolute error of the shift over the days of a stream, averaged over streams. Everything
 was tuned on streams whose file name's number is even, and fixed before the others
-were opened; the code was tidied afterwards, with the same error and jumps of each stream.
+were opened. The code was tidied afterwards, with the same result for each stream.
 {here} of {all} streams are on this disk.
 
 | streams | number | {function}, MAE [min] | median | worst | jumps found | \
