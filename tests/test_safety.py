@@ -213,10 +213,10 @@ def test_hours_far_from_the_suns_are_said(usual, plain):
         location=Location(39.0, -105.0, tz="Etc/GMT+7"),
         **place,
     )
-    (note,) = (n for n in far.notes if n.startswith("hours are told in"))
+    (note,) = (n for n in far.notes if n.startswith("hours are those of"))
     assert "UTC; at longitude -105° the sun's are 7 h earlier" in note
     near = fem.close_loop(usual.tz_convert("UTC"), location=RHEIN, **place)
-    assert not any(n.startswith("hours are told in") for n in near.notes)
+    assert not any(n.startswith("hours are those of") for n in near.notes)
 
 
 # arguments

@@ -435,11 +435,15 @@ class Loop:
         """
         found = corrected_record(self, self.whole(data), resolve)
         # what stood in and was not corrected is as it came
-        made = {*(one.usual for one in self.stand_ins), "poa_global"} & {*found.data}
-        for name in made - {*found.actions["column"][found.actions["applied"]]}:
-            found.data.pop(name)
+        made = {one.usual for one in self.stand_ins}
+        made |= {"poa_global"} if self.transposition else set()
+        applied = {*found.actions["column"][found.actions["applied"]]}
+        _, known = self.timed(data)  # rows without a sure time are dropped
+        for name in made & {*found.data} - applied:
             if name in data:
-                found.data[name] = data[name].to_numpy()
+                found.data[name] = data[name].to_numpy()[known]
+            else:
+                found.data.pop(name)
         return found
 
     def filled(self, data: pd.DataFrame, place: dict) -> dict[str, pd.Series]:
