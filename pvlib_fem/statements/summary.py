@@ -30,7 +30,7 @@ def summary(loop):
     said = [line for words in conclusion(loop, found) for line in wrapped(words)]
     head = [*heading(loop), *said, "", *steps(loop), ""]
     room = LINES - len(head) - 2
-    body = findings(found, room) if found else ["Nothing more was found."]
+    body = findings(found, room)
     return [*head, *body, MORE]
 
 
@@ -94,7 +94,11 @@ def counted(loop, found):
         "hint": sum(one.verdict == "suggestive" for one in found),
     }
     parts = [f"{n} {words}{'s' * (n > 1)}" for words, n in counts.items() if n]
-    return f"Found: {', '.join(parts)}." if parts else "No cause was found."
+    words = f"Found: {', '.join(parts)}." if parts else "No cause was found."
+    days, least = loop.fit.summary.days, loop.criteria.enough_days
+    if days < least:
+        words += f" At least {least} days are needed to identify one (here {days})."
+    return words
 
 
 def steps(loop):
