@@ -26,7 +26,7 @@ import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Member
-from pvlib_fem.statements.causes import READS, SPECIAL, clause_of
+from pvlib_fem.statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem.statements.summary import LINES, WIDTH
 
 DEVICES = {
@@ -169,6 +169,18 @@ def test_every_effect_has_words(name):
         clause = clause_of(effect, numbers, {"u1": 6.0}, *days)
         assert clause.device and clause.words
         assert "nan" not in clause.words and "{" not in clause.words
+    # a record may not determine a coefficient
+    clause = clause_of(effect, Member({}, {}, {}, {}), {"u1": 6.0}, *days)
+    assert clause.device and clause.words and "{" not in clause.words
+
+
+@pytest.mark.parametrize("share", [-0.3, -0.1, 0.1, 0.5])
+def test_a_trend_that_leaves_nothing_keeps_its_direction(share):
+    """Eight years of -30 % a year would turn the sign of the reading."""
+    value, error, low, high = reading_of(
+        (share, 0.01, share - 0.02, share + 0.02), "-", 8.0
+    )
+    assert np.sign(value) == -np.sign(share) and error > 0.0 and low <= value <= high
 
 
 def test_the_summary_is_short_and_narrow(ambiguous, named_one):  # noqa: F811

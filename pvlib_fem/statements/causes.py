@@ -164,14 +164,16 @@ def reading_of(added, unit, years):
     """
     What is read beyond the truth, of what is to be added to the reading.
 
-    Of a trend it is the mean slope of the reading over the record.
+    Of a trend it is the mean slope of the reading over the record; of one by which
+    nothing would be left to read, the slope at its start.
     """
     value, error, low, high = added
     if unit == "K":
         return -value, error, -high, -low
 
     def read(share):
-        return SHARE * (1.0 / (1.0 + share * years) - 1.0) / years
+        left = 1.0 + share * years
+        return SHARE * (-share if left <= 0.0 else (1.0 / left - 1.0) / years)
 
     half = 0.5 * abs(read(value + error) - read(value - error))
     return read(value), half, read(high), read(low)
@@ -226,7 +228,9 @@ def mounting(effect, numbers):
 
 
 def soiling(effect, numbers):
-    found = sized(effect, numbers, SHARE)
+    if not (found := sized(effect, numbers, SHARE)):
+        words = "dirt gathers between rains on the irradiance sensor or the modules"
+        return Clause("irradiance sensor or modules", words)
     found["unit"] = "%/day"
     sensor = found["value"] > 0
     size = f"{with_error(abs(found['value']), found['error'])} %"
@@ -274,18 +278,21 @@ def poa_misalignment(effect, numbers):
         way = more if value > 0 else less
         way = way if key == "tilt" else f"further {way}"
         parts.append(f"{with_error(abs(value), error)}° {way}")
-    words = f"the modules stand {' and '.join(parts)} than the irradiance sensor"
+    way = " and ".join(parts) or "in another plane"
+    words = f"the modules stand {way} than the irradiance sensor"
     action = "Measure the tilt and azimuth of the irradiance sensor and the modules"
     return Clause("irradiance sensor", words, action)
 
 
 def temperature_gain(effect, numbers):
-    found = sized(effect, numbers, SHARE)
-    more = "more" if found["value"] > 0 else "less"
-    words = (
-        f"the module temperature sensor reads {spoken(found)} {more} for each kelvin "
-        "of air temperature"
-    )
+    found = sized(effect, numbers)
+    words = "the module temperature sensor has another slope than the air's"
+    if found:
+        more = "more" if found["value"] > 0 else "less"
+        words = (
+            f"the module temperature sensor reads {spoken(found)} K {more} for each "
+            "kelvin of air temperature"
+        )
     action = "Recalibrate the module temperature sensor"
     return Clause("module temperature sensor", words, action, **found)
 
