@@ -25,7 +25,7 @@ from test_instruments import DATES
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.findings import Member
+from pvlib_fem.findings import Kind, Member, Verdict
 from pvlib_fem.statements.causes import READS, SPECIAL, clause_of, reading_of
 from pvlib_fem.statements.summary import LINES, WIDTH
 
@@ -200,3 +200,22 @@ def test_a_long_list_is_cut_with_the_number_of_the_rest(ambiguous):  # noqa: F81
         next(line for line in lines if "more are in loop.statements" in line).split()[0]
     )
     assert shown + rest == len(many.statements)
+
+
+@pytest.mark.parametrize("kind", [Kind.COLUMN, Kind.OWN])
+def test_a_hint_of_an_effect_that_no_registry_knows_has_a_statement(ambiguous, kind):  # noqa: F811
+    """A column of the user's own that was seen and not added."""
+    _, loop = ambiguous
+    hint = replace(
+        loop.findings[0],
+        effect="driver:fan",
+        candidates=("driver:fan", "rain"),
+        verdict=Verdict.SUGGESTIVE,
+        kind=kind,
+        members={},
+    )
+    seen = replace(loop, findings=(hint,))
+    (one,) = (s for s in seen.statements.itertuples() if s.cause == "driver:fan")
+    assert "driver:fan" in one.text and "evaporating rain" in one.text
+    assert one.verdict == "suggestive" and one.alternatives == ("rain",)
+    assert "driver:fan" in str(seen) and "driver:fan" in seen.to_html()

@@ -5,7 +5,7 @@ A correction adds to a reading what its instrument reads too little. A statement
 the reading: it has the other sign, and as a share it is the inverse.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -129,8 +129,8 @@ def dated(clause, effect, first, last):
     since, until = dates_of(effect, first, last)
     if course_of(effect) != "drift" and not effect.settings:  # a hint has no dates
         since, until = "", last
-    fields = {**vars(clause), "since": since, "course": course_of(effect)}
-    return Clause(**{**fields, "until": until if until != last else ""})
+    until = "" if until == last else until
+    return replace(clause, since=since, until=until, course=course_of(effect))
 
 
 def of_instrument(effect, numbers, coefficients, first, last):

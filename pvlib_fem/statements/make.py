@@ -4,14 +4,24 @@ import numpy as np
 
 from pvlib_fem.effects import find
 from pvlib_fem.effects.effect import deciding
-from pvlib_fem.findings import LEAST, OUTSIDE, OUTSIDE_WORDS, Kind, Opinion, Verdict
+from pvlib_fem.findings import (
+    LEAST,
+    OUTSIDE,
+    OUTSIDE_WORDS,
+    Kind,
+    Member,
+    Opinion,
+    Verdict,
+)
 from pvlib_fem.report import budget, events
-from pvlib_fem.statements.causes import MODULES, clause_of
+from pvlib_fem.statements.causes import MODEL, MODULES, Clause, clause_of
 from pvlib_fem.statements.clocks import clock_statement
 from pvlib_fem.statements.statement import Statement
 
 PATTERN = "unexplained pattern"
 DAYS = "days that stand out"
+#: what a statement has of its first clause
+SIZE = ("value", "error", "low", "high", "unit", "since", "until")
 
 
 def statements_of(loop):
@@ -52,49 +62,47 @@ def days_of(loop):
 
 def finding_statement(finding, loop):
     """A finding as a statement."""
-    effects = {effect.name: effect for effect in loop.fit.effects}
-    own = [*effects.values()]
-    clauses, known = [], []
-    for name in finding.candidates:
-        numbers = finding if name == finding.effect else finding.members.get(name)
-        effect = effects.get(name)
-        if effect is None or name != finding.effect:
-            effect = find_or_none(name, numbers, own)
-        if effect is None:
-            continue
-        known.append(effect)
-        if numbers is not None:
-            days = days_of(loop)
-            clauses.append(clause_of(effect, numbers, loop.fit.coefficients, *days))
-    alternatives = tuple(n for n in finding.candidates if n != finding.effect)
+    own = {effect.name: effect for effect in loop.fit.effects}
+    effects = [effect_of(name, finding, own) for name in finding.candidates]
+    clauses = [
+        clause_or_name(name, effect, finding, loop)
+        for name, effect in zip(finding.candidates, effects)
+    ]
     main = clauses[0]
     return Statement(
         cause=finding.effect,
         device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),
         verdict=str(finding.verdict),
         text=sentence(finding, clauses),
-        action=action_of(finding, clauses, known),
+        action=action_of(finding, clauses, [e for e in effects if e is not None]),
         certainty=certainty_of(finding),
         gain=finding.gain,
-        value=main.value,
-        error=main.error,
-        low=main.low,
-        high=main.high,
-        unit=main.unit,
-        since=main.since,
-        until=main.until,
         probability=finding.probabilities.get(finding.effect, np.nan),
-        alternatives=alternatives,
+        alternatives=tuple(n for n in finding.candidates if n != finding.effect),
+        **{name: getattr(main, name) for name in SIZE},
     )
 
 
-def find_or_none(name, numbers, own):
-    """The effect of a name with the settings of a member; None if it is unknown."""
-    settings = numbers.settings if hasattr(numbers, "settings") else {}
+def effect_of(name, finding, own):
+    """The effect of a candidate with its settings; None if it is unknown."""
+    if name == finding.effect and name in own:
+        return own[name]
+    member = finding.members.get(name)
     try:
-        return find({"name": name, **settings}, own)
+        return find({"name": name, **(member.settings if member else {})}, own.values())
     except ValueError:
         return None
+
+
+def clause_or_name(name, effect, finding, loop):
+    """A candidate as a clause; of an unknown effect, such as a hint of a column."""
+    if effect is None:
+        if finding.kind is Kind.COLUMN:
+            return Clause(MODEL, f"the error follows {name}")
+        return Clause(MODEL, f"the effect {name} is missing from the model")
+    numbers = finding if name == finding.effect else finding.members.get(name)
+    numbers = numbers or Member({}, {}, {}, {})
+    return clause_of(effect, numbers, loop.fit.coefficients, *days_of(loop))
 
 
 def sentence(finding, clauses):
