@@ -16,10 +16,10 @@ from pvlib_fem.correction.repairs import (
 from pvlib_fem.correction.result import CorrectedRecord
 from pvlib_fem.drivers import MEASURED, behind, completed
 from pvlib_fem.effects.effect import Terms
-from pvlib_fem.quality.lag import follows
+from pvlib_fem.quality.lag import by_module_logger
 from pvlib_fem.quality.units import unit_of_driver
 from pvlib_fem.quality.zones import plain
-from pvlib_fem.record.columns import ORIGINAL, is_power, twin_of
+from pvlib_fem.record.columns import ORIGINAL
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.units import QUANTITIES, UNITS, own_unit
 
@@ -142,22 +142,12 @@ class Work:
             "unit": "s/day" if key == "drift" else "min",
         }
         size["stderr"] = fault.stderr.get(key, np.nan)
-        poa = self.columns.get("poa_global")
-        module = self.columns.get("temp_module")
-        if module is not None:
-            module = loop.times.of_module(self.data.index, module.to_numpy())
-        for name in [*self.columns]:
-            is_module = twin_of(name) == "temp_module"
-            if name != "temp_module" and not is_module and not is_power(name):
-                continue
-            was = self.columns[name].to_numpy()
-            values = loop.times.of_module(self.data.index, was)
-            # power and a second sensor may have a logger of their own
-            like = module if is_module else poa
-            if name != "temp_module" and (
-                like is None or follows(np.asarray(like), was, values) is was
-            ):
-                continue
+        columns = {name: column.to_numpy() for name, column in self.columns.items()}
+        moved = by_module_logger(
+            columns, lambda column: loop.times.of_module(self.data.index, column)
+        )
+        for name, values in moved.items():
+            was = columns[name]
             self.put(name, values)
             words = f"{name}: {fault.why}. Interpolated to the clock of poa_global."
             rows = self.inside & np.isfinite(was)

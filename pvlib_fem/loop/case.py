@@ -9,8 +9,8 @@ from pvlib_fem.drivers import geometry
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.weeks import Part
 from pvlib_fem.quality.clock import Clock
-from pvlib_fem.quality.lag import follows
-from pvlib_fem.record.columns import GEOMETRY, is_power, twin_of
+from pvlib_fem.quality.lag import by_module_logger
+from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.record.filters import counted
 from pvlib_fem.record.inputs import Record
 from pvlib_fem.record.resampling import coarse, covered
@@ -114,14 +114,9 @@ class Case:
     def corrected(self):
         """The case with the module's record re-timed."""
         whole, seconds = self.whole, self.whole.inputs.seconds
-        module = self.clock.corrected(seconds, whole["temp_module"])
-        moved = {"temp_module": module}
-        for name in whole.inputs.columns:
-            # power and a second sensor may have a logger of their own
-            like = whole["poa_global"] if is_power(name) else module
-            if is_power(name) or twin_of(name) == "temp_module":
-                later = self.clock.corrected(seconds, whole[name])
-                moved[name] = follows(like, whole[name], later)
+        moved = by_module_logger(
+            whole.inputs.columns, lambda column: self.clock.corrected(seconds, column)
+        )
         return divided(whole.having(moved), replace(self, clock=Clock()))
 
 

@@ -14,6 +14,7 @@ from scipy.optimize import nnls
 from scipy.stats import norm, t as student
 
 from pvlib_fem.quality.onset import DAY, HOUR, decays, night
+from pvlib_fem.record.columns import is_power, twin_of
 
 ANSWER = 3 * HOUR  # s, in which a module's answer is over
 
@@ -88,6 +89,39 @@ def follows(poa_global, *columns):
         return change[both] @ other[both] / np.sqrt(other[both] @ other[both] + 1e-12)
 
     return max(columns, key=likeness)
+
+
+def by_module_logger(columns, retime):
+    """
+    Columns that the module's logger wrote, by the clock of the irradiance.
+
+    Parameters
+    ----------
+    columns : mapping of array
+        By name; ``temp_module``, power and further module sensors are retimed.
+    retime : callable
+        A column of the module's logger to the same at correct times.
+
+    Returns
+    -------
+    dict of array
+        Power and a second sensor may have a logger of their own: only those that
+        follow irradiance, or the module, better at correct times.
+    """
+    moved = {}
+    if "temp_module" in columns:
+        moved["temp_module"] = retime(columns["temp_module"])
+    for name in columns:
+        like = None
+        if is_power(name):
+            like = columns.get("poa_global")
+        elif twin_of(name) == "temp_module":
+            like = moved.get("temp_module")
+        if like is not None:
+            later = retime(columns[name])
+            if follows(like, columns[name], later) is later:
+                moved[name] = later
+    return moved
 
 
 def grid(seconds, columns, step, count):

@@ -46,15 +46,20 @@ def never(fit):
 def lines(loop):
     """Lines of the printed report, none wider than a window."""
     fit, record = loop.fit, loop.fit.summary
-    step, days = record.step, record.days
-    width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
     yield (
-        f"pvlib_fem: the loop on {days} day{'s' if days > 1 else ''} at {width} · "
+        f"pvlib_fem: the loop on {length(record)} · "
         f"{record.rows:,} rows "
         f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
     )
     for head, words in (*clocks(loop), *rows(loop), *remaining(loop)):
         yield from folded(head, words)
+
+
+def length(record):
+    """Days of a record, and its step."""
+    step, days = record.step, record.days
+    width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
+    return f"{days} day{'s' if days > 1 else ''} at {width}"
 
 
 def folded(head, words):

@@ -6,6 +6,7 @@ import numpy as np
 
 from pvlib_fem.plotting.steps import step_name
 from pvlib_fem.report.ceiling import sentence
+from pvlib_fem.report.text import cell, length
 from pvlib_fem.statements.make import PATTERN, statements_of
 
 LINES, WIDTH = 25, 100
@@ -36,11 +37,8 @@ def summary(loop):
 
 def heading(loop):
     fit, record = loop.fit, loop.fit.summary
-    step, days = record.step, record.days
-    width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
-    plural = "s" if days > 1 else ""
     yield from wrapped(
-        f"pvlib_fem: the loop on {days} day{plural} at {width}, "
+        f"pvlib_fem: the loop on {length(record)}, "
         f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, {record.rows:,} rows; "
         f"{fit.model}, {fit.dynamics}{instead(loop)}"
     )
@@ -113,12 +111,8 @@ def steps(loop):
     first = [n for n in ("steady", "fem") if n in names and n != loop.base]
     for name in [*first, loop.base, *effects[-MOST_EFFECTS:]]:
         row = loop.table.loc[name]
-        cells = "".join(number(row[key]) for key in keys)
+        cells = "".join(cell(row[key], 8) for key in keys)
         yield f"{step_name(name):<26}{cells}"
-
-
-def number(value):
-    return f"{'–':>8}" if np.isnan(value) else f"{value:>z8.2f}"
 
 
 def findings(found, room):
