@@ -200,11 +200,11 @@ def searched(data, model, place, progress, **how):
             own = OwnSteps(screened)
             if how["holdout"] is not None:
                 how["holdout"] = on_days(how["holdout"], data.index)
+        others = chosen(how["instead"].stand_ins) if "instead" in how else {}
+        plain.refuse_without_wind({**with_aliases(data, ()), **others})
         site, how["moving"] = plane_of_columns(data, site)
         if angles := [label for label in data if printable(label) in ANGLES]:
             data = data.drop(columns=angles)
-        others = chosen(how["instead"].stand_ins) if "instead" in how else {}
-        plain.refuse_without_wind({**with_aliases(data, ()), **others})
         tell("checking the record")
         search = Search(Fits(prepared(data, site, **how)), tell, own=own)
         ended = search.run(steady)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.columns import GEOMETRY, numeric, with_aliases
+from pvlib_fem.record.columns import GEOMETRY, numeric, printable, with_aliases
 
 TILT, AZIMUTH = ANGLES = GEOMETRY[2:]
 FIXED = 1.0  # ° within which a plane is one and the same
@@ -32,8 +32,9 @@ def plane_of_columns(data, site):
     ValueError
         If angles are given and the columns have others.
     """
-    columns = numeric(with_aliases(data, ()))
-    known = {n: columns[n].dropna().to_numpy() for n in ANGLES if n in columns}
+    own = [label for label in data if printable(label) in ANGLES]
+    columns = numeric(with_aliases(data[own], ())) if own else {}
+    known = {name: column.dropna().to_numpy() for name, column in columns.items()}
     known = {name: values for name, values in known.items() if len(values)}
     for name, values in known.items():
         refuse_other(name, values, site[name])
