@@ -31,6 +31,7 @@ from pvlib_fem.simulator import (
 
 SIGMA, ZERO = 5.670374419e-8, 273.15
 ROOF = Site(mounting="roof", surface_tilt=20.0)
+TRACKING = Site(tracker=simulator.Tracker())
 
 
 @pytest.fixture(scope="module")
@@ -118,8 +119,13 @@ def test_imports_nothing_of_the_package(path):
 
 @pytest.mark.parametrize(
     "site",
-    [RHINE, ROOF, *(replace(RHINE, forms=simulator.drawn(seed)) for seed in (1, 2, 3))],
-    ids=["rack", "roof", "drawn 1", "drawn 2", "drawn 3"],
+    [
+        RHINE,
+        ROOF,
+        TRACKING,
+        *(replace(RHINE, forms=simulator.drawn(seed)) for seed in (1, 2, 3)),
+    ],
+    ids=["rack", "roof", "tracker", "drawn 1", "drawn 2", "drawn 3"],
 )
 def test_every_node_closes_its_energy_balance(site, wet_week):
     sky, truth = wet_week, simulate(wet_week, site, OUTDOORS)
@@ -129,6 +135,9 @@ def test_every_node_closes_its_energy_balance(site, wet_week):
         truth[f"temp_{name}"] + ZERO for name in ("glass", "back", "cell", "ground")
     )
     tilt, rack = np.cos(np.radians(site.surface_tilt)), site.mounting == "rack"
+    if site.tracker is not None:
+        angles = measure(sky, truth, site, OUTDOORS)["surface_tilt"]
+        tilt = np.cos(np.radians(angles))
 
     def face(node, convection, emissivity, ground_view, cavity):
         before, under = node.shift(), ground.shift()
@@ -374,7 +383,100 @@ def test_effect_has_its_sign_and_size(name, amplitude, column, sign, least, most
 
 
 def test_every_switch_has_a_size():
-    assert {row[0] for row in EFFECTS} == set(SWITCHES) - {"dew", "missing"}
+    assert {row[0] for row in EFFECTS} == set(SWITCHES) - {"dew", "missing", *STUCK}
+
+
+# ---------------------------------------------------------------- trackers
+STUCK = ("tracker_stuck", "tracker_stuck_sensor")
+ONLY_TRACKERS = ["surface_tilt", "surface_azimuth"]
+
+
+@pytest.fixture(scope="module")
+def july():
+    return weather(RHINE, days=21, step=300, start="2023-07-01", seed=4)
+
+
+def seen(sky, site, effects):
+    return measure(sky, simulate(sky, site, effects), site, effects, noise=0)
+
+
+def test_a_tracker_that_cannot_turn_is_a_level_plane(july):
+    still = replace(RHINE, tracker=simulator.Tracker(max_angle=0.0))
+    level = replace(RHINE, surface_tilt=0.0)
+    rivals = simulator.RIVALS
+    for name, natural in zip(rivals["transposition"], 2 * rivals["natural"]):
+        forms = simulator.Forms(transposition=name, natural=natural)
+        turns, lies = (
+            seen(july, replace(site, forms=forms), OUTDOORS | {"wind_direction": 0.0})
+            for site in (still, level)
+        )
+        turns = turns.drop(columns=ONLY_TRACKERS)
+        pd.testing.assert_frame_equal(turns, lies, atol=1e-9)
+
+
+def test_a_tracker_follows_the_sun_row_by_row(july):
+    data = seen(july, TRACKING, PHYSICS)
+    beam = pvlib.irradiance.aoi_projection(
+        data["surface_tilt"],
+        data["surface_azimuth"],
+        90.0 - july["elevation"],
+        july["azimuth"],
+    )
+    sky = (1 + np.cos(np.radians(data["surface_tilt"]))) / 2
+    hand = july["dni"] * beam.clip(lower=0) * (july["elevation"] > 0)
+    hand += july["dhi"] * sky + july["ghi"] * RHINE.albedo * (1 - sky)
+    lagged = hand.ewm(alpha=1 - np.exp(-300 / 8), adjust=False).mean()
+    assert (data["poa_global"] - lagged).abs().max() < 1e-6
+    # it gains on a fixed plane, as trackers do in summer
+    gain = data["poa_global"].sum() / seen(july, RHINE, PHYSICS)["poa_global"].sum()
+    assert 1.1 < gain < 1.4
+    east = data["surface_azimuth"].between(89, 91)
+    tilted = data["surface_tilt"] > 0.1
+    assert (east == (july.index.hour + july.index.minute / 60 < 12.5))[
+        tilted
+    ].mean() > 0.98
+
+
+@pytest.mark.parametrize("angle, azimuth", [(-35.0, 90.0), (35.0, 270.0)])
+def test_a_row_that_stands_still_gets_the_light_of_its_angle(july, angle, azimuth):
+    stuck = simulator.Stuck("2023-07-05", "2023-07-12", angle)
+    site = replace(RHINE, tracker=simulator.Tracker(stuck=stuck))
+    fixed = replace(RHINE, surface_tilt=35.0, surface_azimuth=azimuth)
+    moves, modules, sensor = (
+        seen(july, site, PHYSICS | dict.fromkeys(on, 1.0))
+        for on in ((), STUCK[:1], STUCK[1:])
+    )
+    stands = seen(july, fixed, PHYSICS)
+    during = stuck.during(july.index)
+    # the described plane goes on moving in all of them
+    for data in (modules, sensor):
+        pd.testing.assert_frame_equal(data[ONLY_TRACKERS], moves[ONLY_TRACKERS])
+        rest = data[~during].drop(columns="temp_module")
+        pd.testing.assert_frame_equal(rest, moves[~during].drop(columns="temp_module"))
+    pd.testing.assert_series_equal(modules["poa_global"], moves["poa_global"])
+    pd.testing.assert_series_equal(sensor["temp_module"], moves["temp_module"])
+    late = during & (july.index >= july.index[during][12])
+    for name, data in (("poa_global", sensor), ("temp_module", modules)):
+        apart = (data[name] - stands[name])[late]
+        assert apart.abs().max() < 0.1, name
+    change = (
+        (modules["temp_module"] - moves["temp_module"])[during].resample("D").mean()
+    )
+    assert change.mean() < -0.5  # it gets less light
+
+
+def test_a_fixed_plane_does_not_stand_still(july):
+    with pytest.raises(ValueError, match="give the site a Tracker"):
+        seen(july, RHINE, PHYSICS | {"tracker_stuck": 1.0})
+    with pytest.raises(ValueError, match="'rack'"):
+        replace(ROOF, tracker=simulator.Tracker())
+    with pytest.raises(ValueError, match="is not before"):
+        simulator.Stuck("2023-07-05", "2023-07-05")
+
+
+def test_a_tracker_of_a_record_is_found_again():
+    data = record(TRACKING, PHYSICS, days=2, step=600)
+    assert Site(**data.attrs["site"]) == TRACKING
 
 
 def test_dew_warms_clear_nights_and_cools_the_morning(year):

@@ -38,6 +38,7 @@ from pvlib_fem.simulator.sensors import measure
 from pvlib_fem.simulator.site import ALBUQUERQUE, RHINE, Site
 from pvlib_fem.simulator.sky import weather
 from pvlib_fem.simulator.switches import LINEAR, OUTDOORS, PHYSICS, SWITCHES, UNITS
+from pvlib_fem.simulator.tracker import Stuck, Tracker
 
 __all__ = [
     "ALBUQUERQUE",
@@ -54,6 +55,8 @@ __all__ = [
     "Minutes",
     "Obstacle",
     "Site",
+    "Stuck",
+    "Tracker",
     "difference",
     "drawn",
     "fuentes",

@@ -33,7 +33,7 @@ def churchill_chu(tilt):
     :doi:`10.1016/0017-9310(75)90243-4`. Tilts below 30° count as 30°, the lowest for
     which that component is valid.
     """
-    along = np.sin(np.radians(max(tilt, 30.0)))
+    along = np.sin(np.radians(np.maximum(tilt, 30.0)))
     pull = 0.387 / (1.0 + (0.492 / PRANDTL) ** (9 / 16)) ** (8 / 27)
     pull *= (RAYLEIGH * along * LENGTH**3) ** (1 / 6)
     scale = CONDUCTIVITY / LENGTH

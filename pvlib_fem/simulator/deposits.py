@@ -11,6 +11,7 @@ import pvlib
 from scipy.ndimage import uniform_filter1d
 
 from pvlib_fem.simulator.pieces import DAY, seconds
+from pvlib_fem.simulator.tracker import orientation
 
 SNOW_BELOW = 0.5  # °C
 PER_DAY, DIRTIEST = 0.003, 0.15  # share of light: lost each day, and at most
@@ -51,7 +52,8 @@ def kimber(weather, site):
 
 def hsu(weather, site):
     """`pvlib.soiling.hsu`: settling mass; 1 mm in an hour cleans."""
-    ratio = pvlib.soiling.hsu(fallen(weather), 1.0, site.surface_tilt, *PARTICLES)
+    tilt, _ = orientation(weather, site)
+    ratio = pvlib.soiling.hsu(fallen(weather), 1.0, tilt, *PARTICLES)
     return 1.0 - ratio.to_numpy()
 
 
@@ -112,7 +114,7 @@ def coverage_nrel(weather, site):
             pd.Series(depth, weather.index),
             weather["ghi"],
             weather["temp_air"],
-            site.surface_tilt,
+            orientation(weather, site)[0],
         ).to_numpy()
 
 

@@ -17,6 +17,7 @@ from pvlib_fem.simulator.pieces import (
 )
 from pvlib_fem.simulator.schedules import curtailed, undeclared
 from pvlib_fem.simulator.surroundings import AIR, BACK, GLASS, LIGHT, WIND, total
+from pvlib_fem.simulator.tracker import orientation
 
 IN_GLASS, IN_CELL = 0.03, 0.89  # share of sunlight; together τα = 0.92, as [2]_
 REAR_ABSORPTANCE = 0.6  # of a light back sheet with cells behind it
@@ -49,12 +50,9 @@ def fresnel(cosine, index=1.526):
 
 def light(weather, site, on, covered, albedo):
     """Irradiance through the glass, and heat that the back absorbs. [W/m²]"""
+    tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
     beam, sky, ground, cosine = plane(
-        weather,
-        site.surface_tilt,
-        site.surface_azimuth,
-        albedo,
-        site.forms.transposition,
+        weather, tilt, azimuth, albedo, site.forms.transposition
     )
     beam = beam * shade(weather, site, on["shading"])
     sun = beam * (1 + on["incidence_angle"] * (fresnel(cosine) - 1))
@@ -63,7 +61,7 @@ def light(weather, site, on, covered, albedo):
     sun *= 1 - on["soiling"] * dirt(weather, site)
     sun *= 1 - 0.95 * np.minimum(covered, 1)
     sun *= 1 + 0.04 * on["season"] * winter(site, clock(weather.index)[1])
-    tilt = np.cos(np.radians(site.surface_tilt))
+    tilt = np.cos(np.radians(tilt))
     rear = 0.7 * albedo * weather["ghi"].to_numpy() * (1 + tilt) / 2  # 0.7: own shade
     rear += weather["dhi"].to_numpy() * (1 - tilt) / 2
     open_back = site.mounting == "rack"
@@ -96,8 +94,11 @@ def output(sun, idle, on):
 def breeze(weather, site, on, calm):
     """Forced convection of both faces: the form's, and a linear approximation."""
     law = FORCED[site.forms.forced]
-    around = np.radians(weather["wind_direction"].to_numpy() - site.surface_azimuth)
+    tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
+    around = np.radians(weather["wind_direction"].to_numpy() - azimuth)
     facing = on["wind_direction"] * np.cos(around)
+    if site.tracker is not None:  # which has no front while it is level
+        facing = facing * np.sin(np.radians(tilt))
     local = AT_MODULE * weather["wind_speed"].to_numpy() * scattered(weather, site, on)
     local *= np.maximum(1 + SHELTER * facing, 0.0)
     speed, facing = np.array([local, local]), np.array([facing, -facing])
@@ -127,7 +128,8 @@ def forcing(weather, site, on):
     celsius, step = weather["temp_air"].to_numpy(), seconds(weather.index)
     ghi = weather["ghi"].to_numpy()
     air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is
-    tilt, rack = np.cos(np.radians(site.surface_tilt)), site.mounting == "rack"
+    leaning, _ = orientation(weather, site, on["tracker_stuck"])
+    tilt, rack = np.cos(np.radians(leaning)), site.mounting == "rack"
     covered = on["snow"] * snow_cover(weather, site)
     albedo = bright(weather, site, on)
     sun, rear = light(weather, site, on, covered, albedo)
@@ -138,24 +140,25 @@ def forcing(weather, site, on):
     # the sky is colder than that is a sink that the module does not change
     black = SIGMA * air**4
     cold = on["sky_radiation"] * (black - weather["longwave_down"].to_numpy())
-    to_sky = np.array([[(1 + tilt) / 2], [(1 - tilt) / 2 if rack else 0.0]])
-    to_ground = np.array([[(1 - tilt) / 2], [(1 + tilt) / 2 if rack else 1.0]])
+    up, down = (1 + tilt) / 2, (1 - tilt) / 2
+    to_sky = faces(up, down if rack else 0.0)
+    to_ground = faces(down, up if rack else 1.0)
     front, back = heats(weather, site, on)
     heat = np.array([IN_GLASS * sun + front, rear + back])
     # rain is at the wet-bulb temperature, snow not above 0 °C
     fluid = weather["precipitation"].to_numpy() * (celsius >= SNOW_BELOW) / 3600.0
     shed, held = on["rain"] * HEAT_OF_WATER * fluid, SNOW_CONTACT * covered
     wet = wet_bulb(celsius, weather["relative_humidity"].to_numpy()) + ZERO
-    natural = NATURAL[site.forms.natural](site.surface_tilt)
-    calm = natural(np.full((2, 1), site.forms.calm_excess))
+    natural = NATURAL[site.forms.natural]
+    even = np.full((2, len(weather)), site.forms.calm_excess)
+    calm = natural(leaning)(even)
     forced, straight = breeze(weather, site, on, calm)
     ground = SURFACE[site.mounting]
     # heat of the ground minus its loss with air at 0 K
     lit = ground["lit"] * (1 - albedo) * ghi + ground["loss"] * air
     lit += TO_DEEP * lagged(air, 3 * DAY / step)
     lit += GROUND_EMISSIVITY * (1 - ground["module"]) * (black - cold)
-    surfaces = dict(view=EMISSIVITY * SIGMA * to_ground, natural=natural)
-    surfaces |= dict(saturation=VAPOUR[site.forms.vapour])
+    surfaces = dict(natural=natural, saturation=VAPOUR[site.forms.vapour])
     series = dict(
         air=air,
         heat=heat - EMISSIVITY * to_sky * cold,
@@ -169,5 +172,13 @@ def forcing(weather, site, on):
         vapour=vapour(weather["temp_dew"].to_numpy(), site.forms.vapour),
         capture=fluid * (on["rain"] > 0),
         lit=lit,
+        calm=calm,
+        tilt=np.broadcast_to(leaning, len(weather)),
+        view=np.broadcast_to(EMISSIVITY * SIGMA * to_ground, calm.shape),
     )
-    return surfaces | ground | dict(calm=calm), series
+    return surfaces | ground, series
+
+
+def faces(front, back):
+    """A number, or one for each row, of both faces."""
+    return np.array(np.broadcast_arrays(*np.atleast_1d(front, back)))

@@ -123,7 +123,6 @@ def advance(on, step, surfaces, series, start):
     shape, free = on["wind_shape"], on["natural_convection"]
     curved = on["radiative_loss"]
     natural, (a, b, c) = surfaces["natural"], surfaces["saturation"]
-    still = (1 - free) * surfaces["calm"]
     glow = curved * SIGMA * EMISSIVITY
     even_glow = (1 - curved) * 4 * ROOM**3 * SIGMA * EMISSIVITY
     ground_glow = GROUND_EMISSIVITY * SIGMA
@@ -135,9 +134,9 @@ def advance(on, step, surfaces, series, start):
     found = np.zeros((len(series["air"]), 8, skin.shape[1]))
     for i, air in enumerate(series["air"]):
         # convection: natural and forced in quadrature, or a linear approximation
-        calm = natural(skin - air)
+        calm = natural(series["tilt"][i])(skin - air)
         calm *= free
-        calm += still
+        calm += (1 - free) * series["calm"][i]
         np.multiply(calm, calm, out=h)
         h += series["forced"][i]
         np.sqrt(h, out=h)
@@ -171,7 +170,7 @@ def advance(on, step, surfaces, series, start):
             load[0] += rate * skin[0] - deficit
         if store:
             fourth = ground**4
-            load += store * surfaces["view"] * (fourth - air**4)
+            load += store * series["view"][i] * (fourth - air**4)
             load[1] += store * surfaces["cavity"] * h[1] * (ground - air)
             flow = series["lit"][i] - ground_glow * fourth
             flow += ground_glow * surfaces["module"] * skin[1] ** 4

@@ -19,6 +19,7 @@ from pvlib_fem.simulator.schedules import curtailed
 from pvlib_fem.simulator.site import Site
 from pvlib_fem.simulator.surroundings import AIR, total
 from pvlib_fem.simulator.switches import amplitudes
+from pvlib_fem.simulator.tracker import orientation
 
 ABSORPTION = 0.83  # share of sunlight that is heat, pvlib's default
 INSTALLED = {"rack": 45.0, "roof": 49.0}  # °C, installed NOCT of PVWatts
@@ -38,7 +39,7 @@ def fuentes(
     Effects on the light of a module change the model's irradiance. Heat sources and
     curtailed output are converted to equivalent irradiance. The model's absorption is
     constant, so ``conversion`` changes only the power, and its sky temperature depends
-    on the air.
+    on the air. A tracker's natural convection is that of its mean tilt.
 
     Parameters
     ----------
@@ -71,6 +72,7 @@ def fuentes(
     heat = front + back + rear + EFFICIENCY * sun * idle
     poa = pd.Series(sun + heat / ABSORPTION, weather.index)
     speed = weather["wind_speed"] * scattered(weather, site, on)
+    tilt, _ = orientation(weather, site, on["tracker_stuck"])
     module = pvlib.temperature.fuentes(
         poa,
         weather["temp_air"] + total(AIR, weather, site, on),
@@ -78,7 +80,7 @@ def fuentes(
         INSTALLED[site.mounting],
         module_height=HEIGHT,
         absorption=ABSORPTION,
-        surface_tilt=site.surface_tilt,
+        surface_tilt=float(np.mean(tilt)),
     )
     constant, slope = output(sun, idle, on)
     power = np.asarray(constant + slope * module)

@@ -19,6 +19,7 @@ from pvlib_fem.simulator.pieces import (
 from pvlib_fem.simulator.site import Site
 from pvlib_fem.simulator.surroundings import CONTACT, READING, total
 from pvlib_fem.simulator.switches import UNITS, amplitudes
+from pvlib_fem.simulator.tracker import orientation
 
 #: column: white noise (sd), slow noise (sd, memory [h]), resolution, relative?
 #: from data sheets of class A stations; the module's RTD is 0.4 K (k = 2) in [1]_
@@ -67,8 +68,9 @@ def measure(
         ``poa_global`` [W/m²], ``temp_air`` [°C], ``wind_speed`` [m/s],
         ``temp_module`` [°C], ``wind_direction`` [°], ``relative_humidity`` [%],
         ``precipitation`` [mm/h], ``longwave_down`` [W/m²], ``snow_depth`` [cm],
-        ``p_dc_per_area`` [W/m²]. The module's logger, with its own clock, holds
-        ``temp_module`` and ``p_dc_per_area``.
+        ``p_dc_per_area`` [W/m²]; of a tracker also ``surface_tilt`` and
+        ``surface_azimuth`` [°], at which its control has all rows. The module's logger,
+        with its own clock, holds ``temp_module`` and ``p_dc_per_area``.
 
     Raises
     ------
@@ -103,15 +105,18 @@ def measure(
     data["wind_direction"] %= 360.0
     data["relative_humidity"] = np.clip(data["relative_humidity"], 0.0, 100.0)
     data = pd.DataFrame(data, index=weather.index)
+    if site.tracker is not None:
+        data["surface_tilt"], data["surface_azimuth"] = orientation(weather, site)
     return spoil(data, on, effects.get("swap", {}), step, stream(seed, "faults"))
 
 
 def pyranometer(weather, site, on, step):
     """Reading of the irradiance sensor in its plane. [W/m²]"""
-    azimuth = site.surface_azimuth + on["poa_misalignment"]
+    tilt, azimuth = orientation(weather, site, on["tracker_stuck_sensor"])
+    azimuth = azimuth + on["poa_misalignment"]
     albedo = bright(weather, site, on)
     beam, sky, ground, _ = plane(
-        weather, site.surface_tilt, azimuth, albedo, site.forms.transposition
+        weather, tilt, azimuth, albedo, site.forms.transposition
     )
     beam *= shade(weather, site, on["shading_sensor"])
     poa = lagged(beam + sky + ground, 8 / step)  # a thermopile takes 8 s

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pvlib_fem.simulator.forms import Forms
+from pvlib_fem.simulator.tracker import Tracker
 
 MOUNTINGS = ("rack", "roof")
 
@@ -18,7 +19,7 @@ class Site:
     latitude, longitude : float
         North and east positive. Time is local standard, from the longitude. [°]
     surface_tilt, surface_azimuth : float
-        Orientation of the module; azimuth from north, clockwise. [°]
+        Orientation of a fixed module; azimuth from north, clockwise. [°]
     mounting : {"rack", "roof"}
         Open at the back, or a channel over a roof.
     temp_mean, temp_amplitude : float
@@ -33,6 +34,8 @@ class Site:
         Albedo of the ground. [-]
     forms : Forms
         Formulation of each law, and surroundings of the module.
+    tracker : Tracker, optional
+        A single-axis tracker, an open rack, instead of the fixed orientation.
     """
 
     latitude: float = 49.4
@@ -48,12 +51,19 @@ class Site:
     dew_depression: float = 5.0
     albedo: float = 0.2
     forms: Forms = field(default_factory=Forms)
+    tracker: Tracker | None = None
 
     def __post_init__(self):
         if isinstance(self.forms, Mapping):  # from a record's attrs
             object.__setattr__(self, "forms", Forms(**self.forms))
         if self.mounting not in MOUNTINGS:
             raise ValueError(f"mounting = {self.mounting!r}; it is 'rack' or 'roof'")
+        if isinstance(self.tracker, Mapping):
+            object.__setattr__(self, "tracker", Tracker(**self.tracker))
+        if self.tracker is not None and self.mounting != "rack":
+            raise ValueError(
+                f"mounting = {self.mounting!r} of a tracker; its modules are a 'rack'"
+            )
 
     @property
     def utc_offset(self) -> int:

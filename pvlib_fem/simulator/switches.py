@@ -27,6 +27,9 @@ SWITCHES = {
     "shading": "obstacles take their share of the beam, by default 80 % of it at "
     "azimuths of 108–135° and below 28°; 0: none",
     "shading_sensor": "the same before the irradiance sensor",
+    "tracker_stuck": "the modules' row of a tracker stands still on the days of its "
+    "site; the irradiance sensor's goes on",
+    "tracker_stuck_sensor": "the row of the irradiance sensor does so",
     # shapes
     "thermal_storage": "ground or roof stores heat; 0: it is at air temperature",
     "rear_irradiance": "light on the back of a rack; 0: dark",

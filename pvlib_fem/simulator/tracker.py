@@ -1,0 +1,107 @@
+"""A single-axis tracker, and the days on which it stands still."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+import pvlib
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """
+    Days on which a row of a tracker does not turn.
+
+    Parameters
+    ----------
+    start, end : str
+        First day, and the first day after it.
+    angle : float
+        Rotation about the axis, as pvlib's ``tracker_theta``: with an axis from north
+        to south (``axis_azimuth=180``), east is negative. [°]
+    """
+
+    start: str = "2023-07-03"
+    end: str = "2023-07-17"
+    angle: float = -35.0
+
+    def __post_init__(self):
+        if not pd.Timestamp(self.start) < pd.Timestamp(self.end):
+            raise ValueError(f"start = {self.start!r} is not before end = {self.end!r}")
+
+    def during(self, times: pd.DatetimeIndex) -> np.ndarray:
+        """Whether each time is on one of its days."""
+        first, last = (pd.Timestamp(day, tz=times.tz) for day in (self.start, self.end))
+        return (times >= first) & (times < last)
+
+
+@dataclass(frozen=True)
+class Tracker:
+    """
+    A single-axis tracker as `pvlib.tracking.singleaxis` has it, level at night.
+
+    Rows do not shade each other: without ``backtrack`` a low sun still reaches all.
+
+    Parameters
+    ----------
+    axis_tilt, axis_azimuth : float
+        Orientation of the axis; azimuth from north, clockwise. [°]
+    max_angle : float
+        Largest rotation to either side. [°]
+    gcr : float
+        Width of a row over the distance of rows. [-]
+    backtrack : bool
+        Whether rows turn back from a low sun so that they do not shade each other.
+    stuck : Stuck
+        When and where it stands still, if ``tracker_stuck`` (the row of the modules)
+        or ``tracker_stuck_sensor`` (that of the irradiance sensor) is on.
+    """
+
+    axis_tilt: float = 0.0
+    axis_azimuth: float = 180.0
+    max_angle: float = 60.0
+    gcr: float = 0.35
+    backtrack: bool = True
+    stuck: Stuck = field(default_factory=Stuck)
+
+    def __post_init__(self):
+        if isinstance(self.stuck, Mapping):  # from a record's attrs
+            object.__setattr__(self, "stuck", Stuck(**self.stuck))
+
+    def rotation(self, weather: pd.DataFrame) -> np.ndarray:
+        """Rotation about the axis, 0 at night. [°]"""
+        found = pvlib.tracking.singleaxis(
+            90.0 - weather["elevation"].to_numpy(),
+            weather["azimuth"].to_numpy(),
+            self.axis_tilt,
+            self.axis_azimuth,
+            self.max_angle,
+            self.backtrack,
+            self.gcr,
+        )
+        return np.nan_to_num(found["tracker_theta"])
+
+
+def orientation(weather, site, stuck=0.0):
+    """
+    Tilt and azimuth of a plane at a site: numbers, or rows of a tracker. [°]
+
+    ``stuck`` is how far it stays at the angle of the days on which it stands still.
+    """
+    tracker = site.tracker
+    if tracker is None:
+        if stuck:
+            raise ValueError(
+                "a fixed plane does not stand still; give the site a Tracker, or set "
+                "tracker_stuck and tracker_stuck_sensor to 0"
+            )
+        return site.surface_tilt, site.surface_azimuth
+    angle = tracker.rotation(weather)
+    if stuck:
+        away = tracker.stuck.angle - angle
+        angle = angle + stuck * tracker.stuck.during(weather.index) * away
+    found = pvlib.tracking.calc_surface_orientation(
+        angle, tracker.axis_tilt, tracker.axis_azimuth
+    )
+    return found["surface_tilt"], found["surface_azimuth"]
