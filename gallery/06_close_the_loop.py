@@ -48,14 +48,14 @@ fem.plotting.plot_steps(loop)
 # The same as objects. A finding has a verdict and a reason, its coefficients with
 # errors, and its gain on fitting weeks left out in turn.
 
-for finding in loop.findings:
+for finding in loop.finding_objects:
     print(f"{finding.verdict:<11}{finding.effect:<20}{finding.why}")
 
 # %%
 # Each has the rules that it was held against, with the field of
 # :py:class:`pvlib_fem.Criteria` that is the threshold:
 
-print(loop.findings[0])
+print(loop.finding_objects[0])
 
 # %%
 # Before and after

@@ -91,7 +91,9 @@ for seed in range(3):
         reached[name].append(loop.table["rmse_test"].iloc[-1])
         marks = {"named": "", "class": "?"}
         added = [
-            f.effect + marks[f.verdict] for f in loop.findings if f.verdict in marks
+            f.effect + marks[f.verdict]
+            for f in loop.finding_objects
+            if f.verdict in marks
         ]
         print(f"{seed}  {name:<24}{reached[name][-1]:.2f} K  {', '.join(added)}")
     reached["no effect added"].append(loop.table["rmse_test"]["balance"])

@@ -180,7 +180,10 @@ if data is not None:
         textcoords="offset points",
         color=BEFORE,
     )
-    print(*(one for finding in loop.findings for one in finding.witnesses), sep="\n")
+    print(
+        *(one for finding in loop.finding_objects for one in finding.witnesses),
+        sep="\n",
+    )
 
 # %%
 # *Change relative to the year before. Above: over-temperature, in the middle power,

@@ -107,7 +107,7 @@ def looked(seed):
     if channel != "none":
         off = close_loop(before, check_units=False, **world.place)
     loop = close_loop(data, check_units=False, **world.place)
-    added = [f for f in loop.findings if f.added]
+    added = [f for f in loop.finding_objects if f.added]
     truths = {f"{name}_{course}" for name in SAME.get(channel, (channel,))}
     told = [f for f in added if {*f.candidates} & {*CHANGES}]
     right = [f for f in added if truths & {*f.candidates}]
@@ -122,7 +122,8 @@ def looked(seed):
     row["sets"], row["truths"] = sets(loop), () if channel == "none" else truths
     row["first"] = bool(right) and right[0] is added[0]
     row["findings"] = "; ".join(
-        f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f})" for f in loop.findings
+        f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f})"
+        for f in loop.finding_objects
     )
     row["clear"] = off is not None and clear(loop, off, own(world, channel, course, at))
     row["dates"] = dated(loop, right, world, course, at)

@@ -78,7 +78,7 @@ def told(name, seed=None):
     loop = close_loop(data, holdout=holdout, **place)
     settings = {effect.name: effect.settings for effect in loop.fit.effects}
     found, sizes, witnesses = [], {}, []
-    for one in (f for f in loop.findings if f.added):
+    for one in (f for f in loop.finding_objects if f.added):
         its = settings[one.effect]
         at, between = its.get("at", ""), its.get("between") or ()
         if "start" in its:

@@ -198,7 +198,7 @@ def looked(world, case, data, off=None):
 
 def said(loop, case, world):
     """What the loop found, and whether that is right."""
-    added = [f for f in loop.findings if f.verdict in ("named", "class")]
+    added = [f for f in loop.finding_objects if f.verdict in ("named", "class")]
     # one of the whole file is none of the module's logger
     corrections = [c for c in loop.corrections if c.applied]
     clocks = [c for c in corrections if not c.fault.startswith("file_")]
@@ -215,7 +215,7 @@ def said(loop, case, world):
         for f in added
         if f.verdict == "class" and not set(f.candidates) & there
     ]
-    verdicts = [f.verdict for f in loop.findings]
+    verdicts = [f.verdict for f in loop.finding_objects]
     first = added[0].effect if added else "nothing"
     if clocks:
         first = "clock_shift"
@@ -224,7 +224,7 @@ def said(loop, case, world):
     return {
         "findings": "; ".join(
             f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f} K)"
-            for f in loop.findings
+            for f in loop.finding_objects
         ),
         "sets": sets(loop),
         "verdicts": tuple(verdicts),
@@ -250,7 +250,7 @@ def sets(loop):
     """Every finding that has probabilities."""
     return [
         dict(effect=f.effect, verdict=str(f.verdict), shares=f.probabilities)
-        for f in loop.findings
+        for f in loop.finding_objects
         if f.probabilities
     ]
 
@@ -273,7 +273,7 @@ def unexplained_ok(loop, case):
 
 def mentioned(loop, case):
     """Whether the truth is among what could not be tested, or only as a class."""
-    listed = {name for f in loop.findings for name in f.candidates}
+    listed = {name for f in loop.finding_objects for name in f.candidates}
     return set(case.truths) <= {*loop.untestable, *listed}
 
 
@@ -334,7 +334,7 @@ def told(loop, world, case, off):
     for switch, size in sizes_of(world, case).items():
         truth = TRUTHS[switch]
         name = f"{truth.effect}.{truth.coefficient}"
-        fitted = [f for f in loop.findings if f.effect == truth.effect]
+        fitted = [f for f in loop.finding_objects if f.effect == truth.effect]
         if truth.effect == "clock_shift":
             late = [c.values["late"] for c in loop.corrections if c.applied]
             one = dict(value=late[0]) if late else None

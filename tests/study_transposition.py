@@ -72,7 +72,9 @@ def named(data, place):
     """Names of a loop, and those of them that are not there."""
     angles = dict(zip(("location", "surface_tilt", "surface_azimuth"), place))
     found = [
-        f for f in close_loop(data, **angles).findings if str(f.verdict) == "named"
+        f
+        for f in close_loop(data, **angles).finding_objects
+        if str(f.verdict) == "named"
     ]
     return {
         "loops": 1,

@@ -220,7 +220,7 @@ def swept(names, world, case, change):
         row["wrong"] = len(what["named_wrong"])
         row["misled"] = len(what["class_wrong"])
         row["said"] = tuple(
-            (str(f.verdict), f.candidates) for f in loop.findings if f.added
+            (str(f.verdict), f.candidates) for f in loop.finding_objects if f.added
         )
         row["left"] = tuple(f.candidates for f in loop.unexplained)
         row["told"] = told(loop)
@@ -232,7 +232,9 @@ def swept(names, world, case, change):
 def told(loop):
     """Other reported results: hints, withdrawn findings, corrections, the rest."""
     others = tuple(
-        (f.verdict, f.candidates, str(f.place)) for f in loop.findings if not f.added
+        (f.verdict, f.candidates, str(f.place))
+        for f in loop.finding_objects
+        if not f.added
     )
     fixed = tuple((one.fault, one.applied) for one in loop.corrections)
     order = tuple(loop.ranking.index)

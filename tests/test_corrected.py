@@ -39,7 +39,7 @@ def true():
 def sound(true):
     """The loop of a part of it, in which nothing is found."""
     loop = fem.close_loop(true[list(COLUMNS)].iloc[: 48 * 60])
-    assert not any(finding.added for finding in loop.findings)
+    assert not any(finding.added for finding in loop.finding_objects)
     return replace(loop, times=None)
 
 
@@ -93,7 +93,9 @@ def found(loop, data, *effects):
         effects=effects,
         **{name: data[name] for name in needed if name in data},
     )
-    return replace(loop, fit=fit, findings=tuple(named(fit, e, loop) for e in effects))
+    return replace(
+        loop, fit=fit, finding_objects=tuple(named(fit, e, loop) for e in effects)
+    )
 
 
 def named(fit, effect, loop):
@@ -198,8 +200,8 @@ def test_what_the_loop_names_is_taken_out(named_one, true):
     (action,) = corrected.actions.itertuples()
     assert action.cause == "sensitivity_step" and action.column == "poa_global"
     assert action.low < 0.12 < action.high and action.unit == "-"
-    (key,) = loop.findings[0].coefficients
-    assert action.stderr == pytest.approx(loop.findings[0].stderr[key])
+    (key,) = loop.finding_objects[0].coefficients
+    assert action.stderr == pytest.approx(loop.finding_objects[0].stderr[key])
     at = loop.fit.effects[-1].settings["at"]
     assert action.start == at and action.end == "2023-12-17"
     assert "the irradiance sensor reads less from" in str(corrected)
@@ -221,18 +223,18 @@ def test_test_weeks_and_fitting_weeks_are_corrected_alike(named_one):
 def test_a_corrected_record_shows_the_fault_no_more(named_one, ambiguous):
     data, loop = named_one
     again = fem.close_loop(loop.corrected(data).data)
-    assert not any(finding.added for finding in again.findings)
+    assert not any(finding.added for finding in again.finding_objects)
     kept = "poa_global_original is as it was measured, before a correction: not used"
     assert kept in again.notes
     data, loop = ambiguous
     resolved = loop.corrected(data, resolve="sensitivity_step").data
     again = fem.close_loop(resolved)
-    assert not any(finding.added for finding in again.findings)
+    assert not any(finding.added for finding in again.finding_objects)
 
 
 def test_an_ambiguous_finding_changes_nothing_until_its_cause_is_given(ambiguous, true):
     data, loop = ambiguous
-    (finding,) = (one for one in loop.findings if one.added)
+    (finding,) = (one for one in loop.finding_objects if one.added)
     assert {"sensitivity_step", "contact_step", "mounting_step"} <= {
         *finding.candidates
     }
@@ -267,7 +269,7 @@ def test_a_loop_of_a_file_corrects_the_same(ambiguous, tmp_path):
     data, loop = ambiguous
     loop.to_json(tmp_path / "loop.json")
     again = fem.Loop.from_json(tmp_path / "loop.json")
-    assert again.findings == loop.findings
+    assert again.finding_objects == loop.finding_objects
     for cause in ("sensitivity_step", "contact_step", "air_shelter_step"):
         one, other = (each.corrected(data, cause) for each in (loop, again))
         assert one.data.equals(other.data) and one.actions.equals(other.actions)

@@ -123,7 +123,7 @@ def snowed(clean):
 
 
 def test_many_events_are_an_effect_of_the_model(snowed):
-    finding = next(f for f in snowed.findings if f.effect == "modules_covered")
+    finding = next(f for f in snowed.finding_objects if f.effect == "modules_covered")
     assert finding.verdict is Verdict.NAMED
     assert finding.coefficients["modules_covered.share"] == pytest.approx(1.0, abs=0.2)
     errors = snowed.table["rmse_test"]
@@ -180,7 +180,7 @@ def test_curtailed_power_heats_without_an_area(clean):
         data.loc[rows, "temp_module"] += 0.12 * over[rows]
         data.loc[rows, "power_ac"] *= 0.5
     loop = fem.close_loop(data)
-    finding = next(f for f in loop.findings if f.effect == "electrical_output")
+    finding = next(f for f in loop.finding_objects if f.effect == "electrical_output")
     assert finding.added
     assert 0.15 < finding.coefficients["electrical_output.share"] < 0.35
     (effect,) = (e for e in loop.fit.effects if e.name == "electrical_output")
@@ -189,7 +189,7 @@ def test_curtailed_power_heats_without_an_area(clean):
 
 def test_curtailment_to_nothing_in_simulated_physics_is_an_outage():
     loop = fem.close_loop(record(electrical_output=1.0))
-    finding = next(f for f in loop.findings if f.effect == "outage")
+    finding = next(f for f in loop.finding_objects if f.effect == "outage")
     assert finding.verdict is Verdict.NAMED
     assert 0.1 < finding.coefficients["outage.share"] < 0.35
     assert set(loop.events["effect"]) == {"outage"} and len(loop.events) > 10

@@ -102,7 +102,7 @@ def test_the_loop_finds_a_step_without_wind(calm):
     data["temp_module"] += 3.0 * there
     found = fem.close_loop(data, model="ross")
     assert found.effects == ["module_offset_step"]
-    (finding,) = (f for f in found.findings if f.added)
+    (finding,) = (f for f in found.finding_objects if f.added)
     (size,) = finding.coefficients.values()
     assert size == pytest.approx(3.0, abs=0.3)
     residual = found.residual(data)
@@ -405,7 +405,7 @@ def test_another_source_is_a_cross_check_by_itself(airport, usual, column, effec
         data[usual] -= 1.5 * there
     else:
         data[usual] *= 1.0 - 0.35 * there
-    first = fem.close_loop(data[[*USUAL, "wind_speed", column]]).findings[0]
+    first = fem.close_loop(data[[*USUAL, "wind_speed", column]]).finding_objects[0]
     assert first.effect == effect and str(first.verdict) == "named"
     assert {one.column for one in first.heard} >= {column}
 

@@ -292,10 +292,10 @@ def test_a_loop_is_kept_with_its_findings_and_its_page(tmp_path):
     loop = fem.close_loop(data, "faiman", location, 35.0, 180.0)
     assert results.result("plant").to_json() == loop.to_json()
     found = results.findings
-    assert list(found["effect"]) == [finding.effect for finding in loop.findings]
-    assert list(found["gain"]) == [finding.gain for finding in loop.findings]
+    assert list(found["effect"]) == [finding.effect for finding in loop.finding_objects]
+    assert list(found["gain"]) == [finding.gain for finding in loop.finding_objects]
     first = json.loads(results.table("findings", json=True)["json"].iloc[0])
-    assert first["why"] == loop.findings[0].why
+    assert first["why"] == loop.finding_objects[0].why
     (one,) = results.systems.to_dict("records")
     errors = loop.table["energy_error_test"]
     assert one["energy_error_before"] == errors[loop.base]

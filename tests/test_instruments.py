@@ -178,7 +178,7 @@ def test_a_step_is_found_with_its_date(half_a_year, channel):
     name = f"{channel}_step"
     data, _ = with_change(half_a_year, name)
     loop = closed(data)
-    first = loop.findings[0]
+    first = loop.finding_objects[0]
     assert first.added and name in first.candidates
     changes = [n for n in first.candidates if n in CHANGES]
     assert {course(n) for n in changes} == {"step"}
@@ -195,7 +195,7 @@ def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
     wind, day = data["wind_speed"], "2023-08-15"
     data["wind_speed"] = wind.where((wind >= 1.8) | (data.index < day), 0.0)
     loop = closed(data)
-    first = loop.findings[0]
+    first = loop.finding_objects[0]
     assert first.added and "wind_stall_step" in first.candidates
     (effect,) = (e for e in loop.fit.effects if e.name == "wind_stall_step")
     low, high = effect.settings["between"]
@@ -213,7 +213,7 @@ def of_a_world(seed, *change):
 def test_a_short_fault_is_no_other_one():
     """A pyranometer reads a seventh more for two months: found as that, or not."""
     loop = of_a_world(21037, "sensitivity", "episode")
-    for found in loop.findings:
+    for found in loop.finding_objects:
         if found.added and {*found.candidates} & {*CHANGES}:
             assert "sensitivity_episode" in found.candidates
 
@@ -225,13 +225,13 @@ def test_snow_under_a_low_sun_is_not_named_an_obstacle():
     What snow takes then is not there on the days of that window that have no snow.
     """
     loop = of_a_world(21036, "contact", "episode")
-    named = {f.effect for f in loop.findings if f.verdict is Verdict.NAMED}
+    named = {f.effect for f in loop.finding_objects if f.verdict is Verdict.NAMED}
     assert "shading" not in named
 
 
 def test_an_episode_is_no_step(half_a_year):
     data, _ = with_change(half_a_year, "module_offset_episode")
-    first = closed(data).findings[0]
+    first = closed(data).finding_objects[0]
     assert first.added and "module_offset_episode" in first.candidates
     assert "module_offset_step" not in first.candidates
 
@@ -239,7 +239,7 @@ def test_an_episode_is_no_step(half_a_year):
 def test_a_drift_over_years_is_no_step():
     data = datasets.synthetic(800, 3600, seed=3, noise=0).tz_localize(None)
     data, _ = with_change(data, "sensitivity_drift", sensitivity_drift=0.08)
-    first = closed(data).findings[0]
+    first = closed(data).finding_objects[0]
     assert first.added and "sensitivity_drift" in first.candidates
     assert "sensitivity_step" not in first.candidates
 
@@ -250,13 +250,13 @@ def test_where_nothing_changes_nothing_is_found():
         data = datasets.synthetic(200, 3600, seed=seed, noise=0).tz_localize(None)
         data, _ = with_change(data, seed=seed)
         loop = closed(data)
-        assert not [f for f in loop.findings if f.effect in CHANGES], seed
+        assert not [f for f in loop.finding_objects if f.effect in CHANGES], seed
 
 
 def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
     """By temperatures alone: 19 % more over-temperature, an ambiguous finding."""
     loop = fem.close_loop(bolzano[list(COLUMNS)])
-    first = loop.findings[0]
+    first = loop.finding_objects[0]
     assert {"contact_step", "mounting_step"} <= {*first.candidates}
     effect = next(e for e in loop.fit.effects if e.name == first.effect)
     assert abs(number(effect.settings["at"]) - number("2012-04-01")) < 14
@@ -275,7 +275,7 @@ def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
     no_place = (None, None, None)
     how = dict(holdout=None, effects=None, fixed=None, criteria=fem.Criteria())
     search, loop = searched(data, "faiman", no_place, None, **how)
-    assert loop.findings[0].added
+    assert loop.finding_objects[0].added
     steps = [*search.steps.values()][-1 - len(loop.effects) :]
     before, after = (one.error(search.case.fitting) ** 2 for one in steps[:2])
     assert search.last.choices[0].fall == pytest.approx(before - after, rel=0.2)

@@ -49,7 +49,7 @@ def test_hidden_effects_are_named_with_their_size(two):
     """Absorbed share 0.92·0.97 less 0.2 of electricity; emissivity and view of 35°."""
     _, loop = two
     assert set(loop.effects[:2]) == {"sky_radiation", "wind_direction"}
-    named = {f.effect: f for f in loop.findings if f.added}
+    named = {f.effect: f for f in loop.finding_objects if f.added}
     assert set(named) == {"sky_radiation", "wind_direction"}
     share = named["sky_radiation"].coefficients["sky_radiation.share"]
     # both faces of a rack see all of the sky between them
@@ -119,7 +119,7 @@ def test_the_loop_is_json(two, tmp_path):
     content = json.loads(loop.to_json(path))
     assert json.loads(path.read_text(encoding="utf-8")) == content
     assert [f["effect"] for f in content["findings"]] == [
-        f.effect for f in loop.findings
+        f.effect for f in loop.finding_objects
     ]
     assert content["table"].keys() == set(loop.table.index)
 
@@ -183,7 +183,7 @@ def test_where_nothing_is_hidden_nothing_is_named(noise, seed):
     data["temp_module"] = base - 1 + fem.ewm(random, 3 * 3600.0, step=300)
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects == []
-    assert not [f for f in loop.findings if f.verdict in ("named", "class")]
+    assert not [f for f in loop.finding_objects if f.verdict in ("named", "class")]
     assert loop.table["rmse_test"]["balance"] == pytest.approx(0.7, rel=0.15)
 
 
@@ -196,7 +196,7 @@ def test_what_is_in_no_catalogue_is_said_to_be_unknown():
     low, high = first.where["hour"]
     assert 8 <= low <= 10 and 15 <= high <= 17
     assert "at weekends; no effect and no column explains it" in first.why
-    assert not [f for f in loop.findings if f.verdict == "named"]
+    assert not [f for f in loop.finding_objects if f.verdict == "named"]
     assert loop.table["rmse_test"].iloc[-1] <= loop.table["rmse_test"][loop.base]
 
 
@@ -209,8 +209,8 @@ def test_with_its_column_it_is_found_by_name():
         simulator.Forms(),
     )[1]
     loop = fem.close_loop(data.assign(**{"fan <W>": heat}), **PLACE)
-    assert loop.findings[0].effect == "driver:fan <W>"
-    assert loop.findings[0].probabilities["driver:fan <W>"] > 0.5
+    assert loop.finding_objects[0].effect == "driver:fan <W>"
+    assert loop.finding_objects[0].probabilities["driver:fan <W>"] > 0.5
     assert not loop.unexplained or loop.unexplained[0].gain < 0.3
 
 
@@ -255,7 +255,7 @@ def test_ones_own_effect_is_found_among_the_others():
         data.assign(vent_open=vent), effects=[own, "wind_direction", "rain"], **PLACE
     )
     assert set(loop.effects) == {"vent", "wind_direction"}
-    (found,) = [f for f in loop.findings if f.effect == "vent"]
+    (found,) = [f for f in loop.finding_objects if f.effect == "vent"]
     assert found.coefficients["vent.warmth"] == pytest.approx(90, rel=0.25)
 
 
@@ -285,7 +285,7 @@ def test_what_lacks_its_driver_is_not_testable():
     sky = loop.untestable["sky_radiation"]
     assert sky.reason is Reason.STAND_IN
     assert {"relative_humidity", "longwave_down"} == {*sky.values["columns"]}
-    assert not [f for f in loop.findings if f.verdict == "named"]
+    assert not [f for f in loop.finding_objects if f.verdict == "named"]
 
 
 def test_by_name_an_effect_takes_the_best_source_that_is_there():
@@ -295,7 +295,7 @@ def test_by_name_an_effect_takes_the_best_source_that_is_there():
     assert "from humidity" in " ".join(loop.report().split())
     fixed = {"name": "sky_radiation", "source": "air temperature alone"}
     loop = fem.close_loop(data, effects=[fixed], **PLACE)
-    assert "named" not in {f.verdict for f in loop.findings}
+    assert "named" not in {f.verdict for f in loop.finding_objects}
 
 
 @pytest.mark.parametrize("days", [20, 45])
@@ -303,11 +303,11 @@ def test_a_short_record_suggests_at_best(days):
     data = hidden("sky_radiation", "electrical_output", days=days)
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects == []
-    assert {f.verdict for f in loop.findings} <= {"suggestive", "unknown"}
+    assert {f.verdict for f in loop.finding_objects} <= {"suggestive", "unknown"}
     if days > 30:
         assert any(
             "at least 60 days are needed to identify a cause" in f.why
-            for f in loop.findings
+            for f in loop.finding_objects
         )
 
 
@@ -383,7 +383,7 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
     else:
         data = hidden(switch, **days)
     loop = fem.close_loop(data, **PLACE)
-    first = loop.findings[0]
+    first = loop.finding_objects[0]
     # what follows the sun alone may be another cause that does, or a reflection
     assert (first.effect, first.verdict) == ("shading", "class")
     outside = first.probabilities["outside"]
@@ -399,7 +399,7 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
 
 def told(loop):
     """All that a loop says but the errors of the test weeks."""
-    findings = [finding.content() for finding in loop.findings]
+    findings = [finding.content() for finding in loop.finding_objects]
     return json.dumps([findings, loop.fit.coefficients, loop.fit.stderr, loop.base])
 
 
@@ -472,7 +472,7 @@ def test_rows_without_a_driver_do_not_count_for_its_effect(two):
 def test_every_finding_keeps_the_rules_it_was_asked(two):
     _, loop = two
     names = {field.name for field in fields(fem.Criteria)}
-    for finding in loop.findings:
+    for finding in loop.finding_objects:
         assert finding.checks
         for check in finding.checks:
             assert not check.criterion or check.criterion in names
@@ -612,8 +612,8 @@ def test_air_of_another_station_beside_a_pyrgeometer_is_not_the_sky(seed):
     away = pd.Series(noise, data.index).ewm(halflife=18).mean()  # 3 h
     data["temp_air"] += 1.5 * away / away.std()
     loop = fem.close_loop(data, **PLACE)
-    assert "air_elsewhere" in loop.findings[0].candidates
-    named = [f.effect for f in loop.findings if f.verdict == "named"]
+    assert "air_elsewhere" in loop.finding_objects[0].candidates
+    named = [f.effect for f in loop.finding_objects if f.verdict == "named"]
     assert "sky_radiation" not in named
 
 
@@ -679,7 +679,9 @@ def test_columns_of_objects_that_are_numbers_are_taken_as_in_a_fit():
         words="clear",
     )
     found = fem.close_loop(objects, **PLACE)
-    assert str(found.findings[0]) == str(fem.close_loop(data, **PLACE).findings[0])
+    assert str(found.finding_objects[0]) == str(
+        fem.close_loop(data, **PLACE).finding_objects[0]
+    )
     assert any("words is not numeric" in note for note in found.notes)
 
 

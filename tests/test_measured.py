@@ -53,7 +53,7 @@ def over_temperature(data):
 
 
 def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
-    first = next(f for f in at_bolzano.findings if f.witnesses)
+    first = next(f for f in at_bolzano.finding_objects if f.witnesses)
     assert "sensitivity_step" not in first.candidates
     assert {"contact_step", "mounting_step"} <= {*first.candidates}
     said = {one.column: (one.effect, one.opinion) for one in first.witnesses}
@@ -70,13 +70,13 @@ def test_at_bolzano_other_weeks_say_the_same(at_bolzano):
     nine = told("eurac_bolzano", 2)
     assert nine.names == {
         (str(one.verdict), frozenset(one.candidates))
-        for one in at_bolzano.findings
+        for one in at_bolzano.finding_objects
         if one.added
     }
 
 
 def drift_of(loop):
-    return next(f for f in loop.findings if f.effect == "sensitivity_drift")
+    return next(f for f in loop.finding_objects if f.effect == "sensitivity_drift")
 
 
 def test_at_golden_the_irradiance_sensor_is_named(at_golden):
@@ -104,7 +104,7 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     (clock,) = at_bolzano.corrections
     assert "16 changes" in clock.why and "changes 16 times with summer time" in text
     assert "from 2018-06-21 until 2018-07-01" in clock.why
-    step, sky = at_bolzano.findings[:2]
+    step, sky = at_bolzano.finding_objects[:2]
     its = next(e for e in at_bolzano.fit.effects if e.name == step.effect).settings
     low, high = its["between"]
     assert f"From {its['at']} ({low} to {high}) on, over-temperature per" in text
@@ -256,7 +256,7 @@ def test_the_page_of_a_loss_rate_has_the_numbers_that_it_makes(golden):
 def test_at_golden_the_drift_is_the_same_without_power(at_golden, golden):
     """A loss rate of the plant need not rest on its own power."""
     loop = closed(golden.drop(columns="power_ac"))
-    (one,) = (f for f in loop.findings if f.added)
+    (one,) = (f for f in loop.finding_objects if f.added)
     assert one.effect == "sensitivity_drift" and one.verdict is Verdict.NAMED
     (rate,), (other,) = (f.coefficients.values() for f in (one, drift_of(at_golden)))
     (error,) = one.stderr.values()
@@ -277,7 +277,7 @@ def test_at_golden_power_shows_snow_and_outages(at_golden):
     stood = off[(off["start"] >= "2013-04-14") & (off["end"] <= "2013-05-22")]
     assert stood["hours"].sum() > 300
     assert len(snow) > 80
-    found = next(f for f in at_golden.findings if f.effect == "modules_covered")
+    found = next(f for f in at_golden.finding_objects if f.effect == "modules_covered")
     assert found.added and 0.5 < found.coefficients["modules_covered.share"] < 1.0
 
 

@@ -39,11 +39,11 @@ def loops(data, folder):
 
 def test_the_findings_are_those_in_memory(loops):
     one, other = loops
-    found = [[(f.effect, f.verdict) for f in loop.findings] for loop in loops]
+    found = [[(f.effect, f.verdict) for f in loop.finding_objects] for loop in loops]
     assert found[0] == found[1]
     assert "wind_direction" in one.effects
     assert one.untestable.keys() == other.untestable.keys()
-    for a, b in zip(one.findings, other.findings):
+    for a, b in zip(one.finding_objects, other.finding_objects):
         assert b.coefficients == pytest.approx(a.coefficients, rel=0.1, abs=0.1)
 
 
@@ -104,7 +104,7 @@ def test_what_means_alone_follow_is_withdrawn(tmp_path):
     data["fan"] = heat + 500.0 * np.roll(beat * sign.repeat(5)[: len(data)], 1)
     data.to_parquet(tmp_path / "record.parquet")
     loop = fem.close_loop(tmp_path)
-    (found,) = (f for f in loop.findings if f.effect == "driver:fan")
+    (found,) = (f for f in loop.finding_objects if f.effect == "driver:fan")
     assert found.verdict == "suggestive"
     assert "on the record's own steps it takes 0." in found.why
     assert found.checks[-1].name == "share kept on the own steps"

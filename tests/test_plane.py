@@ -88,7 +88,7 @@ def test_a_sensor_in_another_plane_is_told_and_no_obstacle_is_named(turned):
     how = dict(days=365, step=300, seed=813116)
     data = fem.simulator.record(site, effects=effects, **how)
     loop = fem.close_loop(data, **study_worlds.World(site, 813116).place)
-    assert all(f.effect != "shading" for f in loop.findings)
+    assert all(f.effect != "shading" for f in loop.finding_objects)
     why = str(loop.untestable.get("shading", ""))
     assert ("not of the stated plane: it has tilt" in why) == (turned > 0.0)
     others = (str(why) for name, why in loop.untestable.items() if name != "shading")

@@ -47,7 +47,7 @@ def loop(under_a_sky):
 
 
 def first(loop):
-    (finding,) = (f for f in loop.findings if f.effect == "sky_radiation")
+    (finding,) = (f for f in loop.finding_objects if f.effect == "sky_radiation")
     return finding, finding.ranges["sky_radiation.share"]
 
 
@@ -62,7 +62,7 @@ def test_the_range_holds_the_truth_and_more_than_the_error(loop):
 
 
 def test_what_is_not_in_the_model_has_no_range(loop):
-    for finding in loop.findings:
+    for finding in loop.finding_objects:
         assert bool(finding.ranges) is finding.added
         for name, (low, high) in finding.ranges.items():
             row = loop.fit.thermal_model.parameters[name]
@@ -74,7 +74,9 @@ def test_it_is_printed_and_in_the_page_and_comes_back_from_a_file(loop, tmp_path
     assert f"(range {spanned(*ends)})" in " ".join(loop.report().split())
     assert spanned(*ends) in loop.to_html()
     again = fem.Loop.from_json(_written(loop, tmp_path))
-    assert [f.ranges for f in again.findings] == [f.ranges for f in loop.findings]
+    assert [f.ranges for f in again.finding_objects] == [
+        f.ranges for f in loop.finding_objects
+    ]
     assert str(again) == str(loop)
 
 

@@ -129,11 +129,11 @@ def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
     told = finding("sensitivity_step", "sensitivity_drift", place=DATES["at"])
     other = finding("sensitivity_drift")
     fit = SimpleNamespace(effects=(effect,), record=done[0].case.record)
-    loop = SimpleNamespace(findings=(told,), fit=fit)
+    loop = SimpleNamespace(finding_objects=(told,), fit=fit)
     found = judged(step, effect, loop, baseline=(other,))
     assert found.found and found.first and not found.lost and not found.misled
     # what does not hold it is the record's own
-    own = SimpleNamespace(findings=(other,), fit=fit)
+    own = SimpleNamespace(finding_objects=(other,), fit=fit)
     found = judged(step, effect, own, baseline=(other,))
     assert not found.found and not found.told and not found.lost
 

@@ -105,9 +105,9 @@ def test_it_has_every_row_of_the_table(closed, page):
 
 
 def test_it_has_every_finding_and_what_is_not_testable(closed, page):
-    verdicts = {finding.verdict for finding in closed.findings}
+    verdicts = {finding.verdict for finding in closed.finding_objects}
     assert len(verdicts) > 1
-    for finding in closed.findings:
+    for finding in closed.finding_objects:
         assert f"{finding.gain:.2f}" in page.text
         names = finding.where if finding.verdict == "unknown" else finding.candidates
         for name in names:
@@ -268,7 +268,7 @@ def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     shown = [page.texts.index(what, start) for what in once]
     assert shown == sorted(shown)
     decided = ("class", "suggestive", "unknown")
-    open_ = [f.gain for f in closed.findings if f.verdict in decided]
+    open_ = [f.gain for f in closed.finding_objects if f.verdict in decided]
     sizes = [re.search(r"([\d.]+) K$", why) for _, why in items]
     sizes = [float(size[1]) for size in sizes if size]
     assert sizes == [round(gain, 2) for gain in sorted(open_, reverse=True)]

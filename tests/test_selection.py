@@ -266,7 +266,7 @@ def test_more_of_a_column_is_estimated_as_so_much_more(seed, more):
 def test_every_finding_holds_a_cause_outside_and_its_shares_are_one():
     effects = simulator.PHYSICS | {"sky_radiation": 1.0, "wind_direction": 1.0}
     loop = close_loop(simulator.record(effects=effects, days=150, step=900, seed=2))
-    added = [finding for finding in loop.findings if finding.added]
+    added = [finding for finding in loop.finding_objects if finding.added]
     assert {"sky_radiation", "wind_direction"} <= {f.effect for f in added}
     for finding in added:
         shares = finding.probabilities

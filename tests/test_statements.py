@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from conftest import COLUMNS
 from pvlib.location import Location
@@ -104,7 +105,32 @@ def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):
     one = loop.statements.iloc[0]
     assert one["verdict"] == "class" and "Ambiguous" in one["certainty"]
     assert ", or the " in one["text"] and one["action"].startswith("To decide")
-    assert set(one["alternatives"]) == {*loop.findings[0].members}
+    assert set(one["alternatives"]) == {*loop.finding_objects[0].members}
+
+
+def test_findings_are_a_table_of_the_objects(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    table, objects = loop.findings, loop.finding_objects
+    assert [*table] == [
+        *("effect", "verdict", "probability", "alternatives", "value"),
+        *("standard_error", "low", "high", "unit", "from", "to", "gain"),
+    ]
+    assert [*table["effect"]] == [finding.effect for finding in objects]
+    assert [*table["gain"]] == [finding.gain for finding in objects]
+    first, (statement, *_) = table.iloc[0], loop.statements.itertuples()
+    assert {*first["alternatives"]} == {*objects[0].members}
+    assert first["low"] <= first["value"] == statement.value <= first["high"]
+    assert f"{first['from']:%Y-%m-%d}" == statement.since and pd.isna(first["to"])
+    none, kinds = replace(loop, finding_objects=()).findings, ["value", "from", "to"]
+    assert none.empty and (none.dtypes[kinds] == table.dtypes[kinds]).all()
+
+
+def test_a_row_by_number_says_where_the_object_is(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    with pytest.raises(KeyError, match=r"DataFrame.*finding_objects\[0\]"):
+        loop.findings[0]
+    with pytest.raises(KeyError, match=r"^'device'$"):
+        loop.findings["device"]
 
 
 def test_a_named_fault_says_what_agrees(named_one):  # noqa: F811
@@ -192,7 +218,7 @@ def test_the_summary_is_short_and_narrow(ambiguous, named_one):  # noqa: F811
 
 def test_a_long_list_is_cut_with_the_number_of_the_rest(ambiguous):  # noqa: F811
     _, loop = ambiguous
-    many = replace(loop, findings=loop.findings[:1] * 20)
+    many = replace(loop, finding_objects=loop.finding_objects[:1] * 20)
     lines = str(many).splitlines()
     assert len(lines) <= LINES
     shown = sum(bool(re.match(r" *\d+\. ", line)) for line in lines)
@@ -207,14 +233,14 @@ def test_a_hint_of_an_effect_that_no_registry_knows_has_a_statement(ambiguous, k
     """A column of the user's own that was seen and not added."""
     _, loop = ambiguous
     hint = replace(
-        loop.findings[0],
+        loop.finding_objects[0],
         effect="driver:fan",
         candidates=("driver:fan", "rain"),
         verdict=Verdict.SUGGESTIVE,
         kind=kind,
         members={},
     )
-    seen = replace(loop, findings=(hint,))
+    seen = replace(loop, finding_objects=(hint,))
     (one,) = (s for s in seen.statements.itertuples() if s.cause == "driver:fan")
     assert "driver:fan" in one.text and "evaporating rain" in one.text
     assert one.verdict == "suggestive" and one.alternatives == ("rain",)

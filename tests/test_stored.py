@@ -59,8 +59,11 @@ def test_a_loop_comes_back_to_the_bit(loop, files):
     assert "driver:fan" in loop.effects and len(loop.effects) > 2
     assert again.to_json() == (files / "loop.json").read_text("utf-8")[:-1]
     assert str(again) == str(loop)
-    assert again.findings == loop.findings and again.ties == loop.ties
-    assert [str(f) for f in again.findings] == [str(f) for f in loop.findings]
+    assert again.finding_objects == loop.finding_objects and again.ties == loop.ties
+    pd.testing.assert_frame_equal(again.findings, loop.findings, check_exact=True)
+    assert [str(f) for f in again.finding_objects] == [
+        str(f) for f in loop.finding_objects
+    ]
     assert again.untestable == loop.untestable and again.criteria == loop.criteria
     pd.testing.assert_frame_equal(again.table, loop.table, check_exact=True)
     pd.testing.assert_frame_equal(again.ranking, loop.ranking, check_exact=True)

@@ -44,7 +44,7 @@ def test_power_names_the_irradiance_sensor(half_a_year):  # noqa: F811
     data, _ = with_change(half_a_year)
     data = witnessed(data, 0.1)
     data["poa_global"] /= 1.0 + 0.1 * after(data)
-    first = closed(data).findings[0]
+    first = closed(data).finding_objects[0]
     assert first.effect == "sensitivity_step" and first.verdict is Verdict.NAMED
     (witness,) = (one for one in first.witnesses if one.effect == first.effect)
     assert witness.column == "power_ac" and witness.opinion is Opinion.AGREES
@@ -57,7 +57,7 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
 ):
     data, _ = with_change(half_a_year, "mounting_step")
     loop = closed(witnessed(data, 0.0))
-    first = loop.findings[0]
+    first = loop.finding_objects[0]
     assert first.verdict is Verdict.CLASS
     assert "mounting_step" in first.candidates
     assert "sensitivity_step" not in first.candidates
@@ -100,7 +100,7 @@ def test_a_second_sensor_names_the_first(
     else:
         share = size / 6.84 if usual == "wind_speed" else size  # of Faiman's u1
         data[usual] = data[usual] / (1.0 + share * there)
-    first = closed(data.assign(**{column: twin})).findings[0]
+    first = closed(data.assign(**{column: twin})).finding_objects[0]
     assert first.effect == f"{channel}_step" and first.verdict is Verdict.NAMED
     mine = {one.opinion for one in first.witnesses if one.effect == first.effect}
     assert mine == {Opinion.AGREES}
@@ -108,7 +108,7 @@ def test_a_second_sensor_names_the_first(
 
 def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
     data, _ = with_change(half_a_year, "mounting_step")
-    first = closed(witnessed(data, 0.0)).findings[0]
+    first = closed(witnessed(data, 0.0)).finding_objects[0]
     content = json.loads(json.dumps(first.content()))
     assert Finding.stored(Stored(content, "loop.json")).witnesses == first.witnesses
 
@@ -257,7 +257,7 @@ def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa:
     """Half of the wind is lost from a date on, or the mounting changes."""
     data, _ = with_change(half_a_year)
     data["wind_speed"] /= 1.0 + 1.0 * after(data)
-    first = closed(data).findings[0]
+    first = closed(data).finding_objects[0]
     assert first.effect == "wind_gain_step" and first.verdict is Verdict.NAMED
     said = {(one.column, one.opinion) for one in first.witnesses}
     assert said == {(USUAL_WIND, Opinion.AGREES)}
@@ -286,7 +286,7 @@ def test_power_of_a_logger_that_is_off_is_held_to_the_right_time(own_logger):
         data["temp_module"] = data["temp_module"].shift(2)
     loop = close_loop(data)
     assert loop.corrections[0].applied
-    (drift,) = (f for f in loop.findings if f.effect == "sensitivity_drift")
+    (drift,) = (f for f in loop.finding_objects if f.effect == "sensitivity_drift")
     (one,) = (w for w in drift.witnesses if w.column == "power_dc")
     assert one.opinion is Opinion.AGREES and one.size == pytest.approx(0.1, abs=0.03)
     actions = loop.corrected(data).actions

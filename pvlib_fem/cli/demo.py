@@ -55,7 +55,7 @@ def demo_site(days, step, seed):
 
 def answer(name, found):
     """What a loop said of an effect that is there."""
-    for finding in found.findings:
+    for finding in found.finding_objects:
         if name in finding.candidates and finding.kind is not Kind.STRUCTURE:
             under = "" if name == finding.effect else f", under {finding.effect}"
             how = "a hint only" if finding.verdict is Verdict.SUGGESTIVE else "found"

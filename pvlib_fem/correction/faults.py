@@ -30,7 +30,7 @@ class Fault:
 def chosen(loop, resolve):
     """The findings in the model as faults, ambiguous ones by the member to apply."""
     names = [resolve] if isinstance(resolve, str) else [*resolve]
-    added = [finding for finding in loop.findings if finding.added]
+    added = [finding for finding in loop.finding_objects if finding.added]
     there = [name for finding in added for name in finding.candidates]
     if strange := [name for name in names if name not in there]:
         known = [n for f in added if len(f.candidates) > 1 for n in f.candidates]

@@ -175,7 +175,7 @@ def findings_of(loop):
     """Rows of the findings of a loop, clocks first."""
     effects = {effect.name: effect for effect in loop.fit.effects}
     clocks = [of_clock(correction) for correction in loop.corrections]
-    return clocks + [of_finding(finding, effects) for finding in loop.findings]
+    return clocks + [of_finding(finding, effects) for finding in loop.finding_objects]
 
 
 def of_clock(correction: Correction):

@@ -56,7 +56,7 @@ def outcome(search, last, base):
     path = [n for n in search.steps if n not in BASES or n in ("steady", dynamics)]
     budget = budget_of(case, search.steps, path, table, more, stretches)
     return Loop(
-        findings=tuple(more),
+        finding_objects=tuple(more),
         corrections=tuple(search.corrections),
         table=table,
         base=base,

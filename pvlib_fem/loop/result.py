@@ -38,6 +38,7 @@ from pvlib_fem.record.columns import COLUMNS, GEOMETRY, printable, with_aliases
 from pvlib_fem.report.page import brief, page
 from pvlib_fem.report.text import lines, never
 from pvlib_fem.scores import GAMMA
+from pvlib_fem.statements.findings_table import findings_table
 from pvlib_fem.statements.make import statements_of
 from pvlib_fem.statements.statement import as_table
 from pvlib_fem.statements.summary import conclusion, summary
@@ -55,8 +56,9 @@ class Loop:
 
     Attributes
     ----------
-    findings : tuple of Finding
-        In the order found, then hints, then what no effect explains.
+    finding_objects : tuple of Finding
+        In the order found, then hints, then what no effect explains. The DataFrame
+        ``findings`` has a row for each.
     corrections : tuple of Correction
         What was made of clocks that are off.
     table : DataFrame
@@ -129,7 +131,7 @@ class Loop:
         in the data of ``predict`` and the others.
     """
 
-    findings: tuple
+    finding_objects: tuple[Finding, ...]
     corrections: tuple
     table: pd.DataFrame
     base: str
@@ -222,23 +224,47 @@ class Loop:
         return self.own_ceiling
 
     @property
+    def findings(self) -> pd.DataFrame:
+        """
+        The findings as a DataFrame, a row for each of ``finding_objects``.
+
+        Returns
+        -------
+        DataFrame
+            ``effect``, name of the effect, or the drivers of an unexplained pattern;
+            ``verdict``, ``"named"``, ``"class"`` (ambiguous), ``"suggestive"`` (a hint)
+            or ``"unknown"`` (an unexplained pattern); ``probability`` of the effect [-]
+            and ``alternatives``, a tuple of the other candidates; ``value`` with its
+            ``standard_error`` and the 90 % range ``low`` to ``high``, all in ``unit``;
+            ``from`` and ``to``, the dates between which it acts, NaT where it acts from
+            the first or until the last day of the record; ``gain``, the reduction of
+            the error [K].
+
+            Of a sensor fault ``value`` is what the sensor reads beyond the truth,
+            negative where it reads less. Of another effect it is its coefficient, NaN
+            where it has several: ``finding_objects`` have each. Of an unexplained
+            pattern it is the mean residual there.
+        """
+        return findings_table(self)
+
+    @property
     def effects(self) -> list[str]:
         """Names of the findings that were added to the model, in order."""
-        return [finding.effect for finding in self.findings if finding.added]
+        return [finding.effect for finding in self.finding_objects if finding.added]
 
     @property
     def ties(self) -> dict[str, tuple[str, ...]]:
         """Name to the other candidates, where there are some."""
         return {
             f.effect: tuple(n for n in f.candidates if n != f.effect)
-            for f in self.findings
+            for f in self.finding_objects
             if f.kind is not Kind.STRUCTURE and len(f.candidates) > 1
         }
 
     @property
     def unexplained(self) -> tuple[Finding, ...]:
         """Findings of structure that no effect explains."""
-        return tuple(f for f in self.findings if f.kind is Kind.STRUCTURE)
+        return tuple(f for f in self.finding_objects if f.kind is Kind.STRUCTURE)
 
     def inputs(
         self, data: pd.DataFrame, **place: Any
@@ -565,7 +591,7 @@ class Loop:
     def content(self, **cell: float) -> dict:
         """What is in a file of the loop."""
         return {
-            "findings": [finding.content() for finding in self.findings],
+            "findings": [finding.content() for finding in self.finding_objects],
             "statements": [one.content() for one in statements_of(self)],
             "corrections": [one.content() for one in self.corrections],
             "table": self.table.to_dict(orient="index"),
@@ -629,7 +655,7 @@ class Loop:
         limits = content.part("criteria").content
         limits = {**limits, "limits": Limits(**limits["limits"])}
         loop = cls(
-            findings=tuple(map(Finding.stored, content.parts("findings"))),
+            finding_objects=tuple(map(Finding.stored, content.parts("findings"))),
             corrections=tuple(map(Correction.stored, content.parts("corrections"))),
             table=pd.DataFrame.from_dict(rows, orient="index").rename_axis("step"),
             base=content.text("base"),

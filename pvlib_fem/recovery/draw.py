@@ -116,7 +116,7 @@ def rounded(value):
 def chosen(case, loop, effects):
     """Effects that can be injected, and for other effects the reason why not."""
     wanted = {effect.name: effect for effect in case.wanted}
-    there = {name for f in loop.findings if f.added for name in f.candidates}
+    there = {name for f in loop.finding_objects if f.added for name in f.candidates}
     usual = {effect.name for effect in loop.fit.effects}
     if effects is None:
         names = [name for name in wanted if name in EFFECTS]

@@ -38,7 +38,7 @@ def of_plan(recovery, planned, notes, loop, effects):
         recovery,
         outcomes=tuple(one for one in recovery.outcomes if one.injection.key in keys),
         planned=len(planned),
-        baseline=loop.findings,
+        baseline=loop.finding_objects,
         units=units,
         notes=notes,
     )

@@ -97,7 +97,7 @@ def recovered(data, injector, baseline, how, injection):
 def judged(injection, effect, loop, baseline):
     """The outcome of an injection, from the truth and the baseline's findings."""
     before = [f for f in baseline if f.added]
-    added = [f for f in loop.findings if f.added]
+    added = [f for f in loop.finding_objects if f.added]
     effects = {e.name: e for e in loop.fit.effects}
     days = np.unique(loop.fit.record.dates)
     # effects of the baseline are never injected, so a class with the injected effect

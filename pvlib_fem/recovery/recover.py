@@ -189,7 +189,7 @@ def recover_effects(
     names = ("location", "surface_tilt", "surface_azimuth")
     how |= {"model": model, **dict(zip(names, place))}
     injector = Injector.of(search, loop)
-    shared: tuple = (data, injector, loop.findings, how)
+    shared: tuple = (data, injector, loop.finding_objects, how)
     with counting(len(planned), len(done), progress, "put in") as tell:
         for outcome in spread(recovered, tasks, processes, shared):
             result = with_outcome(result, outcome, planned)

@@ -68,7 +68,7 @@ def trial_of(scrambler, how, seed, kind, number):
         loop = close_loop(record, **how | {"holdout": holdout})
     except ValueError as error:
         return Trial(*done, refused=str(error))
-    return Trial(*done, *false_of(loop.findings, lost))
+    return Trial(*done, *false_of(loop.finding_objects, lost))
 
 
 def false_of(findings, lost):

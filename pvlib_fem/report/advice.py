@@ -38,7 +38,7 @@ def settling(loop):
     """What would decide a tie or a hint, or name unknown structure, by its gain."""
     catalogue = EFFECTS | {effect.name: effect for effect in loop.fit.effects}
     items = []
-    for finding in loop.findings:
+    for finding in loop.finding_objects:
         gain = f"{finding.gain:.2f} K"
         if finding.kind is Kind.STRUCTURE:
             what = f"a column that tells what happens {finding.place}"

@@ -149,7 +149,7 @@ def to_do(statements):
 
 def ranges(loop):
     """The ranges of all coefficients that have one."""
-    return {name: ends for f in loop.findings for name, ends in f.ranges.items()}
+    return {name: ends for f in loop.finding_objects for name, ends in f.ranges.items()}
 
 
 def name_of(loop):
@@ -176,7 +176,7 @@ def residuals(loop):
 
 
 def added(loop):
-    return [finding for finding in loop.findings if finding.added]
+    return [finding for finding in loop.finding_objects if finding.added]
 
 
 def part(loop):
@@ -263,7 +263,7 @@ def errors(loop, gamma=GAMMA):
     which, end = part(loop)
     keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
     keys += ["energy_error_test", "rmse_train"]
-    verdicts = {f"+{f.effect}": f.verdict.words for f in loop.findings}
+    verdicts = {f"+{f.effect}": f.verdict.words for f in loop.finding_objects}
     rows = [
         (
             spaced(name),
@@ -294,7 +294,7 @@ def errors(loop, gamma=GAMMA):
 def undecided(loop):
     """Ties and hints, and what would decide."""
     undecided = (Verdict.CLASS, Verdict.SUGGESTIVE)
-    open_ = [f for f in loop.findings if f.verdict in undecided]
+    open_ = [f for f in loop.finding_objects if f.verdict in undecided]
     if not open_:
         none = "Nothing: all that was found has one name."
         return paragraph(none if added(loop) else "Nothing was found.")
@@ -319,7 +319,7 @@ def rules(loop):
             check.unit,
             check.criterion,
         )
-        for finding in loop.findings
+        for finding in loop.finding_objects
         for check in finding.checks
     ]
     if not rows:

@@ -88,7 +88,7 @@ def rows(loop):
     shown = (f"rmse_{part}", "rmse_test_day", "rmse_test_night", f"mbe_{part}")
     cells = "".join(f"{name:>7}" for name in head)
     yield f"{'step':<{WIDE}}{cells}  energy error  ", "verdict"
-    verdicts = {f"+{f.effect}": f for f in loop.findings if f.added}
+    verdicts = {f"+{f.effect}": f for f in loop.finding_objects if f.added}
     for name, row in loop.table.iterrows():
         cells = "".join(cell(row[key], 7) for key in shown)
         cells += cell(row["energy_error_test"], 9) + " %"
@@ -118,7 +118,7 @@ def remaining(loop):
         yield "unexplained pattern", finding.why
     if loop.known_ceiling is not None:
         yield "could be explained", sentence(loop.known_ceiling)
-    for finding in loop.findings:
+    for finding in loop.finding_objects:
         if finding.verdict in OPEN:
             names = " | ".join(finding.candidates)
             if finding.shares and finding.verdict is Verdict.CLASS:
@@ -126,7 +126,7 @@ def remaining(loop):
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
             yield finding.verdict.words, f"{words}{rule}"
-    for finding in loop.findings:
+    for finding in loop.finding_objects:
         yield from (("cross-check", str(one)) for one in finding.heard)
     for why, names in by_reason(loop.untestable).items():
         yield "not testable", f"{', '.join(names)} ({why})"

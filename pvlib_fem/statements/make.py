@@ -38,7 +38,7 @@ def statements_of(loop):
         Clocks, causes in the model by what they take off the error, events that
         power shows, unexplained patterns, days that stand out, hints.
     """
-    findings = [f for f in loop.findings if f.kind is not Kind.STRUCTURE]
+    findings = [f for f in loop.finding_objects if f.kind is not Kind.STRUCTURE]
     findings.sort(key=lambda finding: -finding.gain)
     causes, hints = (
         [finding_statement(f, loop) for f in findings if f.added == added]
