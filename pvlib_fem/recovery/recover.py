@@ -12,7 +12,7 @@ from pvlib_fem.effects import EffectLike
 from pvlib_fem.loop.close import searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.progress import counting
-from pvlib_fem.parallel import refuse_anew, spread
+from pvlib_fem.parallel import spread
 from pvlib_fem.recovery.draw import chosen
 from pvlib_fem.recovery.going_on import (
     digest,
@@ -88,7 +88,7 @@ def recover_effects(
         See :func:`close_loop`.
     processes : int, optional
         Number of parallel processes, by default the number of cores. The result does
-        not depend on it. A script needs ``if __name__ == "__main__":``.
+        not depend on it.
     path : str or path-like, optional
         JSON file for the results so far, written after each injection. If it exists
         with the same record, arguments and version, only the missing part is computed.
@@ -163,7 +163,6 @@ def recover_effects(
     """
     from pvlib_fem import __version__  # here, because of circular imports
 
-    refuse_anew()
     criteria = criteria or Criteria()
     how: dict[str, Any] = dict(
         holdout=holdout, effects=tried, check_units=check_units, fixed=fixed
