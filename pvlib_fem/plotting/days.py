@@ -111,7 +111,8 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
     """
     ax = new_axes(ax)
     record = loop.fit.record
-    parts = loop.contributions(record.inputs.frame())
+    # the record's times are corrected already
+    parts = loop.contributions(record.inputs.frame(), correct_times=False)
     day = Span(loop.fit)
     ax.axhline(0.0, color=ink(), linewidth=0.8)
     for i, (name, values) in enumerate(parts.items()):

@@ -18,6 +18,8 @@ body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 66rem; color: var(-
   background: var(--page); font: 16px/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .5rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid var(--line); }
+h3 { font-size: 1rem; margin: 1.6rem 0 .5rem; max-width: 46rem;
+  overflow-wrap: anywhere; }
 p, li { overflow-wrap: anywhere; max-width: 46rem; }
 .plant { color: var(--soft); margin: 0; }
 .alert { border-left: .3rem solid var(--before); padding: .5rem .8rem;
@@ -41,9 +43,10 @@ th, td { white-space: nowrap; }
 .text td:last-child { min-width: 10rem; }
 .n { text-align: right; font-variant-numeric: tabular-nums; }
 .figures { display: grid; gap: 1rem;
-  grid-template-columns: repeat(auto-fit, minmax(min(100%, 24rem), 1fr)); }
+  grid-template-columns: repeat(auto-fill, minmax(min(100%, 24rem), 1fr)); }
 figure { margin: 0; padding: .7rem; background: var(--card); border-radius: .5rem; }
 figcaption { margin-bottom: .4rem; }
+figcaption strong { display: block; color: var(--ink); margin-bottom: .2rem; }
 svg { display: block; width: 100%; height: auto; }
 svg text { font-family: system-ui, sans-serif !important; }
 pre { padding: .8rem; background-color: var(--card); border-radius: .5rem;
@@ -141,13 +144,13 @@ def table(head, rows, caption="", wraps=False):
 
 
 def figures(pictures):
-    """A grid of pairs: an ``svg`` element, and what it shows."""
-    body = (
-        f"<figure>\n<figcaption>{escaped(words)}</figcaption>\n"
-        + svg.replace("<svg", f'<svg role="img" aria-label="{escaped(words)}"', 1)
-        + "\n</figure>"
-        for svg, words in pictures
-    )
+    """A grid of ``svg`` elements, each with what it shows and perhaps a title."""
+    body = []
+    for svg, words, *title in pictures:
+        head = "".join(f"<strong>{escaped(one)}</strong>" for one in title)
+        named = svg.replace("<svg", f'<svg role="img" aria-label="{escaped(words)}"', 1)
+        caption = f"<figcaption>{head}{escaped(words)}</figcaption>"
+        body.append(f"<figure>\n{caption}\n{named}\n</figure>")
     return '<div class="figures">\n' + "\n".join(body) + "\n</div>"
 
 

@@ -30,6 +30,7 @@ from pvlib_fem.report.parts import (
     printed,
 )
 from pvlib_fem.report.pictures import picture_of_ceiling, pictures
+from pvlib_fem.report.shown import shown
 from pvlib_fem.scores import GAMMA
 
 MOST_EVENTS = 10  # of a kind that a page has
@@ -104,7 +105,7 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         section("Error by step", errors(loop, gamma)),
         section("Energy", in_energy(fit, residuals(loop), gamma)),
         *could_be(loop),
-        section("Evidence", figures(pictures(loop)) if drawn else NO_ROWS),
+        section("Evidence", evidence(loop) if drawn else NO_ROWS),
         section("Data quality", health(record, [*loop.notes, *fit.notes])),
         section("Unexplained patterns", unexplained(loop)),
         section("Remaining error by time scale", in_time(loop)),
@@ -119,6 +120,16 @@ def page(loop, never=(), title=None, gamma=GAMMA):
         section("Annex: how to reproduce this report", reproduce(loop)),
     ]
     return document(" · ".join(filter(None, [title, headline(loop)])), parts)
+
+
+def evidence(loop):
+    """Each finding with its pictures, then the error of the model in pictures."""
+    found = shown(loop, loop.statements)
+    drawn = [(svg, words, one.text) for one in found for svg, words in one.pictures]
+    body = [figures(drawn)] if drawn else []
+    body += [paragraph(f"{one.text}: {one.note}") for one in found if one.note]
+    head = "<h3>The error of the model, before and after</h3>"
+    return "\n".join([*body, head, figures(pictures(loop))])
 
 
 def could_be(loop):
