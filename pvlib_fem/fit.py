@@ -7,14 +7,16 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import checked_place, geometry, needed_for
+from pvlib_fem.drivers.mounts import axis_of
 from pvlib_fem.effects import EffectLike, find, several
-from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.effects.candidates import about_axis, candidates
 from pvlib_fem.fitting.files import fit_files, in_files
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import as_frame
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.search import holding
 from pvlib_fem.loop.instead import Instead
+from pvlib_fem.loop.planes import plane_of_columns, with_given
 from pvlib_fem.paper.recipe import METHODS, fit_paper, refuse_paper
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.record.columns import ALWAYS, COLUMNS, by_own_names, with_aliases
@@ -186,6 +188,7 @@ def fit_frame(
     surface_azimuth=None,
     transposition=None,
     stand_ins=(),
+    mount=None,
     **options,
 ):
     """
@@ -196,7 +199,7 @@ def fit_frame(
     data : DataFrame
         Record, see :func:`pvlib_fem.close_loop`.
     effects : sequence of str, dict or Effect
-    location, surface_tilt, surface_azimuth
+    location, surface_tilt, surface_azimuth, mount
         Site and plane, see :func:`pvlib_fem.close_loop`; none is estimated.
     transposition, stand_ins
         See :func:`pvlib_fem.close_loop`.
@@ -207,17 +210,18 @@ def fit_frame(
     -------
     FemFit
     """
-    place = checked_place(location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
+    data, place = plane_of_columns(*with_given(data, place))
     instead = Instead.of_arguments(transposition, stand_ins)
     how = (options.get("limits"), options.get("check_units", True))
     filled = instead.of(data, ALWAYS, place, *how)
     columns, notes = filled.columns, filled.said
     there = columns
     if effects:
-        place = geometry(data.index, location, surface_tilt, surface_azimuth)
-        there = {**place, **columns}
+        there = {**geometry(data.index, **place), **columns}
     absent = [name for name in COLUMNS if name not in columns]
     chosen, missing = candidates(there, {}, effects, absent=absent)
+    chosen = about_axis(chosen, axis_of(place))
     for name, why in missing.items():
         raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
     wanted = {name for effect in chosen for name in needed_for(effect.drivers)}

@@ -186,11 +186,11 @@ class DynamicCellTemperature:
         position = mc.results.solar_position
         if position is not None and position.index.equals(index):
             place = position[["zenith", "azimuth"]].add_prefix("solar_")
+            apparent = position["apparent_zenith"]
         else:  # after run_model_from_effective_irradiance it is missing or outdated
             place = sun(index, mc.location)
-        mounted = array.mount.get_orientation(
-            place["solar_zenith"], place["solar_azimuth"]
-        )
+            apparent = sun(index, mc.location, refraction=True)["solar_zenith"]
+        mounted = array.mount.get_orientation(apparent, place["solar_azimuth"])
         for name in ("surface_tilt", "surface_azimuth"):
             # at night a tracker's orientation is NaN, and it has no influence
             place[name] = pd.Series(mounted[name], index).fillna(0.0)

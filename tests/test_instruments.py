@@ -272,7 +272,7 @@ def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
 def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
     """By its tangent as by the fit: no other tangent, no misfit has a part of it."""
     data, _ = with_change(half_a_year, name, **{name: -0.3})
-    no_place = (None, None, None)
+    no_place = fem.drivers.checked_place(None)
     how = dict(holdout=None, effects=None, fixed=None, criteria=fem.Criteria())
     search, loop = searched(data, "faiman", no_place, None, **how)
     assert loop.finding_objects[0].added

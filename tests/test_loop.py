@@ -358,7 +358,9 @@ def test_a_file_that_keeps_summer_time_is_corrected_and_the_sun_tried():
 def test_a_correction_that_raises_the_error_is_withdrawn():
     """Of a clock that was read the wrong way round."""
     late = simulator.record(effects=PHYSICS | {"clock_shift": 10.0}, **HALF)
-    case = prepared(late, PLACE, None, None, fem.Criteria())
+    case = prepared(
+        late, fem.drivers.checked_place(**PLACE), None, None, fem.Criteria()
+    )
     wrong = replace(case.clock, late=-case.clock.late)
     fits = Fits(replace(case, clock=wrong))
     raw = fits.bases(steady_model("faiman"))["balance"]

@@ -41,7 +41,8 @@ def record():
 
 @pytest.fixture(scope="module")
 def done(record):
-    return searched(record, "faiman", (None, None, None), None, **how(record))
+    no_place = fem.drivers.checked_place(None)
+    return searched(record, "faiman", no_place, None, **how(record))
 
 
 def how(record):

@@ -51,9 +51,8 @@ def record():
 @pytest.fixture(scope="module")
 def done(record):
     how = dict(holdout=None, effects=None, check_units=True, fixed=None)
-    return searched(
-        record, "faiman", (*PLACE.values(),), None, criteria=Criteria(), **how
-    )
+    place = fem.drivers.checked_place(**PLACE)
+    return searched(record, "faiman", place, None, criteria=Criteria(), **how)
 
 
 @pytest.fixture(scope="module")

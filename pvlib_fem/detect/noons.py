@@ -14,7 +14,7 @@ BEST = 0.995  # quantile that stands for full light
 FULL = 1000.0  # W/m², at full light
 
 
-def noons(values, index, location, plane=(None, None), label="left"):
+def noons(values, index, location, plane=(None, None, None), label="left"):
     """
     How much later than due the middle of each day's light is.
 
@@ -24,8 +24,8 @@ def noons(values, index, location, plane=(None, None), label="left"):
         Irradiance or power, in any unit.
     index : DatetimeIndex
     location : pvlib.location.Location
-    plane : tuple, default (None, None)
-        Tilt and azimuth. [°]
+    plane : tuple, default (None, None, None)
+        Tilt and azimuth [°], and the mount of a plane that moves.
     label : str, default "left"
         Where the time of a row is in the interval of which it is the mean.
 
@@ -44,8 +44,9 @@ def noons(values, index, location, plane=(None, None), label="left"):
     light = with_dark_nights(seconds - dark, light, limits)
     middle_of_row = {"left": step / 2.0, "center": 0.0, "right": -step / 2.0}[label]
     day, middle = middles(seconds - dark + middle_of_row, light, step, limits)
-    origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
-    late = middle - due(origin, day, location, *plane, limits)
+    begins = pd.Timedelta(seconds=dark)
+    origin, start = universal(index[0], location) + begins, index[0] + begins
+    late = middle - due(origin, day, location, plane, limits, start)
     late = (late + DAY / 2) % DAY - DAY / 2
     known = np.isfinite(late)
     dates = days_of(index[0], dark + day[known] * DAY)

@@ -5,11 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.detect.changes import SURE, LevelChanges, compared, result
 from pvlib_fem.detect.path import Law
 from pvlib_fem.detect.series import checked
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers.mounts import angles_at
 from pvlib_fem.loop import references
 from pvlib_fem.loop.references import COMPARISONS, SKY, USUAL_WIND
 from pvlib_fem.quality.clearsky import clear_sky
@@ -68,10 +70,11 @@ def compared_with(name, values, index, **columns):
 def irradiance_changes(
     poa_global: pd.Series,
     location: Location | None = None,
-    surface_tilt: float | None = None,
-    surface_azimuth: float | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
     power: pd.Series | None = None,
     temp_module: pd.Series | None = None,
+    mount: AbstractMount | None = None,
 ) -> LevelChanges:
     """
     Steps and drift of an irradiance sensor, against a clear sky, power, or both.
@@ -82,12 +85,14 @@ def irradiance_changes(
         Irradiance in any plane. [W/m²]
     location : pvlib.location.Location, optional
         For the clear sky. Times without a zone are local standard time.
-    surface_tilt, surface_azimuth : float, optional
+    surface_tilt, surface_azimuth : float or Series, optional
         Of the plane, for the clear sky; a flat one by default. [°]
     power : Series, optional
         Of a plant in the same light, in any unit.
     temp_module : Series, optional
         Temperature that power is corrected for; 25 °C by default. [°C]
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        Of a sensor on a tracker, instead of its angles.
 
     Returns
     -------
@@ -124,7 +129,7 @@ def irradiance_changes(
     >>> [(f"{day:%Y-%m-%d}", round(by, 2)) for day, by in found.steps]
     [('2023-08-01', 0.1)]
     """
-    place = checked_place(location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
     if location is None and power is None:
         raise ValueError("there is nothing to compare with: give location, or power")
     given = {"poa_global": poa_global, "power": power, "temp_module": temp_module}
@@ -137,8 +142,7 @@ def irradiance_changes(
             compared_with(POWER, fed, index, poa_global=poa, temp_module=module)
         )
     if location is not None:
-        angles = tuple(place.values())[1:]
-        sky = clear_sky(poa, index, location, None if None in angles else angles)
+        sky = clear_sky(poa, index, location, angles_at(index, place))
         found.append(compared_with(SKY, sky, index, poa_global=poa))
     changes = [aged(compared(one, LIGHT)) for one in found]
     if len(changes) == 1:

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.detect.clock import GRID, MEMORY, clock_of
 from pvlib_fem.detect.noons import noons
 from pvlib_fem.detect.series import checked
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers.mounts import PLANE
 from pvlib_fem.record.checks import usual_step
 
 LABELS = ("left", "center", "right")
@@ -67,9 +69,10 @@ class TimeShifts:
 def time_shifts(
     light: pd.Series,
     location: Location,
-    surface_tilt: float | None = None,
-    surface_azimuth: float | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
     label: str = "left",
+    mount: AbstractMount | None = None,
 ) -> TimeShifts:
     """
     Days on which the clock of a record is off, and by how much.
@@ -79,11 +82,13 @@ def time_shifts(
     light : Series
         Irradiance or power, in any unit. Times without a zone are local standard time.
     location : pvlib.location.Location
-    surface_tilt, surface_azimuth : float, optional
+    surface_tilt, surface_azimuth : float or Series, optional
         Of the plane; a flat one by default. [°]
     label : str, default "left"
         Which end of its interval names the mean in a row, as in
         :py:meth:`pandas.DataFrame.resample`; ``"center"`` also for single values.
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        Of modules on a tracker, instead of the angles.
 
     Returns
     -------
@@ -132,9 +137,10 @@ def time_shifts(
         raise ValueError(f"label = {label!r}; it is {', '.join(map(repr, LABELS))}")
     if location is None:
         raise ValueError("location is None; give a pvlib.location.Location")
-    place = checked_place(location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
     index, (values,) = checked(light=light)
-    middle = noons(values, index, location, tuple(place.values())[1:], label)
+    plane = tuple(place[name] for name in PLANE)
+    middle = noons(values, index, location, plane, label)
     local = index.tz_localize(None).normalize()
     dates = pd.date_range(local[0], local[-1], freq="D") if len(local) else local
     if len(middle) < FEWEST:

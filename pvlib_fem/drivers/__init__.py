@@ -16,11 +16,7 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for other packages
     short_memory,
     with_constants,
 )
-from pvlib_fem.drivers.solar import (  # noqa: F401
-    checked_place,
-    geometry,
-    standard_time,
-    sun,
-)
+from pvlib_fem.drivers.mounts import checked_place, geometry  # noqa: F401
+from pvlib_fem.drivers.solar import standard_time, sun  # noqa: F401
 
 __all__ = ["sun"]

@@ -1,14 +1,11 @@
 """The solar position, and irradiance on a plane."""
 
-from numbers import Real
-
 import numpy as np
 import pandas as pd
 from pvlib import irradiance
 from pvlib.location import Location
 
 from pvlib_fem.drivers.memory import HOUR, backwards
-from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import relax
 
 SOLAR_CONSTANT = 1361.0  # W/m²
@@ -18,7 +15,9 @@ AROUND = 2.0 * HOUR  # time constant of the mean sky before and after
 SUN_GRID = "5min"  # step over which the sun's path is almost straight
 
 
-def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
+def sun(
+    index: pd.DatetimeIndex, location: Location, refraction: bool = False
+) -> pd.DataFrame:
     """
     Solar position at each time; a year of minutes takes 0.2 s.
 
@@ -32,12 +31,14 @@ def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
         that is UTC, pvlib's default, in the standard time of the longitude, a whole
         hour every 15°.
     location : pvlib.location.Location
+    refraction : bool, default False
+        Give the apparent zenith, which trackers follow.
 
     Returns
     -------
     DataFrame
-        ``solar_zenith`` without refraction and ``solar_azimuth``, on ``index``.
-        [°]
+        ``solar_zenith``, without refraction by default, and ``solar_azimuth``, on
+        ``index``. [°]
     """
     times = index if index.tz is not None else standard_time(index, location)
     utc = times.tz_convert("UTC")
@@ -47,6 +48,8 @@ def sun(index: pd.DatetimeIndex, location: Location) -> pd.DataFrame:
     if len(grid) > len(utc):  # few rows over a long time
         grid = utc
     found = location.get_solarposition(grid, method="ephemeris")
+    if refraction:
+        found["zenith"] = found["apparent_zenith"]
     if len(grid) == len(utc) and (grid == utc).all():  # no interpolation
         places = {f"solar_{n}": found[n].to_numpy() for n in ("zenith", "azimuth")}
         return pd.DataFrame(places, index=index)
@@ -76,39 +79,6 @@ def standard_time(index, location):
         january = pd.Timestamp(index[0].year, 1, 1, tz=location.tz)
         offset = january.utcoffset() - january.dst()
     return (index - offset).tz_localize("UTC")
-
-
-def checked_place(location, surface_tilt, surface_azimuth):
-    """The arguments of a place as a dict; ValueError if one is invalid."""
-    if location is not None and not isinstance(location, Location):
-        example = ", ".join(map(str, np.ravel(location))) if np.ndim(location) else "…"
-        raise ValueError(
-            f"location is {location!r}; give pvlib.location.Location({example}), with "
-            "tz= where the times have no zone"
-        )
-    angles = {"surface_tilt": surface_tilt, "surface_azimuth": surface_azimuth}
-    for name, value in angles.items():
-        if value is None:
-            continue
-        if not isinstance(value, Real) or not np.isfinite(value):
-            what = repr(value) if np.ndim(value) == 0 else f"a {type(value).__name__}"
-            raise ValueError(
-                f"{name} is {what}; give one number of degrees, or leave it out"
-            )
-    return {"location": location, **angles}
-
-
-def geometry(index, location=None, surface_tilt=None, surface_azimuth=None):
-    """Columns of solar position and module plane, as far as they are known."""
-    columns = {}
-    if location is not None:
-        columns |= dict(sun(index, location))
-    for name, value in zip(GEOMETRY[2:], (surface_tilt, surface_azimuth)):
-        if value is not None:
-            # a view of one number
-            everywhere = np.broadcast_to(float(value), len(index))
-            columns[name] = pd.Series(everywhere, index, copy=False)
-    return columns
 
 
 def aoi_projection(solar_zenith, solar_azimuth, surface_tilt, surface_azimuth, inputs):
@@ -220,12 +190,24 @@ def beam_by_tilt(
     surface_tilt,
     surface_azimuth,
     inputs,
+    *,
+    axis_azimuth=None,
 ):
-    """Additional beam on a plane that is one degree steeper. [W/(m² °)]"""
+    """
+    Additional beam on a plane that is one degree steeper. [W/(m² °)]
+
+    A plane that turns about an axis leans one degree further to the side to which a
+    positive rotation turns it: to the west, if ``axis_azimuth`` is 180°. [°]
+    """
     zenith, tilt = np.radians(solar_zenith), np.radians(surface_tilt)
-    around = np.radians(solar_azimuth - surface_azimuth)
+    aside = 1.0
+    if axis_azimuth is None:
+        around = np.radians(solar_azimuth - surface_azimuth)
+    else:
+        around = np.radians(solar_azimuth - (axis_azimuth + 90.0))
+        aside = np.cos(np.radians(surface_azimuth - (axis_azimuth + 90.0)))
     slope = np.sin(zenith) * np.cos(tilt) * np.cos(around)
-    slope = slope - np.cos(zenith) * np.sin(tilt)
+    slope = slope - np.cos(zenith) * np.sin(tilt) * aside
     return beam * np.radians(slope) / np.maximum(aoi_projection, 0.1)
 
 

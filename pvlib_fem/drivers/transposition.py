@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 from pvlib import atmosphere, irradiance
 
+from pvlib_fem.drivers.mounts import angles_at, is_known
 from pvlib_fem.drivers.solar import ALBEDO, sun
 from pvlib_fem.spelling import Spelled, refusal
 
@@ -21,7 +22,7 @@ def check_transposition(name, place):
         raise ValueError(
             f"transposition is {name!r}; it is {' or '.join(map(repr, TRANSPOSITIONS))}"
         )
-    if any(value is None for value in place.values()):
+    if not is_known(place):
         raise refusal("a transposition needs the plane of the module: give ", PLACE)
 
 
@@ -40,7 +41,7 @@ def in_plane(columns, index, place, transposition):
     index : DatetimeIndex
         Times of the solar position.
     place : dict
-        ``location``, ``surface_tilt``, ``surface_azimuth``.
+        From :func:`pvlib_fem.drivers.checked_place`.
     transposition : str
         One of :data:`TRANSPOSITIONS`.
 
@@ -66,7 +67,7 @@ def in_plane(columns, index, place, transposition):
     else:
         found = irradiance.erbs(ghi, zenith, index)
         dni, dhi = found["dni"], found["dhi"]
-    plane = place["surface_tilt"], place["surface_azimuth"]
+    plane = angles_at(index, place)
     with np.errstate(invalid="ignore", divide="ignore"):
         parts = irradiance.get_total_irradiance(
             *plane,
@@ -81,7 +82,7 @@ def in_plane(columns, index, place, transposition):
             model=transposition,
         )
     # before sunrise the irradiance is isotropic
-    up = np.cos(np.radians(place["surface_tilt"]))
+    up = np.cos(np.radians(plane[0]))
     twilight = ghi * ((1.0 + up) / 2.0 + ALBEDO * (1.0 - up) / 2.0)
     total = parts["poa_global"].where(zenith < 90.0, twilight)
     total = total.fillna(twilight).clip(lower=0.0)

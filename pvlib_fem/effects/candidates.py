@@ -36,6 +36,18 @@ def candidates(drivers, refused, effects, there=(), absent=()):
     return testable, notes
 
 
+def about_axis(effects, axis_azimuth):
+    """Effects of a plane that turns about an axis with this azimuth; None if fixed."""
+    if axis_azimuth is None:
+        return [*effects]
+    return [
+        effect.made(axis_azimuth=axis_azimuth)
+        if "axis_azimuth" in effect.constants and "axis_azimuth" not in effect.settings
+        else effect
+        for effect in effects
+    ]
+
+
 def missing_columns(effect, drivers, absent):
     """Columns that an effect needs and a record does not have."""
     usual = [name for name in behind(effect.drivers) if name in absent]

@@ -2,8 +2,10 @@
 
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers.mounts import plane_of_rows
 from pvlib_fem.drivers.transposition import (
     PARTS,
     check_transposition,
@@ -25,10 +27,11 @@ KILOWATTS = 3.0  # W/m²; the largest irradiance of a record is never below
 def transpose_record(
     data: pd.DataFrame,
     location: Location,
-    surface_tilt: float,
-    surface_azimuth: float,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
     transposition: str = "perez",
     limits: Limits | None = None,
+    mount: AbstractMount | None = None,
 ) -> pd.DataFrame:
     """
     Add the irradiance in the plane of the module to a record of horizontal irradiance.
@@ -39,12 +42,15 @@ def transpose_record(
         Record with a DatetimeIndex and ``ghi``. If it has ``dni`` and ``dhi``, they
         replace Erbs' correlation [1]_. [W/m²]
     location : pvlib.location.Location
-    surface_tilt, surface_azimuth : float
-        Orientation of the module; azimuth from north, clockwise. [°]
+    surface_tilt, surface_azimuth : float or Series, optional
+        Orientation of the module; azimuth from north, clockwise. If it changes with
+        time, Series, or columns of ``data`` with these names. [°]
     transposition : str, default "perez"
         Model of the sky: ``"perez"`` [2]_ or ``"haydavies"`` [3]_.
     limits : pvlib_fem.quality.limits.Limits, optional
         Thresholds of the screening of ``ghi``.
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        A tracker, instead of the orientation.
 
     Returns
     -------
@@ -86,10 +92,11 @@ def transpose_record(
     >>> bool(error < 15.0)  # W/m²; that record has an isotropic sky
     True
     """
-    place = checked_place(location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
     columns = with_aliases(data, ("ghi",))
     if LIGHT in columns:
         raise ValueError(f"data have {LIGHT}, so no transposition is needed; drop one")
+    place = plane_of_rows(data, place)
     found, notes = with_plane(columns, data.index, place, transposition, limits)
     data = data.assign(**{LIGHT: found[LIGHT]})
     data.attrs = {**data.attrs, "notes": notes}
@@ -113,7 +120,7 @@ def with_plane(
     columns : dict of Series
     index : DatetimeIndex
     place : dict
-        ``location``, ``surface_tilt``, ``surface_azimuth``.
+        From :func:`pvlib_fem.drivers.checked_place`.
     transposition : str
     limits : Limits, optional
     check_units : bool, default True

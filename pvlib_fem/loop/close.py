@@ -7,8 +7,10 @@ from typing import Any
 
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers.mounts import plane_of_rows
 from pvlib_fem.drivers.transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import CORRECTED
@@ -24,7 +26,7 @@ from pvlib_fem.loop.instead import Instead
 from pvlib_fem.loop.leaks import leaks
 from pvlib_fem.loop.noise import with_outside
 from pvlib_fem.loop.outcome import outcome
-from pvlib_fem.loop.planes import ANGLES, plane_of_columns
+from pvlib_fem.loop.planes import with_given
 from pvlib_fem.loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem.loop.progress import telling
 from pvlib_fem.loop.references import apart, heard, said
@@ -36,14 +38,13 @@ from pvlib_fem.loop.times import Times
 from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.columns import printable, with_aliases
+from pvlib_fem.record.columns import with_aliases
 from pvlib_fem.record.parquet import ParquetRecord, is_data_set
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import steady_model
 from pvlib_fem.types import FilePath
 
-PLACE = ("location", "surface_tilt", "surface_azimuth")
 LONGWAVE = "radiative_loss"  # of every module: in the base model, and no finding
 MOST_ROUNDS = 6  # of linearisations
 
@@ -52,8 +53,8 @@ def close_loop(
     data: pd.DataFrame | ParquetRecord | FilePath,
     model: str = "faiman",
     location: Location | None = None,
-    surface_tilt: float | None = None,
-    surface_azimuth: float | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
     holdout: pd.Series | None = None,
     min_gain: float | None = None,
     effects: EffectLike | Iterable[EffectLike] | None = None,
@@ -63,6 +64,7 @@ def close_loop(
     progress: Callable[[str], object] | bool | None = None,
     transposition: str | None = None,
     stand_ins: str | Iterable[str] = (),
+    mount: AbstractMount | None = None,
 ) -> Loop:
     """
     Trace the residual of a fit to the physical effects that the model misses.
@@ -97,8 +99,9 @@ def close_loop(
         A steady model by name, as in :func:`pvlib_fem.fit_fem`.
     location : pvlib.location.Location, optional
         With both angles below, effects that follow the sun can be tested.
-    surface_tilt, surface_azimuth : float, optional
-        Of the module; azimuth from north, clockwise. Where a location is given and
+    surface_tilt, surface_azimuth : float or Series, optional
+        Of the module; azimuth from north, clockwise. If they change with time, they are
+        Series, or columns of ``data`` with these names. Where a location is given and
         neither of them, they are estimated from the light of clear days. [°]
     holdout : Series of bool, optional
         The test rows, or days of a record in files. By default every fifth week, or
@@ -125,6 +128,9 @@ def close_loop(
         Second sources that stand in for air temperature or wind where those lack, such
         as ``temp_air_2``, as :func:`pvlib_fem.fill_record` does. ``predict`` does so,
         too. Without it a second source is a cross-check alone.
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        A tracker, instead of the two angles. By night, and wherever ``get_orientation``
+        gives no angles, the modules are horizontal.
 
     Returns
     -------
@@ -166,13 +172,16 @@ def close_loop(
     criteria = criteria or Criteria()
     if min_gain is not None:
         criteria = replace(criteria, min_gain=min_gain)
-    place = (location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
     how: dict[str, Any] = dict(
         holdout=holdout, effects=effects, check_units=check_units
     )
     how |= {"fixed": fixed, "criteria": criteria}
     if transposition:
-        check_transposition(transposition, dict(zip(PLACE, place)))
+        frame = isinstance(data, pd.DataFrame)
+        check_transposition(
+            transposition, plane_of_rows(data, place) if frame else place
+        )
     calm = not steady_model(model).takes_wind
     if transposition or stand_ins or calm:
         how["instead"] = Instead.of_arguments(transposition, stand_ins, calm)
@@ -181,7 +190,6 @@ def close_loop(
 
 def searched(data, model, place, progress, **how):
     """A finished search, and the loop that it gives."""
-    site = checked_place(*place)
     given = {n: said_of(value) for n, value in told_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
@@ -202,9 +210,7 @@ def searched(data, model, place, progress, **how):
                 how["holdout"] = on_days(how["holdout"], data.index)
         others = chosen(how["instead"].stand_ins) if "instead" in how else {}
         plain.refuse_without_wind({**with_aliases(data, ()), **others})
-        site, how["moving"] = plane_of_columns(data, site)
-        if angles := [label for label in data if printable(label) in ANGLES]:
-            data = data.drop(columns=angles)
+        data, site = with_given(data, place)
         tell("checking the record")
         search = Search(Fits(prepared(data, site, **how)), tell, own=own)
         ended = search.run(steady)

@@ -9,7 +9,7 @@ from pvlib_fem.fitting.horizontal import with_plane
 from pvlib_fem.fitting.stand_ins import chosen, with_stand_ins
 from pvlib_fem.record.columns import with_aliases
 
-LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0}
+LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0, "mount": None}
 
 
 @dataclass(frozen=True)

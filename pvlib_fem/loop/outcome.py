@@ -5,6 +5,7 @@ import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.budget.table import budget_of, episodes_of
+from pvlib_fem.drivers.mounts import without_rows
 from pvlib_fem.fitting.daily import errors
 from pvlib_fem.fitting.fit import finished
 from pvlib_fem.loop.case import BASES, FEWEST_FITTING_DAYS
@@ -65,7 +66,7 @@ def outcome(search, last, base):
         ranking=ranking,
         fit=fit,
         notes=case.notes,
-        place=case.place,
+        place=without_rows(case.place),
         residual_before=before.rename("residual"),
         weeks=pd.Series(named(case.parts), record.index, name="weeks"),
         plain=(raw.model, raw.coefficients),

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.columns import GEOMETRY, numeric, printable, with_aliases
+from pvlib_fem.drivers.mounts import ANGLES, AZIMUTH, TILT, ByColumns, checked_column
+from pvlib_fem.record.columns import numeric, printable, with_aliases
 
-TILT, AZIMUTH = ANGLES = GEOMETRY[2:]
 FIXED = 1.0  # ° within which a plane is one and the same
 
 
@@ -18,35 +17,61 @@ def plane_of_columns(data, site):
     data : DataFrame
         May have ``surface_tilt`` and ``surface_azimuth``, as pvlib's trackers do. [°]
     site : dict
-        ``location``, ``surface_tilt`` and ``surface_azimuth``, as they are given.
+        From :func:`pvlib_fem.drivers.checked_place`, without Series, which
+        :func:`with_given` makes columns.
 
     Returns
     -------
+    DataFrame
+        The record without these columns.
     dict
-        The site, with the angles of a fixed plane.
-    Because or None
-        Of a plane that moves: why effects that depend on it are not tested.
+        The site: with the angles of a fixed plane, or, of one that moves, a
+        :class:`~pvlib_fem.drivers.mounts.ByColumns`.
 
     Raises
     ------
     ValueError
-        If angles are given and the columns have others.
+        If a plane is given and the columns have another, or their angles are none.
     """
     own = [label for label in data if printable(label) in ANGLES]
     columns = numeric(with_aliases(data[own], ())) if own else {}
+    columns = {n: checked_column(n, c) for n, c in columns.items() if c.notna().any()}
     known = {name: column.dropna().to_numpy() for name, column in columns.items()}
-    known = {name: values for name, values in known.items() if len(values)}
+    data = data.drop(columns=own)
+    if known and site["mount"] is not None:
+        raise ValueError(
+            f"the tracker is described, and data have the column {min(known)}; drop "
+            "that column, or leave the description out"
+        )
     for name, values in known.items():
         refuse_other(name, values, site[name])
     if not known:
-        return site, None
-    if (name := moving(known)) is not None:
-        low, high = known[name].min(), known[name].max()
-        return {**site, **dict.fromkeys(ANGLES)}, because(
-            Reason.MOVING_PLANE, column=name, low=float(low), high=float(high)
-        )
+        return data, site
+    if moves(known):
+        columns = {name: column.to_numpy() for name, column in columns.items()}
+        mount = ByColumns(data.index, columns)
+        return data, {**site, **dict.fromkeys(columns), "mount": mount}
     angles = {name: float(np.median(values)) for name, values in known.items()}
-    return {**site, **{n: v for n, v in angles.items() if site[n] is None}}, None
+    return data, {**site, **{n: v for n, v in angles.items() if site[n] is None}}
+
+
+def with_given(data, site):
+    """The record with angles that are given as Series, and the site without."""
+    mount = site["mount"]
+    if not isinstance(mount, ByColumns):
+        return data, site
+    for name in mount.columns:
+        if name in map(printable, data):
+            raise ValueError(
+                f"{name} is given, and data have a column of that name; drop one"
+            )
+    if not mount.index.equals(data.index):
+        raise ValueError(
+            f"{' and '.join(mount.columns)} have {len(mount.index):,} times from "
+            f"{mount.index[0]} on, and data {len(data):,} from {data.index[0]} on; "
+            "give Series at the times of the data"
+        )
+    return data.assign(**mount.columns), {**site, "mount": None}
 
 
 def refuse_other(name, values, given):
@@ -65,10 +90,10 @@ def turned(name, angles):
     return (angles + 180.0) % 360.0 - 180.0 if name == AZIMUTH else angles
 
 
-def moving(known):
-    """The column by which a plane moves, or None of a fixed one."""
+def moves(known):
+    """Whether a plane moves."""
     for name, values in known.items():
         level = name == AZIMUTH and TILT in known and known[TILT].max() <= FIXED
         if np.abs(turned(name, values - values[0])).max() > FIXED and not level:
-            return name
-    return None
+            return True
+    return False

@@ -6,17 +6,18 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
+from pvlib_fem.drivers.mounts import ANGLES, PLANE, angles_at, axis_of, is_known
 from pvlib_fem.drivers.solar import standard_time
-from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.effects.candidates import about_axis, candidates
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.fitting.horizontal import refuse_clock
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
 from pvlib_fem.loop.instead import Filled, Instead
-from pvlib_fem.loop.planes import ANGLES
+from pvlib_fem.loop.planes import plane_of_columns
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
-from pvlib_fem.quality.plane import plane_of
+from pvlib_fem.quality.plane import fixed_rather, plane_of
 from pvlib_fem.quality.screen import Faults, alone
 from pvlib_fem.quality.screening import stuck
 from pvlib_fem.quality.stray import refuse_stray
@@ -60,6 +61,7 @@ class Look:
     still: np.ndarray  # test rows of stuck sensors
     kept: np.ndarray  # rows of the file that have a sure time
     filled: Filled  # replacements of missing columns
+    site: dict  # with the plane that its columns have
 
     @property
     def light(self):
@@ -77,13 +79,12 @@ def prepared(
     check_units=True,
     fixed=None,
     instead=None,
-    moving=None,
 ):
     """Everything checked that comes in, and divided before it is looked at."""
     how = (site, criteria, check_units, instead or Instead())
     look = looked(data, holdout, *how)
     look, corrections = in_standard_time(data, holdout, look, how)
-    faults = look.health.faults
+    site, faults = look.site, look.health.faults
     if "file_shift" in faults:
         late = look.health.noon.late
         zone = zone_of_the_sun(look.whole.index, late, site["location"])
@@ -91,9 +92,14 @@ def prepared(
     off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
     if look.filled.horizontal is not None:
         refuse_clock({name: faults[name] for name in off})
-    if moving is not None:
-        refused = refused | dict.fromkeys(ANGLES, moving)
-    plane = None if off or moving is not None else estimated(look, site)
+    if not off and (light := fixed_light(look, site)) is not None:
+        plane = "more of the shape of tilt {:.0f}° and azimuth {:.0f}° all day"
+        why = because(Reason.ANOTHER_PLANE, plane=plane.format(*light))
+        site, refused = (
+            site | dict.fromkeys(PLANE),
+            refused | dict.fromkeys(ANGLES, why),
+        )
+    plane = None if off or site is not look.site else estimated(look, site)
     if plane is not None:
         site = site | plane.angles
     sun = geometry(look.whole.index[:1], **site)  # what of it is known
@@ -103,6 +109,7 @@ def prepared(
     power = plant_power(look.whole, criteria.max_missing)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
+    wanted = about_axis(wanted, axis_of(site))
     if plane is not None:  # an obstacle cannot be located from an unknown plane
         scans = filter(is_before_the_sun, wanted)
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
@@ -135,6 +142,19 @@ def prepared(
     return divided(whole, case)
 
 
+def fixed_light(look, site):
+    """The fixed plane that the light of clear days has, where the stated one moves."""
+    if (
+        site["mount"] is None
+        or not is_known(site)
+        or look.filled.horizontal is not None
+    ):
+        return None
+    index, late = look.whole.index, late_of(look)
+    stated = angles_at(index, site, late)
+    return fixed_rather(stated, look.whole["poa_global"], index, site["location"], late)
+
+
 def estimated(look, site):
     """The module's plane by the light of clear days, where neither angle is given."""
     given = [value for name, value in site.items() if name != "location"]
@@ -151,11 +171,11 @@ def is_before_the_sun(effect):
 
 def another_plane(case):
     """The plane by the light of clear days, where that is surely not the stated one."""
-    location, *stated = case.site.values()
-    if location is None or None in stated or case.transposed:
+    if not is_known(case.site) or case.transposed or case.site["mount"] is not None:
         return None
-    whole = case.whole
+    location, whole = case.site["location"], case.whole
     plane = plane_of(whole["poa_global"], whole.index, location, case.late)
+    stated = [case.site[name] for name in ANGLES]
     return plane if plane is not None and plane.is_another(*stated) else None
 
 
@@ -168,6 +188,7 @@ def late_of(look):
 def looked(data, holdout, site, criteria, check_units, instead):
     """A frame divided and screened, and what its sensors and clocks show."""
     limits = criteria.limits
+    data, site = plane_of_columns(data, site)
     # clocks are looked at below, and may be corrected
     filled = instead.of(data, ALWAYS, site, limits, check_units, check_clock=False)
     columns = dict(filled.columns)
@@ -197,7 +218,7 @@ def looked(data, holdout, site, criteria, check_units, instead):
     timed = in_time(hidden, health.clock).inputs
     odd = tuple(oddities(timed, limits, hidden.absent))
     told = (drivers, witnesses, refused, faults, odd, health, still)
-    return Look(whole, what, *told, np.ones(len(what), dtype=bool), filled)
+    return Look(whole, what, *told, np.ones(len(what), dtype=bool), filled, site)
 
 
 def in_time(record, clock):
@@ -208,12 +229,12 @@ def in_time(record, clock):
 
 def in_standard_time(data, holdout, look, how):
     """The look again where a file's clock jumps, and what was made of that."""
-    faults, (site, criteria, *_) = look.health.faults, how
+    faults, site, criteria = look.health.faults, look.site, how[1]
     jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
     if not jumps or site["location"] is None:
         return look, ()
-    place = (look.health.noon, *look.filled.plane(site).values(), criteria.limits)
-    summer = daylight_saving(look.light, look.whole.index, *place)
+    place = look.filled.plane(site) | {"limits": criteria.limits}
+    summer = daylight_saving(look.light, look.whole.index, look.health.noon, **place)
     if not summer.explained:
         return look, (told_of(summer, *jumps),)
     if holdout is not None:

@@ -6,16 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 from scipy.special import fdtrc, stdtrit
 
 from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed_for
+from pvlib_fem.drivers.mounts import axis_of
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.effects.candidates import candidates
+from pvlib_fem.effects.candidates import about_axis, candidates
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import FOLDS, Design
 from pvlib_fem.loop.gather import gather
+from pvlib_fem.loop.planes import plane_of_columns, with_given
 from pvlib_fem.loop.selection import Score, Selection, rows_of, size_seen
 from pvlib_fem.loop.table import Ranking, table_of
 from pvlib_fem.quality.screen import screened
@@ -201,8 +204,9 @@ def rank_effects(
     effects: EffectLike | Iterable[EffectLike] | None = None,
     criteria: Criteria | None = None,
     location: Location | None = None,
-    surface_tilt: float | None = None,
-    surface_azimuth: float | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
+    mount: AbstractMount | None = None,
 ) -> pd.DataFrame:
     """
     Rank absent effects by what each would explain on days it has not seen.
@@ -231,8 +235,11 @@ def rank_effects(
     location : pvlib.location.Location, optional
         With the two angles it adds the effects that follow the sun, as in
         :func:`close_loop`.
-    surface_tilt, surface_azimuth : float, optional
-        Of the module, from horizontal and from north. [°]
+    surface_tilt, surface_azimuth : float or Series, optional
+        Of the module, from horizontal and from north; of one that moves Series, or
+        columns of ``data``. [°]
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        A tracker, instead of the two angles.
 
     Returns
     -------
@@ -262,8 +269,9 @@ def rank_effects(
         If a column is missing or unusable, one that an effect of the fit needs among
         them, or the place is none.
     """
-    place = checked_place(location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
     criteria = criteria or Criteria()
+    data, place = plane_of_columns(*with_given(data, place))
     columns = with_aliases(data, (*fit.thermal_model.usual, "temp_module"))
     usual = as_record(*(columns.pop(name, None) for name in USUAL))
     usual = with_columns(usual, numeric(columns))
@@ -275,6 +283,7 @@ def rank_effects(
     sun = geometry(record.index, **place)
     known = {**drivers, **sun}
     testable, notes = candidates(known, refused, effects, there, record.absent)
+    testable = about_axis(testable, axis_of(place))
     model = fit.thermal_model
     record = with_columns(record.only([*USUAL, *drivers]), sun)
     refuse_missing(fit.effects, record.inputs.columns, refused)

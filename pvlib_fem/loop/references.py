@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from pvlib_fem.drivers.mounts import angles_at
 from pvlib_fem.effects.courses import is_drift, weights_of
 from pvlib_fem.findings import OUTSIDE, Opinion, Witness
 from pvlib_fem.loop.noise import density
@@ -288,9 +289,8 @@ def heard_of(case):
     if "wind_speed" not in record.absent:
         found[USUAL_WIND] = np.ones(len(record.index))
     if case.place["location"] is not None:
-        place = list(case.place.values())
-        angles = None if None in place[1:] else tuple(place[1:])
-        how = (record.index, place[0], angles, case.late)
+        angles = angles_at(record.index, case.place, case.late)
+        how = (record.index, case.place["location"], angles, case.late)
         found[SKY] = clear_sky(record["poa_global"], *how)
     return found
 

@@ -21,7 +21,14 @@ from pvlib_fem.ceiling.result import Ceiling
 from pvlib_fem.ceiling.trees import ceiling_of, regressor
 from pvlib_fem.correction.correct import corrected_record
 from pvlib_fem.correction.result import CorrectedRecord
-from pvlib_fem.drivers import geometry
+from pvlib_fem.drivers import checked_place, geometry
+from pvlib_fem.drivers.mounts import (
+    ANGLES,
+    PLANE,
+    mount_content,
+    mount_from,
+    plane_of_rows,
+)
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.findings import Correction, Finding, Kind
 from pvlib_fem.fitting.horizontal import again
@@ -78,7 +85,8 @@ class Loop:
     notes : tuple of str
         The state of the record, and what was done about it.
     place : dict
-        ``location``, ``surface_tilt`` and ``surface_azimuth`` as given, or estimated.
+        ``location``, ``surface_tilt`` and ``surface_azimuth`` as given, or estimated,
+        and ``mount``: a tracker, or ``"columns"`` if the record has the angles.
     residual_before : Series or None
         Measured minus modelled temperature before anything was added. None, as
         ``weeks``, in a loop that was read from a file, which holds no rows. [K]
@@ -270,16 +278,27 @@ class Loop:
         self, data: pd.DataFrame, **place: Any
     ) -> tuple[list[Any], dict[str, pd.Series]]:
         """The usual three columns of ``data``, and those that the effects need."""
-        needed, there = self.fit.thermal_model.usual, {**self.place, **place}
+        needed, there = self.fit.thermal_model.usual, self.there(data, place)
         columns = self.filled(data, there)
         if lacking := [name for name in needed if name not in columns]:
             with_aliases(data, lacking)  # which refuses them
         wanted = self.fit.thermal_model.drivers
-        if {*wanted} & {*GEOMETRY} - {*columns}:
+        columns = {n: c for n, c in columns.items() if n not in ANGLES}
+        if {*wanted} & {*GEOMETRY}:
             columns = {**geometry(data.index, **there), **columns}
         drivers = {name: columns[name] for name in wanted if name in columns}
         usual = [columns[n] if n in needed else None for n in COLUMNS[:3]]
         return usual, drivers
+
+    def there(self, data: pd.DataFrame, place: dict[str, Any]) -> dict[str, Any]:
+        """The place of some rows: as it is given, by their columns, or the record's."""
+        known, others = self.place, [n for n in data if printable(n) not in place]
+        if not {*PLANE} & {*place}:
+            return plane_of_rows(data[others], {**known, **place})
+        if "mount" in place or known["mount"] is not None:  # which is another plane
+            known = {**known, **dict.fromkeys(PLANE)}
+        site = checked_place(**{**known, **place})
+        return site if "mount" in place else plane_of_rows(data[others], site)
 
     def timed(
         self, data: pd.DataFrame, correct_times: bool = True
@@ -313,8 +332,9 @@ class Loop:
             Apply the clock corrections of this record to times within its period. The
             result has the times of ``data``.
         **place
-            ``location``, ``surface_tilt`` and ``surface_azimuth`` where they are
-            others than those of this record.
+            ``location``, ``surface_tilt`` and ``surface_azimuth``, or ``mount``, where
+            they are others than those of this record. Angles that change with time are
+            columns of ``data``.
 
         Returns
         -------
@@ -482,7 +502,7 @@ class Loop:
     def whole(self, data: pd.DataFrame) -> pd.DataFrame:
         """``data`` with those columns."""
         timed, known = self.timed(data)
-        columns = self.filled(timed, self.place)
+        columns = self.filled(timed, self.there(timed, {}))
         names = [one.usual for one in self.stand_ins if one.column in columns]
         names += ["poa_global"] if self.transposition else []
         labels = {printable(label): label for label in data}
@@ -746,7 +766,8 @@ def placed(place):
     if where is not None:
         names = ("latitude", "longitude", "tz", "altitude", "name")
         where = {name: getattr(where, name) for name in names}
-    return {**place, "location": where}
+    found = {**place, "location": where, "mount": mount_content(place["mount"])}
+    return {name: v for name, v in found.items() if name != "mount" or v is not None}
 
 
 def place_from(stored):
@@ -754,4 +775,5 @@ def place_from(stored):
     place = dict(stored.content)
     if place["location"] is not None:
         place["location"] = Location(**place["location"])
+    place["mount"] = mount_from(place.get("mount"))  # none in files of before
     return place

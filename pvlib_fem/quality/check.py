@@ -73,6 +73,7 @@ def check(
     surface_azimuth=None,
     limits=None,
     light=None,
+    mount=None,
 ) -> Health:
     """
     Find faults of sensors and loggers in a measured record.
@@ -89,6 +90,8 @@ def check(
         The thresholds.
     light : array, optional
         Irradiance of that plane, by default ``poa_global``. [W/m²]
+    mount : pvlib.pvsystem.AbstractMount, optional
+        Of a sensor that moves.
 
     Returns
     -------
@@ -110,7 +113,7 @@ def check(
     clock = clock_shift(record, unusable(frozen), limits)
     place = (location, surface_tilt, surface_azimuth)
     light = record["poa_global"] if light is None else light
-    noon = solar_noon_shift(light, record.index, *place, limits)
+    noon = solar_noon_shift(light, record.index, *place, limits, mount)
     doubts = doubtful(record.inputs.columns, limits)
     still = any(rows.any() for rows in frozen.values())
     faults = {"stuck": stuck_line(record, frozen)} if still else {}

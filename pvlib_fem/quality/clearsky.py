@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from pvlib.location import Location
 
-from pvlib_fem.quality.plane import clear_days
+from pvlib_fem.quality.plane import at_rows, clear_days
 
 SHARE = 0.2  # of each month's days that are looked at
 SHAPE = 0.1  # of the day's mean, root mean square, by which a clear day may differ
@@ -15,7 +15,7 @@ def clear_sky(
     poa_global,
     index: pd.DatetimeIndex,
     location: Location,
-    angles: tuple[float, float] | None = None,
+    angles: tuple | None = None,
     late: float = 0.0,
 ) -> np.ndarray:
     """
@@ -28,8 +28,9 @@ def clear_sky(
     index : DatetimeIndex
         Without a zone in standard time at the location.
     location : pvlib.location.Location
-    angles : tuple of float, optional
-        Tilt and azimuth of the sensor; a flat one where they are not known. [°]
+    angles : tuple of float or array, optional
+        Tilt and azimuth of the sensor; a flat one where they are not known, arrays of
+        one that moves. [°]
     late : float
         By how much the rows' times are late. [s]
 
@@ -59,7 +60,7 @@ def clear_sky(
     if looked is None:
         return found
     rows, sky = looked
-    modelled = sky.on_plane(angles or FLAT)
+    modelled = sky.on_plane(at_rows(angles or FLAT, rows))
     clear = shape_left(sky.poa, modelled, sky.day) < SHAPE
     found[rows] = np.where(clear[sky.day], modelled, np.nan)
     return found

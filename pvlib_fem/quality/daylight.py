@@ -52,6 +52,7 @@ def daylight_saving(
     surface_tilt=None,
     surface_azimuth=None,
     limits=None,
+    mount=None,
 ) -> Daylight:
     """
     Bring a file whose clock jumps to one clock, its standard time.
@@ -71,6 +72,8 @@ def daylight_saving(
     surface_tilt, surface_azimuth : float, optional
         Of the plane; horizontal where they are not known. [°]
     limits : Limits, optional
+    mount : pvlib.pvsystem.AbstractMount, optional
+        Of a plane that moves.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def daylight_saving(
     limits = limits or Limits()
     if reason := untold(index, noon):
         return as_it_is(index, reason, noon)
-    place = (location, surface_tilt, surface_azimuth, limits)
+    place = (location, surface_tilt, surface_azimuth, limits, mount)
     poa = np.asarray(poa_global)
     kept, now, words, due = np.ones(len(index), dtype=bool), noon, [], ()
     times = index

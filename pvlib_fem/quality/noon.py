@@ -7,6 +7,7 @@ import pandas as pd
 import pvlib
 
 from pvlib_fem.drivers import standard_time
+from pvlib_fem.drivers.mounts import ANGLES, orientation
 from pvlib_fem.quality.hours import day_of, days_of, listed, offsets, side_of
 from pvlib_fem.quality.jumps import jumps_of, whole_hours
 from pvlib_fem.quality.limits import Limits
@@ -38,6 +39,7 @@ def solar_noon_shift(
     surface_tilt=None,
     surface_azimuth=None,
     limits=None,
+    mount=None,
 ) -> SolarNoon:
     """
     How late a whole file is, by the middle of each day's light.
@@ -53,6 +55,8 @@ def solar_noon_shift(
     surface_tilt, surface_azimuth : float, optional
         Of the plane; horizontal where they are not known. [°]
     limits : Limits, optional
+    mount : pvlib.pvsystem.AbstractMount, optional
+        Of a plane that moves.
 
     Returns
     -------
@@ -83,9 +87,9 @@ def solar_noon_shift(
     day, middle = middles(seconds - dark, poa, step, limits)
     if location is not None:
         origin = universal(index[0], location) + pd.Timedelta(seconds=dark)
-        late = middle - due(
-            origin, day, location, surface_tilt, surface_azimuth, limits
-        )
+        plane = (surface_tilt, surface_azimuth, mount)
+        start = index[0] + pd.Timedelta(seconds=dark)
+        late = middle - due(origin, day, location, plane, limits, start)
         middle = (late + DAY / 2) % DAY - DAY / 2
     when = dark + (day + 0.5) * DAY
     why, changes = "", []
@@ -216,8 +220,22 @@ def universal(time, location):
     return standard_time(pd.DatetimeIndex([time]), location)[0].tz_localize(None)
 
 
-def due(origin, days, location, surface_tilt, surface_azimuth, limits):
-    """The middle of the light that a half-clear sky gives on those days. [s]"""
+def due(origin, days, location, plane, limits, start):
+    """
+    The middle of the light that a half-clear sky gives on those days. [s]
+
+    Parameters
+    ----------
+    origin : Timestamp
+        In UTC, from which days are counted.
+    days : array of int
+    location : pvlib.location.Location
+    plane : tuple
+        Tilt and azimuth [°], None where they are not known, and a mount or None.
+    limits : Limits
+    start : Timestamp
+        The origin as the record has it.
+    """
     if not len(days):
         return np.zeros(0)
     some = np.unique(np.append(days[::5], days[-1]))
@@ -227,9 +245,16 @@ def due(origin, days, location, surface_tilt, surface_azimuth, limits):
     ghi = 0.6 * pvlib.clearsky.haurwitz(sun["zenith"])["ghi"].to_numpy()
     zenith, azimuth = sun["zenith"].to_numpy(), sun["azimuth"].to_numpy()
     parts = pvlib.irradiance.erbs(ghi, zenith, times)
+    *angles, mount = plane
+    tilt, turn = (usual if a is None else a for a, usual in zip(angles, (0.0, 180.0)))
+    if mount is not None:
+        own = times if start.tz else start + pd.to_timedelta(seconds, unit="s")
+        found = orientation(mount, times, location, own)
+        tilt = np.nan_to_num(found.get(ANGLES[0], tilt))
+        turn = np.nan_to_num(found.get(ANGLES[1], turn), nan=180.0)
     poa = pvlib.irradiance.get_total_irradiance(
-        0.0 if surface_tilt is None else surface_tilt,
-        180.0 if surface_azimuth is None else surface_azimuth,
+        tilt,
+        turn,
         zenith,
         azimuth,
         parts["dni"],

@@ -22,6 +22,7 @@ GROUPS = 10  # of days, each left out in turn
 LEAST_ERROR = 5.0  # °, of a clear sky and a transposition that are no more than models
 MOST_ERROR = 8.0  # °, above which the angles are not known
 MOST_LEFT = 0.12  # of the clear irradiance, root mean square
+CLEARLY = 0.5  # of the deviation from a moving plane, below which a fixed one is it
 SURE = 3.0  # errors by which two planes have to part to be two
 STARTS = [(tilt, turn) for tilt in (10.0, 35.0, 60.0) for turn in range(0, 360, 45)]
 
@@ -121,6 +122,37 @@ def plane_of(
     return Plane(tilt, turn % 360.0, errors[0], errors[1], int(sky.day.max()) + 1)
 
 
+def fixed_rather(angles, poa_global, index, location, late=0.0):
+    """
+    The fixed plane that the light of clear days has, rather than one that moves.
+
+    Parameters
+    ----------
+    angles : tuple
+        Tilt and azimuth of the plane that moves, arrays or numbers. [°]
+    poa_global, index, location, late
+        As in :func:`plane_of`.
+
+    Returns
+    -------
+    tuple of float, or None
+        Tilt and azimuth, if they leave less than half of the deviation. [°]
+    """
+    months = np.asarray(index.tz_localize(None).month)
+    looked = clear_days(poa_global, index, location, late, months)
+    if looked is None:
+        return None
+    rows, sky = looked
+    best = tuple(sky.best().tolist())
+    fixed, moving = (sky.least_left(a) for a in (best, at_rows(angles, rows)))
+    return (best[0], best[1] % 360.0) if fixed < CLEARLY * moving else None
+
+
+def at_rows(angles, rows):
+    """Angles at some rows; numbers are the same in all."""
+    return tuple(a if np.ndim(a) == 0 else np.asarray(a)[rows] for a in angles)
+
+
 def clear_days(poa_global, index, location, late, months, share=CLEAREST):
     """Rows of the days with most light of each month, and a clear sky; or None."""
     poa = np.asarray(poa_global, dtype=float)
@@ -218,8 +250,8 @@ class Sky:
         return Sky(*(column[kept] for column in vars(self).values()))
 
     def on_plane(self, angles):
-        """The irradiance of the clear sky on a plane. [W/m²]"""
-        tilt, turn = np.radians(angles)
+        """The irradiance of the clear sky on a plane, or on one for each row. [W/m²]"""
+        tilt, turn = (np.radians(angle) for angle in angles)
         ahead = np.cos(self.zenith) * np.cos(tilt) + np.sin(self.zenith) * np.sin(
             tilt
         ) * np.cos(self.azimuth - turn)
@@ -253,8 +285,21 @@ class Sky:
         ends = [self.search(start) for start in starts[:3]]
         return min(ends, key=lambda one: float(np.abs(self.left(one)).mean()))
 
+    def by_day(self, angles):
+        """The mean square that a plane leaves of each day."""
+        left = self.left(angles)
+        return np.bincount(self.day, left**2) / np.bincount(self.day)
+
+    def least_left(self, angles):
+        """The root mean square that a plane leaves of the days that fit it best."""
+        return float(np.sqrt(np.sort(self.by_day(angles))[: self.most].mean()))
+
     def nearest(self, angles):
         """Days whose shape is that of a clear sky in the plane."""
-        left = self.left(angles)
-        by_day = np.bincount(self.day, left**2) / np.bincount(self.day)
-        return np.argsort(by_day, kind="stable")[: max(int(KEPT * len(by_day)), 20)]
+        by_day = self.by_day(angles)
+        return np.argsort(by_day, kind="stable")[: self.most]
+
+    @property
+    def most(self):
+        """Number of days that are kept."""
+        return max(int(KEPT * (self.day.max() + 1)), 20)

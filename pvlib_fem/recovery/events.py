@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
+from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.plant import LEAST
 from pvlib_fem.loop.close import close_loop, searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.events import KINDS
+from pvlib_fem.loop.planes import with_given
 from pvlib_fem.record.columns import PLANT_POWER, plant_power, printable
 from pvlib_fem.recovery.inject import add
 
@@ -31,9 +34,10 @@ def recover_events(
     seed: int = 0,
     model: str = "faiman",
     location: Location | None = None,
-    surface_tilt: float | None = None,
-    surface_azimuth: float | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
     criteria: Criteria | None = None,
+    mount: AbstractMount | None = None,
 ) -> pd.DataFrame:
     """
     Put outages and covers of known size into a measured record, and look for them.
@@ -56,7 +60,7 @@ def recover_events(
     draws : int, default 20
         Days of each effect, as far as there are so many on which the size is possible.
     seed : int, default 0
-    model, location, surface_tilt, surface_azimuth, criteria : optional
+    model, location, surface_tilt, surface_azimuth, criteria, mount : optional
         As in :func:`close_loop`.
 
     Returns
@@ -95,7 +99,8 @@ def recover_events(
             f"{', '.join(unknown)} is no event; there are {', '.join(KINDS)}"
         )
     criteria = criteria or Criteria()
-    place = (location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
+    data, place = with_given(data, place)
     how: dict[str, Any] = dict(holdout=None, effects=None, check_units=True, fixed=None)
     search, loop = searched(data, model, place, None, criteria=criteria, **how)
     plant = Plant.of(search, loop)
@@ -106,7 +111,7 @@ def recover_events(
         changed = data.copy()
         for event in events:
             plant.put(changed, event)
-        again = close_loop(changed, model, *place, criteria=criteria).events
+        again = close_loop(changed, model, **place, criteria=criteria).events
         again = again[again["effect"] == name]
         tables.append(pd.DataFrame([event.row(again) for event in events]))
         others[name] = len(again) - int(tables[-1]["found"].sum())

@@ -67,10 +67,12 @@ def with_outcome(recovery, outcome, planned):
 
 def said_all(effects, sizes, draws, seed, model, place, how):
     """The arguments that determine the result, as text."""
-    location, tilt, azimuth = place
-    where = None if location is None else repr(location)
+    where = None if place["location"] is None else repr(place["location"])
     said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
-    said |= dict(location=where, surface_tilt=tilt, surface_azimuth=azimuth)
+    # a fixed plane has no mount, here as in files of before
+    said |= {n: v for n, v in place.items() if n != "mount"}
+    said |= {"mount": repr(place["mount"])} if place["mount"] else {}
+    said |= {"location": where}
     said |= {"tried" if name == "effects" else name: v for name, v in how.items()}
     if (holdout := said["holdout"]) is not None:
         said["holdout"] = digest(holdout.to_frame())

@@ -7,10 +7,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
+from pvlib_fem.drivers import checked_place
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.loop.close import searched
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.planes import with_given
 from pvlib_fem.loop.progress import counting
 from pvlib_fem.parallel import spread
 from pvlib_fem.recovery.draw import chosen
@@ -43,8 +46,8 @@ def recover_effects(
     seed: int = 0,
     model: str = "faiman",
     location: Location | None = None,
-    surface_tilt: float | None = None,
-    surface_azimuth: float | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
     holdout: pd.Series | None = None,
     tried: EffectLike | Iterable[EffectLike] | None = None,
     check_units: bool = True,
@@ -55,6 +58,7 @@ def recover_effects(
     progress: bool = True,
     reliability: bool = False,
     trials: int = 10,
+    mount: AbstractMount | None = None,
 ) -> Recovery:
     """
     Add effects of known size to a measured record, and count how many the loop finds.
@@ -80,7 +84,7 @@ def recover_effects(
         Number of draws of dates and signs per effect. An effect without date and sign
         has one draw.
     seed : int, default 0
-    model, location, surface_tilt, surface_azimuth, holdout : optional
+    model, location, surface_tilt, surface_azimuth, holdout, mount : optional
         See :func:`close_loop`.
     tried : str, Effect, or sequence of these, optional
         Effects that the loop tests, its ``effects``; by default all.
@@ -168,7 +172,8 @@ def recover_effects(
         holdout=holdout, effects=tried, check_units=check_units, fixed=fixed
     )
     how |= {"criteria": criteria}
-    place = (location, surface_tilt, surface_azimuth)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
+    data, place = with_given(data, place)
     result = Recovery(
         given=said_all(effects, sizes, draws, seed, model, place, how),
         version=__version__,
@@ -185,8 +190,7 @@ def recover_effects(
     result = of_plan(result, planned, notes, loop, search.case.wanted)
     done = {outcome.injection.key for outcome in result.outcomes}
     tasks = [(injection,) for injection in planned if injection.key not in done]
-    names = ("location", "surface_tilt", "surface_azimuth")
-    how |= {"model": model, **dict(zip(names, place))}
+    how |= {"model": model, **place}
     injector = Injector.of(search, loop)
     shared: tuple = (data, injector, loop.finding_objects, how)
     with counting(len(planned), len(done), progress, "put in") as tell:

@@ -1,6 +1,7 @@
 """What to measure next, from what a closed loop left open."""
 
 from pvlib_fem.drivers import needed_for
+from pvlib_fem.drivers.mounts import is_known
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.findings import Kind, Verdict
 from pvlib_fem.record.columns import GEOMETRY
@@ -75,8 +76,7 @@ def lacking(loop):
     for needs in sorted(effects, key=lambda needs: -len(effects[needs])):
         what = " and ".join(needs)
         if set(needs) <= set(GEOMETRY):
-            given = all(value is not None for value in loop.place.values())
-            what = CLOCK if given else PLACE
+            what = CLOCK if is_known(loop.place) else PLACE
         yield what, f"would test {', '.join(effects[needs])}{reasons.get(needs, '')}"
 
 

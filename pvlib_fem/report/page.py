@@ -472,7 +472,7 @@ def call(loop):
         if hasattr(value, "latitude"):
             where = f"{value.latitude}, {value.longitude}, {str(value.tz)!r}"
             value = f"Location({where})"
-        if value is not None:
+        if value is not None and value != "columns":  # which are in data
             arguments.append(f"{name}={value}")
     arguments += [f"{name}={words}" for name, words in loop.given.items() if words]
     inside = "".join(f"    {argument},\n" for argument in ["data", *arguments])
