@@ -698,8 +698,9 @@ def test_a_chain_knows_where_sun_and_module_are(plant, tmp_path, tracker, way):
         data = usual.assign(poa_global=total, effective_irradiance=total)
         chain.results.solar_position = None
         chain.run_model_from_effective_irradiance(data)
-    sun = site.get_solarposition(weather.index)[["zenith", "azimuth"]]
-    place = mount.get_orientation(sun["zenith"], sun["azimuth"])
+    sun = site.get_solarposition(weather.index)
+    # by the apparent sun, as the chain has it
+    place = mount.get_orientation(sun["apparent_zenith"], sun["azimuth"])
     expected = model_with("balance", *names).predict(
         total,
         weather["temp_air"],
