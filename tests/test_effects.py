@@ -693,12 +693,12 @@ def test_a_chain_knows_where_sun_and_module_are(plant, tmp_path, tracker, way):
         temperature_model=pickle.loads(pickle.dumps(model)),
     )
     total = chain.run_model(weather).results.total_irrad["poa_global"]
+    sun = chain.results.solar_position
     if way == "effective irradiance":
         usual = weather[["temp_air", "wind_speed"]]
         data = usual.assign(poa_global=total, effective_irradiance=total)
         chain.results.solar_position = None
         chain.run_model_from_effective_irradiance(data)
-    sun = site.get_solarposition(weather.index)
     # by the apparent sun, as the chain has it
     place = mount.get_orientation(sun["apparent_zenith"], sun["azimuth"])
     expected = model_with("balance", *names).predict(
