@@ -1,5 +1,7 @@
 """What Python and a shell spell differently, in one message."""
 
+import difflib
+from collections.abc import Iterable
 from typing import Self
 
 
@@ -39,3 +41,55 @@ def argument(name: str, value: object) -> Spelled:
 LEAST_SQUARES = argument("method", "least_squares")
 UNCHECKED = Spelled("check_units=False (--no-unit-check)", "--no-unit-check")
 FIXED = Spelled("fixed", "--fix")
+
+
+def alike(word: str, known: Iterable[object], most: int = 3) -> list[str]:
+    """
+    Names that a misspelled word may stand for, the nearest first.
+
+    They are the same in other capitals, contain the word, or share most letters.
+
+    Parameters
+    ----------
+    word : str
+    known : iterable of str
+    most : int, default 3
+        Number of names at most.
+
+    Returns
+    -------
+    list of str
+    """
+    names = {str(name): str(name).casefold() for name in known}
+    folded = word.casefold()
+    near = difflib.get_close_matches(folded, names.values(), most)
+    inside = [one for one in names.values() if len(folded) > 2 and folded in one]
+    order = list(dict.fromkeys([*near, *inside]))
+    found = [name for name, one in names.items() if one in order]
+    return sorted(found, key=lambda name: order.index(names[name]))[:most]
+
+
+def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:
+    """
+    A question behind unknown names in a message; "" if no name is near.
+
+    Parameters
+    ----------
+    words : str or iterable of str
+        The unknown names.
+    known : iterable of str
+
+    Returns
+    -------
+    str
+        Such as ``" (did you mean 'Irr [W/m2]'?)"``.
+    """
+    words, known = [words] if isinstance(words, str) else list(words), list(known)
+    near = {word: " or ".join(map(repr, alike(word, known))) for word in words}
+    near = {word: names for word, names in near.items() if names}
+    if not near:
+        return ""
+    if len(words) == 1:
+        return f" (did you mean {near[words[0]]}?)"
+    asked = ", and ".join(f"{names} for {word}" for word, names in near.items())
+    return f" (did you mean {asked}?)"

@@ -29,7 +29,7 @@ from pvlib_fem import (
 )
 from pvlib_fem.cli import COMMANDS, commands
 from pvlib_fem.cli.demo import HIDDEN, demo_years
-from pvlib_fem.cli.reading import LOOK
+from pvlib_fem.cli.proposal import LOOK
 from pvlib_fem.datasets.files import fetch
 from pvlib_fem.drivers.place import location
 from pvlib_fem.loop.close import close_loop

@@ -633,7 +633,7 @@ def test_a_campbell_table_needs_the_proposal_alone(plant, tmp_path):
     path = tmp_path / "plant.dat"
     path.write_text(top + "\n".join(lines) + "\n" + data.to_csv(header=False))
     words = proposed(call("loop", path))
-    assert words[words.index("--skip-rows") + 1] == "0,2,3"
+    assert words[words.index("--skip-lines") + 1] == "0,2,3"
     mapped = {f"{name}={column}" for column, (_, name) in names.items() if name}
     maps = {word for flag, word in pairwise(words) if flag == "--map"}
     assert maps == mapped

@@ -30,6 +30,15 @@ class OnDemand(click.Group):
 
         return getattr(commands, name) if name in COMMANDS else None
 
+    def resolve_command(self, ctx, args):
+        name = click.utils.make_str(args[0])
+        if name in COMMANDS or name.startswith("-"):
+            return super().resolve_command(ctx, args)
+        from pvlib_fem.spelling import did_you_mean
+
+        near = did_you_mean(name, COMMANDS)
+        ctx.fail(f"no such command {name!r}{near}; there are {', '.join(COMMANDS)}")
+
     def format_commands(self, ctx, formatter):
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))

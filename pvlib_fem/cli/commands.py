@@ -3,50 +3,49 @@
 from pathlib import Path
 
 import click
-import pandas as pd
 
 from pvlib_fem.cli.demo import check_length, demo_site, demo_week, demo_years
-from pvlib_fem.cli.options import (
-    PARAMETERS,
+from pvlib_fem.cli.file_options import files_argument, layout_options, reading_options
+from pvlib_fem.cli.fleet_options import fleet_options
+from pvlib_fem.cli.headings import (
+    MODEL,
+    OUTPUT,
+    SIMULATED,
     WRITTEN,
-    ceiling_option,
-    correction_options,
-    days_of,
-    files_argument,
+    command_with,
+    under,
+)
+from pvlib_fem.cli.model_options import (
     fit_options,
-    fleet_options,
-    held,
-    layout_options,
+    min_gain_option,
     model_option,
-    out_option,
-    parameter_options,
-    plot_option,
-    reading_options,
-    recovery_options,
-    report_option,
-    settings_of,
     shared_options,
     site_options,
     stand_in_option,
-    title_option,
     transposition_option,
 )
+from pvlib_fem.cli.option_texts import days_of, effects_of, held
 from pvlib_fem.cli.reading import (
+    in_their_days,
     is_data_set,
     needed_by,
-    opened,
     or_propose,
+    prepared,
+    prepared_files,
     read,
 )
-from pvlib_fem.cli.running import (
-    check_partners,
-    closed,
-    effects_of,
-    fitted,
-    fitted_files,
-    in_their_days,
-    injected,
+from pvlib_fem.cli.result_options import (
+    ARGUMENTS,
+    ceiling_option,
+    correction_options,
+    out_option,
+    parameter_options,
+    plot_option,
+    recovery_options,
+    report_option,
+    title_option,
 )
+from pvlib_fem.cli.running import closed, fitted, fitted_files, injected
 from pvlib_fem.cli.words import Refused, note, plainly, say
 from pvlib_fem.cli.writing import (
     as_csv,
@@ -54,21 +53,26 @@ from pvlib_fem.cli.writing import (
     check_outputs,
     picture,
     write,
+    write_report,
 )
-from pvlib_fem.drivers.place import site_of
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fleet import report as fleet_report, run as run_fleet
-from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.fleet.results import Results
 from pvlib_fem.quality.screen import screen_record
 from pvlib_fem.record.files import read_file
 from pvlib_fem.sensors.compare import compare_modules
 from pvlib_fem.stored import saved
 from pvlib_fem.thermal_parameters.page import as_text, page
 
+model, simulated, output = map(under, (MODEL, SIMULATED, OUTPUT))
 FEW = 5  # failures that are reported
 
 
-@click.command()
+@command_with(
+    "pvlib-fem fit plant.csv --guess",
+    "pvlib-fem fit plant.csv --map poa_global=Irr --out fit.json",
+    "pvlib-fem fit plant.csv --dynamics balance --holdout 2024-07-01..2024-07-07",
+)
 @reading_options
 @site_options
 @transposition_option
@@ -102,20 +106,18 @@ def fit(files, out, plot, report, title, **options):
         write_report(report, result, title, files)
 
 
-@click.command()
+@command_with(
+    "pvlib-fem loop plant.csv --guess",
+    "pvlib-fem loop plant.csv --lat 46.5 --lon 11.3 --tilt 30 --azimuth 180",
+    "pvlib-fem loop plant.csv --corrected sound.csv --report plant.html",
+)
 @reading_options
 @site_options
 @transposition_option
 @stand_in_option
 @model_option("faiman", "fit takes the paper's wm1 by default")
 @shared_options
-@click.option(
-    "--min-gain",
-    type=click.FloatRange(min=0),
-    default=Criteria().min_gain,
-    show_default=True,
-    help="Gain below which no effect is added [K].",
-)
+@min_gain_option
 @correction_options
 @ceiling_option
 @report_option
@@ -153,7 +155,9 @@ def loop(files, report, title, out, details, corrected, resolve, **options):
             write(corrected, lambda path: saved(as_csv(table), path))
 
 
-@click.command()
+@command_with(
+    "pvlib-fem recover plant.csv --effects soiling,wind_gain_step --out sizes.json"
+)
 @reading_options
 @site_options
 @model_option("faiman", "fit takes the paper's wm1 by default")
@@ -167,7 +171,8 @@ def recover(files, out, **options):
     columns; the loop tries all. With --out a run that was interrupted goes on where it
     was.
     """
-    with plainly():
+    again = f"what was done is kept in {out}; run the same command to go on"
+    with plainly(lambda: again if out and out.exists() else ""):
         check_outputs(files, out=out)
         data, options, otherwise = prepared(files, options, drivers=True)
         options["effects"] = options["effects"] or None
@@ -175,9 +180,9 @@ def recover(files, out, **options):
             say(injected(data, path=out, **options))
 
 
-@click.command()
+@command_with("pvlib-fem screen plant.csv --cleaned clean.csv")
 @reading_options
-@click.option(
+@output(
     "--cleaned",
     type=WRITTEN,
     help="Write FILE as CSV without what is at fault, in the package's names.",
@@ -195,10 +200,13 @@ def screen(files, cleaned, **options):
         write(cleaned, lambda path: saved(as_csv(found.cleaned), path))
 
 
-@click.command()
+@command_with(
+    "pvlib-fem modules plant.csv --guess",
+    "pvlib-fem modules plant.csv --map temp_module=T1 --map temp_module_2=T2",
+)
 @reading_options
 @model_option("faiman", "fit takes the paper's wm1 by default")
-@click.option(
+@output(
     "--common",
     type=WRITTEN,
     help="Write FILE as CSV with what the sensors have in common as temp_module, for "
@@ -219,7 +227,10 @@ def modules(files, common, model, **options):
         write(common, lambda path: saved(as_csv(found.common), path))
 
 
-@click.command()
+@command_with(
+    "pvlib-fem parameters fit.json",
+    "pvlib-fem parameters fit.json plant.csv --wind-height 2.5 --csv table.csv",
+)
 @click.argument(
     "source",
     metavar="FIT",
@@ -227,14 +238,14 @@ def modules(files, common, model, **options):
 )
 @files_argument(required=False)
 @layout_options
-@click.option(
+@model(
     "--holdout",
     multiple=True,
     metavar="DAY | DAY..DAY",
     help="Days of FILE that the fit did not see, if they were given to it.",
 )
 @parameter_options
-@click.option("--report", type=WRITTEN, help="Write the table as one HTML file.")
+@output("--report", type=WRITTEN, help="Write the table as one HTML file.")
 @title_option
 def parameters(source, files, holdout, report, csv, title, typical_year, **options):
     """Give the thermal parameters of FIT as pvlib, PVsyst and SAM take them.
@@ -248,7 +259,7 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
         if holdout and not files:
             raise ValueError("--holdout is of FILE, the record, which is not given")
         result = FemFit.from_json(source)
-        own, otherwise = {name: options.pop(name) for name in PARAMETERS}, Refused
+        own, otherwise = {name: options.pop(name) for name in ARGUMENTS}, Refused
         if files:
             told = options["tz"]
             wanted = (*result.thermal_model.usual, "temp_module")
@@ -265,10 +276,10 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
         write(report, lambda path: saved(page(table, title), path))
 
 
-@click.command()
+@command_with("pvlib-fem fleet systems.csv --out results --report fleet.html")
 @click.argument("systems", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @fleet_options
-@click.option(
+@output(
     "--report",
     type=WRITTEN,
     help="Write one page of all systems, with links to each of the worst.",
@@ -283,7 +294,7 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
 
     What was done of the same files is kept, so that a run that was stopped goes on.
     """
-    with plainly():
+    with plainly(lambda: kept_in(out, options["resume"])):
         check_outputs([systems], [out], report=report)
         options |= {"effects": effects_of(effects, {})} if effects else {}
         options |= {"fixed": held(fix)} if fix else {}
@@ -295,16 +306,16 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
         write(report, lambda path: fleet_report(out, path, title=systems.name))
 
 
-@click.command()
-@click.option("--days", type=click.IntRange(1), default=365, show_default=True)
-@click.option(
+@command_with("pvlib-fem demo --days 90 --report demo.html")
+@simulated("--days", type=click.IntRange(1), default=365, show_default=True)
+@simulated(
     "--step",
     type=click.FloatRange(1, 3600),
     default=60,
     show_default=True,
     help="Of the simulated record [s].",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@simulated("--seed", type=click.IntRange(0), default=0, show_default=True)
 @report_option
 def demo(days, step, seed, report):
     """Close the loop on a measured plant, a simulated site and a measured week.
@@ -319,6 +330,17 @@ def demo(days, step, seed, report):
         found = demo_site(days, step, seed)
         write(report, lambda path: found.to_html(path, title="A simulated site"))
         demo_week()
+
+
+def kept_in(out, resume):
+    """How a fleet that was interrupted goes on."""
+    again = f"run the same command {'' if resume else 'without --anew '}to go on"
+    try:
+        states = Results(out).systems["state"]
+    except (ValueError, OSError):  # before the first system
+        return again
+    ran = (states != "not run").sum()
+    return f"{ran:,} of {len(states):,} systems are kept in {out}; {again}"
 
 
 def tell_failures(found):
@@ -342,66 +364,3 @@ def check_correction(files, corrected, resolve):
             "--corrected does not go with Parquet files that follow each other; in "
             "Python loop.corrected(part) takes them part by part"
         )
-
-
-def write_report(path, result, title, files):
-    """The page of a fit or a loop, headed by the title or the names of the files."""
-    title = title or ", ".join(file.name for file in files)
-    write(path, lambda whole: result.to_html(whole, title=title))
-
-
-def prepared_files(files, options, sun=False):
-    """What a fit takes of Parquet files that follow each other, or a loop."""
-    check_partners(options)
-    for name, way in (("transposition", "transpose"), ("stand_ins", "fill")):
-        if options.pop(name, None):
-            option = name.removesuffix("s").replace("_", "-")
-            raise ValueError(
-                f"--{option} does not go with Parquet files that follow each other; "
-                f"write the columns into them with pvlib_fem.{way}_record"
-            )
-    settings, days = settings_of(options.pop("settings")), options.pop("holdout")
-    place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
-    for name, value in place.items():
-        if value is not None and not sun:
-            raise ValueError(
-                f"--{name} does not go with Parquet files that follow each other: the "
-                "sun's place is found for files that are read as a whole"
-            )
-    effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
-    record = opened(files, options)
-    ends = [time.tz_localize(None).normalize() for time in record.ends]
-    site = (
-        {"site": site_of(pd.DatetimeIndex(record.ends), *place.values())} if sun else {}
-    )
-    return (
-        options
-        | site
-        | {
-            "record": record,
-            "effects": effects,
-            "fixed": held(fixed) or None,
-            "holdout": days_of(days, pd.date_range(*ends)),
-        }
-    )
-
-
-def prepared(files, options, drivers=False):
-    """The frame, and what a fit or a loop takes; all that is wrong is refused here."""
-    check_partners(options)
-    settings = settings_of(options.pop("settings"))
-    effects = effects_of(options.pop("effects"), settings)
-    fixed = held(options.pop("fix"))
-    days, told = options.pop("holdout"), options["tz"]
-    how = options.get("transposition"), options.get("stand_ins", ())
-    needed = needed_by(options["model"], *how)
-    data, otherwise = read(files, options, drivers, needed)
-    place = [options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")]
-    data = in_their_days(data, place[1], told)
-    options |= {
-        "effects": effects,
-        "fixed": fixed or None,
-        "holdout": days_of(days, data.index),
-        "site": site_of(data.index, *place),
-    }
-    return data, options, otherwise

@@ -2,6 +2,8 @@
 
 import sys
 import warnings
+from contextlib import contextmanager
+from threading import Event, Timer
 
 import click
 
@@ -30,6 +32,39 @@ def note(text):
     say(f"note: {text}", err=True)
 
 
+PATIENCE = 1.0  # s, from which waiting is explained
+
+
+@contextmanager
+def waiting(words):
+    """
+    Say on a terminal what is done, where it takes longer than a second.
+
+    The line goes away at the end. Elsewhere, as in a pipe or a log, nothing is said.
+    """
+    stream, shown = sys.stderr, Event()
+    if not stream.isatty():
+        yield
+        return
+
+    def show():
+        stream.write(words)
+        stream.flush()
+        shown.set()
+
+    timer = Timer(PATIENCE, show)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+        if shown.is_set():
+            stream.write(f"\r{'':{len(words)}}\r")
+            stream.flush()
+
+
 class Refused(click.ClickException):
     """An error in one line, and what to do about it below."""
 
@@ -43,8 +78,27 @@ class Refused(click.ClickException):
             say(f"\n{self.remedy}", err=True)
 
 
+class Interrupted(click.ClickException):
+    """Ctrl-C, and how to go on, in one line."""
+
+    exit_code = 130  # 128 and the number of SIGINT, as of a shell
+
+    def show(self, file=None):
+        say(f"Interrupted: {self.message}" if self.message else "Interrupted", err=True)
+
+
 class plainly:
-    """Bad data end with exit code 1 and the reason in one line, without Python."""
+    """
+    Bad data end with exit code 1 and the reason in one line, without Python.
+
+    Parameters
+    ----------
+    after_interrupt : callable, optional
+        Gives the words that say after Ctrl-C how to go on.
+    """
+
+    def __init__(self, after_interrupt=lambda: ""):
+        self.after_interrupt = after_interrupt
 
     def __enter__(self):
         self.caught = warnings.catch_warnings()
@@ -56,6 +110,8 @@ class plainly:
         self.caught.__exit__(kind, error, trace)
         if isinstance(error, (ValueError, OSError)):
             raise Refused(error) from error
+        if isinstance(error, KeyboardInterrupt):
+            raise Interrupted(self.after_interrupt()) from error
         if isinstance(error, MemoryError):
             raise Refused("the record is too long for the memory") from error
         return False

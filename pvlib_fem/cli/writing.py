@@ -103,3 +103,9 @@ def picture(result, path):
     figure = result.plot().figure
     with replacing(path) as whole:
         figure.savefig(whole, dpi=150, format=path.suffix[1:].lower())
+
+
+def write_report(path, result, title, files):
+    """The page of a fit or a loop, headed by the title or the names of the files."""
+    title = title or ", ".join(file.name for file in files)
+    write(path, lambda whole: result.to_html(whole, title=title))

@@ -28,6 +28,7 @@ from pvlib_fem.effects.courses import COURSES, along_all
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.effects.instruments import CHANNELS
 from pvlib_fem.effects.own import of_column
+from pvlib_fem.spelling import did_you_mean
 
 __all__ = ["CHANGES", "CHANNELS", "COURSES", "EFFECTS", "PHYSICS", "find"]
 
@@ -92,7 +93,8 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
     if name not in known and "column" in settings:
         return of_column(**settings)
     if name not in known:
-        raise ValueError(f"unknown effect {name!r}; there are {', '.join(known)}")
+        near = did_you_mean(str(name), known)
+        raise ValueError(f"unknown effect {name!r}{near}; there are {', '.join(known)}")
     if not settings or settings == known[name].settings:
         return known[name]
     return known[name].made(**settings)

@@ -12,6 +12,7 @@ import numpy as np
 
 from pvlib_fem.drivers import constants, own_constants, with_constants
 from pvlib_fem.record.columns import in_new_names
+from pvlib_fem.spelling import did_you_mean
 
 SOME = 5000  # rows of a record on which linearity is tested
 
@@ -206,7 +207,8 @@ class Effect:
         if unknown := [name for name in left if name not in taken]:
             there = sorted({*own, *taken, *(["source"] if self.variants else [])})
             raise ValueError(
-                f"{self.name} has no setting {', '.join(unknown)}; "
+                f"{self.name} has no setting {', '.join(unknown)}"
+                f"{did_you_mean(unknown, there)}; "
                 + (f"it has {', '.join(there)}" if there else "it has none")
             )
         return effect

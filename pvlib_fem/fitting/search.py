@@ -6,7 +6,7 @@ import numpy as np
 
 from pvlib_fem.effects.effect import tabled
 from pvlib_fem.fitting.memory import AsItIs, lag
-from pvlib_fem.spelling import FIXED, Spelled, refusal
+from pvlib_fem.spelling import FIXED, Spelled, did_you_mean, refusal
 from pvlib_fem.statistics.leastsquares import descent
 from pvlib_fem.thermal.model import MEMORY
 
@@ -25,8 +25,8 @@ def possible(model, fixed):
     if unknown := [name for name in fixed if name not in rows]:
         raise refusal(
             FIXED,
-            f" has {', '.join(unknown)}, which is no coefficient here; there are "
-            f"{', '.join(rows)}",
+            f" has {', '.join(unknown)}, which is no coefficient here"
+            f"{did_you_mean(unknown, rows)}; there are {', '.join(rows)}",
         )
     held = {name: float(value) for name, value in fixed.items()}
     for name, value in held.items():

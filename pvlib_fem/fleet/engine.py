@@ -120,7 +120,9 @@ def client_of(client=None, workers=None, memory_limit="auto"):
                 processes=True,
                 memory_limit=memory_limit,
                 dashboard_address="127.0.0.1:0",  # any free port, this machine only
-                silence_logs=logging.ERROR,
+                # errors of systems are answers; workers that lose the scheduler, as
+                # after Ctrl-C, would each log a traceback
+                silence_logs=logging.CRITICAL,
             )
         with cluster, Client(cluster) as found:
             found.register_plugin(ignoring_interrupts())

@@ -38,6 +38,15 @@ KNOWN = (
     *QUANTITIES,
     *UNITS,
 )
+#: names of the command's options, and usual ones, for those of a table
+MEANT = {
+    "lat": "latitude",
+    "lon": "longitude",
+    "long": "longitude",
+    "lng": "longitude",
+    "tilt": "surface_tilt",
+    "azimuth": "surface_azimuth",
+}
 BETWEEN = "|"  # separates files of several loggers, and texts of one cell
 TRUE, FALSE = ("true", "yes", "1"), ("false", "no", "0")
 
@@ -124,6 +133,7 @@ def opened(systems: Any) -> pd.DataFrame:
         table = table.rename(columns={old: new, f"{old}_unit": f"{new}_unit"})
     for name in table.columns:
         alike = difflib.get_close_matches(name.lower(), KNOWN, 1, 0.85)
+        alike = [MEANT[name.lower()]] if name.lower() in MEANT else alike
         if name not in KNOWN and alike and alike[0] not in table:
             raise ValueError(
                 f"the table of systems has a column {name!r}, which looks like "

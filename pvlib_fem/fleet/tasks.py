@@ -22,6 +22,7 @@ from pvlib_fem.recovery.recover import recover_effects
 from pvlib_fem.recovery.result import FORMAT, Recovery
 from pvlib_fem.report.document import with_error
 from pvlib_fem.report.page import numbers
+from pvlib_fem.spelling import did_you_mean
 from pvlib_fem.stored import plain
 
 HOURS_A_YEAR = 8766.0
@@ -236,7 +237,8 @@ def check_task(name, options):
             )
         if option not in taken:
             raise ValueError(
-                f"the task {name} has no option {option}; it has {', '.join(taken)}"
+                f"the task {name} has no option {option}"
+                f"{did_you_mean(option, taken)}; it has {', '.join(taken)}"
             )
 
 

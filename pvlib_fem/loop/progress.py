@@ -10,7 +10,12 @@ LOG = logging.getLogger("pvlib_fem")
 
 def line(disable=None):
     """One line on a terminal, which goes away; nothing elsewhere unless requested."""
-    return tqdm(disable=disable, leave=False, bar_format="{desc} [{elapsed}]")
+    return tqdm(
+        desc="looking at the record",
+        disable=disable,
+        leave=False,
+        bar_format="{desc} [{elapsed}]",
+    )
 
 
 @contextmanager

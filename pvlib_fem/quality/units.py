@@ -19,12 +19,12 @@ from pvlib_fem.quality.values import FEW
 from pvlib_fem.record.ranges import RANGES, range_of
 from pvlib_fem.record.units import (
     AMOUNTS,
-    QUANTITIES,
     UNITS,
     ForeignUnit,
     Swapped,
     named_unit,
     own_unit,
+    usual_name_of,
 )
 from pvlib_fem.spelling import UNCHECKED, Spelled, refusal, spelled
 
@@ -109,9 +109,10 @@ def unit_of_driver(name, values, limits=None):
 
 def options_of(column, name, values):
     """Options that read a column of a file as what it looks like, in its unit."""
-    named = named_unit(name, str(column)) if name in QUANTITIES else None
+    known = usual_name_of(name) is not None
+    named = named_unit(name, str(column)) if known else None
     unit = named or unit_of_driver(name, values)
-    own = name in QUANTITIES and unit == own_unit(name)
+    own = known and unit == own_unit(name)
     options = ["--map", f"{name}={column}"]
     return options + ["--unit", f"{name}={unit}"] * bool(unit and not own)
 

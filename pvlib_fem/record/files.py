@@ -16,9 +16,16 @@ from pvlib_fem.record.labels import flat, flat_header
 from pvlib_fem.record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
 from pvlib_fem.record.numbers import refuse_text, ungrouped, unmarked
 from pvlib_fem.record.times import in_order, timed
-from pvlib_fem.record.units import QUANTITIES, converted, named_unit, own_unit, unit_of
+from pvlib_fem.record.units import (
+    QUANTITIES,
+    converted,
+    named_unit,
+    own_unit,
+    unit_of,
+    usual_name_of,
+)
 from pvlib_fem.record.wide import wide
-from pvlib_fem.spelling import UNCHECKED, Spelled, refusal
+from pvlib_fem.spelling import UNCHECKED, Spelled, did_you_mean, refusal
 from pvlib_fem.types import FilePath
 
 MOST_SWELLING = 200  # times its size, to which a packed record unpacks
@@ -124,7 +131,8 @@ def frame(
     if absent:
         raise ValueError(
             f"{' and '.join(names)} has no column "
-            f"{', '.join(absent)}; it has {', '.join(map(str, data.columns))}"
+            f"{', '.join(absent)}{did_you_mean(absent, data.columns)}; it has "
+            f"{', '.join(map(str, data.columns))}"
         )
     columns = columns | renamed({*data, *columns} - {*columns.values()})
     headers = {name: name for name in data.columns} | columns
@@ -325,12 +333,15 @@ def in_units(data, headers, convert, units, check_units, module_area):
     told = {name: unit_of(name, unit) for name, unit in units.items()}
     if absent := [name for name in told if name not in data]:
         raise ValueError(
-            f"there is no column {absent[0]} to convert; name it with --map "
+            f"there is no column {absent[0]} to convert"
+            f"{did_you_mean(absent[0], data.columns)}; name it with --map "
             f"{absent[0]}=COLUMN"
         )
     done = {}
     for name, header in headers.items():
-        if name not in QUANTITIES:
+        # of a second sensor with no name of its own, temp_module_f, the end is no unit
+        second = name not in QUANTITIES and name not in told and name == header
+        if usual_name_of(name) is None or second:
             continue
         own, unit = own_unit(name), told.get(name) or named_unit(name, str(header))
         if unit in (None, own):

@@ -2,6 +2,7 @@
 
 import glob
 import itertools
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pandas as pd
 from pvlib_fem.record.checks import SECONDS
 from pvlib_fem.record.columns import by_own_names, printable
 from pvlib_fem.record.layout import PARQUET
+from pvlib_fem.spelling import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ def found_files(data):
     files = [path] if path.is_file() else []
     if path.is_dir():
         files = [p for p in path.rglob("*") if p.suffix.lower() in PARQUET]
+        if not files:
+            raise ValueError(without_parquet(path))
     files = files or [Path(p) for p in glob.glob(str(data), recursive=True)]
     if not files:
         raise ValueError(
@@ -66,6 +70,19 @@ def found_files(data):
             "a pattern such as 'plant/*.parquet'"
         )
     return sorted(map(str, files)), None
+
+
+def without_parquet(folder):
+    """What was looked for in a folder, and what is there instead."""
+    kinds = Counter(p.suffix.lower() for p in folder.rglob("*") if p.is_file())
+    there = ", ".join(
+        f"{n:,} {kind or 'without an ending'}" for kind, n in kinds.items()
+    )
+    return (
+        f"no Parquet file is in {folder}: none in it and its subfolders ends with "
+        f"{' or '.join(PARQUET)}; its files: {there or 'none'}. Give files of another "
+        "kind by their names"
+    )
 
 
 def parquet_file(file, filesystem):
@@ -141,7 +158,8 @@ def common_columns(footers, columns):
     for column in columns.values():
         if column not in first.schema.names:
             raise ValueError(
-                f"{first.file} has no column {column}; it has {first.names}"
+                f"{first.file} has no column {column}"
+                f"{did_you_mean(column, first.schema.names)}; it has {first.names}"
             )
     theirs = dict.fromkeys(name for one in footers for name in one.schema.names)
     names = {

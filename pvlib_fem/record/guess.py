@@ -37,6 +37,7 @@ from pvlib_fem.record.units import (
     named_unit,
     own_unit,
     unit_of,
+    usual_name_of,
 )
 from pvlib_fem.record.wide import tag_and_value
 from pvlib_fem.record.zones import zone_of, zone_of_offsets
@@ -221,7 +222,7 @@ def all_modules(data, found):
 def in_units(found, data, below):
     """What headers say of units, or a line below them."""
     for name, column in found.columns.items():
-        if column not in data or name not in QUANTITIES:
+        if column not in data or usual_name_of(name) is None:
             continue
         unit = named_unit(name, str(column))
         if unit is None and below.get(column):

@@ -22,8 +22,9 @@ NAMES = {
     "temp_module": (
         r"(mod(ul\w*)?|panel|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
         r"t(?!ilt|ot|yp|ime|rack)|"
-        r"t(emp\w*)?[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
-        r"^tc[\s_.-]?\d|^thermoc\w*[\s_.-]*\d*$|^t_?m[\s_.-]?\d*$",
+        r"t(emp\w*)?[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)|"
+        r"(^|_)t\d+[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
+        r"^bom[\s_.-]?\d*$|^tc[\s_.-]?\d|^thermoc\w*[\s_.-]*\d*$|^t_?m[\s_.-]?\d*$",
     ),
     "temp_air": (
         r"(amb(ient)?|air|outdoor|dry[\s_-]?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"

@@ -24,7 +24,7 @@ from pvlib_fem.record.footers import (
 from pvlib_fem.record.inputs import Columns, Inputs
 from pvlib_fem.record.offclock import in_file, on_the_clock
 from pvlib_fem.record.times import zoned
-from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit
+from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit, usual_name_of
 from pvlib_fem.stored import replacing
 from pvlib_fem.types import FilePath
 
@@ -327,8 +327,10 @@ def as_source(data):
 def refuse_headers(names):
     """Refuse a column whose header names another unit."""
     for name, header in names.items():
-        unit = named_unit(name, str(header)) if name in QUANTITIES else None
-        if unit not in (None, name in QUANTITIES and own_unit(name)):
+        if usual_name_of(name) is None or (name not in QUANTITIES and name == header):
+            continue
+        unit = named_unit(name, str(header))
+        if unit not in (None, own_unit(name)):
             raise ValueError(
                 f"the header {header!r} names {unit}, and {name} has to be in "
                 f"{own_unit(name)}; convert the files, or give check_units=False if "

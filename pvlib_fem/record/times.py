@@ -12,6 +12,7 @@ from pvlib_fem.record.checks import instants
 from pvlib_fem.record.letters import ISO, without_letters
 from pvlib_fem.record.months import in_english
 from pvlib_fem.record.zones import standard
+from pvlib_fem.spelling import did_you_mean
 
 UNIX = "unix"  # seconds since 1970 in UTC
 MILLI = "unix-ms"  # milliseconds
@@ -48,7 +49,8 @@ def timed(data, layout, name):
         time = time or [data.columns[0]]
         if absent := [column for column in time if column not in data]:
             raise ValueError(
-                f"{name} has no column {', '.join(absent)} for the times; it has "
+                f"{name} has no column {', '.join(absent)} for the times"
+                f"{did_you_mean(absent, data.columns)}; it has "
                 f"{', '.join(map(str, data.columns))}"
             )
         columns, data = data[time], data.drop(columns=time)

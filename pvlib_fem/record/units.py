@@ -5,8 +5,9 @@ import re
 import numpy as np
 from scipy import constants
 
+from pvlib_fem.record.columns import is_power, twin_of
 from pvlib_fem.record.ranges import as_codes, possible
-from pvlib_fem.spelling import Spelled, refusal
+from pvlib_fem.spelling import Spelled, did_you_mean, refusal
 
 FAHRENHEIT = constants.degree_Fahrenheit  # K
 INCH = 1000.0 * constants.inch  # mm
@@ -125,17 +126,29 @@ class Swapped(ValueError):
         self.why = why
 
 
+def usual_name_of(name):
+    """The column of ``QUANTITIES`` whose units a column has; None without any."""
+    if name in QUANTITIES:
+        return name
+    return "power_ac" if is_power(name) else twin_of(name)
+
+
+def units_of(name):
+    """Units that a column can have, with factors and offsets; the package's first."""
+    return UNITS[QUANTITIES[usual_name_of(name)]]
+
+
 def of_any_unit(name):
     """Least and most that a column can read in any of its units."""
     low, high, _ = possible(name)
-    ways = UNITS[QUANTITIES[name]].values()
+    ways = units_of(name).values()
     ends = [[(end - offset) / factor for end in (low, high)] for factor, offset in ways]
     return min(map(min, ends)), max(map(max, ends))
 
 
 def own_unit(name):
     """The unit in which the package has a column."""
-    return next(iter(UNITS[QUANTITIES[name]]))
+    return next(iter(units_of(name)))
 
 
 def unit_of(name, text):
@@ -147,12 +160,13 @@ def unit_of(name, text):
     ValueError
         If the column cannot be in that unit.
     """
-    if name not in QUANTITIES:
+    if usual_name_of(name) is None:
         raise ValueError(
-            f"{name} has no unit that could be converted; those that have one are "
-            f"{', '.join(QUANTITIES)}"
+            f"{name} has no unit that could be converted"
+            f"{did_you_mean(name, QUANTITIES)}; those that have one are "
+            f"{', '.join(QUANTITIES)}, and second sensors such as temp_air_2"
         )
-    known = UNITS[QUANTITIES[name]]
+    known = units_of(name)
     for unit in known:
         if plain(text) == plain(unit) or plain(text) in SPELLINGS[unit]:
             return unit
@@ -202,8 +216,8 @@ def converted(column, name, unit, hours=None, area=None):
     Series
         A code such as -9999 stays as it is, so that a screening knows it.
     """
-    unit = unit_of(name, unit)
-    factor, offset = UNITS[QUANTITIES[name]][unit]
+    unit, name = unit_of(name, unit), usual_name_of(name)
+    factor, offset = units_of(name)[unit]
     if unit in AMOUNTS.get(QUANTITIES[name], ()):
         factor /= hours
     if name == "p_dc_per_area" and unit in WHOLE:

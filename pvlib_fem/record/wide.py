@@ -2,6 +2,8 @@
 
 import pandas as pd
 
+from pvlib_fem.spelling import did_you_mean
+
 FEWEST, MOST = 3, 1000  # tags that a table may have
 EVEN = 0.5  # share of the most frequent tag's rows that each of the usual has, at least
 FULL = 0.5  # share of the cells that have to be there, where tags share their times
@@ -29,7 +31,8 @@ def wide(data, tag, value, times):
     for name in (tag, value):
         if name not in data:
             raise ValueError(
-                f"there is no column {name!r} to make columns of; there are "
+                f"there is no column {name!r} to make columns of"
+                f"{did_you_mean(name, data.columns)}; there are "
                 f"{', '.join(map(str, data.columns))}"
             )
     times = list(times) or [data.columns[0]]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem.effects.effect import Parameter
+from pvlib_fem.spelling import did_you_mean
 
 CLIP = 8.0  # m/s, where the paper clips the wind in WM2
 SHELTER = 0.51  # of SAM: wind at the module over wind at 10 m
@@ -288,6 +289,7 @@ def steady_model(model, given=()):
         model = "noct"
     if not isinstance(model, str) or model not in STEADY_MODELS:
         raise ValueError(
-            f"unknown model {model!r}; the models are {', '.join(STEADY_MODELS)}"
+            f"unknown model {model!r}{did_you_mean(str(model), STEADY_MODELS)}; the "
+            f"models are {', '.join(STEADY_MODELS)}"
         )
     return STEADY_MODELS[model]
