@@ -35,7 +35,15 @@ from pvlib_fem.scores import GAMMA
 
 MOST_EVENTS = 10  # of a kind that a page has
 NOT_SHOWN = "smaller than this record can show"
-TO_DO = "Worth: how much the finding reduces the error, as the root of a mean square."
+WORTH = (
+    "Worth in K: how much the finding reduces the error, as the root of a mean square. "
+    "Worth in kWh/kWp per year: how much the finding changes the expected DC energy of "
+    "the record's irradiance and the modelled temperature, as the sum of absolute "
+    "changes, at a temperature coefficient of {:g} %/K. It is the mean over all days "
+    "of the record, for 365 days. Of a fault of the irradiance sensor, and of what "
+    "covers or shades it or the modules, it includes the irradiance. Clocks come "
+    "first, since a wrong clock can make all else wrong."
+)
 #: words of the page
 TERMS = (
     ("identified (named)", "one cause has a probability of 95 % or more"),
@@ -74,7 +82,7 @@ VERDICTS = {
 }
 
 
-def page(loop, never=(), title=None, gamma=GAMMA):
+def page(loop, statements, never=(), title=None, gamma=GAMMA):
     """
     The report of a closed loop as one HTML file.
 
@@ -84,6 +92,8 @@ def page(loop, never=(), title=None, gamma=GAMMA):
     Parameters
     ----------
     loop : Loop
+    statements : DataFrame
+        As ``loop.statements``, with energies at ``gamma``.
     never : sequence of str
         What no record of these columns can tell.
     title : str, optional
@@ -101,11 +111,11 @@ def page(loop, never=(), title=None, gamma=GAMMA):
     parts = [
         heading(f"Module temperature: {headline(loop)}", title, loop.corrections),
         conclusion(loop),
-        section("What to do", to_do(loop.statements)),
+        section("What to do", to_do(statements, gamma)),
         section("Error by step", errors(loop, gamma)),
         section("Energy", in_energy(fit, residuals(loop), gamma)),
         *could_be(loop),
-        section("Evidence", evidence(loop) if drawn else NO_ROWS),
+        section("Evidence", evidence(loop, statements) if drawn else NO_ROWS),
         section("Data quality", health(record, [*loop.notes, *fit.notes])),
         section("Unexplained patterns", unexplained(loop)),
         section("Remaining error by time scale", in_time(loop)),
@@ -122,9 +132,9 @@ def page(loop, never=(), title=None, gamma=GAMMA):
     return document(" · ".join(filter(None, [title, headline(loop)])), parts)
 
 
-def evidence(loop):
+def evidence(loop, statements):
     """Each finding with its pictures, then the error of the model in pictures."""
-    found = shown(loop, loop.statements)
+    found = shown(loop, statements)
     drawn = [(svg, words, one.text) for one in found for svg, words in one.pictures]
     body = [figures(drawn)] if drawn else []
     body += [paragraph(f"{one.text}: {one.note}") for one in found if one.note]
@@ -139,7 +149,7 @@ def could_be(loop):
         yield section("How much could still be explained", bar)
 
 
-def to_do(statements):
+def to_do(statements, gamma):
     """What was found and what to do about it, the most valuable first."""
     if not len(statements):
         return paragraph("Nothing: no fault of an instrument was found.")
@@ -150,12 +160,14 @@ def to_do(statements):
             one.device,
             one.since or "–",
             number(one.gain),
+            f"{one.energy:.1f}" if np.isfinite(one.energy) else "–",
             one.certainty,
         )
         for one in statements.itertuples()
     ]
-    head = ("finding", "action", "device", "since", "#worth [K]", "how sure")
-    return table(head, rows, TO_DO, wraps=True)
+    head = ("finding", "action", "device", "since", "#worth [K]")
+    head += ("#worth [kWh/kWp per year]", "how sure")
+    return table(head, rows, WORTH.format(100 * gamma), wraps=True)
 
 
 def ranges(loop):

@@ -1,5 +1,7 @@
 """A loop's findings as statements, the most valuable first."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pvlib_fem.effects import find
@@ -24,19 +26,22 @@ DAYS = "days that stand out"
 SIZE = ("value", "error", "low", "high", "unit", "since", "until")
 
 
-def statements_of(loop):
+def statements_of(loop, energies):
     """
     All statements of a loop.
 
     Parameters
     ----------
     loop : Loop
+    energies : dict of float
+        Energy that each cause changes, see :func:`.worth.energies`. [kWh/kWp per year]
 
     Returns
     -------
     list of Statement
-        Clocks, causes in the model by what they take off the error, events that
-        power shows, unexplained patterns, days that stand out, hints.
+        Clocks, causes in the model by the energy that they change (where that is
+        unknown, by what they take off the error), events that power shows, unexplained
+        patterns, days that stand out, hints.
     """
     findings = [f for f in loop.finding_objects if f.kind is not Kind.STRUCTURE]
     findings.sort(key=lambda finding: -finding.gain)
@@ -44,8 +49,14 @@ def statements_of(loop):
         [finding_statement(f, loop) for f in findings if f.added == added]
         for added in (True, False)
     )
+    clocks = map(clock_statement, loop.corrections)
+    clocks, causes = (
+        [replace(one, energy=energies.get(one.cause, np.nan)) for one in some]
+        for some in (clocks, causes)
+    )
+    causes.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
     return [
-        *map(clock_statement, loop.corrections),
+        *clocks,
         *causes,
         *event_statements(loop),
         *map(pattern_statement, loop.unexplained),

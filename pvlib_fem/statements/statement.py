@@ -29,6 +29,9 @@ class Statement:
         How sure the finding is, in words.
     gain : float
         What it takes off the error. [K]
+    energy : float
+        Absolute change of the expected DC energy by it, at -0.35 %/K; NaN where it is
+        unknown. [kWh/kWp per year]
     value, error, low, high : float
         What the device reads beyond the truth, relative to before, with standard error
         and 90 % range: negative where it reads less. Of a clock the minutes by which
@@ -58,6 +61,7 @@ class Statement:
     until: str = ""
     probability: float = np.nan
     alternatives: tuple = ()
+    energy: float = np.nan
 
     def content(self):
         """The statement for a file."""

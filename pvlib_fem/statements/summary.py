@@ -7,7 +7,7 @@ import numpy as np
 from pvlib_fem.plotting.steps import step_name
 from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.text import cell, length
-from pvlib_fem.statements.make import PATTERN, statements_of
+from pvlib_fem.statements.make import PATTERN
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3
@@ -27,7 +27,7 @@ def summary(loop):
     list of str
         At most 25, none wider than 100 signs.
     """
-    found = statements_of(loop)
+    found = loop.statement_objects
     said = [line for words in conclusion(loop, found) for line in wrapped(words)]
     head = [*heading(loop), *said, "", *steps(loop), ""]
     room = LINES - len(head) - 2

@@ -1,0 +1,117 @@
+"""What each finding is worth: the yearly energy that it changes."""
+
+import numpy as np
+
+from pvlib_fem.effects.courses import YEAR
+from pvlib_fem.quality.lag import retimed
+from pvlib_fem.record.inputs import read
+from pvlib_fem.scores import GAMMA, kilowatt_hours
+from pvlib_fem.thermal.model import as_in_a_fit
+
+REFERENCE = 25.0  # °C, of the power that a kWp is
+#: findings by which the modules receive other irradiance than the sensor reads, by the
+#: channel or the name of the effect
+LIGHT = (
+    "sensitivity",
+    "soiling",
+    "shading",
+    "poa_misalignment",
+    "modules_covered",
+    "sensor_covered",
+    "snow",
+)
+
+
+def energies(loop, gamma=GAMMA):
+    r"""
+    Absolute change of the expected DC energy by each finding, in a year.
+
+    Parameters
+    ----------
+    loop : Loop
+    gamma : float, default -0.0035
+        Temperature coefficient of power. [1/K]
+
+    Returns
+    -------
+    dict of float
+        By the name of the effect, or the fault of a clock; empty for a loop that was
+        read from a file, which has no rows. [kWh/kWp per year]
+
+    Notes
+    -----
+    With the irradiance :math:`G` of a row as the sensor reads it, and the temperature
+    :math:`T` of the fitted model, of which the finding makes the part :math:`\Delta T`,
+
+    .. math::
+
+        \Delta E = \frac{365.2425}{\mathrm{days}} \sum_i \left|
+        (G + \Delta G)\,(1 + \gamma\,(T - 25))
+        - G\,(1 + \gamma\,(T - \Delta T - 25)) \right|_i \Delta t_i
+
+    :math:`\Delta G` is the irradiance that the modules receive in addition to the
+    reading, and 0 but for the findings of :data:`LIGHT`. The other coefficients of the
+    model stay as they are. A fault that begins within the record counts from its date
+    on, and the mean is over all days of the record. Of the clock of the module's logger
+    :math:`\Delta T` is the error of the temperature as it was written.
+    """
+    record = loop.fit.record
+    if record is None:
+        return {}
+    light = kilowatt_hours(record.inputs)
+    found = clocks(loop, record, light, gamma)
+    if not loop.fit.effects:
+        return found
+    frame = record.inputs.frame()
+    parts = loop.contributions(frame, correct_times=False)
+    for effect in loop.fit.effects:
+        warmer = parts[effect.name].to_numpy()
+        if (effect.channel or effect.name) in LIGHT:
+            change = with_light(loop, frame, effect, warmer, gamma)
+        else:
+            change = light * gamma * warmer
+        found[effect.name] = per_year(record, change)
+    return found
+
+
+def with_light(loop, frame, effect, warmer, gamma):
+    """Change of the expected energy of rows by irradiance and temperature. [kWh/kWp]"""
+    (poa, air, wind), drivers = loop.inputs(frame)
+    after = loop.fit.predict(poa, air, wind, **drivers).to_numpy()
+    columns = {"poa_global": poa, "temp_air": air, **drivers}
+    columns["wind_speed"] = 0.0 if wind is None else wind
+    inputs = as_in_a_fit(read(columns, purpose="the worth of a finding"))
+    inputs = loop.fit.thermal_model.with_drivers(inputs)
+    heat = effect.at(inputs.columns, loop.fit.coefficients).heat
+    before, more = (
+        kilowatt_hours(inputs.having({"poa_global": values}))
+        for values in (inputs["poa_global"], heat + np.zeros(len(after)))
+    )
+    received = (before + more) * efficiency(after, gamma)
+    return received - before * efficiency(after - warmer, gamma)
+
+
+def efficiency(temperature, gamma):
+    """Power over that at 25 °C. [-]"""
+    return 1.0 + gamma * (temperature - REFERENCE)
+
+
+def per_year(record, change):
+    """Sum of absolute changes of rows, for the days of a year."""
+    known = np.isfinite(change)
+    days = len(np.unique(record.dates[known]))
+    return float(np.abs(change[known]).sum() * YEAR / days) if days else np.nan
+
+
+def clocks(loop, record, light, gamma):
+    """Of the clock of the module's logger, where it was corrected."""
+    found = {}
+    if loop.times is None or not loop.times.module.fault:
+        return found
+    seconds, module = record.inputs.seconds, record["temp_module"]
+    written = retimed(seconds, module, -loop.times.module.at(seconds))
+    for one in loop.corrections:
+        if one.applied and one.columns == ("temp_module",):
+            change = light * gamma * (written - module)
+            found[one.fault] = per_year(record, change)
+    return found
