@@ -104,6 +104,26 @@ def test_a_cell_of_the_map_is_the_mean_of_its_hour_and_month(ax):
     assert -low == high == pytest.approx(np.abs(cells).max())
 
 
+def test_a_map_of_several_years_does_not_mix_them(ax):
+    """January of one year is another column than that of the next."""
+    index = pd.date_range("2019-11-20", "2022-02-10", freq="h", tz="Europe/Brussels")
+    residual = pd.Series(np.where(index.year == 2021, 3.0, -1.0), index)
+    plotting.plot_residual_map(residual, ax)
+    months = [
+        "2019-11",
+        "2019-12",
+        *(f"{y}-{m:02}" for y in (2020, 2021) for m in range(1, 13)),
+        "2022-01",
+        "2022-02",
+    ]
+    cells = ax.collections[0].get_array().reshape(24, len(months))
+    of_2021 = np.array([month.startswith("2021") for month in months])
+    assert (cells[:, of_2021] == 3.0).all() and (cells[:, ~of_2021] == -1.0).all()
+    names = [text.get_text() for text in ax.get_xticklabels()]
+    assert names == ["2020", "2021", "2022"]
+    assert [months[int(x)] for x in ax.get_xticks()] == [f"{n}-01" for n in names]
+
+
 def test_contributions_are_those_of_the_loop(closed, ax):
     plotting.plot_contributions(closed, ax)
     drawn, record = lines(ax), closed.fit.record

@@ -16,6 +16,7 @@ from pvlib_fem import datasets, simulator
 from pvlib_fem.fit import fit_fem
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.loop.prepare import zone_of_the_sun
+from pvlib_fem.loop.result import Loop
 from pvlib_fem.loop.table import Ranking
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS
@@ -227,13 +228,52 @@ def test_without_an_effect_there_is_no_before():
     assert not any("Before" in text for text in page.texts)
 
 
-def test_what_is_missing_is_counted():
+def test_what_was_done_to_the_data_is_counted():
     data = datasets.synthetic(60, 1800)[list(COLUMNS)]
     data.iloc[100:150, 1] = np.nan
     data.iloc[200:203, 3] = 400.0
-    rows = Page(close_loop(data).to_html()).rows
-    assert ["temp_air", "50", "0"] in rows
-    assert ["temp_module", "0", "3"] in rows
+    data.iloc[:8, 0] = -4.0  # at night
+    data.attrs["notes"] = [f"met.csv: 7 rows {SCRIPT} left out"]
+    loop = close_loop(data)
+    rows = [row for row in Page(loop.to_html()).rows if len(row) == 4]
+    assert ["given", "all", f"{len(data):,}", "rows of the data"] in rows
+    assert ["reading", "", "–", data.attrs["notes"][0]] in rows
+    assert ["screening", "temp_air", "50", "missing"] in rows
+    assert ["screening", "temp_module", "3", "impossible, not used"] in rows
+    assert ["screening", "poa_global", "8", "below zero, set to 0"] in rows
+    for name, count in loop.week_rows.items():
+        assert ["rows", "all", f"{count:,}", f"in {name} weeks"] in rows
+    unknown = int(loop.fit.residual.isna().sum())
+    (row,) = [row for row in rows if row[3].startswith("without a residual")]
+    assert row[2] == f"{unknown:,}" and unknown >= 53
+
+
+def test_rows_of_a_clock_are_counted_and_kept_in_the_file(tmp_path):
+    data = simulator.record(days=60, step=1800.0, start="2023-05-01")[list(COLUMNS)]
+    data["temp_module"] = data["temp_module"].shift(2)
+    loop = close_loop(data.dropna(), effects=[])
+    (correction,) = loop.corrections
+    (row,) = [r for r in Page(loop.to_html()).rows if r[:2] == ["clock", "temp_module"]]
+    known = loop.fit.record["temp_module"]
+    assert row[2] == f"{np.isfinite(known).sum():,}" and row[3] == correction.why
+    loop.to_json(path := tmp_path / "loop.json")
+    again = Loop.from_json(path)
+    assert again.reading == loop.reading == {"rows": len(data) - 2, "notes": []}
+    (row,) = [
+        r for r in Page(again.to_html()).rows if r[:2] == ["clock", "temp_module"]
+    ]
+    assert row[2] == "–"
+
+
+def test_the_site_is_at_the_top(closed, page):
+    record = closed.fit.summary
+    (line,) = [text for text in page.texts if text.startswith("49.400° N, 8.700° E")]
+    assert "tilt 35°, azimuth 180°" in line and "time step 15 min" in line
+    assert f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}" in line
+    assert f"{record.rows:,} rows" in line
+    assert page.texts.index(line) < page.texts.index("What to do")
+    nowhere = replace(closed, place=dict.fromkeys(closed.place))
+    assert "location not given · plane not given" in nowhere.to_html()
 
 
 def test_its_sections_are_in_order(page):
@@ -247,7 +287,7 @@ SECTIONS = (
     "What to do",
     "Error by step",
     "Evidence",
-    "Data quality",
+    "What was done to the data",
     "Unexplained patterns",
     "Remaining error by time scale",
     "What to measure next",

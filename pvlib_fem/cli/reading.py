@@ -106,7 +106,7 @@ def read(files, options, drivers=False, needed=COLUMNS):
     done |= data.attrs.pop("converted")
     # a header that names another unit is that of no converted column
     data.attrs["headers"] = {n: c for n, c in columns.items() if n not in done}
-    for line in data.attrs.pop("notes"):
+    for line in data.attrs["notes"]:
         note(line)
     looks = unmapped(numeric(data)) if drivers else {}
     likely = {n: c for c, n in [*looks.items()][::-1] if n not in data}

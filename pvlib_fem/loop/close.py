@@ -38,7 +38,7 @@ from pvlib_fem.loop.times import Times
 from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.record.columns import with_aliases
+from pvlib_fem.record.columns import printable, with_aliases
 from pvlib_fem.record.parquet import ParquetRecord, is_data_set
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.model import ThermalModel
@@ -222,6 +222,7 @@ def searched(data, model, place, progress, **how):
     times = Times.of(data.index, case.kept, case.whole.index, search.clock)
     sky = how["instead"].transposition if case.transposed else ""
     stood = {"transposition": sky, "stand_ins": case.standing}
+    stood["reading"] = {"rows": len(data.index), "notes": notes_of(data)}
     return search, replace(found, given=given, times=times, **stood)
 
 
@@ -232,6 +233,12 @@ def told_of(how):
     if instead.transposition:
         told["transposition"] = instead.transposition
     return told | ({"stand_ins": instead.stand_ins} if instead.stand_ins else {})
+
+
+def notes_of(data):
+    """What was done to data as they were read, where a function noted it."""
+    notes = data.attrs.get("notes", ())
+    return [printable(one) for one in notes] if isinstance(notes, list | tuple) else []
 
 
 def transposes_or_fills(instead):

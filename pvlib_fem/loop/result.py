@@ -163,6 +163,7 @@ class Loop:
     times: Times | None = field(repr=False, default=None)
     transposition: str = ""
     stand_ins: tuple = ()
+    reading: dict = field(repr=False, default_factory=dict)
 
     @cached_property
     def week_rows(self) -> dict:
@@ -637,6 +638,7 @@ class Loop:
             "times": None if self.times is None else self.times.content(),
             "transposition": self.transposition,
             "stand_ins": [one.content() for one in self.stand_ins],
+            "reading": self.reading,
             "fit": self.fit.content(**cell),
         }
 
@@ -703,6 +705,7 @@ class Loop:
             stand_ins=tuple(map(stand_in_of, content.parts("stand_ins")))
             if "stand_ins" in content.content
             else (),
+            reading=reading_in(content),
         )
         # what else it would take from the rows
         counts = content.part("weeks")
@@ -760,6 +763,14 @@ class Loop:
 
     def __str__(self):
         return printable("\n".join(summary(self)), "\n")
+
+
+def reading_in(content):
+    """How the data of a file's loop were read; files before it do not say."""
+    if "reading" not in content.content:
+        return {}
+    part = content.part("reading")
+    return {"rows": part.count("rows"), "notes": list(part.texts("notes"))}
 
 
 def energies_in(content):

@@ -13,6 +13,10 @@ SECTORS = 16  # of a wind rose
 FINER = 3  # pieces of a sector, so that it is drawn round
 LEAST_ROWS, LEAST_DAYS = 10, 3  # a cell with fewer stays empty
 OUTER = 0.001  # share of the rows that may be beyond the first and the last bin
+YEAR = 12  # months, more of which have ticks at years
+MOST_YEARS = 6  # that have a tick
+MOST_CELLS = 600  # of a picture of vectors; more become an image
+MOST_DASHES = 24  # in a row
 CLEAR = 0.2  # a mean below minus this share of the scale has a dash
 
 
@@ -20,7 +24,7 @@ def plot_residual_map(
     residual: pd.Series, ax: Any = None, limit: float | None = None
 ) -> Any:
     """
-    Mean residual by hour of day and month.
+    Mean residual by hour of day and month, each month of each year by itself.
 
     Cells clearly below zero have a dash, which is visible in a grey print, too.
 
@@ -41,14 +45,28 @@ def plot_residual_map(
     ax = new_axes(ax)
     months = np.arange(means.shape[1] + 1)
     mesh(ax, months, np.arange(25), means, limit)
-    names = [pd.Timestamp(2000, month, 1).month_name() for month in means.columns]
-    width = 1 if len(names) > 8 else 3
-    ax.set_xticks(months[:-1] + 0.5, [name[:width] for name in names])
+    ticks, names = month_ticks(means.columns)
+    ax.set_xticks(ticks, names)
     ax.set_yticks(range(0, 25, 6))
     ax.set_ylabel("hour of the day")
-    ax.set_xlabel("month")
-    ax.tick_params(axis="x", length=0)
+    ax.set_xlabel("month" if len(means.columns) <= YEAR else "month, by year")
+    ax.tick_params(axis="x", length=0 if len(means.columns) <= YEAR else 3)
     return ax
+
+
+def month_ticks(months):
+    """Places and names of ticks: each month, or January of some years."""
+    if len(months) <= YEAR:
+        names = [
+            pd.Timestamp(2000, month % YEAR + 1, 1).month_name() for month in months
+        ]
+        width = 1 if len(names) > 8 else 3
+        return np.arange(len(months)) + 0.5, [name[:width] for name in names]
+    years = np.unique(months // YEAR)
+    some = years[:: -(-len(years) // MOST_YEARS)]
+    places = np.array([YEAR * year - months[0] for year in some])
+    there = places >= 0
+    return places[there], [str(year) for year in some[there]]
 
 
 def plot_residual_by(
@@ -179,13 +197,18 @@ def mesh(ax, across, up, means, limit=None, pieces=1):
     values = means.to_numpy(dtype=float)
     colours = dict(cmap="RdBu_r", vmin=-limit, vmax=limit)
     # edges in the colour of the cell avoid seams in a vector picture
-    colours |= dict(edgecolors="face", linewidth=1.0)
+    if values.size > MOST_CELLS:
+        colours |= dict(rasterized=True)
+    else:
+        colours |= dict(edgecolors="face", linewidth=1.0)
     cells = ax.pcolormesh(across, up, np.repeat(values, pieces, axis=1), **colours)
     # dashes, because lightness alone does not show the sign
     rows, columns = np.nonzero(values < -CLEAR * limit)
     if pieces > 1:  # the middle of a rose has room for a few
         some = columns % np.choose(np.minimum(rows, 2), (4, 2, 1)) == 0
         rows, columns = rows[some], columns[some]
+    some = columns % -(-values.shape[1] // MOST_DASHES) == 0  # as many as can be seen
+    rows, columns = rows[some], columns[some]
     x = (across[::pieces][:-1] + across[::pieces][1:])[columns] / 2
     y = (np.asarray(up)[:-1] + np.asarray(up)[1:])[rows] / 2
     dark = values[rows, columns] < -0.6 * limit
@@ -196,13 +219,15 @@ def mesh(ax, across, up, means, limit=None, pieces=1):
 
 
 def by_hour_and_month(residual):
-    """Mean residual, a row for each hour and a column for each month of the record."""
+    """Mean residual, a row for each hour and a column for each month of each year."""
     index = residual.index
+    months = YEAR * np.asarray(index.year) + np.asarray(index.month) - 1
     rows = pd.DataFrame(
-        {"residual": residual.to_numpy(), "hour": index.hour, "month": index.month}
+        {"residual": residual.to_numpy(), "hour": index.hour, "month": months}
     )
     means = rows.pivot_table("residual", "hour", "month")
-    return means.reindex(index=range(24), columns=pd.unique(index.month))
+    every = range(months.min(), months.max() + 1)
+    return means.reindex(index=range(24), columns=every)
 
 
 def by_sector(residual, wind_speed, wind_direction):

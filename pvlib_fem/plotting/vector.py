@@ -8,6 +8,7 @@ from pvlib_fem.plotting.look import AFTER, BEFORE
 
 #: colours of a picture that the page replaces in dark mode
 INK = "#1c1d1f"
+SHARP = 200  # dots per inch of what is an image
 THEME = {INK: "ink", AFTER: "after", BEFORE: "before"}
 PAGE = {
     "svg.fonttype": "none",  # text in the page's font, which has all scripts
@@ -53,7 +54,7 @@ def svg(draw, name, size=(4.2, 2.9), projection=None):
             # matplotlib's font has no glyphs for some letters of the page's font
             warnings.filterwarnings("ignore", "Glyph")
             nothing = dict.fromkeys(["Date", "Creator", "Format", "Type"])
-            figure.savefig(text, format="svg", metadata=nothing)
+            figure.savefig(text, format="svg", metadata=nothing, dpi=SHARP)
     return themed(text.getvalue(), name)
 
 

@@ -9,15 +9,17 @@ from pvlib_fem.report.document import (
     table,
 )
 from pvlib_fem.report.parts import (
+    DONE,
     NO_ROWS,
     coefficients,
+    done_to_data,
     heading,
-    health,
     in_energy,
     made_by,
     printed,
 )
 from pvlib_fem.report.pictures import pictures_of_fit
+from pvlib_fem.report.treatment import screened
 from pvlib_fem.scores import GAMMA
 
 STEPS = {
@@ -54,7 +56,7 @@ def fit_page(fit, title="", gamma=GAMMA):
         section("Error by step", errors(fit)),
         section("Energy", in_energy(fit, {"this fit": fit.residual}, gamma)),
         section("Evidence", figures(pictures_of_fit(fit)) if drawn else NO_ROWS),
-        section("Data quality", health(record, fit.notes)),
+        section(DONE, done_to_data([*screened(record)], fit.notes)),
         section("Annex: coefficients", coefficients(fit)),
         section(
             "Annex: how to reproduce this report",

@@ -1,6 +1,7 @@
 """A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
 
 from dataclasses import fields, is_dataclass
+from numbers import Real
 
 import numpy as np
 import pandas as pd
@@ -9,6 +10,7 @@ from pvlib_fem.effects import CHANGES
 from pvlib_fem.findings import CORRECTED, Verdict
 from pvlib_fem.plotting.steps import spaced
 from pvlib_fem.reasons import Reason
+from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.report import advice, budget, events
 from pvlib_fem.report.document import (
     document,
@@ -21,16 +23,18 @@ from pvlib_fem.report.document import (
     with_error,
 )
 from pvlib_fem.report.parts import (
+    DONE,
     NO_ROWS,
     coefficients,
+    done_to_data,
     heading,
-    health,
     in_energy,
     made_by,
     printed,
 )
 from pvlib_fem.report.pictures import picture_of_ceiling, pictures
 from pvlib_fem.report.shown import shown
+from pvlib_fem.report.treatment import treatment
 from pvlib_fem.scores import GAMMA
 
 MOST_EVENTS = 10  # of a kind that a page has
@@ -105,18 +109,23 @@ def page(loop, statements, never=(), title=None, gamma=GAMMA):
     -------
     str
     """
-    fit, record = loop.fit, loop.fit.summary
+    fit = loop.fit
     title = name_of(loop) if title is None else title
     drawn = fit.record is not None
     parts = [
-        heading(f"Module temperature: {headline(loop)}", title, loop.corrections),
+        heading(
+            f"Module temperature: {headline(loop)}",
+            title,
+            loop.corrections,
+            site(loop, title),
+        ),
         conclusion(loop),
         section("What to do", to_do(statements, gamma)),
         section("Error by step", errors(loop, gamma)),
         section("Energy", in_energy(fit, residuals(loop), gamma)),
         *could_be(loop),
         section("Evidence", evidence(loop, statements) if drawn else NO_ROWS),
-        section("Data quality", health(record, [*loop.notes, *fit.notes])),
+        section(DONE, done_to_data(treatment(loop), [*loop.notes, *fit.notes])),
         section("Unexplained patterns", unexplained(loop)),
         section("Remaining error by time scale", in_time(loop)),
         section("What to measure next", next_measurements(loop)),
@@ -175,6 +184,28 @@ def ranges(loop):
     return {name: ends for f in loop.finding_objects for name, ends in f.ranges.items()}
 
 
+def site(loop, title):
+    """Location, plane, period, rows and step of a record in one line."""
+    record, place = loop.fit.summary, loop.place
+    where, angles = place["location"], [place[name] for name in GEOMETRY[2:]]
+    parts = ["location not given"]
+    if where is not None:
+        north = "N" if where.latitude >= 0 else "S"
+        east = "E" if where.longitude >= 0 else "W"
+        parts = [
+            f"{abs(where.latitude):.3f}° {north}, {abs(where.longitude):.3f}° {east}"
+        ]
+    parts.append("plane not given")
+    if all(isinstance(angle, Real) for angle in angles):
+        parts[1] = "tilt {:.0f}°, azimuth {:.0f}°".format(*angles)
+    zone = f" ({record.start.tz})" if record.start.tz is not None else ""
+    parts.append(f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}{zone}")
+    step = record.step
+    every = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
+    name = [name] if (name := name_of(loop)) != title and name else []
+    return " · ".join([*name, *parts, f"{record.rows:,} rows", f"time step {every}"])
+
+
 def name_of(loop):
     """Name of the place, where it has one."""
     return getattr(loop.place["location"], "name", None) or ""
@@ -184,7 +215,7 @@ def brief(loop):
     """The headline and the errors, for a notebook."""
     return "\n".join(
         [
-            heading(f"Module temperature: {headline(loop)}", name_of(loop), "", "h4"),
+            heading(f"Module temperature: {headline(loop)}", name_of(loop), tag="h4"),
             *(paragraph(one.why) for one in loop.corrections),
             errors(loop),
             *(paragraph(finding.why) for finding in loop.unexplained),
@@ -238,9 +269,8 @@ def conclusion(loop):
     seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
     body.append(
         paragraph(
-            f"{seen}{days} day{'s' * (days > 1)} from {record.start:%Y-%m-%d} to "
-            f"{record.end:%Y-%m-%d}, {record.rows:,} rows; model {fit.model}, dynamics "
-            f"{fit.dynamics}. {beginning(loop)}",
+            f"{seen}{days} day{'s' * (days > 1)} with rows; model {fit.model}, "
+            f"dynamics {fit.dynamics}. {beginning(loop)}",
             "soft",
         )
     )

@@ -16,12 +16,13 @@ from pvlib_fem.report.document import (
 )
 from pvlib_fem.scores import energy_error
 
+DONE = "What was done to the data"
 NO_ROWS = paragraph("A result that was read from a file has no rows to draw or add up.")
 
 
-def heading(words, title="", corrections=(), tag="h1"):
-    """The name of the plant, a clock that is off, and what is the most important."""
-    body = [paragraph(title, "plant")] if title else []
+def heading(words, title="", corrections=(), site="", tag="h1"):
+    """The name of the plant, its site, a clock that is off, and the main result."""
+    body = [paragraph(one, "plant") for one in (title, site) if one]
     for one in corrections:
         body.append(paragraph(clock_words(one), "" if one.applied else "alert"))
     return "\n".join([*body, f"<{tag}>{escaped(words)}</{tag}>"])
@@ -97,22 +98,15 @@ def in_energy(fit, residuals, gamma):
     )
 
 
-def health(record, notes):
-    """What is missing or impossible, and what was done about it."""
-    rows = [
-        (name, f"{count:,}", f"{record.impossible.get(name, 0):,}")
-        for name, count in record.missing.items()
-        if count or record.impossible.get(name, 0)
-    ]
-    body = []
+def done_to_data(rows, notes):
+    """What was done to the data, with the number of rows, and notes on them."""
+    body = [paragraph("Nothing: no value is missing or impossible.")]
     if rows:
-        head = ("column", "#missing rows", "#impossible, not used")
-        body.append(table(head, rows, f"Of {record.rows:,} rows."))
-    else:
-        body.append(paragraph("No value is missing or impossible."))
-    if record.clipped:
-        below = f"{record.clipped:,} rows of negative irradiance were set to 0."
-        body.append(paragraph(below))
+        cells = (
+            (step, column, "–" if count is None else f"{count:,}", words)
+            for step, column, count, words in rows
+        )
+        body = [table(("step", "column", "#rows", "what was done"), cells, wraps=True)]
     if notes:
         items = "\n".join(f"<li>{escaped(note)}</li>" for note in notes)
         body.append(f"<ul>\n{items}\n</ul>")

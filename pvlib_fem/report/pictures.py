@@ -13,7 +13,7 @@ LONG = 120  # days of a record from which its months are drawn
 MAP = (
     by_hour_and_month,
     plotting.plot_residual_map,
-    "mean residual by month and hour, all days (–: below zero)",
+    "mean residual by month of each year and hour, all days (–: below zero)",
 )
 
 
