@@ -1,5 +1,6 @@
 """Planes that move: single-axis trackers, described or by their angles."""
 
+import json
 import re
 from dataclasses import replace
 
@@ -7,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pvlib
 import pytest
-from conftest import COLUMNS
+from conftest import COLUMNS, call
 from pvlib.location import Location
 from pvlib.pvsystem import FixedMount, SingleAxisTrackerMount
 
@@ -187,6 +188,12 @@ def test_a_sensor_that_is_turned_against_the_modules_is_found(loop, described):
         size = found.fit.coefficients["poa_misalignment.azimuth"]
         assert size == pytest.approx(TURNED, abs=1.0)
         assert abs(found.fit.coefficients["poa_misalignment.tilt"]) < 1.0
+
+
+def test_a_turned_sensor_is_said_by_the_axis_of_the_tracker(loop):
+    line = " ".join(str(loop).split())
+    assert re.search(r"by 0\.\d+ ± [\d.]+° to the (east|west) about the axis", line)
+    assert re.search(r"by 5\.\d+ ± [\d.]+° anticlockwise about the vertical", line)
 
 
 def test_a_sensor_that_is_ahead_of_the_modules_is_found_by_that_angle():
@@ -381,7 +388,7 @@ def test_what_is_no_plane_is_refused_with_its_remedy(record, plain):
     refused("follows the sun: give location", plain, location=None, mount=MOUNT)
     refused("mount is 3", plain, mount=3)
     wrong = replace(MOUNT, gcr=1.4)
-    refused("mount.gcr is 1.4; it is from 0 to 1", plain, mount=wrong)
+    refused("mount.gcr is 1.4; it is from 0.01 to 1", plain, mount=wrong)
     refused("surface_tilt is 190°; it is from 0 to 180°", plain, surface_tilt=190.0)
     refused("surface_azimuth is 400°", plain, surface_tilt=1.0, surface_azimuth=400.0)
     east = np.where(record["surface_azimuth"] < 180.0, -1.0, 1.0)
@@ -398,3 +405,109 @@ def test_effects_of_a_tracker_of_which_only_the_tilt_is_known_name_what_lacks(re
     data = record.drop(columns="surface_azimuth")
     loop = fem.close_loop(data, location=WHERE, effects=["incidence_angle"])
     assert str(loop.untestable["incidence_angle"]) == "no surface_azimuth"
+
+
+# command line and fleet --------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def folder(record, plain, tmp_path_factory):
+    found = tmp_path_factory.mktemp("trackers")
+    for name, data in (("columns", record), ("plain", plain)):
+        data.tz_localize(None).to_csv(found / f"{name}.csv", index_label="time")
+    names = {name.removesuffix("_column"): column for name, column in NAMED.items()}
+    record.tz_localize(None).rename(columns=names).to_csv(
+        found / "named.csv", index_label="time"
+    )
+    return found
+
+
+NAMED = {"surface_tilt_column": "Trk tilt", "surface_azimuth_column": "Trk azimuth"}
+LATITUDE = ("--lat", SITE.latitude, "--lon", SITE.longitude, "--tz", "Etc/GMT-1")
+DESCRIBED = ("--axis-azimuth", 180, "--max-angle", 60, "--gcr", 0.35)
+
+
+def size_in(path):
+    return json.loads(path.read_text())["fit"]["coefficients"][
+        "poa_misalignment.azimuth"
+    ]
+
+
+def test_the_command_takes_columns_and_a_described_tracker(loop, described, folder):
+    for name, more, known in (("columns", (), loop), ("plain", DESCRIBED, described)):
+        out = folder / f"{name}.json"
+        said = call("loop", folder / f"{name}.csv", *LATITUDE, *more, "--out", out)
+        assert said.exit_code == 0, said.output
+        size = known.fit.coefficients["poa_misalignment.azimuth"]
+        assert size_in(out) == pytest.approx(size, rel=1e-6)
+    assert json.loads(out.read_text())["place"]["mount"]["max_angle"] == 60.0
+
+
+def test_columns_of_other_names_are_mapped_to_the_angles(loop, record, folder):
+    names = {name.removesuffix("_column"): column for name, column in NAMED.items()}
+    maps = [word for n, c in names.items() for word in ("--map", f"{n}={c}")]
+    out = folder / "named.json"
+    said = call("loop", folder / "named.csv", *LATITUDE, *maps, "--out", out)
+    assert said.exit_code == 0, said.output
+    size = loop.fit.coefficients["poa_misalignment.azimuth"]
+    assert size_in(out) == pytest.approx(size, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "more, words",
+    [
+        ((*LATITUDE, *DESCRIBED, "--tilt", 3, "--azimuth", 180), "leave out --tilt"),
+        (("--gcr", 0.3), "follows the sun: give --lat and --lon"),
+        ((*LATITUDE, "--axis-tilt", 95), "0<=x<=90"),
+    ],
+)
+def test_the_command_refuses_what_is_no_tracker(folder, more, words):
+    said = call("loop", folder / "plain.csv", *more)
+    assert said.exit_code != 0 and words in said.output, said.output
+
+
+def test_a_fit_takes_effects_of_the_tracker(described, folder):
+    out = folder / "fit.json"
+    effects = ("--effects", "poa_misalignment", "--model", "faiman")
+    dynamics = ("--dynamics", "balance", "--method", "least_squares")
+    said = call(
+        *("fit", folder / "plain.csv", *LATITUDE, *DESCRIBED, "--no-backtrack"),
+        *(*effects, *dynamics, "--out", out),
+    )
+    assert said.exit_code == 0, said.output
+    (effect,) = json.loads(out.read_text())["effects"]
+    assert effect == {"name": "poa_misalignment", "axis_azimuth": 180.0}
+
+
+def test_a_fleet_has_trackers_by_its_table_and_by_columns(loop, described, folder):
+    place = {"latitude": SITE.latitude, "longitude": SITE.longitude, "tz": "Etc/GMT-1"}
+    tracker = {"axis_azimuth": "180", "max_angle": "60", "gcr": "0.35"}
+    rows = [
+        {"id": "A", "file": "plain.csv", **place, **tracker, "backtrack": "yes"},
+        {"id": "B", "file": "columns.csv", **place},
+        {"id": "C", "file": "named.csv", **place, **NAMED},
+    ]
+    table = folder / "systems.csv"
+    pd.DataFrame(rows).to_csv(table, index=False)
+    found = fem.fleet.run(table, folder / "fleet", workers=0)
+    assert (found.systems["state"] == "done").all(), found.systems["message"]
+    sizes = found.coefficients.set_index(["id", "coefficient"])["value"]
+    for name, known in (("A", described), ("B", loop), ("C", loop)):
+        key = "poa_misalignment.azimuth"
+        assert sizes[name, key] == pytest.approx(known.fit.coefficients[key], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "cells, words",
+    [
+        ({"surface_tilt": "20", "surface_azimuth": "0"}, "surface_tilt and axis_azi"),
+        ({"gcr": "1.5"}, "gcr is 1.5; it is 0.01 to 1"),
+        ({"latitude": None, "longitude": None}, "axis_azimuth and no latitude"),
+        ({"backtrack": "maybe"}, "backtrack is 'maybe'"),
+    ],
+)
+def test_a_wrong_tracker_in_the_table_is_refused(tmp_path, cells, words):
+    row = {"id": "A", "file": "a.csv", "latitude": 49.4, "longitude": 8.7}
+    table = pd.DataFrame([row | {"axis_azimuth": "180"} | cells])
+    with pytest.raises(ValueError, match=words):
+        fem.fleet.run(table, tmp_path, workers=0)

@@ -289,8 +289,9 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
 
     The table is CSV, Excel or Parquet with a row for each system: id, file (path,
     pattern or URL), and where they are needed site, latitude, longitude,
-    surface_tilt, surface_azimuth, the options of loop by name (tz, sep, time,
-    skip_rows …), and poa_global, temp_air … for the names of the columns in the file.
+    surface_tilt, surface_azimuth, of a tracker axis_tilt, axis_azimuth, max_angle, gcr
+    and backtrack, the options of loop by name (tz, sep, time, skip_rows …), and
+    poa_global, temp_air … for the names of the columns in the file.
 
     What was done of the same files is kept, so that a run that was stopped goes on.
     """

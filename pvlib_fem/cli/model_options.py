@@ -19,6 +19,32 @@ site_options = added(
         type=click.FloatRange(-360, 360),
         help="Of the module, from north by east [°].",
     ),
+    site(
+        "--axis-tilt",
+        type=click.FloatRange(0, 90),
+        help="Of the axis of a tracker, instead of --tilt; 0 by default, as pvlib has "
+        "it [°].",
+    ),
+    site(
+        "--axis-azimuth",
+        type=click.FloatRange(-360, 360),
+        help="Of the axis, from north by east; 0 by default [°].",
+    ),
+    site(
+        "--max-angle",
+        type=click.FloatRange(0, 180),
+        help="Largest rotation of the tracker to either side; 90 by default [°].",
+    ),
+    site(
+        "--gcr",
+        type=click.FloatRange(0.01, 1),
+        help="Width of a row of trackers over the distance of rows; 2/7 by default.",
+    ),
+    site(
+        "--backtrack/--no-backtrack",
+        default=None,
+        help="Whether rows turn back from a low sun, the default.",
+    ),
 )
 transposition_option = site(
     "--transposition",

@@ -5,6 +5,7 @@ import json
 import click
 import pandas as pd
 
+from pvlib_fem.drivers.mounts import ANGLES, TRACKER as TRACKED
 from pvlib_fem.effects import find
 from pvlib_fem.record.columns import in_new_names, vouches
 from pvlib_fem.record.layout import Layout
@@ -50,6 +51,13 @@ def pairs(texts, option, form):
     return found
 
 
+#: names that columns of a file may have
+NAMED = (*QUANTITIES, *ANGLES)
+#: options of a place, and among them those of a tracker
+TRACKER = (*TRACKED, "backtrack")
+PLACE = ("lat", "lon", "tilt", "azimuth", *TRACKER)
+
+
 def columns_of(renames):
     """The map of --map, from the package's names to those of the file."""
     mapped = in_new_names(pairs(renames, "--map", "NAME=COLUMN"))
@@ -60,10 +68,10 @@ def columns_of(renames):
         if name == "time":
             why = f"are the times: give --time {column!r}"
             raise bad(f"time={column}", "--map", why)
-        if name not in QUANTITIES and not vouches(name):
+        if name not in NAMED and not vouches(name):
             why = (
-                f"is none of {', '.join(QUANTITIES)}"
-                f"{did_you_mean(name, QUANTITIES)}, nor a cross-check of an "
+                f"is none of {', '.join(NAMED)}"
+                f"{did_you_mean(name, NAMED)}, nor a cross-check of an "
                 "instrument: power_ac, power_dc, poa_global_2, temp_module_2 …"
             )
             raise bad(name, "--map", why)

@@ -8,7 +8,7 @@ import sys
 import click
 from click.core import ParameterSource
 
-from pvlib_fem.cli.option_texts import PER_FILE, SAME
+from pvlib_fem.cli.option_texts import PER_FILE, PLACE, SAME, TRACKER
 from pvlib_fem.fitting.stand_ins import SERVED
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import unit_of_driver
@@ -148,7 +148,8 @@ def of_the_sky(found):
     }
     found.unused = {why: some for why, some in left.items() if some}
     words = [] if context.params["transposition"] else ["--transposition", "perez"]
-    for name in ("lat", "lon", "tilt", "azimuth"):
+    turns = any(context.params[name] is not None for name in TRACKER)
+    for name in PLACE[:2] if turns else PLACE[:4]:
         words += [f"--{name}", name.upper()] if context.params[name] is None else []
     return words
 
@@ -217,7 +218,7 @@ def spoken(param, value):
     """An option as it was given."""
     option = max(param.opts, key=len)
     if param.is_flag:
-        return [option]
+        return [option if value else max(param.secondary_opts, key=len)]
     values = value if param.multiple else [value]
     return [word for one in values for word in (option, str(one))]
 

@@ -9,6 +9,8 @@ import pandas as pd
 
 from pvlib_fem.cli.option_texts import (
     PER_FILE,
+    PLACE,
+    TRACKER,
     columns_of,
     days_of,
     effects_of,
@@ -19,6 +21,7 @@ from pvlib_fem.cli.option_texts import (
 )
 from pvlib_fem.cli.proposal import ANEW, check_columns, command, proposal, quoted
 from pvlib_fem.cli.words import Refused, note, safe, say, waiting
+from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.place import in_local_days, site_of
 from pvlib_fem.fitting.stand_ins import chosen
 from pvlib_fem.quality.units import options_of
@@ -200,6 +203,14 @@ def check_partners(options):
             raise ValueError(f"--{given[0]} needs --{other}, too")
 
 
+def site_in(index, place):
+    """The site of a record, from the options of its place."""
+    fixed = (place[name] for name in PLACE[:4])
+    site = site_of(index, *fixed, **{name: place[name] for name in TRACKER})
+    checked_place(**site)
+    return site
+
+
 def prepared_files(files, options, sun=False):
     """What a fit takes of Parquet files that follow each other, or a loop."""
     check_partners(options)
@@ -211,19 +222,18 @@ def prepared_files(files, options, sun=False):
                 f"write the columns into them with pvlib_fem.{way}_record"
             )
     settings, days = settings_of(options.pop("settings")), options.pop("holdout")
-    place = {name: options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")}
+    place = {name: options.pop(name) for name in PLACE}
     for name, value in place.items():
         if value is not None and not sun:
             raise ValueError(
-                f"--{name} does not go with Parquet files that follow each other: the "
-                "sun's place is found for files that are read as a whole"
+                f"--{name.replace('_', '-')} does not go with Parquet files that "
+                "follow each other: the sun's place is found for files that are read "
+                "as a whole"
             )
     effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
     record = opened(files, options)
     ends = [time.tz_localize(None).normalize() for time in record.ends]
-    site = (
-        {"site": site_of(pd.DatetimeIndex(record.ends), *place.values())} if sun else {}
-    )
+    site = {"site": site_in(pd.DatetimeIndex(record.ends), place)} if sun else {}
     return (
         options
         | site
@@ -246,12 +256,12 @@ def prepared(files, options, drivers=False):
     how = options.get("transposition"), options.get("stand_ins", ())
     needed = needed_by(options["model"], *how)
     data, otherwise = read(files, options, drivers, needed)
-    place = [options.pop(name) for name in ("lat", "lon", "tilt", "azimuth")]
-    data = in_their_days(data, place[1], told)
+    place = {name: options.pop(name) for name in PLACE}
+    data = in_their_days(data, place["lon"], told)
     options |= {
         "effects": effects,
         "fixed": fixed or None,
         "holdout": days_of(days, data.index),
-        "site": site_of(data.index, *place),
+        "site": site_in(data.index, place),
     }
     return data, options, otherwise

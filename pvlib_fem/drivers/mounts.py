@@ -15,8 +15,13 @@ from pvlib_fem.spelling import Spelled, refusal
 TILT, AZIMUTH = ANGLES = GEOMETRY[2:]
 PLANE = (*ANGLES, "mount")  # of a place, in addition to its location
 BY_COLUMNS = "columns"  # the mount of a result, of which each record has the angles
-#: arguments of a tracker, by pvlib's names
-TRACKER = ("axis_tilt", "axis_azimuth", "max_angle", "gcr", "backtrack")
+#: numbers of a tracker by pvlib's names, with their ranges
+TRACKER = {
+    "axis_tilt": (0.0, 90.0),
+    "axis_azimuth": (-360.0, 360.0),
+    "max_angle": (0.0, 180.0),
+    "gcr": (0.01, 1.0),
+}
 STOW = 0.0  # ° of tilt, and of azimuth, by night where a tracker has no angles
 RANGES = {TILT: (0.0, 180.0), AZIMUTH: (0.0, 360.0)}  # °
 ROTATION = (
@@ -264,20 +269,14 @@ def check_mount(mount, location):
         raise refusal("a tracker follows the sun: give ", WHERE)
     if isinstance(mount, ByColumns):
         return
-    ends = {
-        "axis_tilt": (0.0, 90.0),
-        "axis_azimuth": (-360.0, 360.0),
-        "gcr": (0.0, 1.0),
-    }
-    for name, (low, high) in ends.items():
-        value = getattr(mount, name)
-        if not (isinstance(value, Real) and low <= value <= high):
-            raise ValueError(
-                f"mount.{name} is {value!r}; it is from {low:g} to {high:g}"
-            )
-    for value in np.ravel(mount.max_angle):
-        if not -180.0 <= value <= 180.0:
-            raise ValueError(f"mount.max_angle is {value:g}°; it is from 0 to 180°")
+    for name, (low, high) in TRACKER.items():
+        # rotations to either side may differ
+        for value in np.ravel(getattr(mount, name)):
+            least = -high if name == "max_angle" and np.ndim(mount.max_angle) else low
+            if not (isinstance(value, Real) and least <= value <= high):
+                raise ValueError(
+                    f"mount.{name} is {value}; it is from {least:g} to {high:g}"
+                )
 
 
 def axis_of(place):

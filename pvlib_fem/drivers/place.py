@@ -3,14 +3,23 @@
 from zoneinfo import available_timezones
 
 from pvlib.location import Location
+from pvlib.pvsystem import SingleAxisTrackerMount
 
 
-def site_of(index, latitude, longitude, surface_tilt, surface_azimuth):
-    """Location and plane as arguments of the loop; None for unknown numbers."""
+def site_of(
+    index, latitude, longitude, surface_tilt=None, surface_azimuth=None, **tracker
+):
+    """
+    Location and plane as arguments of the loop; None for unknown numbers.
+
+    Of a tracker what is None is as pvlib has it; without any number there is none.
+    """
+    known = {name: value for name, value in tracker.items() if value is not None}
     return {
         "location": None if latitude is None else location(index, latitude, longitude),
         "surface_tilt": surface_tilt,
         "surface_azimuth": surface_azimuth,
+        "mount": SingleAxisTrackerMount(**known) if known else None,
     }
 
 

@@ -45,11 +45,13 @@ def run(
         A table, or its CSV, Excel or Parquet file, with a row for each system: ``id``,
         ``file`` (path, pattern or URL that fsspec opens; files of several loggers
         joined by ``|``), and any of ``site``, ``latitude``, ``longitude``,
-        ``surface_tilt``, ``surface_azimuth`` [°], ``pdc0`` [W], ``steady_model``
-        instead of the run's ``model`` (``ross`` for records without wind), the options
-        of :func:`pvlib_fem.read_file` by name, ``poa_global`` and the others for the
-        name of the column in the file, ``poa_global_unit`` for its unit. All other
-        columns are labels. Relative paths start at the folder of the table.
+        ``surface_tilt``, ``surface_azimuth`` [°], or of a tracker ``axis_tilt``,
+        ``axis_azimuth``, ``max_angle`` [°], ``gcr``, ``backtrack``, ``pdc0`` [W],
+        ``steady_model`` instead of the run's ``model`` (``ross`` for records without
+        wind), the options of :func:`pvlib_fem.read_file` by name, ``poa_global`` and
+        the others for the name of the column in the file, ``poa_global_unit`` for its
+        unit. All other columns are labels. Relative paths start at the folder of the
+        table.
     out : path
         Folder of the results, to which all workers have access.
     task : str, default "loop"

@@ -2,13 +2,14 @@
 
 import difflib
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.drivers.mounts import ANGLES, TRACKER
 from pvlib_fem.record.columns import renamed
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import zoned
@@ -24,8 +25,10 @@ PLACE = {
 }
 #: options of reading in addition to the layout of the file
 READING = ("convert_units", "check_units", "module_area")
-LAYOUT = tuple(field.name for field in fields(Layout))
+LAYOUT = tuple(one.name for one in fields(Layout))
 UNITS = {f"{name}_unit": name for name in QUANTITIES}
+#: cells with the names of a file's columns: of angles, those that are no numbers
+CELLS = {name: name for name in QUANTITIES} | {n: f"{n}_column" for n in ANGLES}
 KNOWN = (
     "id",
     "file",
@@ -33,9 +36,11 @@ KNOWN = (
     "pdc0",
     "steady_model",
     *PLACE,
+    *TRACKER,
+    "backtrack",
     *LAYOUT,
     *READING,
-    *QUANTITIES,
+    *CELLS.values(),
     *UNITS,
 )
 #: names of the command's options, and usual ones, for those of a table
@@ -70,6 +75,9 @@ class System:
     place : dict
         ``latitude``, ``longitude``, ``surface_tilt``, ``surface_azimuth``, if known.
         [°]
+    tracker : dict
+        ``axis_tilt``, ``axis_azimuth``, ``max_angle`` [°], ``gcr`` and ``backtrack`` of
+        a tracker, as far as they are given.
     pdc0 : float
         Nominal power, NaN if unknown. [W]
     labels : dict
@@ -88,6 +96,7 @@ class System:
     pdc0: float
     labels: dict
     steady_model: str = ""
+    tracker: dict = field(default_factory=dict)
 
 
 def opened(systems: Any) -> pd.DataFrame:
@@ -177,11 +186,19 @@ def system_of(row, labels, folder):
     """A system, from the cells of its row that are not empty."""
     if "file" not in row:
         raise ValueError("it has no file")
-    place = {
-        name: number(row[name], name, *ends)
-        for name, ends in PLACE.items()
-        if name in row
-    }
+    place, tracker = (
+        {name: number(row[name], name, *ends) for name, ends in some if name in row}
+        for some in (PLACE.items(), TRACKER.items())
+    )
+    if "backtrack" in row:
+        tracker["backtrack"] = truth(row["backtrack"], "backtrack")
+    if tracker and "surface_tilt" in place:
+        raise ValueError(
+            f"it has surface_tilt and {min(tracker)}; leave out the one of a fixed "
+            "plane or that of a tracker"
+        )
+    if tracker and "latitude" not in place:
+        raise ValueError(f"it has {min(tracker)} and no latitude")
     for pair in (("latitude", "longitude"), ("surface_tilt", "surface_azimuth")):
         given = [name for name in pair if name in place]
         if len(given) == 1:
@@ -200,7 +217,7 @@ def system_of(row, labels, folder):
     return System(
         id=row["id"],
         files=tuple(whole(file, folder) for file in parts(row["file"])),
-        columns={name: str(row[name]) for name in QUANTITIES if name in row},
+        columns={name: str(row[cell]) for name, cell in CELLS.items() if cell in row},
         units={name: unit_of(name, unit) for name, unit in units.items()},
         layout=layout,
         reading=reading,
@@ -208,6 +225,7 @@ def system_of(row, labels, folder):
         pdc0=number(row.get("pdc0", np.nan), "pdc0", 0.0),
         labels={name: str(row.get(name, "")) for name in labels},
         steady_model=model,
+        tracker=tracker,
     )
 
 

@@ -73,8 +73,9 @@ class Task:
     of : callable
         The public function, whose options are those of the task.
     run : callable
-        ``run(data, location=, surface_tilt=, surface_azimuth=, check_units=,
-        **options)``, to a result with ``to_json``, ``to_html`` and ``from_json``.
+        ``run(data, location=, surface_tilt=, surface_azimuth=, mount=,
+        check_units=, **options)``, to a result with ``to_json``, ``to_html`` and
+        ``from_json``.
     row, coefficients, findings : callable
         Functions of the result: to a dict of :data:`ROW`, and to lists of dicts of
         :data:`COEFFICIENT` and :data:`FINDING`. A missing key is empty in the table.
@@ -218,7 +219,7 @@ def of_finding(finding: Finding, effects: Mapping):
 
 
 #: arguments that belong to one system, and not to all
-OWN = {"data", "location", "surface_tilt", "surface_azimuth", "holdout"}
+OWN = {"data", "location", "surface_tilt", "surface_azimuth", "mount", "holdout"}
 ENGINES = {"processes", "path", "progress"}  # arguments that the fleet itself sets
 
 

@@ -111,7 +111,7 @@ class Work:
         data = loaded(system, groups, folder)
         place = [system.place.get(name) for name in PLACE]
         data = in_local_days(data, place[1], system.layout.get("tz"))
-        site = site_of(data.index, *place)
+        site = site_of(data.index, *place, **system.tracker)
         checked = system.reading.get("check_units", True)
         options = {"check_units": checked, **self.options}
         if system.steady_model:

@@ -90,6 +90,10 @@ READS = {
         "Recalibrate the module temperature sensor",
     ),
 }
+SIDES = (
+    *("north", "north-east", "east", "south-east"),
+    *("south", "south-west", "west", "north-west"),
+)
 
 
 def clause_of(effect, numbers, coefficients, first, last):
@@ -266,22 +270,46 @@ def shading(effect, numbers):
 
 
 def poa_misalignment(effect, numbers):
+    if "axis_azimuth" in effect.settings:
+        return on_a_tracker(effect, numbers)
     parts = []
     for key, more, less in (
         ("tilt", "steeper", "flatter"),
         ("azimuth", "west", "east"),
     ):
-        name = f"{effect.name}.{key}"
-        if name not in numbers.coefficients:
+        if (angle := angle_of(f"{effect.name}.{key}", numbers)) is None:
             continue
-        value, error = numbers.coefficients[name], numbers.stderr.get(name, np.nan)
-        way = more if value > 0 else less
+        way = more if angle[0] > 0 else less
         way = way if key == "tilt" else f"further {way}"
-        parts.append(f"{with_error(abs(value), error)}° {way}")
+        parts.append(f"{angle[1]} {way}")
     way = " and ".join(parts) or "in another plane"
     words = f"the modules stand {way} than the irradiance sensor"
     action = "Measure the tilt and azimuth of the irradiance sensor and the modules"
     return Clause("irradiance sensor", words, action)
+
+
+def on_a_tracker(effect, numbers):
+    """What turns about an axis is off by an angle about it, or about the vertical."""
+    parts = []
+    if angle := angle_of(f"{effect.name}.tilt", numbers):
+        side = effect.settings["axis_azimuth"] + (90.0 if angle[0] > 0 else -90.0)
+        side = SIDES[round(side / 45.0) % 8]
+        parts.append(f"by {angle[1]} to the {side} about the axis of the tracker")
+    if angle := angle_of(f"{effect.name}.azimuth", numbers):
+        way = "clockwise" if angle[0] > 0 else "anticlockwise"
+        parts.append(f"by {angle[1]} {way} about the vertical")
+    way = " and ".join(parts)
+    words = f"the modules are turned {way}, relative to the irradiance sensor"
+    action = "Measure the angles of the irradiance sensor and the modules at one time"
+    return Clause("irradiance sensor", words, action)
+
+
+def angle_of(name, numbers):
+    """An angle, and its size with its error in words; None if it is not known."""
+    if name not in numbers.coefficients:
+        return None
+    value, error = numbers.coefficients[name], numbers.stderr.get(name, np.nan)
+    return value, f"{with_error(abs(value), error)}°"
 
 
 def temperature_gain(effect, numbers):
