@@ -139,6 +139,8 @@ def test_the_paper_is_asked_by_the_choice_of_a_method_alone():
 def test_outside_libraries_have_one_place_each():
     places = {
         "matplotlib": "plotting",
+        "jinja2": "report",
+        "markupsafe": "report",
         "click": "cli",
         "tqdm": "loop",
         "threadpoolctl": "loop",

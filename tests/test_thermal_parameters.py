@@ -559,7 +559,7 @@ def test_the_page_and_the_text_have_every_row(fits):
     assert html.count("<tr>") == len(table) + len(PARTS)
     assert "A &lt;plant&gt;" in html and "<script" not in html
     for source in table["source"].unique():
-        assert source.replace("'", "&#x27;") in html
+        assert source.replace("'", "&#39;") in html
     assert " ".join(table["conditions"].iloc[0].split()) in " ".join(text.split())
 
 

@@ -271,7 +271,7 @@ def failures(systems):
     shown = [(few(names), message) for message, names in groups[:SHOWN]]
     more = len(groups) - len(shown)
     rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
-    return listed(shown) + rest * (more > 0)
+    return [listed(shown), *[rest] * (more > 0)]
 
 
 def shortened(head, rows, total, caption="", wraps=False):

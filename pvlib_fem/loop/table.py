@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.columns import printable
-from pvlib_fem.report.document import number, table, with_error
+from pvlib_fem.report.document import fragment, number, table, with_error
 
 COLUMNS = [
     "gain",
@@ -62,7 +62,7 @@ class Ranking(pd.DataFrame):
     def _repr_html_(self):
         if list(self.columns) != COLUMNS:
             return pd.DataFrame._repr_html_(self)
-        return table(HEAD, self.lines())
+        return fragment([table(HEAD, self.lines())])
 
 
 def coefficients(effect, values, errors):

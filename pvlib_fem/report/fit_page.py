@@ -3,6 +3,7 @@
 from pvlib_fem.report.document import (
     document,
     figures,
+    fragment,
     number,
     paragraph,
     section,
@@ -60,7 +61,8 @@ def fit_page(fit, title="", gamma=GAMMA):
         section("Annex: coefficients", coefficients(fit)),
         section(
             "Annex: how to reproduce this report",
-            f"{made_by(fit, call(fit))}\n{printed(fit)}",
+            made_by(fit, call(fit)),
+            printed(fit),
         ),
     ]
     return document(" · ".join(filter(None, [title, words])), parts)
@@ -69,7 +71,7 @@ def fit_page(fit, title="", gamma=GAMMA):
 def brief(fit):
     """The headline, the coefficients and the errors, for a notebook."""
     words = f"{fit.model}, {fit.dynamics}: {headline(fit)}"
-    return "\n".join([heading(words, tag="h4"), coefficients(fit), errors(fit)])
+    return fragment([heading(words, tag="h4"), coefficients(fit), errors(fit)])
 
 
 def part(fit):

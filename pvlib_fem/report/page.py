@@ -13,8 +13,10 @@ from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.report import advice, budget, events
 from pvlib_fem.report.document import (
+    Heading,
     document,
     figures,
+    fragment,
     listed,
     number,
     paragraph,
@@ -145,10 +147,12 @@ def evidence(loop, statements):
     """Each finding with its pictures, then the error of the model in pictures."""
     found = shown(loop, statements)
     drawn = [(svg, words, one.text) for one in found for svg, words in one.pictures]
-    body = [figures(drawn)] if drawn else []
-    body += [paragraph(f"{one.text}: {one.note}") for one in found if one.note]
-    head = "<h3>The error of the model, before and after</h3>"
-    return "\n".join([*body, head, figures(pictures(loop))])
+    return [
+        figures(drawn) if drawn else [],
+        [paragraph(f"{one.text}: {one.note}") for one in found if one.note],
+        Heading("The error of the model, before and after", "h3"),
+        figures(pictures(loop)),
+    ]
 
 
 def could_be(loop):
@@ -174,7 +178,7 @@ def to_do(statements, gamma):
         )
         for one in statements.itertuples()
     ]
-    head = ("finding", "action", "device", "since", "#worth [K]")
+    head = ("finding", "action", "device", "@since", "#worth [K]")
     head += ("#worth [kWh/kWp per year]", "how sure")
     return table(head, rows, WORTH.format(100 * gamma), wraps=True)
 
@@ -195,9 +199,12 @@ def site(loop, title):
         parts = [
             f"{abs(where.latitude):.3f}° {north}, {abs(where.longitude):.3f}° {east}"
         ]
-    parts.append("plane not given")
     if all(isinstance(angle, Real) for angle in angles):
-        parts[1] = "tilt {:.0f}°, azimuth {:.0f}°".format(*angles)
+        parts.append("tilt {:.0f}°, azimuth {:.0f}°".format(*angles))
+    elif place.get("mount") is not None or None not in angles:
+        parts.append("a plane that moves")
+    else:
+        parts.append("plane not given")
     zone = f" ({record.start.tz})" if record.start.tz is not None else ""
     parts.append(f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}{zone}")
     step = record.step
@@ -213,12 +220,12 @@ def name_of(loop):
 
 def brief(loop):
     """The headline and the errors, for a notebook."""
-    return "\n".join(
+    return fragment(
         [
             heading(f"Module temperature: {headline(loop)}", name_of(loop), tag="h4"),
-            *(paragraph(one.why) for one in loop.corrections),
+            [paragraph(one.why) for one in loop.corrections],
             errors(loop),
-            *(paragraph(finding.why) for finding in loop.unexplained),
+            [paragraph(finding.why) for finding in loop.unexplained],
         ]
     )
 
@@ -274,7 +281,7 @@ def conclusion(loop):
             "soft",
         )
     )
-    return "\n".join(body)
+    return body
 
 
 def beginning(loop):
@@ -425,7 +432,7 @@ def in_time(loop):
         "they reduce the error of fitting weeks that are held out in turn. Days that "
         "stand out are taken from all weeks, and decide nothing."
     )
-    return "\n".join([*body, table(head, budget.cells(loop), words)])
+    return [*body, table(head, budget.cells(loop), words)]
 
 
 def event_page(rows):
@@ -491,20 +498,18 @@ def untestable(loop, never):
         body.append(
             paragraph("Not identifiable from these columns: " + "; ".join(never) + ".")
         )
-    return "\n".join(body)
+    return body
 
 
 def reproduce(loop):
     """Version, call, hashes, and what else was tried."""
     weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
     names = ", ".join(weighed) or "none"
-    return "\n".join(
-        (
-            made_by(loop.fit, call(loop)),
-            paragraph(f"Effects that were weighed: {names}."),
-            printed(loop.report()),
-        )
-    )
+    return [
+        made_by(loop.fit, call(loop)),
+        paragraph(f"Effects that were weighed: {names}."),
+        printed(loop.report()),
+    ]
 
 
 def call(loop):

@@ -6,7 +6,9 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.report.document import (
-    escaped,
+    Heading,
+    Listing,
+    Verbatim,
     number,
     paragraph,
     rounded,
@@ -25,7 +27,7 @@ def heading(words, title="", corrections=(), site="", tag="h1"):
     body = [paragraph(one, "plant") for one in (title, site) if one]
     for one in corrections:
         body.append(paragraph(clock_words(one), "" if one.applied else "alert"))
-    return "\n".join([*body, f"<{tag}>{escaped(words)}</{tag}>"])
+    return [*body, Heading(words, tag)]
 
 
 def clock_words(correction):
@@ -107,10 +109,7 @@ def done_to_data(rows, notes):
             for step, column, count, words in rows
         )
         body = [table(("step", "column", "#rows", "what was done"), cells, wraps=True)]
-    if notes:
-        items = "\n".join(f"<li>{escaped(note)}</li>" for note in notes)
-        body.append(f"<ul>\n{items}\n</ul>")
-    return "\n".join(body)
+    return [*body, Listing([], list(notes))] if notes else body
 
 
 def made_by(fit, call):
@@ -128,12 +127,9 @@ def made_by(fit, call):
         hashes.append(f"sha256 of test rows   {test.hexdigest()}")
         words += "; the second of np.packbits(fit.holdout)"
     text = "\n".join((f"pvlib_fem {__version__}", "", call, "", *hashes))
-    return f"<pre>{escaped(text)}</pre>\n{paragraph(f'{words}.', 'soft')}"
+    return [Verbatim(text), paragraph(f"{words}.", "soft")]
 
 
 def printed(result):
     """The printed report, behind a line."""
-    return (
-        "<details>\n<summary>The printed report</summary>\n"
-        f"<pre>{escaped(result)}</pre>\n</details>"
-    )
+    return Verbatim(str(result), "The printed report")

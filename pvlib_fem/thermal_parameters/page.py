@@ -5,8 +5,8 @@ import textwrap
 import numpy as np
 
 from pvlib_fem.report.document import (
+    Heading,
     document,
-    escaped,
     listed,
     number,
     paragraph,
@@ -156,7 +156,7 @@ def page(table, title=""):
     str
     """
     parts = [paragraph(title, "plant")] if title else []
-    parts += [f"<h1>{escaped('Thermal parameters')}</h1>"]
+    parts += [Heading("Thermal parameters", "h1")]
     parts += [paragraph(f"They hold for {conditions(table)}.", "soft")]
     parts += [section(name, part(table, *of)) for name, of in PARTS.items()]
     return document(" · ".join(filter(None, [title, "Thermal parameters"])), parts)
@@ -180,4 +180,4 @@ def part(table, begins, use):
         body.append(listed(("Or for", words) for words in more))
     if said := [*notes(own)]:
         body.append(listed(said))
-    return "\n".join(body)
+    return body
