@@ -33,6 +33,7 @@ PLANTED = {
     "sensor_covered": {"share": 0.9},
     "outage": {"share": 0.25},
     "shading": {"share": 0.8},
+    "tracker_stuck": {"share": 1.0},
     "air_elsewhere": {"share": 0.15},
     "radiative_loss": {"share": 2.4},
     "natural_convection": {"free": 5.6},

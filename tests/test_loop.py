@@ -592,6 +592,7 @@ def test_names_of_the_effects_are_those_of_the_contract():
         "sensor_covered",
         "outage",
         "shading",
+        "tracker_stuck",
         "air_elsewhere",
         "radiative_loss",
         "natural_convection",

@@ -165,9 +165,8 @@ def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0, searched=None, 
     """All comparisons of a record with that irradiance and that wind."""
     dates = (poa.index.normalize() - pd.Timestamp(0)).days.to_numpy()
     columns = {"poa_global": poa.to_numpy(), "wind_speed": wind, **more}
-    places = dict(
-        zip(("location", "surface_tilt", "surface_azimuth"), (place, *angles))
-    )
+    names = ("location", "surface_tilt", "surface_azimuth", "mount")
+    places = dict(zip(names, (place, *angles, None)))
 
     class Record(dict):
         index, dates, absent = poa.index, None, ()

@@ -10,7 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.effects.courses import dates_in_words, number, written
+from pvlib_fem.effects.courses import (
+    course_of,
+    dates_in_words,
+    is_dated,
+    number,
+    written,
+)
 from pvlib_fem.report.document import with_error
 
 RANGE = "90 % range"
@@ -163,11 +169,6 @@ def obstacle(fault, repair, coefficients):
     return ""
 
 
-def course_of(effect):
-    """How a fault comes and goes: ``"step"``, ``"drift"``, ``"episode"`` or ``""``."""
-    return effect.terms.course.name if effect.channel else ""
-
-
 def unit_of(effect, repair):
     """Unit of what is added."""
     if effect.name == "soiling":
@@ -180,7 +181,7 @@ def unit_of(effect, repair):
 
 def dates_of(effect, first, last):
     """First and last day of a correction within a record."""
-    dates = effect.settings if effect.channel else {}
+    dates = effect.settings if is_dated(effect) else {}
     start = dates.get("at") or dates.get("start") or dates.get("since") or first
     end = dates.get("end")
     return start, written(number(end) - 1) if end else last
@@ -188,7 +189,7 @@ def dates_of(effect, first, last):
 
 def when(effect):
     """The dates of a fault in words."""
-    words = dates_in_words(effect.settings) if effect.channel else ""
+    words = dates_in_words(effect.settings) if is_dated(effect) else ""
     return {
         "step": f"from {words} on",
         "drift": f"from year to year since {words}",

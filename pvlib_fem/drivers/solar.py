@@ -131,6 +131,18 @@ def clearness(poa_global, solar_zenith, surface_tilt, aoi_projection, inputs):
     return found
 
 
+def on_plane(clearness, solar_zenith, solar_azimuth, surface_tilt, surface_azimuth):
+    """Irradiance of a sky in any plane, as :func:`clearness` has it. [W/m²]"""
+    up = np.maximum(np.cos(np.radians(solar_zenith)), 0.0)
+    plane = surface_tilt, surface_azimuth
+    ahead = irradiance.aoi_projection(*plane, solar_zenith, solar_azimuth)
+    view = (1.0 + np.cos(np.radians(surface_tilt))) / 2.0  # of the sky
+    diffuse = diffuse_share(clearness)
+    light = (1.0 - diffuse) * np.maximum(ahead, 0.0) + diffuse * up * view
+    light = light + ALBEDO * up * (1.0 - view)
+    return SOLAR_CONSTANT * clearness * np.where(up > 0.0, light, 0.0)
+
+
 def beam(poa_global, clearness, aoi_projection, inputs):
     """Beam irradiance in the plane of the module, by :func:`clearness`. [W/m²]"""
     direct = clearness * (1.0 - diffuse_share(clearness)) * SOLAR_CONSTANT

@@ -22,6 +22,7 @@ from pvlib_fem.effects.catalogue.snow import EFFECT as snow
 from pvlib_fem.effects.catalogue.soiling import EFFECT as soiling
 from pvlib_fem.effects.catalogue.temperature_gain import EFFECT as temperature_gain
 from pvlib_fem.effects.catalogue.thermal_storage import EFFECT as thermal_storage
+from pvlib_fem.effects.catalogue.tracker_stuck import EFFECT as tracker_stuck
 from pvlib_fem.effects.catalogue.wind_direction import EFFECT as wind_direction
 from pvlib_fem.effects.catalogue.wind_shape import EFFECT as wind_shape
 from pvlib_fem.effects.courses import COURSES, along_all
@@ -49,6 +50,7 @@ PHYSICS = {
         sensor_covered,
         outage,
         shading,
+        tracker_stuck,
         air_elsewhere,
         radiative_loss,
         natural_convection,

@@ -48,6 +48,18 @@ def about_axis(effects, axis_azimuth):
     ]
 
 
+def turning(effects, axis_azimuth):
+    """
+    Effects about an axis, as :func:`about_axis` has them, and of others why not.
+
+    A plane that is fixed, or turns about no single axis, has none that turn.
+    """
+    none = axis_azimuth is None
+    notes = {e.name: because(Reason.NO_AXIS) for e in effects if none and e.turns}
+    left = [effect for effect in effects if effect.name not in notes]
+    return about_axis(left, axis_azimuth), notes
+
+
 def missing_columns(effect, drivers, absent):
     """Columns that an effect needs and a record does not have."""
     usual = [name for name in behind(effect.drivers) if name in absent]

@@ -166,12 +166,27 @@ def dates_in_words(dates):
 
 def weights_of(effect, days):
     """Weight of each day, from 1970-01-01, of an effect along a course."""
-    return effect.terms.course.weight(**effect.terms.dates)(np.asarray(days) + 0.5)
+    middle = np.asarray(days) + 0.5
+    if effect.channel:
+        return effect.terms.course.weight(**effect.terms.dates)(middle)
+    return episode(effect.settings["start"], effect.settings["end"])(middle)
+
+
+def is_dated(effect):
+    """Whether an effect acts from a date on, or until one."""
+    return bool(effect.channel) or "start" in effect.settings
+
+
+def course_of(effect):
+    """How a fault comes and goes: ``"step"``, ``"drift"``, ``"episode"`` or ``""``."""
+    if effect.channel:
+        return effect.terms.course.name
+    return "episode" if is_dated(effect) else ""
 
 
 def is_drift(effect):
     """Whether an effect's time profile is a trend."""
-    return effect.terms.course.name == "drift"
+    return course_of(effect) == "drift"
 
 
 def interval(effect):

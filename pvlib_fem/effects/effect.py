@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pvlib_fem.drivers import constants, own_constants, with_constants
+from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import in_new_names
 from pvlib_fem.spelling import did_you_mean
 
@@ -143,6 +144,10 @@ class Effect:
         least gain of a setting. [K]
     scanned_from : Effect, optional
         The wide effect whose tangents the scan needs, if it is not this one.
+    not_found : Reason
+        Why it is not weighed if the scan finds nothing.
+    turns : bool, default False
+        Whether it is tried of planes only that turn about an axis.
     channel : str, optional
         Name of the sensor fault or change of mounting, for an effect with a course.
     dates : object, optional
@@ -165,6 +170,8 @@ class Effect:
     prepare: Callable | None = None
     scan: Callable | None = None
     scanned_from: "Effect | None" = None
+    not_found: Reason = Reason.NO_WINDOW
+    turns: bool = False
     channel: str = ""
     dates: Any = None
 

@@ -49,6 +49,7 @@ class Case:
     late: float = 0.0  # of the file's times against the sun [s]
     transposed: bool = False  # whether poa_global is, from the horizontal
     standing: tuple = ()  # columns that stand in for others
+    standings: tuple = ()  # days on which the irradiance sensor does not turn
 
     def rows(self, part):
         """Rows of the whole that count for a part."""

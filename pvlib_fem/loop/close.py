@@ -13,6 +13,7 @@ from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.mounts import plane_of_rows
 from pvlib_fem.drivers.transposition import check_transposition
 from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects.courses import is_dated
 from pvlib_fem.findings import CORRECTED
 from pvlib_fem.fitting.files import in_files
 from pvlib_fem.fitting.stand_ins import chosen
@@ -223,6 +224,7 @@ def searched(data, model, place, progress, **how):
     sky = how["instead"].transposition if case.transposed else ""
     stood = {"transposition": sky, "stand_ins": case.standing}
     stood["reading"] = {"rows": len(data.index), "notes": notes_of(data)}
+    stood["standings"] = case.standings
     return search, replace(found, given=given, times=times, **stood)
 
 
@@ -411,7 +413,7 @@ class Search:
         selection, case = this.selection, self.case
         self.findings, self.choices = [], {}
         self.refused = [f for f in self.refused if f.effect in self.closed]
-        changes = any(one.top.effect.channel for one in this.choices)
+        changes = any(is_dated(one.top.effect) for one in this.choices)
         references = apart(case) if changes else []
         chosen = [one for one in this.choices if one.top.name not in self.closed]
         step = plain

@@ -6,7 +6,7 @@ import numpy as np
 
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects.courses import dates_in_words, is_drift
+from pvlib_fem.effects.courses import dates_in_words, is_dated, is_drift
 from pvlib_fem.effects.effect import deciding
 from pvlib_fem.findings import (
     OUTSIDE,
@@ -98,7 +98,7 @@ def finding_of(choice, effect, case, floor, heard=()):
         because=why,
         checks=tuple(checks),
         kind=Kind.of(effect),
-        place=dates_in_words(effect.settings) if effect.channel else "",
+        place=dates_in_words(effect.settings) if is_dated(effect) else "",
         witnesses=heard,
         probabilities={name: float(value) for name, value in order},
         members={
@@ -195,7 +195,7 @@ def hints(case, rows, findings, floor):
             why,
             (check,),
             Kind.of(effect),
-            place=dates_in_words(effect.settings) if effect.channel else "",
+            place=dates_in_words(effect.settings) if is_dated(effect) else "",
         )
 
 

@@ -154,7 +154,7 @@ def gather(
     for scan, wide, own, known in scanned:
         effect = narrowed(found, scan, own, known, inputs, wide.drivers, least)
         if effect is None:
-            failed[wide.name] = because(Reason.NO_WINDOW)
+            failed[wide.name] = because(wide.not_found)
             continue
         there = replace(model, effects=(effect,)).with_drivers(inputs)
         for _, own in tangents([Tried(effect)], failed, there, at):

@@ -48,7 +48,8 @@ def prior_of(effect, outside):
     """The prior of a cause outside the catalogue as a rival of an effect."""
     if effect.settings.get("sensor"):  # a reflection onto the module looks the same
         return Beyond(REFLECTION, 1.0)
-    if effect.channel or (own_columns(effect) and not effect.confounder):
+    dated = effect.channel or effect.turns  # a fault of one device from a date on
+    if dated or (own_columns(effect) and not effect.confounder):
         return Beyond(outside, ALIKE)
     # what follows the sun and the usual inputs alone may be anything that does
     return Beyond(outside, 1.0)

@@ -2,7 +2,16 @@
 
 import numpy as np
 
-from pvlib_fem.drivers.mounts import ANGLES, AZIMUTH, TILT, ByColumns, checked_column
+from pvlib_fem.drivers.mounts import (
+    ANGLES,
+    AZIMUTH,
+    TILT,
+    ByColumns,
+    angles_at,
+    checked_column,
+    geometry,
+)
+from pvlib_fem.quality.standing import standing_of
 from pvlib_fem.record.columns import numeric, printable, with_aliases
 
 FIXED = 1.0  # ° within which a plane is one and the same
@@ -97,3 +106,28 @@ def moves(known):
         if np.abs(turned(name, values - values[0])).max() > FIXED and not level:
             return True
     return False
+
+
+def standings_in(whole, site, late):
+    """
+    Days on which a record's irradiance is not of its plane that turns, but of one that
+    stands.
+    """
+    angles = None if site["mount"] is None else angles_at(whole.index, site, late)
+    if angles is None:
+        return ()
+    how = (whole.index, site["location"], angles, late)
+    return standing_of(whole["poa_global"], *how)
+
+
+def with_standings(site, index, standings):
+    """The site with the angles at which its sensor stood, on those days."""
+    if not standings:
+        return site
+    columns = geometry(index, **site)
+    angles = {name: columns[name].to_numpy(copy=True) for name in ANGLES}
+    for one in standings:
+        rows = one.rows(index)
+        for name in ANGLES:
+            angles[name][rows] = getattr(one, name)
+    return {**site, **dict.fromkeys(ANGLES), "mount": ByColumns(index, angles)}

@@ -8,12 +8,12 @@ import pandas as pd
 from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers.mounts import ANGLES, PLANE, angles_at, axis_of, is_known
 from pvlib_fem.drivers.solar import standard_time
-from pvlib_fem.effects.candidates import about_axis, candidates
+from pvlib_fem.effects.candidates import candidates, turning
 from pvlib_fem.findings import Check, Correction
 from pvlib_fem.fitting.horizontal import refuse_clock
 from pvlib_fem.loop.case import Case, counting, divided, without_answer
 from pvlib_fem.loop.instead import Filled, Instead
-from pvlib_fem.loop.planes import plane_of_columns
+from pvlib_fem.loop.planes import plane_of_columns, standings_in, with_standings
 from pvlib_fem.loop.weeks import Part, parts
 from pvlib_fem.quality.check import Health, check
 from pvlib_fem.quality.daylight import daylight_saving
@@ -106,10 +106,13 @@ def prepared(
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
+    known = sun and look.filled.horizontal is None
+    standings = standings_in(look.whole, site, late_of(look)) if known else ()
     power = plant_power(look.whole, criteria.max_missing)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
-    wanted = about_axis(wanted, axis_of(site))
+    wanted, fixed_plane = turning(wanted, axis_of(site))
+    untestable |= fixed_plane
     if plane is not None:  # an obstacle cannot be located from an unknown plane
         scans = filter(is_before_the_sun, wanted)
         untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
@@ -124,7 +127,9 @@ def prepared(
         witnesses=(*look.witnesses, *(n for n in look.drivers if is_power(n))),
         wanted=tuple(wanted),
         untestable=untestable,
-        site=site if sun else dict.fromkeys(site),
+        site=with_standings(site, look.whole.index, standings)
+        if sun
+        else dict.fromkeys(site),
         place=site,
         clock=look.health.clock,
         criteria=criteria,
@@ -132,12 +137,14 @@ def prepared(
         kept=look.kept,
         notes=(
             *([] if plane is None else [f"the module's plane is estimated: {plane}"]),
+            *map(str, standings),
             *notes_of(look, corrections, wanted, site, criteria),
         ),
         corrections=corrections,
         late=late_of(look),
         transposed=look.filled.horizontal is not None,
         standing=look.filled.standing,
+        standings=standings,
     )
     return divided(whole, case)
 

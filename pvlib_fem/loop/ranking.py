@@ -12,7 +12,7 @@ from scipy.special import fdtrc, stdtrit
 from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed_for
 from pvlib_fem.drivers.mounts import axis_of
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.effects.candidates import about_axis, candidates
+from pvlib_fem.effects.candidates import candidates, turning
 from pvlib_fem.effects.effect import Effect
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.loop.criteria import Criteria
@@ -283,7 +283,8 @@ def rank_effects(
     sun = geometry(record.index, **place)
     known = {**drivers, **sun}
     testable, notes = candidates(known, refused, effects, there, record.absent)
-    testable = about_axis(testable, axis_of(place))
+    testable, fixed_plane = turning(testable, axis_of(place))
+    notes |= fixed_plane
     model = fit.thermal_model
     record = with_columns(record.only([*USUAL, *drivers]), sun)
     refuse_missing(fit.effects, record.inputs.columns, refused)

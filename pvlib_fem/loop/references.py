@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from pvlib_fem.drivers import completed
 from pvlib_fem.drivers.mounts import angles_at
-from pvlib_fem.effects.courses import is_drift, weights_of
+from pvlib_fem.effects.courses import course_of, is_dated, is_drift, weights_of
 from pvlib_fem.findings import OUTSIDE, Opinion, Witness
 from pvlib_fem.loop.noise import density
 from pvlib_fem.quality.clearsky import clear_sky
@@ -124,6 +125,8 @@ def of_wind(change, coefficients):
 
 
 LIGHT = {"sensitivity": lambda change, _: np.log1p(change)}
+#: modules in another plane than the sensor, whose own light is as it should be
+STUCK = {"tracker_stuck": lambda change, _: np.log1p(change)}
 WIND = {"wind_gain": of_wind}
 AIR = {"air_offset": lambda change, _: change}
 SHELTER = {"air_shelter": lambda change, _: -change}
@@ -131,7 +134,7 @@ CONTACT = {"contact": lambda change, _: -np.log1p(change)}
 OFFSET = {"module_offset": lambda change, _: -change}
 
 COMPARISONS = (
-    Comparison(is_power, bright, power, logs, LIGHT, ages=True, module=True),
+    Comparison(is_power, bright, power, logs, LIGHT | STUCK, ages=True, module=True),
     Comparison(
         called(SKY),
         bright,
@@ -168,6 +171,7 @@ class Apart:
     column: str
     days: np.ndarray  # since 1970-01-01
     apart: np.ndarray
+    light: Callable | None = None  # of an effect of a size, more light on the modules
 
     @cached_property
     def usual(self):
@@ -227,7 +231,7 @@ class Apart:
     def asked(self, choice):
         """Members of a choice of which it would show something."""
         members = choice.members.items()
-        return [n for n, m in members if m.effect.channel in self.comparison.shows]
+        return [n for n, m in members if kind(m.effect) in self.comparison.shows]
 
     def shown(self, choice, first, names, coefficients):
         """
@@ -238,7 +242,9 @@ class Apart:
         weights = weights_of(first, self.days)
         if not names or not np.ptp(weights) > 0:
             return None
-        size, error, _ = self.along(weights)
+        size, error, left = self.along(weights)
+        if not first.channel:  # of days or weeks, which are less than a draw of months
+            error = by_accident(weights > 0.0, left)
         expected = {
             name: self.expected(
                 choice.members[name].effect,
@@ -253,12 +259,26 @@ class Apart:
 
     def expected(self, effect, size, along, coefficients):
         """What a change of that size would have it show along a course."""
-        shows = self.comparison.shows.get(effect.channel)
+        shows = self.comparison.shows.get(kind(effect))
         if shows is None:
             return 0.0
+        if effect.channel:
+            change = size * weights_of(effect, self.days)
+        else:
+            change = self.light(effect, size)
         with np.errstate(invalid="ignore", divide="ignore"):
-            shown = shows(size * weights_of(effect, self.days), coefficients)
+            shown = shows(change, coefficients)
         return self.along(along, shown)[0] if np.isfinite(shown).all() else 0.0
+
+
+def by_accident(there, left):
+    """Root mean square of what is left on as many other days in a row."""
+    first, length = int(np.argmax(there)), int(there.sum())
+    sums = np.append(0.0, np.cumsum(left))
+    means = (sums[length:] - sums[:-length]) / length
+    begins = np.arange(len(means))
+    others = means[(begins + length <= first) | (begins >= first + length)]
+    return float(np.sqrt(np.mean(others**2))) if len(others) else np.inf
 
 
 def independent(values, months):
@@ -321,7 +341,22 @@ def compared(comparison, case, name, values, near=None):
     near = (near or usual)(found)
     if near.sum() < comparison.fewest:
         return None
-    return Apart(comparison, name, days[near], found[near])
+
+    def light(effect, size):
+        columns = completed(record.inputs, effect.drivers).columns
+        heat = effect.at(columns, dict.fromkeys(effect.rows(), size)).heat
+        more, whole = (
+            np.bincount(place, np.nan_to_num(column[kept]))
+            for column in (heat, record["poa_global"])
+        )
+        return (more / np.maximum(whole, 1e-9))[near]
+
+    return Apart(comparison, name, days[near], found[near], light)
+
+
+def kind(effect):
+    """What a comparison knows an effect by."""
+    return effect.channel or effect.name
 
 
 def usual(values):
@@ -364,7 +399,7 @@ def said(references, choice, coefficients):
     """
     top = choice.top.effect
     logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
-    for one in references if top.channel else ():
+    for one in references if is_dated(top) else ():
         asked = one.asked(choice)
         shown = one.shown(choice, top, asked, coefficients)
         if shown is None:
@@ -385,11 +420,11 @@ def said(references, choice, coefficients):
 def heard(references, choice, first, coefficients):
     """What each reference shows along the time profile of the first, by instrument."""
     found = []
-    for one in references if first.channel else ():
+    for one in references if is_dated(first) else ():
         alike = [
             name
             for name in one.asked(choice)
-            if choice.members[name].effect.terms.course is first.terms.course
+            if course_of(choice.members[name].effect) == course_of(first)
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
         shown = one.shown(choice, first, alike, coefficients) if alike else None

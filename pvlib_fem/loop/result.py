@@ -40,6 +40,7 @@ from pvlib_fem.loop.threads import one_thread_of_trees
 from pvlib_fem.loop.times import Times
 from pvlib_fem.modelchain import LOOP, DynamicCellTemperature, fit_in
 from pvlib_fem.quality.limits import Limits
+from pvlib_fem.quality.standing import Standing
 from pvlib_fem.reasons import Because
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, printable, with_aliases
 from pvlib_fem.report.page import brief, page
@@ -138,6 +139,9 @@ class Loop:
     stand_ins : tuple of StandIn
         Second sources of air or wind that replace missing values of the first, here as
         in the data of ``predict`` and the others.
+    standings : tuple of Standing
+        Days on which the irradiance sensor stood still, while the record describes a
+        plane that turns.
     """
 
     finding_objects: tuple[Finding, ...]
@@ -164,6 +168,7 @@ class Loop:
     transposition: str = ""
     stand_ins: tuple = ()
     reading: dict = field(repr=False, default_factory=dict)
+    standings: tuple = ()
 
     @cached_property
     def week_rows(self) -> dict:
@@ -639,6 +644,7 @@ class Loop:
             "transposition": self.transposition,
             "stand_ins": [one.content() for one in self.stand_ins],
             "reading": self.reading,
+            "standings": [asdict(one) for one in self.standings],
             "fit": self.fit.content(**cell),
         }
 
@@ -706,6 +712,9 @@ class Loop:
             if "stand_ins" in content.content
             else (),
             reading=reading_in(content),
+            standings=tuple(map(Standing.stored, content.parts("standings")))
+            if "standings" in content.content
+            else (),
         )
         # what else it would take from the rows
         counts = content.part("weeks")

@@ -130,6 +130,8 @@ def chosen(case, loop, effects):
             notes[name] = "the record itself shows it, or cannot tell it from what is"
         elif name in usual:
             notes[name] = "the model without findings has it"
+        elif wanted[name].turns:
+            notes[name] = "it has dates and a plane, which are not drawn"
         elif wanted[name].scan is None:
             found.append(wanted[name])
         elif needs_nothing(wanted[name].make):

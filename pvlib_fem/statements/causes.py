@@ -12,12 +12,12 @@ import numpy as np
 from pvlib_fem.correction.faults import Fault
 from pvlib_fem.correction.repairs import (
     SHARE,
-    course_of,
     dates_of,
     repair_of,
     unit_of,
 )
-from pvlib_fem.effects.courses import YEAR, number
+from pvlib_fem.effects.courses import YEAR, course_of, is_dated, number
+from pvlib_fem.effects.standstill import in_words
 from pvlib_fem.report.document import with_error
 
 MODEL, MODULES = "model", "modules"
@@ -128,7 +128,7 @@ def clause_of(effect, numbers, coefficients, first, last):
 
 def dated(clause, effect, first, last):
     """The clause with the dates of its effect."""
-    if not effect.channel:
+    if not is_dated(effect):
         return clause
     since, until = dates_of(effect, first, last)
     if course_of(effect) != "drift" and not effect.settings:  # a hint has no dates
@@ -354,6 +354,14 @@ def outage(effect, numbers):
     return Clause("plant", words, action, **sized(effect, numbers))
 
 
+def tracker_stuck(effect, numbers):
+    plane = (effect.settings[name] for name in ("surface_tilt", "surface_azimuth"))
+    where = in_words(*plane)
+    words = f"the modules stood still {where}, while the irradiance sensor moved"
+    action = "Check the drive of the tracker"
+    return Clause("tracker", words, action, **sized(effect, numbers))
+
+
 #: causes whose words have a direction of their own
 SPECIAL = {
     "mounting": mounting,
@@ -365,4 +373,5 @@ SPECIAL = {
     "modules_covered": modules_covered,
     "sensor_covered": sensor_covered,
     "outage": outage,
+    "tracker_stuck": tracker_stuck,
 }

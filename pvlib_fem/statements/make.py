@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from pvlib_fem.effects import find
+from pvlib_fem.effects.courses import number, written
 from pvlib_fem.effects.effect import deciding
+from pvlib_fem.effects.standstill import in_words
 from pvlib_fem.findings import (
     LEAST,
     OUTSIDE,
@@ -17,11 +19,12 @@ from pvlib_fem.findings import (
 )
 from pvlib_fem.report import budget, events
 from pvlib_fem.statements.causes import MODEL, MODULES, Clause, clause_of
-from pvlib_fem.statements.clocks import clock_statement
+from pvlib_fem.statements.clocks import APPLIED, clock_statement
 from pvlib_fem.statements.statement import Statement
 
 PATTERN = "unexplained pattern"
 DAYS = "days that stand out"
+STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 #: what a statement has of its first clause
 SIZE = ("value", "error", "low", "high", "unit", "since", "until")
 
@@ -39,9 +42,10 @@ def statements_of(loop, energies):
     Returns
     -------
     list of Statement
-        Clocks, causes in the model by the energy that they change (where that is
-        unknown, by what they take off the error), events that power shows, unexplained
-        patterns, days that stand out, hints.
+        Clocks, days on which the irradiance sensor does not turn, causes in the model
+        by the energy that they change (where that is unknown, by what they take off the
+        error), events that power shows, unexplained patterns, days that stand out,
+        hints.
     """
     findings = [f for f in loop.finding_objects if f.kind is not Kind.STRUCTURE]
     findings.sort(key=lambda finding: -finding.gain)
@@ -57,6 +61,7 @@ def statements_of(loop, energies):
     causes.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
     return [
         *clocks,
+        *map(standing_statement, loop.standings),
         *causes,
         *event_statements(loop),
         *map(pattern_statement, loop.unexplained),
@@ -216,6 +221,24 @@ def event_statements(loop):
             since=f"{first:%Y-%m-%d}",
             until=f"{last:%Y-%m-%d}",
         )
+
+
+def standing_statement(standing):
+    """Days on which the irradiance sensor does not turn as a statement."""
+    where = in_words(standing.surface_tilt, standing.surface_azimuth)
+    return Statement(
+        cause=STUCK,
+        device="tracker",
+        verdict="corrected",
+        text=(
+            f"From {standing.when} the irradiance sensor stood still {where}, and did "
+            "not follow the plane that the record describes"
+        ),
+        action="Check the drive of the tracker that the irradiance sensor is on",
+        certainty=f"{APPLIED} ({standing.days} clear days show it)",
+        since=standing.start,
+        until=written(number(standing.end) - 1),
+    )
 
 
 def date_statements(loop):

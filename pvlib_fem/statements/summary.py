@@ -7,7 +7,7 @@ import numpy as np
 from pvlib_fem.plotting.steps import step_name
 from pvlib_fem.report.ceiling import sentence
 from pvlib_fem.report.text import cell, length
-from pvlib_fem.statements.make import PATTERN
+from pvlib_fem.statements.make import PATTERN, STUCK
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3
@@ -85,7 +85,10 @@ def counted(loop, found):
     if not loop.weighed:
         return "The record is too short to weigh any effect."
     counts = {
-        "clock fault": sum(one.verdict.endswith("corrected") for one in found),
+        "clock fault": sum(
+            one.verdict.endswith("corrected") and one.cause != STUCK for one in found
+        ),
+        "irradiance sensor that stood still": sum(one.cause == STUCK for one in found),
         "identified cause": sum(one.verdict == "named" for one in found),
         "ambiguous finding": sum(one.verdict == "class" for one in found),
         PATTERN: sum(one.device == PATTERN for one in found),

@@ -1,0 +1,154 @@
+"""A tracker whose modules stand still while the irradiance sensor moves."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from pvlib_fem.drivers.solar import on_plane
+from pvlib_fem.effects.courses import number, written
+from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects.standstill import find_standstill, rotations
+from pvlib_fem.effects.windows import orthonormal
+from pvlib_fem.reasons import Reason
+
+DRIVERS = ("poa_global", "clearness", "solar_zenith", "solar_azimuth", "day")
+
+
+def terms(
+    poa_global, clearness, solar_zenith, solar_azimuth, day, *, share, plane, dates
+):
+    r"""
+    Light on modules that stand still, minus that on a sensor that moves [1]_.
+
+    .. math::
+
+        \mathrm{heat} = \mathrm{share} \cdot \mathrm{stands}(\mathrm{day}) \cdot
+        [\mathrm{light}(\mathrm{clearness}, \mathrm{solar\_zenith},
+        \mathrm{solar\_azimuth}) - \mathrm{poa\_global}]
+
+    ``stands`` is 1 on the days on which the tracker stands still, else 0. ``light`` is
+    the irradiance of the same sky in the ``plane`` in which it stands. ``share`` is
+    about 1 if all of the module stands there.
+
+    References
+    ----------
+    .. [1] W. F. Marion and A. P. Dobos, "Rotation angle for the optimum tracking of
+       one-axis trackers", NREL/TP-6A20-58891, 2013, :doi:`10.2172/1089596`, for the
+       plane of a rotation, as in :func:`pvlib.tracking.calc_surface_orientation`.
+    """
+    light = on_plane(clearness, solar_zenith, solar_azimuth, *plane)
+    heat = share * stands(day, dates) * (light - poa_global)
+    return Terms(heat=heat)
+
+
+def stands(day, dates):
+    """1 on the days from one until the other, which is the first one after."""
+    first, last = dates
+    return ((day >= first) & (day < last)).astype(float)
+
+
+def standing(
+    start=None, end=None, surface_tilt=0.0, surface_azimuth=180.0, between=None
+):
+    """
+    The effect of a tracker that stands still.
+
+    Parameters
+    ----------
+    start, end : str, optional
+        First day, and the first day after it; by default the whole record.
+    surface_tilt, surface_azimuth : float, optional
+        Where it stands; by default level. [°]
+    between : tuple of str, optional
+        Days between which it may have begun.
+
+    Returns
+    -------
+    Effect
+    """
+    dates = (
+        -np.inf if start is None else number(start),
+        np.inf if end is None else number(end),
+    )
+    if not dates[0] < dates[1]:
+        raise ValueError(f"start = {start!r} is not before end = {end!r}")
+    plane = float(surface_tilt), float(surface_azimuth)
+    light = partial(terms, plane=plane, dates=dates)
+    light.__doc__ = terms.__doc__  # instead of functools.partial's
+    settings = dict(start=start, end=end) | dict(
+        surface_tilt=plane[0], surface_azimuth=plane[1]
+    )
+    if between is not None:
+        settings["between"] = tuple(between)
+    return Effect(
+        "tracker_stuck",
+        light,
+        # above 1, because the light is estimated
+        {"share": Parameter(0.0, 0.0, 1.5, "-")},
+        columns=DRIVERS,
+        title="modules that stand still while the tracker of the sensor moves",
+        decided_by="a look at the tracker, or at the angles that its drive reports",
+        settings={k: v for k, v in settings.items() if v is not None},
+        source="the light in the plane in which it stands",
+        confused_with=(
+            "sensitivity_episode",
+            "poa_misalignment",
+            "shading",
+            "modules_covered",
+        ),
+        not_found=Reason.NO_STANDSTILL,
+        turns=True,
+    )
+
+
+class AllDays:
+    """Heat of modules that stand in each of some planes on all days."""
+
+    def __init__(self, planes):
+        self.planes = planes
+
+    def __call__(
+        self, poa_global, clearness, solar_zenith, solar_azimuth, day, **sizes
+    ):
+        heat = 0.0 * (poa_global + clearness)
+        for plane, size in zip(self.planes, sizes.values()):
+            if size != 0.0:
+                light = on_plane(clearness, solar_zenith, solar_azimuth, *plane)
+                heat = heat + size * (light - poa_global)
+        return Terms(heat=heat)
+
+
+def of_record(columns, rows):
+    """The effect that is searched in the planes that a record's tracker has."""
+    tilt, turn = (columns[name][rows] for name in ("surface_tilt", "surface_azimuth"))
+    axis, angles = rotations(tilt, turn)
+    planes = axis.planes(angles)
+    wide = Effect(
+        EFFECT.name,
+        AllDays(planes),
+        {f"plane_{i}": Parameter(0.0, -1.0, 1.0, "-") for i in range(len(planes))},
+        columns=DRIVERS,
+        not_found=EFFECT.not_found,
+    )
+    scan = partial(scanned, axis=axis, angles=angles, wide=wide)
+    return replace(EFFECT, prepare=None, scan=scan, scanned_from=wide)
+
+
+def scanned(rest, tangents, columns, weeks, least, *, axis, angles, wide):
+    """The effect at the angle and the dates that the residual shows, or None."""
+    keys = [*wide.rows()]
+    others = [column for name, column in tangents.items() if name not in keys]
+    own = [tangents[key] for key in keys]
+    basis = orthonormal(others)
+    found = find_standstill(rest, own, angles, basis, columns["day"], least)
+    if found is None:
+        return None
+    angle, start, end, between = found
+    ((tilt, turn),) = axis.planes(np.array([angle])).round(1).tolist()
+    began = [written(day) for day in between]
+    return standing(written(start), written(end), tilt, turn, began)
+
+
+#: level on all days as a default; a record's orientations have the planes to try
+EFFECT = replace(standing(), make=standing, prepare=of_record)
