@@ -12,6 +12,7 @@ import pvlib_fem as fem
 from pvlib_fem import datasets, fleet, simulator
 from pvlib_fem.drivers.transposition import TRANSPOSITIONS
 from pvlib_fem.effects import CHANGES, EFFECTS, find
+from pvlib_fem.record import parquet
 from pvlib_fem.record.columns import twin_of, vouches
 
 USUAL = ["poa_global", "temp_air", "temp_module"]
@@ -287,10 +288,108 @@ def test_the_command_proposes_a_transposition(level, tmp_path):
     done = call(*proposed(call("fit", file, *words)))
     assert done.exit_code == 0, done.output
     assert "note: there is no poa_global: it is transposed from ghi" in done.stdout
-    data.to_parquet(tmp_path / "horizontal.parquet")
+
+
+@pytest.fixture
+def files(level, tmp_path):
+    """The record in files, without light in the plane."""
+    data = level[0][["ghi", "temp_air", "wind_speed", "temp_module"]]
+    half = len(data) // 2
+    for i, part in enumerate((data[:half], data[half:])):
+        part.to_parquet(tmp_path / f"{i}.parquet", row_group_size=901)
+    return data, tmp_path
+
+
+def test_files_are_transposed_block_by_block(files, monkeypatch):
+    data, folder = files
+    monkeypatch.setattr(parquet, "ROWS", 509)
+    record = fem.transpose_record(fem.open_parquet(folder), *PLACE)
+    made = fem.transpose_record(data, *PLACE)
+    light = np.concatenate([block["poa_global"] for block in record.blocks()])
+    # pvlib takes one mean length of day for all times of a call
+    np.testing.assert_allclose(light, made["poa_global"], rtol=1e-5, atol=1e-3)
+    assert made.attrs["notes"][0] in record.notes
+    how = dict(model="faiman", dynamics="balance")
+    one, other = fem.fit_fem(record, **how), fem.fit_fem(made, **how)
+    assert one.coefficients == pytest.approx(other.coefficients, rel=1e-6)
+    assert record.notes[0] in one.notes
+    with pytest.raises(ValueError, match="data have poa_global"):
+        fem.transpose_record(record, *PLACE)
+
+
+def test_a_loop_of_files_transposes_as_one_in_memory(files):
+    data, folder = files
+    how = dict(SITE, transposition="perez", effects=["wind_shape"])
+    one, other = fem.close_loop(folder, **how), fem.close_loop(data, **how)
+    assert one.transposition == other.transposition == "perez"
+    pd.testing.assert_frame_equal(one.table, other.table, rtol=1e-6)
+    one, other = one.predict(data), other.predict(data)
+    pd.testing.assert_series_equal(one, other, rtol=1e-6)
+
+
+def test_the_command_transposes_files(files):
+    _, folder = files
+    words = ("--lat", 35, "--lon", -106, "--tilt", 35, "--azimuth", 180)
     for command in ("fit", "loop"):
-        done = call(command, tmp_path, "--transposition", "perez", *words)
-        assert "--transposition does not go with" in done.output
+        done = call(command, folder, "--transposition", "perez", *words)
+        assert done.exit_code == 0, done.output
+        assert "transposed from ghi" in " ".join(done.output.split())
+    refused = call("fit", folder)
+    assert refused.exit_code == 1 and "--transposition perez" in refused.output
+
+
+def test_files_of_a_late_clock_are_not_transposed(files):
+    _, folder = files
+    for file in folder.glob("*.parquet"):
+        part = pd.read_parquet(file)
+        part.set_axis(part.index + pd.Timedelta("2h")).to_parquet(file)
+    with pytest.raises(ValueError, match="ghi cannot be transposed"):
+        fem.transpose_record(fem.open_parquet(folder), *PLACE)
+
+
+def test_another_wind_stands_in_for_one_that_files_lack(files, tmp_path):
+    data, _ = files
+    made = fem.transpose_record(data, *PLACE)
+    other = made.rename(columns={"wind_speed": "wind_speed_airport"})
+    other.to_parquet(tmp_path / "plant.pq")
+    how = dict(effects=["wind_shape"])
+    loop = fem.close_loop(tmp_path / "plant.pq", stand_ins="wind_speed_airport", **how)
+    (one,) = loop.stand_ins
+    assert (one.usual, one.column) == ("wind_speed", "wind_speed_airport")
+    assert "wind_speed_airport stands in for it" in " ".join(loop.notes)
+    want = fem.close_loop(made.drop(columns="ghi"), **how)
+    pd.testing.assert_series_equal(loop.predict(other), want.predict(made), rtol=1e-6)
+    both = other.assign(wind_speed=made["wind_speed"])
+    both.to_parquet(tmp_path / "plant.pq")
+    with pytest.raises(ValueError, match=r"fill them before with fill_record\(part"):
+        fem.close_loop(tmp_path / "plant.pq", stand_ins="wind_speed_airport")
+
+
+def test_a_record_without_light_in_the_plane_is_told_the_step_that_makes_it(level):
+    data = level[0][["ghi", "temp_air", "wind_speed", "temp_module"]]
+    step = r"to make poa_global of ghi, transpose_record\(data, location"
+    for function in (fem.fit_fem, fem.close_loop, fem.recover_effects):
+        with pytest.raises(ValueError, match=step):
+            function(data)
+    twice = data.assign(poa_global=data["ghi"]).rename(
+        columns={"temp_air": "temp_air_2"}
+    )
+    for function in (fem.fit_fem, fem.close_loop, fem.recover_effects):
+        with pytest.raises(ValueError, match=r"fill_record\(data, 'temp_air_2'\)"):
+            function(twice)
+
+
+def test_a_recovery_makes_missing_columns_before_anything_is_put_in(level):
+    data = level[0][["ghi", "temp_air", "wind_speed", "temp_module"]]
+    made = fem.transpose_record(data, *PLACE).drop(columns="ghi")
+    how = dict(SITE, sizes=[3], draws=1, processes=1, progress=False)
+    how |= {"tried": ["module_offset_step"]}
+    want = fem.recover_effects(made, "module_offset_step", **how)
+    lacks = data.rename(columns={"temp_air": "temp_air_2"})
+    how |= {"transposition": "perez", "stand_ins": "temp_air_2"}
+    found = fem.recover_effects(lacks, "module_offset_step", **how)
+    pd.testing.assert_frame_equal(found.summary, want.summary, rtol=1e-6)
+    assert len(found.outcomes) == 1
 
 
 def test_what_a_transposition_costs_is_as_the_guide_says():
@@ -345,7 +444,9 @@ def test_another_source_fills_gaps_at_the_level_of_the_first(airport):
 def test_a_loop_with_another_source_predicts_alike(airport, tmp_path):
     hourly = airport[airport.index.minute == 0]
     data = hourly.drop(columns="wind_speed")
-    with pytest.raises(ValueError, match="stand_ins='wind_speed_airport', or model="):
+    with pytest.raises(
+        ValueError, match=r"fill_record\(data, 'wind_speed_airport'\), or model="
+    ):
         fem.close_loop(data)
     how = dict(stand_ins="wind_speed_airport", effects=["wind_shape"])
     loop = fem.close_loop(data, **how)

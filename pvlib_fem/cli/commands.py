@@ -160,6 +160,8 @@ def loop(files, report, title, out, details, corrected, resolve, **options):
 )
 @reading_options
 @site_options
+@transposition_option
+@stand_in_option
 @model_option("faiman", "fit takes the paper's wm1 by default")
 @shared_options
 @recovery_options

@@ -24,6 +24,8 @@ from pvlib_fem.cli.words import Refused, note, safe, say, waiting
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.place import in_local_days, site_of
 from pvlib_fem.fitting.stand_ins import chosen
+from pvlib_fem.loop.instead import Instead
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.units import options_of
 from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.columns import ALWAYS, COLUMNS, numeric
@@ -214,17 +216,11 @@ def site_in(index, place):
 def prepared_files(files, options, sun=False):
     """What a fit takes of Parquet files that follow each other, or a loop."""
     check_partners(options)
-    for name, way in (("transposition", "transpose"), ("stand_ins", "fill")):
-        if options.pop(name, None):
-            option = name.removesuffix("s").replace("_", "-")
-            raise ValueError(
-                f"--{option} does not go with Parquet files that follow each other; "
-                f"write the columns into them with pvlib_fem.{way}_record"
-            )
+    how = options.pop("transposition"), options.pop("stand_ins")
     settings, days = settings_of(options.pop("settings")), options.pop("holdout")
     place = {name: options.pop(name) for name in PLACE}
     for name, value in place.items():
-        if value is not None and not sun:
+        if value is not None and not (sun or how[0]):
             raise ValueError(
                 f"--{name.replace('_', '-')} does not go with Parquet files that "
                 "follow each other: the sun's place is found for files that are read "
@@ -233,17 +229,19 @@ def prepared_files(files, options, sun=False):
     effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
     record = opened(files, options)
     ends = [time.tz_localize(None).normalize() for time in record.ends]
-    site = {"site": site_in(pd.DatetimeIndex(record.ends), place)} if sun else {}
-    return (
-        options
-        | site
-        | {
-            "record": record,
-            "effects": effects,
-            "fixed": held(fixed) or None,
-            "holdout": days_of(days, pd.date_range(*ends)),
-        }
-    )
+    site = site_in(pd.DatetimeIndex(record.ends), place)
+    if sun:
+        options |= {"site": site, "transposition": how[0], "stand_ins": how[1]}
+    elif any(how):
+        with waiting(f"looking at the light in {named_files(files)} …"):
+            instead = Instead.of_arguments(*how)
+            record, _ = instead.of_files(record, checked_place(**site), Limits())
+    return options | {
+        "record": record,
+        "effects": effects,
+        "fixed": held(fixed) or None,
+        "holdout": days_of(days, pd.date_range(*ends)),
+    }
 
 
 def prepared(files, options, drivers=False):

@@ -1,11 +1,15 @@
 """Transpose a record of horizontal irradiance to the plane of the module."""
 
+from dataclasses import dataclass, replace
+from typing import overload
+
+import numpy as np
 import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
-from pvlib_fem.drivers.mounts import plane_of_rows
+from pvlib_fem.drivers.mounts import ByColumns, plane_of_rows
 from pvlib_fem.drivers.transposition import (
     PARTS,
     check_transposition,
@@ -16,31 +20,58 @@ from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.noon import solar_noon_shift
 from pvlib_fem.quality.screen import screen_record
 from pvlib_fem.record.columns import numeric, with_aliases
+from pvlib_fem.record.parquet import Made, ParquetRecord
 from pvlib_fem.record.ranges import possible
+from pvlib_fem.record.resampling import Sums
 from pvlib_fem.spelling import argument, refusal
 
 LIGHT = "poa_global"
 NAMES = {"perez": "Perez", "haydavies": "Hay and Davies"}
+MEANS = 300.0  # s, of the means by which a clock is checked
 KILOWATTS = 3.0  # W/m²; the largest irradiance of a record is never below
 
 
+@overload
 def transpose_record(
     data: pd.DataFrame,
+    location: Location,
+    surface_tilt: float | pd.Series | None = ...,
+    surface_azimuth: float | pd.Series | None = ...,
+    transposition: str = ...,
+    limits: Limits | None = ...,
+    mount: AbstractMount | None = ...,
+) -> pd.DataFrame: ...
+
+
+@overload
+def transpose_record(
+    data: ParquetRecord,
+    location: Location,
+    surface_tilt: float | pd.Series | None = ...,
+    surface_azimuth: float | pd.Series | None = ...,
+    transposition: str = ...,
+    limits: Limits | None = ...,
+    mount: AbstractMount | None = ...,
+) -> ParquetRecord: ...
+
+
+def transpose_record(
+    data: pd.DataFrame | ParquetRecord,
     location: Location,
     surface_tilt: float | pd.Series | None = None,
     surface_azimuth: float | pd.Series | None = None,
     transposition: str = "perez",
     limits: Limits | None = None,
     mount: AbstractMount | None = None,
-) -> pd.DataFrame:
+) -> pd.DataFrame | ParquetRecord:
     """
     Add the irradiance in the plane of the module to a record of horizontal irradiance.
 
     Parameters
     ----------
-    data : DataFrame
+    data : DataFrame or ParquetRecord
         Record with a DatetimeIndex and ``ghi``. If it has ``dni`` and ``dhi``, they
-        replace Erbs' correlation [1]_. [W/m²]
+        replace Erbs' correlation [1]_. [W/m²] Or files of :func:`open_parquet`.
     location : pvlib.location.Location
     surface_tilt, surface_azimuth : float or Series, optional
         Orientation of the module; azimuth from north, clockwise. If it changes with
@@ -54,8 +85,10 @@ def transpose_record(
 
     Returns
     -------
-    DataFrame
+    DataFrame or ParquetRecord
         ``data`` with ``poa_global`` [W/m²]. ``attrs["notes"]`` describes the steps.
+        Files are not changed: they are transposed block by block as they are read,
+        and their ``notes`` say so.
 
     Raises
     ------
@@ -93,6 +126,8 @@ def transpose_record(
     True
     """
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
+    if isinstance(data, ParquetRecord):
+        return files_in_plane(data, place, transposition, limits)
     columns = with_aliases(data, ("ghi",))
     if LIGHT in columns:
         raise ValueError(f"data have {LIGHT}, so no transposition is needed; drop one")
@@ -101,6 +136,63 @@ def transpose_record(
     data = data.assign(**{LIGHT: found[LIGHT]})
     data.attrs = {**data.attrs, "notes": notes}
     return data
+
+
+@dataclass(frozen=True, eq=False)
+class InPlane:
+    """Irradiance in the plane of the module for rows of files."""
+
+    place: dict
+    transposition: str
+
+    def __call__(self, columns, index):
+        light = {n: within(n, columns[n]) for n in ("ghi", *PARTS) if n in columns}
+        return in_plane(light, index, self.place, self.transposition).to_numpy()
+
+
+def files_in_plane(source, place, transposition, limits=None):
+    """
+    Files with ``poa_global``, which is transposed block by block.
+
+    Of the files' own values only impossible ones are left out before; the screening of
+    a fit has the rules for ``poa_global``, which it then applies to what is made.
+
+    Parameters
+    ----------
+    source : ParquetRecord
+    place : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    transposition : str
+    limits : Limits, optional
+
+    Returns
+    -------
+    ParquetRecord
+    """
+    check_transposition(transposition, place)
+    if isinstance(place["mount"], ByColumns):
+        raise ValueError(
+            "of files the plane is given as numbers, or as a tracker with mount=, and "
+            "not as Series"
+        )
+    if source.made or LIGHT in {*source.columns, *source.partial}:
+        raise ValueError(f"data have {LIGHT}, so no transposition is needed")
+    source.needing(["ghi"])
+    parts = ("ghi", *PARTS) if is_split(source.columns) else ("ghi",)
+    needs = {name: source.columns[name] for name in parts}
+    sums = Sums(MEANS, 1.0)
+    for block in source.blocks(["ghi"]):
+        sums.add(block.index, {"ghi": within("ghi", block["ghi"])})
+    means = sums.inputs()
+    horizontal = (means.columns["ghi"], means.index, place["location"], 0.0, 180.0)
+    refuse_clock(solar_noon_shift(*horizontal, limits).faults)
+    rest = {n: c for n, c in source.columns.items() if n not in ("ghi", *PARTS)}
+    return replace(
+        source,
+        columns=rest,
+        made=Made(LIGHT, needs, InPlane(place, transposition)),
+        notes=(*source.notes, words_of(needs, transposition)),
+    )
 
 
 def with_plane(
@@ -180,7 +272,10 @@ def again(columns, index, place, transposition):
 def within(name, column):
     """A column with NaN instead of impossible values."""
     low, high, _ = possible(name)
-    return column.where((column >= low) & (column <= high))
+    known = (column >= low) & (column <= high)
+    if isinstance(column, pd.Series):
+        return column.where(known)
+    return np.where(known, column, np.nan)
 
 
 def cleaned(name, columns, limits, check_units):

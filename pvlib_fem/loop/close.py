@@ -40,7 +40,7 @@ from pvlib_fem.loop.verify import bounds
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.columns import printable, with_aliases
-from pvlib_fem.record.parquet import ParquetRecord, is_data_set
+from pvlib_fem.record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem.report.page import said_of
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import steady_model
@@ -124,11 +124,13 @@ def close_loop(
     transposition : str, optional
         Where there is no ``poa_global``, the model of the sky by which it is made of
         ``ghi`` [W/m²], ``"perez"`` or ``"haydavies"``, as
-        :func:`pvlib_fem.transpose_record` does. ``predict`` does so, too.
+        :func:`pvlib_fem.transpose_record` does, also in files. ``predict`` does so,
+        too.
     stand_ins : str or sequence of str, optional
         Second sources that stand in for air temperature or wind where those lack, such
         as ``temp_air_2``, as :func:`pvlib_fem.fill_record` does. ``predict`` does so,
-        too. Without it a second source is a cross-check alone.
+        too. Without it a second source is a cross-check alone. In files one stands in
+        only for a column that they lack.
     mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
         A tracker, instead of the two angles. By night, and wherever ``get_orientation``
         gives no angles, the modules are horizontal.
@@ -198,13 +200,10 @@ def searched(data, model, place, progress, **how):
         own, steady = None, steady_model(model)
         plain = ThermalModel(steady, "balance")
         if is_data_set(data):
-            if transposes_or_fills(how.get("instead")):
-                raise ValueError(
-                    "transposition and stand_ins do not go with files that are read in "
-                    "blocks; write the columns into them with transpose_record or "
-                    "fill_record"
-                )
             tell("reading the files")
+            instead, criteria = how.get("instead", Instead()), how["criteria"]
+            data, stood = instead.of_files(as_source(data), place, criteria.limits)
+            how["instead"] = Instead(calm=instead.calm)
             data, screened = in_means(in_files(data, plain), how["criteria"])
             own = OwnSteps(screened)
             if how["holdout"] is not None:
@@ -221,8 +220,9 @@ def searched(data, model, place, progress, **how):
             found = own.told(found)
     case = search.case
     times = Times.of(data.index, case.kept, case.whole.index, search.clock)
-    sky = how["instead"].transposition if case.transposed else ""
-    stood = {"transposition": sky, "stand_ins": case.standing}
+    if own is None:
+        sky = how["instead"].transposition if case.transposed else ""
+        stood = {"transposition": sky, "stand_ins": case.standing}
     stood["reading"] = {"rows": len(data.index), "notes": notes_of(data)}
     stood["standings"] = case.standings
     return search, replace(found, given=given, times=times, **stood)
@@ -241,11 +241,6 @@ def notes_of(data):
     """What was done to data as they were read, where a function noted it."""
     notes = data.attrs.get("notes", ())
     return [printable(one) for one in notes] if isinstance(notes, list | tuple) else []
-
-
-def transposes_or_fills(instead):
-    """Whether columns are made that files do not have."""
-    return instead is not None and bool(instead.transposition or instead.stand_ins)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,12 @@
 """Replacements for columns that are missing from a record."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pvlib_fem.drivers.transposition import PARTS
-from pvlib_fem.fitting.horizontal import with_plane
-from pvlib_fem.fitting.stand_ins import chosen, with_stand_ins
+from pvlib_fem.fitting.horizontal import files_in_plane, with_plane
+from pvlib_fem.fitting.stand_ins import StandIn, chosen, with_stand_ins
 from pvlib_fem.record.columns import with_aliases
 
 LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0, "mount": None}
@@ -58,6 +58,36 @@ class Instead:
                 horizontal = light["ghi"].to_numpy()
         frame = data.drop(columns=list(data)).assign(**columns)
         return Filled(with_aliases(frame, needed), said, horizontal, standing)
+
+    def of_files(self, source, place, limits):
+        """Files with what stands in, and what that is, for a loop."""
+        transposed = bool(self.transposition) and "poa_global" not in source.columns
+        if transposed:
+            source = files_in_plane(source, place, self.transposition, limits)
+        standing = []
+        for usual, name in chosen(self.stand_ins).items():
+            source = instead_of(source, usual, name)
+            standing.append(StandIn(usual, name))
+        sky = self.transposition if transposed else ""
+        return source, {"transposition": sky, "stand_ins": tuple(standing)}
+
+
+def instead_of(source, usual, name):
+    """Files in which another column is the usual one, which they do not have."""
+    if usual in {*source.columns, *source.partial}:
+        raise ValueError(
+            f"the files have {usual}, whose gaps {name} cannot fill while they are "
+            "read in blocks; fill them before with fill_record(part, "
+            f"{name!r}), or leave stand_ins out"
+        )
+    source.needing([name])
+    columns = {n: c for n, c in source.columns.items() if n != name}
+    words = f"there is no {usual}: {name} stands in for it"
+    return replace(
+        source,
+        columns=columns | {usual: source.columns[name]},
+        notes=(*source.notes, words),
+    )
 
 
 def without_still_wind(columns):

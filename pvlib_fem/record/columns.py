@@ -54,6 +54,11 @@ COMPARED = Spelled(
 )
 
 
+TRANSPOSED = Spelled(
+    "transpose_record(data, location, surface_tilt, surface_azimuth)",
+    "--transposition perez",
+)
+SERVED = ("temp_air", "wind_speed")  # for which a second source can stand in
 #: power of a plant, the better column first
 PLANT_POWER = ("power_dc", "power_ac")
 #: names of power that is not for each m² of module, and of a second sensor
@@ -126,8 +131,30 @@ def with_aliases(data, needed=COLUMNS):
             columns.setdefault(name, columns.pop(alias))
     if missing := [name for name in needed if name not in columns]:
         words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
-        raise refusal(words, *of_several(columns))
+        raise refusal(words, *of_others(missing, columns), *of_several(columns))
     return columns
+
+
+def of_horizontal(missing, columns):
+    """What a refusal adds where light in the plane can be made of horizontal one."""
+    if "poa_global" in missing and "ghi" in columns:
+        yield "; to make poa_global of ghi, "
+        yield TRANSPOSED
+
+
+def of_others(missing, columns):
+    """What a refusal adds where missing columns can be made of others."""
+    yield from of_horizontal(missing, columns)
+    for name in missing:
+        others = [other for other in columns if twin_of(other) == name]
+        if name in SERVED and others:
+            yield f"; to take {others[0]} for {name}, "
+            yield filled_from(others[0])
+
+
+def filled_from(name):
+    """The step by which a second source stands in for the usual one, as text."""
+    return Spelled(f"fill_record(data, {name!r})", f"--stand-in {name}")
 
 
 def renamed(names):

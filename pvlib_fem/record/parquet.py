@@ -2,7 +2,7 @@
 
 import itertools
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import SECONDS, as_numbers, check_order, dates_of, instants
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.columns import COLUMNS, SERVED, of_horizontal, twin_of
 from pvlib_fem.record.footers import (
     common_columns,
     common_times,
@@ -25,6 +25,7 @@ from pvlib_fem.record.inputs import Columns, Inputs
 from pvlib_fem.record.offclock import in_file, on_the_clock
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, named_unit, own_unit, usual_name_of
+from pvlib_fem.spelling import refusal
 from pvlib_fem.stored import replacing
 from pvlib_fem.types import FilePath
 
@@ -73,6 +74,25 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
+class Made:
+    """
+    A column that is computed from others of the files, block by block.
+
+    Attributes
+    ----------
+    name : str
+    needs : dict of str
+        The package's names of those to the files'.
+    function : callable
+        Of their values by the package's names, and the times, to the column's values.
+    """
+
+    name: str
+    needs: dict
+    function: Callable[[dict, pd.DatetimeIndex], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
 class ParquetRecord:
     """
     A record in Parquet files that is never held in memory as a whole.
@@ -100,7 +120,8 @@ class ParquetRecord:
     naive: bool  # whether the files' times have no zone
     filesystem: Any = None  # of pyarrow; None for local files
     absent: tuple = ()  # columns that nobody measured, which hold 0
-    notes: tuple = ()  # rows without a time, which are dropped
+    notes: tuple = ()  # rows without a time, which are dropped, and what is made
+    made: Made | None = None  # a column that no file has
 
     def __len__(self):
         return sum(group.rows for group in self.groups)
@@ -139,11 +160,16 @@ class ParquetRecord:
             if name in self.partial:
                 raise ValueError(self.partial[name])
         there = {*self.columns, *self.absent}
+        if self.made is not None:
+            there.add(self.made.name)
         if missing := [name for name in names if name not in there]:
-            raise ValueError(
+            others = [n for n in self.columns if twin_of(n) == missing[0] in SERVED]
+            other = repr(self.columns[others[0]]) if others else "..."
+            raise refusal(
                 f"{self.files[0]} lacks {', '.join(missing)}; it has "
                 f"{', '.join(self.columns)}; name a column with columns="
-                f"{{{missing[0]!r}: ...}}"
+                f"{{{missing[0]!r}: {other}}}",
+                *of_horizontal(missing, self.columns),
             )
         return self
 
@@ -167,7 +193,10 @@ class ParquetRecord:
             the file.
         """
         self.needing(names)
-        wanted = {n: self.columns[n] for n in names if n not in self.absent}
+        made = self.made if self.made and self.made.name in names else None
+        wanted = {n: self.columns[n] for n in names if n in self.columns}
+        if made:
+            wanted = made.needs | wanted
         start, before = 0, None
         for file, batch, late in self.batches([self.time, *wanted.values()], rows):
             try:
@@ -181,6 +210,9 @@ class ParquetRecord:
                     name: as_numbers(name, values(batch.column(column)), index)
                     for name, column in wanted.items()
                 }
+                if made:
+                    columns[made.name] = made.function(columns, index)
+                    columns = {n: columns[n] for n in names if n in columns}
                 columns |= self.nothing(names, batch)
             except ValueError as error:
                 raise ValueError(f"{file}: {error}") from error
@@ -193,6 +225,10 @@ class ParquetRecord:
         self, names: Iterable[str] = COLUMNS, rows: int | None = None
     ) -> Iterator[tuple[int, dict]]:
         """First row and columns of the same blocks, without their times."""
+        if self.made and self.made.name in names:  # of the times, too
+            for block in self.blocks(names, rows):
+                yield block.start, dict(block.inputs.columns)
+            return
         wanted = {n: self.columns[n] for n in names if n not in self.absent}
         start = 0
         for _, batch, _ in self.batches([*wanted.values()], rows):

@@ -10,12 +10,15 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers.mounts import plane_of_rows
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.loop.close import searched
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.instead import Instead
 from pvlib_fem.loop.planes import with_given
 from pvlib_fem.loop.progress import counting
 from pvlib_fem.parallel import spread
+from pvlib_fem.record.columns import ALWAYS
 from pvlib_fem.recovery.draw import chosen
 from pvlib_fem.recovery.going_on import (
     digest,
@@ -59,6 +62,8 @@ def recover_effects(
     reliability: bool = False,
     trials: int = 10,
     mount: AbstractMount | None = None,
+    transposition: str | None = None,
+    stand_ins: str | Iterable[str] = (),
 ) -> Recovery:
     """
     Add effects of known size to a measured record, and count how many the loop finds.
@@ -90,6 +95,10 @@ def recover_effects(
         Effects that the loop tests, its ``effects``; by default all.
     check_units, criteria, fixed : optional
         See :func:`close_loop`.
+    transposition, stand_ins : optional
+        Make missing columns of others before anything is added, as
+        :func:`transpose_record` and :func:`fill_record` do; see :func:`close_loop`. A
+        fault of the irradiance sensor is then one in the plane of the module.
     processes : int, optional
         Number of parallel processes, by default the number of cores. The result does
         not depend on it.
@@ -174,6 +183,7 @@ def recover_effects(
     how |= {"criteria": criteria}
     place = checked_place(location, surface_tilt, surface_azimuth, mount)
     data, place = with_given(data, place)
+    data = completed(data, place, transposition, stand_ins, check_units, criteria)
     result = Recovery(
         given=said_all(effects, sizes, draws, seed, model, place, how),
         version=__version__,
@@ -215,6 +225,16 @@ def recover_effects(
                 result.to_json(path)
             tell(trial.what)
     return result
+
+
+def completed(data, place, transposition, stand_ins, check_units, criteria):
+    """The record with missing columns made of others, if that is wanted."""
+    if not transposition and not stand_ins:
+        return data
+    instead = Instead.of_arguments(transposition, stand_ins)
+    plane = plane_of_rows(data, place)
+    filled = instead.of(data, ALWAYS, plane, criteria.limits, check_units)
+    return data.drop(columns=list(data)).assign(**filled.columns)
 
 
 def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False):

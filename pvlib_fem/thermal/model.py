@@ -13,13 +13,14 @@ from pvlib_fem.record.checks import at_time
 from pvlib_fem.record.columns import (
     COLUMNS,
     by_own_names,
+    filled_from,
     known_values,
     twin_of,
 )
 from pvlib_fem.record.inputs import read
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
-from pvlib_fem.spelling import Spelled, argument, refusal
+from pvlib_fem.spelling import argument, refusal
 from pvlib_fem.thermal.compiled import answered, fast
 from pvlib_fem.thermal.dynamics import balanced, resistance, smoothed, steady
 from pvlib_fem.thermal.response import Past
@@ -37,11 +38,6 @@ MEMORY = {
     "ewm": {"tau": Parameter(TAU, 1.0, 7200.0, "s")},
     "balance": {"capacity": Parameter(12e3, 50.0, 1e6, "J/(m² K)")},
 }
-
-
-def stand_in(name):
-    """The option by which a user replaces a driver by a second source, as text."""
-    return Spelled(f"stand_ins={name!r}, or ", f"--stand-in {name}, or ")
 
 
 BIAS = Parameter(0.0, -30.0, 30.0, "K")
@@ -262,7 +258,7 @@ class ThermalModel:
             words = f"data lack {WIND}, which the model {self.steady_model.name} needs"
             words = f"{words}; {there}; give it, or "
             others = [name for name in columns if twin_of(name) == WIND]
-            stand = [stand_in(name) for name in others[:1]]
+            stand = [part for n in others[:1] for part in (filled_from(n), ", or ")]
             raise refusal(words, *stand, ROSS, ", which needs none")
         using = [e.name for e in self.effects if WIND in behind(e.drivers)]
         raise ValueError(
