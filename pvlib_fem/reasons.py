@@ -36,10 +36,6 @@ class Reason(Enum):
         "{minutes:.2g} min cannot be detected"
     )
     OFF_THE_SUN = "the clock of the file does not fit the sun at the location"
-    MOVING_PLANE = (
-        "the plane of the modules moves ({column} from {low:.0f} to {high:.0f}°), and "
-        "effects of the plane are tested of fixed planes only"
-    )
     ESTIMATED = "the angles of the plane are estimated: give them"
     ANOTHER_PLANE = (
         "the irradiance is not of the stated plane: it has {plane}; look at how its "

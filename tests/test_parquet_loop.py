@@ -1,10 +1,13 @@
 """The loop of files is that of the same record in memory, on means."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
 from pvlib.location import Location
+from pvlib.pvsystem import SingleAxisTrackerMount
 
 import pvlib_fem as fem
 from pvlib_fem.cli import main
@@ -71,6 +74,32 @@ def test_what_the_files_lack_is_where_the_means_have_it(tmp_path):
         one.table["rmse_train"].iloc[-1], abs=0.005
     )
     assert not any("for sky_radiation" in note for note in own.notes)
+
+
+@pytest.mark.parametrize("described", [True, False])
+def test_a_tracker_in_files_is_that_in_memory(tmp_path, described):
+    """Angles are those at the end of a step, and by night of a level plane."""
+    site = replace(fem.simulator.RHINE, tracker=fem.simulator.Tracker())
+    effects = PHYSICS | {"poa_misalignment": 8.0}
+    data = record(site, effects, days=90, step=120, seed=4, start="2023-04-01")
+    place = Location(site.latitude, site.longitude, tz=site.tz)
+    angles = ["surface_tilt", "surface_azimuth"]
+    night = place.get_solarposition(data.index)["apparent_zenith"] > 90.0
+    data.loc[night, angles] = np.nan  # as pvlib has them
+    data = data[[*NAMES, *angles]]
+    how = {"location": place}
+    if described:
+        data = data.drop(columns=angles)
+        how["mount"] = SingleAxisTrackerMount(0.0, 180.0, 60.0, True, 0.35)
+    data.attrs = {}
+    data.to_parquet(tmp_path / "record.parquet")
+    one, other = (fem.close_loop(what, **how) for what in (data, tmp_path))
+    assert "poa_misalignment" in one.effects and one.effects == other.effects
+    assert other.own_steps.summary.rows > 0.97 * len(one.weeks)
+    for name, value in one.fit.coefficients.items():
+        assert (
+            abs(other.own_steps.coefficients[name] - value) < 0.1 * one.fit.stderr[name]
+        )
 
 
 def test_the_last_model_is_fitted_to_the_records_own_steps(loops):

@@ -251,6 +251,39 @@ def test_rows_without_angles_by_day_do_not_count_for_effects_of_the_plane(record
     assert predicted[night]["2023-05"].notna().all()
 
 
+@pytest.fixture(scope="module")
+def summer():
+    """A year of a tracker whose logger keeps daylight-saving time."""
+    effects = simulator.PHYSICS | {"poa_misalignment": -TURNED, "file_dst": 1.0}
+    data = simulator.record(SITE, effects, days=365, step=1800.0, start="2023-01-01")
+    data.attrs = {}
+    return data[[*COLUMNS, *ANGLES]].tz_localize(None)
+
+
+@pytest.mark.parametrize("way", ["columns", "series", "mount"])
+def test_angles_go_with_the_rows_when_a_clock_is_corrected(summer, way):
+    place = Location(SITE.latitude, SITE.longitude, tz="Europe/Berlin")
+    plain, series = summer[[*COLUMNS]], {name: summer[name] for name in ANGLES}
+    data = summer if way == "columns" else plain
+    own = series if way == "series" else {}
+    how = {"mount": MOUNT} if way == "mount" else own
+    loop = fem.close_loop(data, location=place, **how)
+    assert [(c.fault, c.applied) for c in loop.corrections] == [("file_dst", True)]
+    size = loop.fit.coefficients["poa_misalignment.azimuth"]
+    assert size == pytest.approx(TURNED, abs=1.0)
+    apart = loop.predict(data, **own) - summer["temp_module"]
+    error = np.sqrt((apart**2).mean())
+    assert error == pytest.approx(loop.table["rmse_test"].iloc[-1], rel=0.1)
+    left = loop.residual(data, **own)
+    pd.testing.assert_series_equal(left, -apart, check_names=False)
+
+
+def test_a_plane_is_not_estimated_of_light_on_a_tracker(plain):
+    loop = fem.close_loop(plain, location=WHERE)
+    assert loop.place["surface_tilt"] is None
+    assert str(loop.untestable["incidence_angle"]).startswith("no surface_azimuth")
+
+
 # other functions ---------------------------------------------------------------
 
 

@@ -137,11 +137,16 @@ def orientation(mount, index, location, own=None):
     )
     zenith, azimuth = (where[name] for name in GEOMETRY[:2])
     found = mount.get_orientation(zenith, azimuth)
-    night = zenith.to_numpy() > 90.0
-    angles = {
-        name: np.asarray(found[name], dtype=float) for name in ANGLES if name in found
-    }
-    return {n: np.where(night & np.isnan(v), STOW, v) for n, v in angles.items()}
+    return by_night({n: found[n] for n in ANGLES if n in found}, zenith)
+
+
+def by_night(angles, solar_zenith):
+    """Angles, of a level plane where they are missing by night. [°]"""
+    night, found = np.asarray(solar_zenith) > 90.0, {}
+    for name, values in angles.items():
+        values = np.asarray(values, dtype=float)
+        found[name] = np.where(night & np.isnan(values), STOW, values)
+    return found
 
 
 def angles_at(index, place, late=0.0):

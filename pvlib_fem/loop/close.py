@@ -10,7 +10,7 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
-from pvlib_fem.drivers.mounts import plane_of_rows
+from pvlib_fem.drivers.mounts import ByColumns, plane_of_rows
 from pvlib_fem.drivers.transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects.courses import is_dated
@@ -200,6 +200,11 @@ def searched(data, model, place, progress, **how):
         own, steady = None, steady_model(model)
         plain = ThermalModel(steady, "balance")
         if is_data_set(data):
+            if isinstance(place["mount"], ByColumns):
+                raise ValueError(
+                    "surface_tilt and surface_azimuth as Series do not go with files; "
+                    "write them into the files as columns"
+                )
             tell("reading the files")
             instead, criteria = how.get("instead", Instead()), how["criteria"]
             data, stood = instead.of_files(as_source(data), place, criteria.limits)

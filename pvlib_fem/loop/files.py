@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.drivers.mounts import ANGLES, ByColumns, by_night
 from pvlib_fem.findings import Check
 from pvlib_fem.fitting.files import FileFit, fitted, given_days
 from pvlib_fem.fitting.passes import first_pass
@@ -15,7 +16,7 @@ from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import dates_of
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.columns import COLUMNS, GEOMETRY
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.statistics.clusters import root
 from pvlib_fem.thermal.model import ThermalModel
@@ -98,11 +99,14 @@ class OwnSteps:
         )
         screened = self.screened
         names = (*COLUMNS, *target.drivers)
-        lacks = [name for name in names if name not in screened.record.names]
-        names = tuple(name for name in names if name not in lacks)
-        record = replace(screened.record, names=names)
+        own = screened.record.names
+        turning = Turning(case.place["mount"], case.standings)
+        lacks = [n for n in names if n not in own and n not in turning.columns]
+        record = replace(screened.record, names=tuple(n for n in names if n in own))
         if lacks:  # the sun, whose place is known at the times of the means
             record = record.with_columns(Alongside.of(inputs, lacks))
+        if {*turning.columns} & {*names}:
+            record = record.with_columns(turning)
         own = first_pass(replace(screened, record=record), target, night=True)
         out = np.unique(case.whole.dates[case.parts != Part.FITTING])
         return fitted(own.without(out), target, list(screened.notes))
@@ -123,6 +127,35 @@ class OwnSteps:
             )
         notes = (*self.screened.notes, line, *loop.notes)
         return replace(loop, notes=notes, own_steps=self.fit)
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Angles of a plane that moves, at the own steps of files."""
+
+    mount: object  # None of a fixed plane
+    standings: tuple = ()  # days on which it stands still
+
+    @property
+    def columns(self):
+        """Names of the angles that it has."""
+        return getattr(self.mount, "columns", ANGLES if self.mount else ())
+
+    def begun(self):
+        """What follows the blocks of a record from the first on."""
+        return self
+
+    def at(self, inputs):
+        """The angles at the times of inputs that have the sun, level by night."""
+        zenith, azimuth = (inputs[name] for name in GEOMETRY[:2])
+        by_rows = isinstance(self.mount, ByColumns)
+        found = inputs if by_rows else self.mount.get_orientation(zenith, azimuth)
+        angles = by_night({name: found[name] for name in self.columns}, zenith)
+        for one in self.standings:
+            rows = one.rows(inputs.index)
+            for name, values in angles.items():
+                values[rows] = getattr(one, name)
+        return angles
 
 
 def impossible(model, corrected):

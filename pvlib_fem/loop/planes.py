@@ -1,6 +1,7 @@
 """The plane of the modules by columns of a record: fixed, or one that moves."""
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.drivers.mounts import (
     ANGLES,
@@ -9,6 +10,7 @@ from pvlib_fem.drivers.mounts import (
     ByColumns,
     angles_at,
     checked_column,
+    checked_place,
     geometry,
 )
 from pvlib_fem.quality.standing import standing_of
@@ -81,6 +83,17 @@ def with_given(data, site):
             "give Series at the times of the data"
         )
     return data.assign(**mount.columns), {**site, "mount": None}
+
+
+def with_series(data, place):
+    """Data with the angles of a place that are Series as columns, and the others."""
+    series = {n: v for n, v in place.items() if isinstance(v, pd.Series)}
+    if not series:
+        return data, place
+    own = [label for label in data if printable(label) in series]
+    site = {"mount": checked_place(None, **series)["mount"]}
+    data = with_given(data.drop(columns=own), site)[0]
+    return data, {n: v for n, v in place.items() if n not in series}
 
 
 def refuse_other(name, values, given):

@@ -35,6 +35,7 @@ from pvlib_fem.fitting.horizontal import again
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.stand_ins import StandIn
 from pvlib_fem.loop.criteria import Criteria
+from pvlib_fem.loop.planes import with_series
 from pvlib_fem.loop.table import ranking_from, ranking_rows
 from pvlib_fem.loop.threads import one_thread_of_trees
 from pvlib_fem.loop.times import Times
@@ -341,7 +342,7 @@ class Loop:
         **place
             ``location``, ``surface_tilt`` and ``surface_azimuth``, or ``mount``, where
             they are others than those of this record. Angles that change with time are
-            columns of ``data``.
+            Series or columns of ``data``.
 
         Returns
         -------
@@ -353,6 +354,7 @@ class Loop:
         ValueError
             If a whole column is missing, and there is no fallback.
         """
+        data, place = with_series(data, place)
         timed, known = self.timed(data, correct_times)
         found = self.by_one_clock(timed, fallback, place)
         return untimed(found, data.index, known)
@@ -388,6 +390,7 @@ class Loop:
         Series
             [K]
         """
+        data, place = with_series(data, place)
         timed, known = self.timed(data, correct_times)
         measured = with_aliases(timed, ["temp_module"])["temp_module"]
         if self.times is not None and correct_times:

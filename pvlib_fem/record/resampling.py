@@ -7,8 +7,11 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants, usual_step
-from pvlib_fem.record.columns import ANGLES
+from pvlib_fem.record.columns import ANGLES, GEOMETRY
 from pvlib_fem.record.inputs import Inputs
+
+#: where a plane stands at the end of a step: of east and west there is no mean
+AT_END = GEOMETRY[2:]
 
 
 def coarse(record, step=300.0, present=0.5):
@@ -42,6 +45,7 @@ class Sums:
     first: int = 0  # number of the first step since then
     there: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     sums: dict = field(default_factory=dict)  # column to sums and counts
+    ends: dict = field(default_factory=dict)  # column to values at the ends of steps
 
     def add(self, index, columns):
         """Add rows, each block of them later than those before."""
@@ -60,7 +64,9 @@ class Sums:
         until, around = self.places(until), self.places(around)
         for name, values in columns.items():
             places = around if name == "temp_module" else until
-            if name in ANGLES:
+            if name in AT_END:
+                self.end(name, values, *places, size)
+            elif name in ANGLES:
                 turned = np.radians(values)
                 self.put((name, "east"), np.sin(turned), *places, size)
                 self.put((name, "north"), np.cos(turned), *places, size)
@@ -88,6 +94,14 @@ class Sums:
         sums[part] += np.bincount(at - at[0], np.add.reduceat(values, first))
         self.sums[key] = sums, counts
 
+    def end(self, name, values, first, at, size):
+        """Take the last value of one column in each step."""
+        last = np.append(first[1:], len(values)) - 1
+        ends = self.ends.get(name, np.zeros(0))
+        ends = np.append(ends, np.full(max(size - len(ends), 0), np.nan))
+        ends[at] = values[last]
+        self.ends[name] = ends
+
     def means(self, key):
         sums, counts = (part[: len(self.there)][self.there] for part in self.sums[key])
         enough = counts >= max(1.0, self.least)
@@ -104,6 +118,8 @@ class Sums:
                 north = self.means((name, "north"))
                 values = np.degrees(np.arctan2(values, north)) % 360.0
             columns[name] = values
+        for name, values in self.ends.items():
+            columns[name] = values[: len(self.there)][self.there]
         labels = self.first + np.flatnonzero(self.there)
         index = pd.DatetimeIndex(self.day + (labels * self.step * 1e9).astype("m8[ns]"))
         if self.zone is not None:
