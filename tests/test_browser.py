@@ -94,7 +94,7 @@ def test_nothing_is_wider_than_the_screen(shown):
 
 def test_a_table_that_goes_on_shows_it(shown):
     """By a shade at its edge, which a table that fits does not need."""
-    wide = shown.locator(".wide").first
+    wide = shown.locator(".wide:has(table:not(.text))").first
     held, whole = wide.evaluate("e => [e.clientWidth, e.scrollWidth]")
     assert (whole > held) == (shown.viewport_size["width"] < 500)
     behind = wide.evaluate("e => getComputedStyle(e).backgroundImage")
@@ -138,6 +138,61 @@ LETTERS = """svg => {
   return [...svg.querySelectorAll("text")].map(
     text => scale * parseFloat(getComputedStyle(text).fontSize));
 }"""
+
+
+def test_no_words_of_a_picture_are_on_others(shown):
+    """Dates and numbers on an axis, labels of bars, and legends."""
+    for svg in shown.locator("figure svg").all():
+        boxes = svg.evaluate(BOXES)
+        assert len(boxes) > 3
+        for i, (words, *box) in enumerate(boxes):
+            for other, *place in boxes[i + 1 :]:
+                assert apart(box, place), (words, other)
+
+
+def apart(one, other):
+    """Whether two boxes (left, top, right, bottom) share no more than an edge."""
+    near = [
+        min(a, b) - max(c, d)
+        for a, b, c, d in zip(one[2:], other[2:], one[:2], other[:2])
+    ]
+    return min(near) <= 1.0
+
+
+#: words of a picture and where they are
+BOXES = """svg => [...svg.querySelectorAll("text")].map(text => {
+  const box = text.getBoundingClientRect();
+  return [text.textContent, box.left, box.top, box.right, box.bottom];
+})"""
+
+
+def test_a_table_of_words_needs_no_scrolling(shown):
+    """On a phone each row is a list, whose items have the heads of the columns."""
+    table = shown.locator("table.text").first
+    held, whole = table.locator("xpath=..").evaluate(
+        "e => [e.clientWidth, e.scrollWidth]"
+    )
+    assert whole <= held
+    cell = table.locator("td[data-label='device']").first
+    label = cell.evaluate("e => getComputedStyle(e, '::before').content")
+    assert ("device" in label) == (shown.viewport_size["width"] < 500)
+
+
+def test_it_is_printed_on_a4(browser, report, tmp_path):
+    """Nothing is wider than the page, and it is light."""
+    context = browser.new_context(
+        viewport={"width": 690, "height": 1000}, color_scheme="dark"
+    )
+    page = context.new_page()
+    page.goto(report.as_uri())
+    page.emulate_media(media="print")
+    wide = "[...document.querySelectorAll('*')].filter(e => !e.closest('svg') && "
+    wide += "e.getBoundingClientRect().right > 691).map(e => e.tagName)"
+    assert page.evaluate(wide) == []
+    assert luminance(page.evaluate(BACKGROUND, "body")) > 0.9
+    page.pdf(path=tmp_path / "report.pdf", format="A4")
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+    context.close()
 
 
 def test_text_can_be_read(shown):

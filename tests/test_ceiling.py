@@ -182,7 +182,7 @@ def test_it_is_kept_in_report_and_file(record, tmp_path):
     assert words not in page and "could be explained" not in bare
     assert " ".join(words.split()) in " ".join(str(loop).split())
     page = loop.to_html()
-    assert page.count(f"<p>{words.replace(chr(39), '&#x27;')}</p>") == 1
+    assert page.count(f"<p>{words.replace(chr(39), '&#39;')}</p>") == 1
     assert page.count("How much could still be explained") == 1
     again = fem.Loop.from_json(write(loop, tmp_path / "loop.json"))
     assert again.known_ceiling == again.ceiling() == loop.ceiling()

@@ -141,9 +141,10 @@ def to_visit(systems, pages):
         for row in rows.head(SHOWN).itertuples()
     ]
     unit = "kWh a year" if known else "kWh/kWp a year"
-    head = ("system", "site", f"#{unit}", "#% of yield", "#% after")
+    head = ("system", "site", f"#energy error [{unit}]", "#before [% of yield]")
+    head += ("#after [% of yield]",)
     return shortened(
-        (*head, "#K before", "#K after", "found"),
+        (*head, "#RMSE before [K]", "#RMSE after [K]", "found"),
         lines,
         len(rows),
         "Absolute energy error that temperature errors of the model without effects "
@@ -194,7 +195,8 @@ def by_effect(systems, findings):
             )
         )
     rows.sort(key=lambda row: row[0])
-    head = ("effect", "verdict", "#systems", "#%", "#sites", "#median K", "#most K")
+    head = ("effect", "verdict", "#systems", "#share [%]", "#sites")
+    head += ("#median gain [K]", "#largest gain [K]")
     return shortened((*head, "where"), [row for _, row in rows], len(rows))
 
 
@@ -217,7 +219,7 @@ def by_site(systems, findings, pages):
         )
         for group in groups[:SHOWN]
     ]
-    head = ("site", "cause", "in how many", "when", "#median K", "clearest in")
+    head = ("site", "cause", "in how many", "when", "#median gain [K]", "clearest in")
     return shortened(
         head,
         lines,

@@ -5,6 +5,8 @@ from typing import Any
 from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, ink, new_axes
 from pvlib_fem.plotting.steps import one_line_each, signed, spaced
 
+#: names of rows in a picture
+REMAINING = {"left": "remaining error"}
 #: colours of the kinds of rows; an increase is also hatched
 LOOKS = {
     "start": OTHER,
@@ -46,7 +48,7 @@ def plot_budget(loop: Any, ax: Any = None) -> Any:
         bar = ax.barh(place, abs(square), 0.7, left=left, color=LOOKS[kind], **rises)
         fall = kind == "taken"
         ax.bar_label(bar, [signed(-square) if fall else f"{square:.2f}"], padding=3)
-    names = [spaced(name) for name in budget.index]
+    names = [REMAINING.get(name) or spaced(name) for name in budget.index]
     weeks = "test" if loop.fit.test_days else "fitted"
     one_line_each(ax, names, f"mean square of the {weeks} days [K²]")
     return ax

@@ -26,9 +26,9 @@ def plot_ceiling(ceiling: Any, ax: Any = None) -> Any:
     paper, loop, trees = (e**2 for e in (ceiling.paper, ceiling.loop, ceiling.trees))
     left = min(loop, trees)  # what neither explains
     parts = (
-        ("closed by the loop", max(paper - loop, 0.0), dict(color=AFTER)),
-        ("closed by trees alone", loop - left, dict(color=BEFORE, hatch="//")),
-        ("closed by neither", left, dict(color=OTHER)),
+        ("explained by the loop", max(paper - loop, 0.0), dict(color=AFTER)),
+        ("explained by trees alone", loop - left, dict(color=BEFORE, hatch="//")),
+        ("explained by neither", left, dict(color=OTHER)),
     )
     at = 0.0
     for name, size, look in parts:

@@ -14,6 +14,7 @@ from pvlib_fem.plotting.look import (
     MARKERS,
     OTHER,
     STYLES,
+    dated_axis,
     ink,
     label,
     new_axes,
@@ -23,7 +24,6 @@ from pvlib_fem.statistics import axes
 
 MOST_DOTS = 240  # of a series; a longer one has medians of several days
 SMOOTH = 15  # dots of the running median
-MOST_TICKS = 6  # dates on an axis, which would overlap otherwise
 SEASONS = 4  # years from which the medians of months hold no trend
 SPREAD = 3.0  # interquartile ranges beyond the quartiles that are drawn
 SECTORS, RINGS = 24, 9  # cells of the sky: 15° of azimuth, 10° of elevation
@@ -114,15 +114,6 @@ def marked(ax, marks):
     if marks.period:
         start, end = map(pd.Timestamp, marks.period)
         ax.axvspan(start, end, color=ink(), alpha=FAINT, linewidth=0)
-
-
-def dated_axis(ax):
-    """Few ticks of dates, each with what the one before it does not say."""
-    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
-
-    places = AutoDateLocator(minticks=3, maxticks=MOST_TICKS)
-    ax.xaxis.set_major_locator(places)
-    ax.xaxis.set_major_formatter(ConciseDateFormatter(places))
 
 
 def plot_event(

@@ -10,6 +10,7 @@ COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", OTHER)
 STYLES = ("-", "--", ":", "-.")
 MARKERS = "os^Dv"
 FAINT = 0.14  # opacity of the background: light on white, dark on black
+MOST_TICKS = 6  # dates on an axis; more would overlap
 LONGEST = 24  # characters of a name in a picture
 
 
@@ -71,6 +72,15 @@ def ink():
 def without_frame(ax, *sides):
     for side in sides:
         ax.spines[side].set_visible(False)
+
+
+def dated_axis(ax):
+    """Few ticks of dates, each with what the one before it does not say."""
+    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+
+    places = AutoDateLocator(minticks=3, maxticks=MOST_TICKS)
+    ax.xaxis.set_major_locator(places)
+    ax.xaxis.set_major_formatter(ConciseDateFormatter(places))
 
 
 def label(name):

@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.plotting.look import AFTER, BEFORE, OTHER, label, new_axes, panels
+from pvlib_fem.plotting.look import (
+    AFTER,
+    BEFORE,
+    OTHER,
+    dated_axis,
+    label,
+    new_axes,
+    panels,
+)
 
 WIDE = 5.0  # an interval this many times the usual may exceed the panel
 ROOM = 1.5  # margin on either side of the values, in usual intervals
@@ -67,6 +75,7 @@ def plot_through_time(
         for date in dates:
             panel.axvline(date, color=BEFORE, linestyle="--", linewidth=1.2)
         panel.tick_params(axis="x", labelbottom=panel is axes[-1])
+    dated_axis(axes[-1])
     for date in dates:
         words = dict(xytext=(3, -3), textcoords="offset points", va="top")
         place = dict(xy=(date, 1.0), xycoords=("data", "axes fraction"))

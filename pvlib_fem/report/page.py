@@ -77,7 +77,7 @@ STEPS = {
     "steady": "no memory",
     "fem": "the paper's form",
     "balance": "heat balance",
-    "+radiative_loss": "longwave exchange, which every module has",
+    "+radiative_loss": "longwave exchange of every module",
 }
 VERDICTS = {
     "named": "no other tested cause explains it",
@@ -135,7 +135,7 @@ def page(loop, statements, never=(), title=None, gamma=GAMMA):
         section(
             "Annex: coefficients", coefficients(fit, loop.corrections, ranges(loop))
         ),
-        section("Annex: ambiguous findings and hints", undecided(loop)),
+        section("Annex: ambiguous findings and hints", undecided(loop, statements)),
         section("Annex: checks", rules(loop)),
         section("Annex: terms", listed(TERMS)),
         section("Annex: how to reproduce this report", reproduce(loop)),
@@ -164,8 +164,7 @@ def could_be(loop):
 
 def to_do(statements, gamma):
     """What was found and what to do about it, the most valuable first."""
-    if not len(statements):
-        return paragraph("Nothing: no fault of an instrument was found.")
+    hints = statements["verdict"] == Verdict.SUGGESTIVE
     rows = [
         (
             one.text,
@@ -174,13 +173,19 @@ def to_do(statements, gamma):
             one.since or "–",
             number(one.gain),
             f"{one.energy:.1f}" if np.isfinite(one.energy) else "–",
-            one.certainty,
+            one.certainty or "–",
         )
-        for one in statements.itertuples()
+        for one in statements[~hints].itertuples()
     ]
-    head = ("finding", "action", "device", "@since", "#worth [K]")
-    head += ("#worth [kWh/kWp per year]", "how sure")
-    return table(head, rows, WORTH.format(100 * gamma), wraps=True)
+    body = [paragraph("Nothing: no fault of an instrument was found.")]
+    if rows:
+        head = ("finding", "action", "device", "@since", "#worth [K]")
+        head += ("#worth [kWh/kWp per year]", "how sure")
+        body = [table(head, rows, WORTH.format(100 * gamma), wraps=True)]
+    if count := int(hints.sum()):
+        words = f"{count} hint{'s' * (count > 1)} that the model does not contain"
+        body.append(paragraph(f"{words} {'are' if count > 1 else 'is'} in the annex."))
+    return body
 
 
 def ranges(loop):
@@ -351,17 +356,18 @@ def errors(loop, gamma=GAMMA):
     )
 
 
-def undecided(loop):
+def undecided(loop, statements):
     """Ties and hints, and what would decide."""
     undecided = (Verdict.CLASS, Verdict.SUGGESTIVE)
     open_ = [f for f in loop.finding_objects if f.verdict in undecided]
     if not open_:
         none = "Nothing: all that was found has one name."
         return paragraph(none if added(loop) else "Nothing was found.")
+    texts = dict(zip(statements["cause"], statements["text"]))
     return listed(
         (
-            said(f),
-            f"{worth(f)}; {f.gain:.2f} K; {f.why}; it would be {numbers(f)}",
+            texts.get(f.effect, said(f)),
+            f"{said(f)}; {worth(f)}; {f.gain:.2f} K; {f.why}; it would be {numbers(f)}",
         )
         for f in open_
     )
@@ -424,7 +430,7 @@ def in_time(loop):
     for name, rows in events.by_kind(loop).items():
         said = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
         body += [paragraph(said), event_page(rows)]
-    head = ("part", "#K²", "#K", "#%", "weeks")
+    head = ("part", "#mean square [K²]", "#root [K]", "#share [%]", "weeks")
     words = (
         "The parts that the steps remove and the remaining error add up to the steady "
         "model's mean square. The days that stand out and the time scales of all other "
@@ -437,7 +443,8 @@ def in_time(loop):
 
 def event_page(rows):
     """A table of events, the largest first."""
-    head = ("from", "to", "#h", "#K", "#% of the error", "#% of the power", "#air, °C")
+    head = ("@from", "@to", "#duration [h]", "#residual [K]", "#share of error [%]")
+    head += ("#power of expected [%]", "#temp_air [°C]")
     cells = (
         (
             f"{row['start']:%Y-%m-%d %H:%M}",

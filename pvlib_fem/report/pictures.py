@@ -73,8 +73,8 @@ def pictures(loop):
 def picture_of_ceiling(ceiling):
     """The bar of a ceiling, and what it shows."""
     words = (
-        "Mean square of the paper's form: what the loop closes, what boosted trees on "
-        "the same columns close beyond that, and what neither does"
+        "Mean square of the paper's form: the part that the loop explains, the part "
+        "that only boosted trees on the same columns explain, and the rest"
     )
     size = (4.8, 1.8)
 

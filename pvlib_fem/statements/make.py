@@ -139,9 +139,11 @@ def sentence(finding, clauses):
 def words_of(clause, place=""):
     """A clause with its dates; ``place`` has the days between which it began."""
     if clause.course == "step":
-        return f"from {place or clause.since} on {clause.words}"
+        return f"from {place or clause.since or 'some date'} on {clause.words}"
     if clause.course == "episode":
-        return f"from {place or f'{clause.since} until {clause.until}'} {clause.words}"
+        dates = f"from {clause.since} until {clause.until}" if clause.since else ""
+        dates = f"from {place}" if place else dates or "for some time"
+        return f"{dates} {clause.words}"
     if clause.course == "drift":
         return f"{clause.words} since {clause.since}"
     return clause.words
