@@ -5,11 +5,13 @@ step is ``y[i] = decay[i]*y[i-1] + (1 - decay[i])*x[i]`` with
 ``decay = exp(-step/tau)``: a lower bidiagonal linear system, which BLAS solves.
 """
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from scipy.linalg.blas import dtbsv
 
-from pvlib_fem.record.inputs import read
+from pvlib_fem.record.inputs import Inputs, read
 from pvlib_fem.types import Numeric, Times
 
 # rows solved at a time: all arrays stay in the cache, and the matrix product is smaller
@@ -95,7 +97,13 @@ def ewm(
     return inputs.restore(smooth, getattr(values, "name", None))
 
 
-def smoothed(inputs, name, tau, adjust=False, initial=None):
+def smoothed(
+    inputs: Inputs,
+    name: str,
+    tau: float | np.ndarray | pd.Series,
+    adjust: bool = False,
+    initial: Any = None,
+) -> np.ndarray:
     """A column of checked inputs seen through a time constant. [s]"""
     tau = time_constant(tau, len(inputs.index)) / inputs.unit
     if adjust and initial is not None:
@@ -109,7 +117,9 @@ def smoothed(inputs, name, tau, adjust=False, initial=None):
     return relax(inputs[name], steps, tau, state)
 
 
-def time_constant(tau, rows, name="tau"):
+def time_constant(
+    tau: float | np.ndarray | pd.Series, rows: int, name: str = "tau"
+) -> float | np.ndarray:
     """Check a time constant: positive, a number or one for each row. [s]"""
     values = np.ma.filled(np.ma.asarray(tau, dtype=float), np.nan)
     if values.ndim and values.shape != (rows,):
@@ -123,10 +133,15 @@ def time_constant(tau, rows, name="tau"):
     return float(values) if values.ndim == 0 else values
 
 
-def over_nan(solve):
+def over_nan(solve: Any) -> Any:
     """Decorate a solver: it gets the rows without NaN and the steps between them."""
 
-    def solved(target, steps, tau, *state):
+    def solved(
+        target: np.ndarray,
+        steps: float | np.ndarray,
+        tau: float | np.ndarray,
+        *state: float | None,
+    ) -> np.ndarray:
         if not np.isnan(target.sum()):  # one fast pass; infinities are refused before
             return solve(target, steps, tau, *state)
         valid = np.flatnonzero(~np.isnan(target))
@@ -143,7 +158,12 @@ def over_nan(solve):
 
 
 @over_nan
-def relax(target, steps, tau, state=None):
+def relax(
+    target: np.ndarray,
+    steps: float | np.ndarray,
+    tau: float | np.ndarray,
+    state: float | None = None,
+) -> np.ndarray:
     """
     Response to ``target`` on any steps, with gaps and NaN.
 
@@ -175,7 +195,9 @@ def relax(target, steps, tau, state=None):
     return result
 
 
-def relax_even(target, decay, state):
+def relax_even(
+    target: np.ndarray, decay: float | np.ndarray, state: float
+) -> np.ndarray:
     """Response on even steps: one matrix product solves sixteen rows."""
     result = np.empty(len(target))
     age = np.arange(WIDE)[None, :] - np.arange(WIDE)[:, None]
@@ -197,7 +219,12 @@ def relax_even(target, decay, state):
     return result
 
 
-def respond(decay, source, state=0.0, band=None):
+def respond(
+    decay: np.ndarray,
+    source: np.ndarray,
+    state: float = 0.0,
+    band: np.ndarray | None = None,
+) -> np.ndarray:
     """Solve ``y[i] - decay[i]*y[i-1] = source[i]``, ``y[-1] = state``, in place."""
     if not len(source):
         return source
@@ -205,7 +232,7 @@ def respond(decay, source, state=0.0, band=None):
     return solve(banded(decay, band), source)
 
 
-def banded(decay, band=None):
+def banded(decay: np.ndarray, band: np.ndarray | None = None) -> np.ndarray:
     """The system of :func:`respond` in BLAS' band form; the diagonal of 1 is unread."""
     rows = len(decay)
     band = np.empty((2, rows), order="F") if band is None else band[:, :rows]
@@ -213,20 +240,22 @@ def banded(decay, band=None):
     return band
 
 
-def solve(band, source):
+def solve(band: np.ndarray, source: np.ndarray) -> np.ndarray:
     """Solve a banded system in place; one band serves several sources."""
     return dtbsv(1, band, source, lower=1, diag=1, overwrite_x=1)
 
 
 @over_nan
-def weighted_mean(target, steps, tau):
+def weighted_mean(
+    target: np.ndarray, steps: float | np.ndarray, tau: float
+) -> np.ndarray:
     """Mean of all samples so far by exponential weights, as pandas' ``adjust=True``."""
     decay = decays(steps, tau, len(target))
     band = banded(decay)
     return solve(band, target.copy()) / solve(band, np.ones(len(target)))
 
 
-def decays(steps, tau, rows):
+def decays(steps: float | np.ndarray, tau: float, rows: int) -> np.ndarray:
     """Weight of the past at each row: ``exp(-steps/tau)``, 0 at the start."""
     decay = np.exp(np.broadcast_to(-steps / tau, rows))
     limit = gap_limit(steps, tau)
@@ -236,7 +265,7 @@ def decays(steps, tau, rows):
     return decay
 
 
-def gap_limit(steps, tau, usual=None):
+def gap_limit(steps: Any, tau: float | np.ndarray, usual: float | None = None) -> Any:
     """
     Step beyond which the past is forgotten; None if no step is that long.
 
@@ -249,12 +278,12 @@ def gap_limit(steps, tau, usual=None):
     return np.maximum(limit, 2.0 * (median_step(steps) if usual is None else usual))
 
 
-def median_step(steps):
+def median_step(steps: Any) -> float:
     """Median of the steps between rows; the first row has no step before it."""
     return float(np.median(steps[1:])) if len(steps) > 1 else 0.0
 
 
-def usual_step(columns, steps):
+def usual_step(columns: list, steps: float) -> float:
     """Median step between the rows on which none of the columns is missing."""
     if np.ndim(steps) == 0 and np.isfinite(sum(column.sum() for column in columns)):
         return float(steps)
@@ -268,7 +297,7 @@ def usual_step(columns, steps):
     return median_step(across(steps, np.flatnonzero(there)))
 
 
-def across(steps, valid):
+def across(steps: Any, valid: np.ndarray) -> np.ndarray:
     """Steps between the ``valid`` rows, across the rows left out."""
     if np.ndim(steps) == 0 or not len(valid):
         return np.diff(valid, prepend=-1) * (steps if np.ndim(steps) == 0 else 0.0)
@@ -276,6 +305,6 @@ def across(steps, valid):
     return np.add.reduceat(steps[: valid[-1] + 1], first)
 
 
-def part(values, rows):
+def part(values: Any, rows: Any) -> float | np.ndarray:
     """Some rows of an array; a number is returned as it is."""
     return values if np.ndim(values) == 0 else values[rows]

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import as_numbers
-from pvlib_fem.record.inputs import read
+from pvlib_fem.record.inputs import Inputs, read
 from pvlib_fem.types import Numeric
 
 __all__ = [
@@ -80,7 +81,7 @@ class Tally:
     rows: int = 0
     sums: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
-    def add(self, error):
+    def add(self, error: np.ndarray) -> None:
         total = error.sum()
         if not np.isfinite(total):
             error = error[np.isfinite(error)]
@@ -89,7 +90,7 @@ class Tally:
         # not by BLAS, whose last bits depend on the number of threads
         self.sums += np.einsum("i,i", error, error), np.abs(error).sum(), total
 
-    def of(self, part):
+    def of(self, part: str) -> dict:
         """RMSE, MAE and MBE; the name of each ends with the part of a record. [K]"""
         with np.errstate(invalid="ignore"):
             square, size, mean = self.sums / (self.rows or np.nan)
@@ -97,19 +98,19 @@ class Tally:
         return {f"{score}_{part}": float(value) for score, value in found.items()}
 
 
-def of(error, part):
+def of(error: Any, part: Any) -> Any:
     """RMSE, MAE and MBE of some errors; each name ends with the part. [K]"""
     tally = Tally()
     tally.add(error)
     return tally.of(part)
 
 
-def tallying():
+def tallying() -> dict:
     """Tallies for the errors of one model on training days and on test days."""
     return {"train": Tally(), "test": Tally()}
 
 
-def scored(tallies):
+def scored(tallies: dict) -> pd.DataFrame:
     """A row of scores for each model."""
     rows = {
         name: {n: v for part, tally in parts.items() for n, v in tally.of(part).items()}
@@ -118,7 +119,7 @@ def scored(tallies):
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def difference(measured, modelled):
+def difference(measured: Any, modelled: Any) -> np.ndarray:
     columns = {"measured": measured, "modelled": modelled}
     same_rows(columns)
     measured, modelled = (
@@ -129,7 +130,7 @@ def difference(measured, modelled):
     return error[np.isfinite(error)]
 
 
-def same_rows(columns):
+def same_rows(columns: dict) -> None:
     """Refuse columns that numpy would not pair row by row."""
     for name, column in columns.items():
         if np.ndim(column) > 1:
@@ -147,7 +148,7 @@ def same_rows(columns):
         raise ValueError("the series have different indexes; align them first")
 
 
-def mean_of(values):
+def mean_of(values: np.ndarray) -> float:
     return float(values.mean()) if len(values) else np.nan
 
 
@@ -220,7 +221,7 @@ def energy_error(
     return energy_of(kilowatt_hours(inputs), too_hot, gamma)
 
 
-def kilowatt_hours(inputs):
+def kilowatt_hours(inputs: Inputs) -> np.ndarray:
     """Irradiation of each row. [kWh/m²]"""
     seconds = inputs.step
     if np.ndim(inputs.steps):  # the first row counts for a usual step
@@ -229,7 +230,9 @@ def kilowatt_hours(inputs):
     return inputs["poa_global"] / 1000.0 * seconds / HOUR
 
 
-def energy_of(kilowatt_hours, too_hot, gamma=GAMMA):
+def energy_of(
+    kilowatt_hours: np.ndarray, too_hot: np.ndarray, gamma: float = GAMMA
+) -> EnergyError:
     """The energy error of rows by their irradiation and their temperature error."""
     error = kilowatt_hours * too_hot * gamma
     seen = np.isfinite(error)
@@ -302,7 +305,7 @@ def delayed_sensor(
     return pd.DataFrame.from_dict(table, orient="index").rename_axis("delay")
 
 
-def whole_delays(delays, step):
+def whole_delays(delays: Any, step: float) -> list | range:
     """Delays in whole steps, by default the paper's; ValueError for other delays."""
     chosen = LATE if delays is None else list(delays)
     between = [d for d in chosen if not abs(d / step - np.rint(d / step)) < CLOSE]

@@ -1,7 +1,9 @@
 """Axes along which rows are binned: clock, calendar and columns."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -22,12 +24,12 @@ MONTHS = (
 OF_COLUMN = "column "  # prefix of a column whose name is one of CLOCK
 
 
-def month_words(name, start, end):
+def month_words(name: str, start: int, end: int) -> str:
     one, other = (MONTHS[month - 1] for month in (start, end))
     return f"in {one}" if start == end else f"from {one} to {other}"
 
 
-def column_words(name, start, end):
+def column_words(name: str, start: str, end: str) -> str:
     """Words for a part of a column's range; missing values are in the last bin."""
     if start == "missing":
         return f"where {name} is missing"
@@ -76,11 +78,11 @@ class Axis:
     column: str = ""
     cyclic: bool = False
 
-    def of(self, rows):
+    def of(self, rows: Any) -> Any:
         """This axis for some of the rows."""
         return self if rows.all() else replace(self, bins=self.bins[rows])
 
-    def strongest(self, squares, share):
+    def strongest(self, squares: np.ndarray, share: float) -> np.ndarray:
         """Shortest run of adjacent bins that holds a share of the squares."""
         count, whole = len(squares), squares.sum()
         for length in range(1, count):
@@ -91,7 +93,7 @@ class Axis:
                 return runs[np.argmax(held)]
         return np.arange(count)
 
-    def words(self, bins, share):
+    def words(self, bins: list | np.ndarray, share: float) -> str:
         """Words for a run of bins, with a share of the rows in it."""
         if len(bins) == len(self.labels):
             return ""
@@ -99,7 +101,7 @@ class Axis:
         words = CLOCK_WORDS.get(self.name) if not self.column else column_words
         return words(self.name, start, end)
 
-    def place(self, bins, rows):
+    def place(self, bins: np.ndarray, rows: np.ndarray) -> "Place":
         """The range of some bins; ``rows`` are the numbers of rows in all bins."""
         share = float(rows[bins].sum() / rows.sum())
         ends = self.labels[bins[0]][0], self.labels[bins[-1]][1]
@@ -134,7 +136,7 @@ class Place:
     words: str
 
 
-def axes(places, dates):
+def axes(places: dict, dates: np.ndarray) -> Iterator:
     """
     Yield all axes of clock, calendar and columns.
 
@@ -163,7 +165,7 @@ def axes(places, dates):
             yield axis
 
 
-def sorted_by(name, values):
+def sorted_by(name: str, values: np.ndarray) -> Axis | None:
     """Axis of one driver; None if it does not vary."""
     known = np.isfinite(values)
     if name == "wind_direction":
@@ -194,7 +196,7 @@ def sorted_by(name, values):
     return Axis(shown, *with_missing(bins, labels, known), name)
 
 
-def of_width(name, values, width):
+def of_width(name: str, values: Any, width: Any) -> Any:
     """Bins of equal width."""
     bins = np.floor(values / width).astype(int)
     low, high = bins.min(), bins.max()
@@ -202,12 +204,14 @@ def of_width(name, values, width):
     return Axis(name, bins - low, labels, name)
 
 
-def with_missing(bins, labels, known):
+def with_missing(
+    bins: np.ndarray, labels: tuple, known: np.ndarray
+) -> tuple[np.ndarray, tuple]:
     """Bins and labels with one more bin for rows where the driver is missing."""
     if known.all():
         return bins, labels
     return np.where(known, bins, len(labels)), (*labels, ("missing",) * 2)
 
 
-def rounded(value):
+def rounded(value: float) -> float:
     return float(f"{value:.3g}")

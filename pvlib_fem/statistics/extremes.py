@@ -1,17 +1,19 @@
 """The largest of many gains, and Student's t as a normal deviate."""
 
+from typing import Any
+
 import numpy as np
 from scipy.special import ndtri, stdtr
 
 ALIKE = 1e-9  # relative difference up to which two gains count as equal
 
 
-def as_normal(statistic, draws):
+def as_normal(statistic: Any, draws: Any) -> Any:
     """Normal deviate with the tail probability of Student's t with few draws."""
     return float(-ndtri(stdtr(draws, -statistic)))
 
 
-def largest(gains):
+def largest(gains: Any) -> Any:
     """
     Place of the first gain that equals the largest within rounding errors.
 

@@ -20,7 +20,7 @@ class Lasting:
     days: int  # number of days from which the memory is estimated
 
     @property
-    def known(self):
+    def known(self) -> bool:
         """Whether there are enough days to estimate the memory."""
         return self.memory <= KNOWN * self.days
 
@@ -78,7 +78,7 @@ def lasting(sums: ClusterSums) -> Lasting:
     return Lasting(variance, -1.0 / np.log(memory) if memory > 0.0 else 0.0, days)
 
 
-def between(columns, memory):
+def between(columns: np.ndarray, memory: float) -> float | np.ndarray:
     """Sum of products of all pairs of days, weighted by their correlation."""
     carried = lfilter([1.0], [1.0, -memory], columns, axis=0)
     return (columns * (2.0 * carried - columns)).sum(axis=0)

@@ -1,6 +1,8 @@
 """Bounded nonlinear least squares on an exact Jacobian."""
 
+from collections.abc import Callable, Generator, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -32,31 +34,31 @@ class Normal:
     gradient: np.ndarray  # J'r
 
     @classmethod
-    def of(cls, total):
+    def of(cls, total: np.ndarray) -> "Normal":
         """From the products of all slopes and, last, the residual."""
         return cls(float(total[-1, -1]), total[:-1, :-1], total[:-1, -1])
 
-    def by(self, chain):
+    def by(self, chain: np.ndarray) -> "Normal":
         """The sums for other variables, by the matrix of the chain rule."""
         normal = chain.T @ self.normal @ chain
         return Normal(self.squares, normal, chain.T @ self.gradient)
 
-    def fall(self, step):
+    def fall(self, step: np.ndarray) -> float:
         """Decrease of the sum of squares by a step, to first order."""
         return float(2.0 * self.gradient @ step - step @ self.normal @ step)
 
 
-def normal(residual, jacobian):
+def normal(residual: np.ndarray, jacobian: np.ndarray) -> Normal:
     """The sums of a residual and the matrix of its slopes."""
     return Normal.of(products([*jacobian.T, residual]))
 
 
-def minimum_of(search, evaluate):
+def minimum_of(search: Iterable, evaluate: Callable) -> Minimum:
     """Run a search to its end; ``evaluate`` answers its points."""
     return minima_of({"": search}, lambda points: {"": evaluate(points[""])})[""]
 
 
-def minima_of(searches, evaluate):
+def minima_of(searches: dict, evaluate: Callable) -> dict:
     """
     Run several searches to their ends; returns their results by name.
 
@@ -76,7 +78,13 @@ def minima_of(searches, evaluate):
     return found
 
 
-def descent(start, lower, upper, steps=STEPS, flat=FLAT):
+def descent(
+    start: Sequence | np.ndarray,
+    lower: Sequence | np.ndarray,
+    upper: Sequence | np.ndarray,
+    steps: int = STEPS,
+    flat: float = FLAT,
+) -> Generator[np.ndarray, Normal, Minimum]:
     """
     Search for the least sum of squares, as a generator.
 
@@ -90,7 +98,7 @@ def descent(start, lower, upper, steps=STEPS, flat=FLAT):
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     x = np.clip(np.asarray(start, float), lower, upper)
     converged = not len(x)  # nothing varies
-    at = None if converged else (yield x)
+    at: Any = None if converged else (yield x)
     before, enough = np.inf, NEXT * flat if flat > FLAT else 0.0
     for _ in range(0 if converged else steps):
         step = bounded_step(at, lower - x, upper - x)
@@ -119,7 +127,7 @@ def descent(start, lower, upper, steps=STEPS, flat=FLAT):
     return Minimum(x, bool(converged), at_bound)
 
 
-def bounded_step(at, lower, upper):
+def bounded_step(at: Normal, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Best linear step within bounds, from the scaled normal matrix."""
     scale = np.sqrt(np.diag(at.normal))
     nothing = scale == 0
@@ -143,7 +151,7 @@ def bounded_step(at, lower, upper):
     return step / scale
 
 
-def products(columns, rows=slice(None)):
+def products(columns: list, rows: Any = slice(None)) -> np.ndarray:
     """
     Products of all pairs of columns, with the same bits on any number of cores.
 

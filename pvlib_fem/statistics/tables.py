@@ -9,6 +9,7 @@ error of one week alone does not contribute.
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,9 @@ class Table:
     rows: np.ndarray = field(repr=False)
 
     @classmethod
-    def of(cls, axes, rest, rows, weeks):
+    def of(
+        cls, axes: tuple, rest: np.ndarray, rows: np.ndarray, weeks: np.ndarray
+    ) -> "Table":
         """
         The table of some axes.
 
@@ -88,22 +91,22 @@ class Table:
         )
 
     @property
-    def values(self):
+    def values(self) -> np.ndarray:
         """Best linear prediction of each value. [K]"""
         return (self.shares * self.means)[self.groups]
 
     @property
-    def free(self):
+    def free(self) -> Any:
         """Share of the mean of each cell that whitening removes."""
         return 1.0 - np.sqrt(1.0 - self.shares)
 
     @property
-    def gain(self):
+    def gain(self) -> float:
         """Standard deviation between cells: the error that the table explains. [K]"""
         return float(np.sqrt(self.variance))
 
     @cached_property
-    def top(self):
+    def top(self) -> np.ndarray:
         """Mask of the strong cells that have the prevailing sign."""
         means, rows = self.shares * self.means, self.rows
         strong = np.abs(means) >= STRONG_CELL * np.abs(means).max()
@@ -111,13 +114,13 @@ class Table:
         return strong & ((means > 0) == (squares @ np.sign(means) >= 0))
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Mean remaining error where it is strongest. [K]"""
         top = self.rows * self.top
         return float(top @ self.means / max(top.sum(), 1.0))
 
     @cached_property
-    def places(self):
+    def places(self) -> tuple:
         """Range of the strongest cells along each axis."""
         # a temporary error leaves a residual of the other sign elsewhere
         means = self.shares * self.means
@@ -131,26 +134,26 @@ class Table:
         return tuple(found)
 
     @property
-    def drivers(self):
+    def drivers(self) -> tuple:
         return tuple(place.driver for place in self.places)
 
     @property
-    def name(self):
+    def name(self) -> str:
         return " × ".join(self.drivers)
 
     @property
-    def ranges(self):
+    def ranges(self) -> dict:
         """From and to, by driver."""
         return {place.driver: (place.start, place.end) for place in self.places}
 
     @property
-    def where(self):
+    def where(self) -> str:
         """The places in words."""
         words = [place.words for place in self.places if place.words]
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
 
 
-def joined(axes):
+def joined(axes: tuple) -> tuple[np.ndarray, int]:
     """Number of each value's cell on one or two axes, and the number of cells."""
     if len(axes) == 1:
         return axes[0].bins, len(axes[0].labels)
@@ -159,13 +162,15 @@ def joined(axes):
     return one.bins * wide + two.bins, len(one.labels) * wide
 
 
-def ways(axes):
+def ways(axes: list) -> list:
     """Each axis, and each pair of axes with different names."""
     pairs = combinations(axes, 2)
     return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
 
 
-def largest(kinds, rest, rows, weeks, least):
+def largest(
+    kinds: list, rest: np.ndarray, rows: np.ndarray, weeks: np.ndarray, least: float
+) -> Any:
     """
     The table with the largest significant and material variance, or None.
 
