@@ -8,6 +8,7 @@ between faiman and pvsyst. Other pairs differ in shape, and a rule must choose.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -49,30 +50,37 @@ class Shape:
     clip: float = np.inf  # wind speed beyond which more wind has no influence
     ratio: float | None = None  # second/first where the model fixes it
 
-    def resistance(self, wind_speed, coefficients):
+    def resistance(self, wind_speed: float | np.ndarray, coefficients: dict) -> Any:
         first, second = self.line(**coefficients)
         return self.unbend(first + second * np.minimum(wind_speed, self.clip))
 
 
-def pvsyst_coefficients(first, second, module_efficiency, alpha_absorption):
+def pvsyst_coefficients(
+    first: float, second: float, module_efficiency: float, alpha_absorption: float
+) -> dict:
     absorbed = alpha_absorption * (1.0 - module_efficiency)
     return {"u_c": first * absorbed, "u_v": second * absorbed}
 
 
-def noct_sam_coefficients(first, second, module_efficiency, transmittance_absorptance):
+def noct_sam_coefficients(
+    first: float,
+    second: float,
+    module_efficiency: float,
+    transmittance_absorptance: float,
+) -> dict:
     heat = 1.0 - module_efficiency / transmittance_absorptance
     return {"noct": 20.0 + 800.0 * 0.6 / (first * heat)}
 
 
-def wm1_coefficients(first, second):
+def wm1_coefficients(first: float, second: float) -> dict:
     return {"k": np.exp(first), "d": -1.0 / second if second else np.inf}
 
 
-def reciprocal(value):
+def reciprocal(value: float | np.ndarray) -> float | np.ndarray:
     return 1.0 / value
 
 
-def same(value):
+def same(value: float | np.ndarray) -> float | np.ndarray:
     return value
 
 
@@ -305,13 +313,13 @@ def translation_mismatch(
     )
 
 
-def shape(model):
+def shape(model: str) -> Any:
     if model not in SHAPES:
         raise ValueError(f"unknown model {model!r}; there are {', '.join(SHAPES)}")
     return SHAPES[model]
 
 
-def completed(model, coefficients):
+def completed(model: str, coefficients: dict) -> Any:
     """The shape of a model and its coefficients with the fixed ones."""
     if model == "ross" and "noct" in coefficients:
         model = "noct"
@@ -333,7 +341,7 @@ def completed(model, coefficients):
     return found, complete
 
 
-def completed_fixed(target, goal, fixed):
+def completed_fixed(target: str, goal: Shape, fixed: dict) -> dict:
     if unknown := [name for name in fixed if name not in goal.fixed]:
         raise ValueError(
             f"{target} has no constant {', '.join(unknown)}; it has "
@@ -345,7 +353,7 @@ def completed_fixed(target, goal, fixed):
     return complete
 
 
-def at_calm(start, own, goal):
+def at_calm(start: Shape, own: dict, goal: Shape) -> tuple[float, float]:
     """The line of the target whose resistance and slope agree at 0 m/s."""
     first, second = start.line(**own)
     calm = start.unbend(first)
@@ -355,7 +363,7 @@ def at_calm(start, own, goal):
     return goal.bend(calm), goal.slope(calm) * fall
 
 
-def at_two_winds(start, own, goal):
+def at_two_winds(start: Any, own: dict, goal: Shape) -> tuple[float, float]:
     """The line of the target that agrees at two winds, or at one if it has no slope."""
     if goal.ratio == 0.0:
         return np.mean(start.resistance(np.array(TWO_WINDS), own)), 0.0
@@ -371,7 +379,9 @@ def at_two_winds(start, own, goal):
     return low - second * TWO_WINDS[0], second
 
 
-def at_winds(start, own, goal, winds):
+def at_winds(
+    start: Any, own: dict, goal: Shape, winds: np.ndarray
+) -> np.ndarray | tuple[float, float]:
     """Least squares of the over-temperature over wind speeds."""
     wanted = start.resistance(winds, own)
     seen = np.minimum(winds, goal.clip)
@@ -379,7 +389,7 @@ def at_winds(start, own, goal, winds):
     if goal.ratio is not None:
         begin = begin[:1]
 
-    def mismatch(line):
+    def mismatch(line: np.ndarray) -> np.ndarray:
         second = goal.ratio * line[0] if goal.ratio is not None else line[1]
         return SUN * (goal.unbend(line[0] + second * seen) - wanted)
 

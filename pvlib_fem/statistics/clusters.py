@@ -183,7 +183,7 @@ def products_by_day(columns: list, dates: np.ndarray) -> tuple[np.ndarray, np.nd
         length = rows[start]
         most = max(AT_ONCE // length, 1) if length * size**2 <= BLOCK else 1
         for day in range(start, end, most):
-            stop: int = min(day + most, end)
+            stop = day + int(np.minimum(most, end - day))
             days, part = slice(day, stop), slice(first[day], ends[stop - 1])
             found[days] = (
                 products(columns, part) if most == 1 else of_days(columns, part, length)

@@ -2,11 +2,14 @@
 
 from functools import cache, lru_cache
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem.effects.effect import FixedTerms, is_there
-from pvlib_fem.thermal.steady import SCALES
+from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.thermal.response import Past
+from pvlib_fem.thermal.steady import SCALES, SteadyModel
 
 LONG = 1 << 15  # rows of a record from which the loops save more time than they load
 AT_ONCE = 1 << 18  # rows that the loops get at a time
@@ -14,7 +17,7 @@ MEMORIES = {"ewm": "tau", "balance": "capacity"}
 FAR = 8.0  # m/s, second point of a line in wind; the first is calm air
 
 
-def fast(rows, effects, also=None):
+def fast(rows: int, effects: tuple, also: Any = None) -> bool:
     """Whether the loops can solve a record of so many rows, and the terms ``also``."""
     if rows < LONG or any(is_beyond_them(effect) for effect in effects):
         return False
@@ -23,7 +26,7 @@ def fast(rows, effects, also=None):
     return loops() is not None
 
 
-def is_beyond_them(effect):
+def is_beyond_them(effect: Any) -> Any:
     """Whether a known effect adds to ``gain`` or ``capacity``, which no loop has."""
     terms = [effect.terms] if isinstance(effect, FixedTerms) else []
     terms += effect.units.values()
@@ -31,7 +34,7 @@ def is_beyond_them(effect):
 
 
 @cache
-def loops():
+def loops() -> Any:
     """The compiled loops, loaded at the first call; None without numba."""
     if find_spec("numba") is None:
         return None
@@ -40,7 +43,7 @@ def loops():
     return kernels
 
 
-def line_of(law, own):
+def line_of(law: SteadyModel, own: dict) -> tuple[np.ndarray, float, dict]:
     """A steady model as a line in wind on its scale: the line, its clip, its slopes."""
     clip = own[law.clip] if law.clip else np.inf
     winds = np.array([0.0, min(FAR, clip) or FAR])
@@ -51,7 +54,7 @@ def line_of(law, own):
     return line, float(clip), dict(zip(law.parameters, by))
 
 
-def of_terms(slopes, names, rows):
+def of_terms(slopes: dict, names: list, rows: int) -> tuple:
     """For heat, loss and offset: places of the slopes that add to it, and a table."""
     more = []
     for column in ("heat", "loss", "offset"):
@@ -64,13 +67,13 @@ def of_terms(slopes, names, rows):
     return tuple(more)
 
 
-def of_rows(seen, rows):
+def of_rows(seen: tuple | None, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """The mask of rows that count, by default all, and the measured values."""
     counts, measured = seen or (np.ones(rows, bool), np.nan)
     return counts, whole(measured)
 
 
-def whole(column):
+def whole(column: float | np.ndarray) -> np.ndarray:
     """A column as an array for the loops: of all rows, or of one tile if constant."""
     if np.ndim(column) == 0:
         column = constant(float(column))
@@ -80,13 +83,20 @@ def whole(column):
 
 
 @lru_cache(maxsize=16)
-def constant(value):
+def constant(value: float) -> np.ndarray:
     return np.full(loops().TILE, value)
 
 
 def answered(
-    model, inputs, coefficients, past, seen=None, edges=None, into=None, also=None
-):
+    model: Any,
+    inputs: Inputs,
+    coefficients: dict,
+    past: Past,
+    seen: tuple | None = None,
+    edges: Any = None,
+    into: np.ndarray | None = None,
+    also: Any = None,
+) -> Any:
     """
     Temperature of a block, and the products of its slopes and residuals.
 
@@ -147,7 +157,7 @@ def answered(
     return chain.T @ total @ chain
 
 
-def chained(model, by, names):
+def chained(model: Any, by: dict, names: list) -> np.ndarray:
     """Matrix from the columns of the loops to slopes by parameter, and the residual."""
     parameters = list(model.parameters)
     chain = np.zeros((5 + len(names), len(parameters) + 1))

@@ -1,12 +1,18 @@
 """The dynamics: the response of a block of rows to the columns of the equation."""
 
+from typing import Any
+
 import numpy as np
 
-from pvlib_fem.effects.effect import is_there
-from pvlib_fem.thermal.response import Response
+from pvlib_fem.effects.effect import Terms, is_there
+from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.thermal.response import Past, Response
+from pvlib_fem.thermal.steady import SteadyModel
 
 
-def resistance(steady_model, own, wind, loss):
+def resistance(
+    steady_model: SteadyModel, own: dict, wind: float | np.ndarray, loss: Any
+) -> tuple:
     """Resistance with further losses, and its ratio to that of the steady model."""
     r_steady = steady_model.resistance(wind, **own)
     if not is_there(loss):
@@ -17,7 +23,13 @@ def resistance(steady_model, own, wind, loss):
     return r_steady * share, share
 
 
-def resistance_slopes(steady_model, own, wind, r_eq, share):
+def resistance_slopes(
+    steady_model: SteadyModel,
+    own: dict,
+    wind: Any,
+    r_eq: float | np.ndarray,
+    share: float | np.ndarray,
+) -> tuple:
     """Slopes of a resistance by the model's parameters and wind, and by the loss."""
     slopes = steady_model.slopes(wind, **own)
     if is_there(share - 1.0):
@@ -25,7 +37,9 @@ def resistance_slopes(steady_model, own, wind, r_eq, share):
     return slopes, -(r_eq**2)
 
 
-def steady(steady_model, own, inputs, added, slopes):
+def steady(
+    steady_model: SteadyModel, own: dict, inputs: Inputs, added: Terms, slopes: dict
+) -> tuple[np.ndarray, dict]:
     """T = T_air + heat·r_eq."""
     wind = inputs["wind_speed"]
     r_eq, share = resistance(steady_model, own, wind, added.loss)
@@ -46,7 +60,9 @@ def steady(steady_model, own, inputs, added, slopes):
 class Smooth:
     """A column and its parts, smoothed with one time constant."""
 
-    def __init__(self, name, whole, steps, tau, past, wanted):
+    def __init__(
+        self, name: str, whole: Any, steps: Any, tau: Any, past: Past, wanted: bool
+    ) -> None:
         self.value, self.by_tau, self.whole = whole, 0.0, whole
         self.name, self.given = name, (steps, tau, past)
         if np.ndim(whole) == 0:
@@ -61,7 +77,7 @@ class Smooth:
             source /= answer.tau
             self.by_tau = answer.spread(answer.solve("by_tau", source))
 
-    def part(self, name, column):
+    def part(self, name: str, column: np.ndarray) -> np.ndarray:
         """A part of the column, smoothed; its gaps are those of the whole column."""
         if np.ndim(column) == 0:
             return column
@@ -71,7 +87,15 @@ class Smooth:
         return self.answer.spread(self.answer.mean(name, self.answer.there(column)))
 
 
-def smoothed(steady_model, own, inputs, added, slopes, tau, past):
+def smoothed(
+    steady_model: SteadyModel,
+    own: dict,
+    inputs: Any,
+    added: Any,
+    slopes: dict,
+    tau: float,
+    past: Past,
+) -> tuple[np.ndarray, dict]:
     """Temperature of the paper's form: the steady model on smoothed heat and wind."""
     given = inputs.steps, tau / inputs.unit, past, bool(slopes)
     heat = Smooth("heat", added.heat, *given)
@@ -97,7 +121,14 @@ def smoothed(steady_model, own, inputs, added, slopes, tau, past):
     return temperature, found
 
 
-def balanced(steady_model, own, inputs, added, slopes, past):
+def balanced(
+    steady_model: SteadyModel,
+    own: dict,
+    inputs: Any,
+    added: Terms,
+    slopes: dict,
+    past: Any,
+) -> tuple[np.ndarray, dict]:
     """Temperature by the exact heat balance; its time constant is capacity·r_eq."""
     wind = inputs["wind_speed"]
     r_eq, share = resistance(steady_model, own, wind, added.loss)
@@ -115,10 +146,10 @@ def balanced(steady_model, own, inputs, added, slopes, past):
     fall = answer.fall("temperature", temperature, target)
     by_r = answer.rise * there(added.heat) + fall / r_eq  # slope of the source by r_eq
 
-    def solved(name, source):
+    def solved(name: str, source: Any) -> np.ndarray:
         return answer.spread(answer.solve(name, source))
 
-    found = {
+    found: dict[str, Any] = {
         name: solved(name, by_r * by_steady[name]) for name in steady_model.parameters
     }
     for name, slope in slopes.items():

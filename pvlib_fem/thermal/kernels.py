@@ -10,6 +10,7 @@ in a tile are skipped.
 """
 
 from math import factorial
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -32,7 +33,15 @@ compiled = njit(cache=True, error_model="numpy", fastmath={"contract"})
 
 
 @inlined
-def resistances(law, leaky, winds, losses, r_eq, by_line, shown):
+def resistances(
+    law: tuple,
+    leaky: bool,
+    winds: np.ndarray,
+    losses: np.ndarray,
+    r_eq: np.ndarray,
+    by_line: np.ndarray,
+    shown: tuple,
+) -> None:
     """Write resistances with further losses, and their slopes by the model's line."""
     scale, value, slope, clip = law
     first, last = shown
@@ -53,14 +62,16 @@ def resistances(law, leaky, winds, losses, r_eq, by_line, shown):
 
 
 @inlined
-def fade(step, ratio, usual):
+def fade(step: float, ratio: float, usual: float) -> float:
     """Weight of the past after ``ratio`` time constants; 0 after a gap."""
     gap = ratio > FORGOTTEN and step > 2.0 * usual
     return 0.0 if gap else np.exp(-ratio)
 
 
 @inlined
-def decay_all(steps, ratios, usual, decays):
+def decay_all(
+    steps: np.ndarray, ratios: np.ndarray, usual: float, decays: np.ndarray
+) -> None:
     """Write the weight of the past of some rows, by a series for small ratios."""
     small = True
     for i in range(len(ratios)):
@@ -75,19 +86,21 @@ def decay_all(steps, ratios, usual, decays):
 
 
 @inlined
-def faded(step, tau, usual):
+def faded(step: float, tau: float, usual: float) -> tuple[float, float]:
     """Weight of the past after a step, and its slope by tau."""
     decay = fade(step, step / tau, usual)
     return decay, decay * step / tau / tau
 
 
 @inlined
-def keep(state, since, begun, value, by_memory):
+def keep(
+    state: np.ndarray, since: float, begun: float, value: float, by_memory: float
+) -> None:
     state[0], state[1], state[2], state[3] = since, begun, value, by_memory
 
 
 @inlined
-def follows(values, state):
+def follows(values: np.ndarray, state: np.ndarray) -> bool:
     """Whether a column has no NaN, and the row before it had none."""
     whole = state[0] == 0.0 and state[1] == 1.0
     for i in range(len(values)):
@@ -96,7 +109,7 @@ def follows(values, state):
 
 
 @inlined
-def even(steps):
+def even(steps: np.ndarray) -> bool:
     """Whether all steps are equal."""
     same = True
     for i in range(len(steps)):
@@ -105,7 +118,16 @@ def even(steps):
 
 
 @compiled
-def smooth(values, steps, tau, usual, state, means, by_tau, lefts):
+def smooth(
+    values: np.ndarray,
+    steps: np.ndarray,
+    tau: float,
+    usual: float,
+    state: np.ndarray,
+    means: np.ndarray,
+    by_tau: np.ndarray,
+    lefts: np.ndarray,
+) -> None:
     """Write a smoothed column, its slopes by tau, and the weight of the past."""
     since, begun, mean, slope = state[:4]
     last, fading = np.nan, (0.0, 0.0)
@@ -128,7 +150,16 @@ def smooth(values, steps, tau, usual, state, means, by_tau, lefts):
 
 
 @compiled
-def smooth_both(one, two, step, tau, usual, state, into, into_two):
+def smooth_both(
+    one: np.ndarray,
+    two: np.ndarray,
+    step: float,
+    tau: float,
+    usual: float,
+    state: np.ndarray,
+    into: tuple,
+    into_two: tuple,
+) -> float:
     """Smooth two columns without gaps in one loop: their recursions run in parallel."""
     decay, growth = faded(step, tau, usual)
     (mean, slope), (mean_two, slope_two) = state[0, 2:4], state[1, 2:4]
@@ -145,7 +176,9 @@ def smooth_both(one, two, step, tau, usual, state, into, into_two):
 
 
 @inlined
-def leaves(kept, measured, temperature, slopes):
+def leaves(
+    kept: tuple, measured: np.ndarray, temperature: np.ndarray, slopes: np.ndarray
+) -> None:
     """Write the residual and the slope by a bias; set the other slopes to zero."""
     counts, first, last = kept
     slopes[4:-1, first:last] = 0.0
@@ -155,7 +188,9 @@ def leaves(kept, measured, temperature, slopes):
 
 
 @inlined
-def set_aside(kept, aside, by_offset, slopes):
+def set_aside(
+    kept: tuple, aside: np.ndarray, by_offset: np.ndarray, slopes: np.ndarray
+) -> None:
     """Add the slopes by terms that add to the temperature itself."""
     counts, first, last = kept
     for k in range(len(aside)):
@@ -164,7 +199,16 @@ def set_aside(kept, aside, by_offset, slopes):
 
 
 @compiled
-def steady(law, memory, columns, more, seen, _, slopes, work):
+def steady(
+    law: tuple,
+    memory: tuple,
+    columns: tuple,
+    more: tuple,
+    seen: tuple,
+    _: np.ndarray,
+    slopes: np.ndarray,
+    work: np.ndarray,
+) -> None:
     clip, leaky = law[3], memory[3]
     __, air, heat, wind, loss, offset, temperature = columns
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
@@ -192,7 +236,16 @@ def steady(law, memory, columns, more, seen, _, slopes, work):
 
 
 @compiled
-def ewm(law, memory, columns, more, seen, state, slopes, work):
+def ewm(
+    law: tuple,
+    memory: tuple,
+    columns: tuple,
+    more: tuple,
+    seen: tuple,
+    state: np.ndarray,
+    slopes: np.ndarray,
+    work: np.ndarray,
+) -> None:
     slope, clip = law[2], law[3]
     tau, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
@@ -254,7 +307,17 @@ def ewm(law, memory, columns, more, seen, state, slopes, work):
 
 
 @inlined
-def relax(targets, steps, offset, r_eq, memory, state, decays, falls, into):
+def relax(
+    targets: np.ndarray,
+    steps: np.ndarray,
+    offset: np.ndarray,
+    r_eq: np.ndarray,
+    memory: tuple,
+    state: np.ndarray,
+    decays: np.ndarray,
+    falls: np.ndarray,
+    into: np.ndarray,
+) -> bool:
     """Write temperature and slopes by the memory; return whether no row is missing."""
     capacity, usual, rows = memory[0], memory[2], len(targets)
     since, begun, module, by_memory = state[:4]
@@ -284,7 +347,16 @@ def relax(targets, steps, offset, r_eq, memory, state, decays, falls, into):
 
 
 @compiled
-def balance(law, memory, columns, more, seen, state, slopes, work):
+def balance(
+    law: tuple,
+    memory: tuple,
+    columns: tuple,
+    more: tuple,
+    seen: tuple,
+    state: np.ndarray,
+    slopes: np.ndarray,
+    work: np.ndarray,
+) -> None:
     clip = law[3]
     capacity, unit, usual, leaky = memory
     steps, air, heat, wind, loss, offset, temperature = columns
@@ -338,7 +410,7 @@ def balance(law, memory, columns, more, seen, state, slopes, work):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
-def add_products(slopes, first, last, total):
+def add_products(slopes: np.ndarray, first: Any, last: Any, total: np.ndarray) -> None:
     """Add the products of all pairs of columns over some rows to ``total``."""
     for a in range(len(slopes)):
         for b in range(a + 1):
@@ -351,7 +423,7 @@ def add_products(slopes, first, last, total):
 
 
 @inlined
-def span(counts):
+def span(counts: np.ndarray) -> Any:
     """The first row that counts, and the row after the last that counts."""
     first, last = 0, len(counts)
     while first < last and not counts[first]:
@@ -362,13 +434,13 @@ def span(counts):
 
 
 @inlined
-def tile(column, first, last, rows):
+def tile(column: np.ndarray, first: int, last: int, rows: int) -> np.ndarray:
     """Rows of a column, or as many rows of a constant column."""
     return column[first:last] if len(column) == rows else column[: last - first]
 
 
 @inlined
-def longest(dynamics, law, memory, losses):
+def longest(dynamics: int, law: tuple, memory: tuple, losses: np.ndarray) -> float:
     """Longest time constant of any row, in the unit of the steps; inf if not known."""
     if dynamics == STEADY:
         return 0.0
@@ -390,7 +462,9 @@ def longest(dynamics, law, memory, losses):
 
 
 @inlined
-def sought(counts, steps, first, lasting):
+def sought(
+    counts: np.ndarray, steps: np.ndarray, first: int, lasting: float
+) -> tuple[int, int]:
     """The next row that counts, or the end; and the first row that influences it."""
     ahead, rows = first, len(counts)
     while ahead < rows and not counts[ahead]:
@@ -403,7 +477,18 @@ def sought(counts, steps, first, lasting):
 
 
 @compiled
-def answer(dynamics, law, memory, columns, more, seen, edges, state, total, responses):
+def answer(
+    dynamics: int,
+    law: tuple,
+    memory: tuple,
+    columns: tuple,
+    more: tuple,
+    seen: tuple,
+    edges: np.ndarray,
+    state: np.ndarray,
+    total: Any,
+    responses: np.ndarray,
+) -> None:
     """
     Temperature of consecutive rows, and products of their slopes over parts of them.
 

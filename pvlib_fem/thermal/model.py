@@ -1,13 +1,15 @@
 """A thermal model: a steady model, effects, and the dynamics that solve it."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.drivers import MODELLED, behind, completed, needed_for, remembered
-from pvlib_fem.effects.effect import Parameter, Terms, is_there, known
+from pvlib_fem.effects.effect import Effect, Parameter, Terms, is_there, known
 from pvlib_fem.quality.outliers import out_of_range
 from pvlib_fem.record.checks import at_time
 from pvlib_fem.record.columns import (
@@ -17,7 +19,7 @@ from pvlib_fem.record.columns import (
     known_values,
     twin_of,
 )
-from pvlib_fem.record.inputs import read
+from pvlib_fem.record.inputs import Inputs, read
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.relaxation import usual_step
 from pvlib_fem.spelling import argument, refusal
@@ -67,14 +69,14 @@ class ThermalModel:
     base: Mapping | None = None
     held: Mapping = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.dynamics not in MEMORY:
             raise ValueError(
                 f"unknown dynamics {self.dynamics!r}; they are {', '.join(MEMORY)}"
             )
 
     @property
-    def parameters(self):
+    def parameters(self) -> dict:
         """Rows of all fitted parameters, bias last."""
         rows = {**self.steady_model.parameters, **MEMORY[self.dynamics]}
         for effect in self.effects:
@@ -82,41 +84,41 @@ class ThermalModel:
         return {**rows, "bias": BIAS}
 
     @property
-    def constants(self):
+    def constants(self) -> dict:
         """Constants of the steady model: held values, or defaults."""
         names = self.steady_model.constants
         held = {name: value for name, value in self.held.items() if name in names}
         return {**self.steady_model.fixed, **held}
 
     @property
-    def free(self):
+    def free(self) -> list:
         """Names of the parameters that a fit varies, bias last."""
         return [name for name in self.parameters if name not in self.held]
 
     @property
-    def drivers(self):
+    def drivers(self) -> list:
         """Measured columns that the effects need in addition to the usual three."""
         return needed_for(self.effect_drivers)
 
     @property
-    def usual(self):
+    def usual(self) -> tuple:
         """The usual drivers on which the model depends; wind is not always one."""
         takes = self.steady_model.takes_wind or WIND in behind(self.effect_drivers)
         return tuple(name for name in COLUMNS[:3] if takes or name != WIND)
 
     @property
-    def effect_drivers(self):
+    def effect_drivers(self) -> list:
         """Drivers of the effects, measured or derived."""
         return [name for effect in self.effects for name in effect.drivers]
 
-    def with_drivers(self, inputs):
+    def with_drivers(self, inputs: Inputs) -> Any:
         """The inputs, completed by the derived columns that the effects need."""
         needed = {*MODELLED} & {*behind(self.effect_drivers)}
         if not needed <= {*inputs.columns}:
             inputs = self.with_base(inputs, needed)
         return completed(inputs, self.effect_drivers)
 
-    def with_base(self, inputs, needed=MODELLED):
+    def with_base(self, inputs: Inputs, needed: Any = MODELLED) -> Any:
         """
         The inputs, completed by columns of the base model, unless they are there.
 
@@ -136,7 +138,7 @@ class ThermalModel:
         temperature = plain.temperature(inputs, self.completed(self.base))
         return self.based(inputs, temperature, needed)
 
-    def based(self, inputs, temperature, needed=MODELLED):
+    def based(self, inputs: Inputs, temperature: Any, needed: Any = MODELLED) -> Any:
         """The inputs, completed by a temperature of the base model and its losses."""
         base = self.completed(self.base)
         wind, own = inputs["wind_speed"], self.own(base)
@@ -146,7 +148,7 @@ class ThermalModel:
             return inputs
         return inputs.having({"air_base": self.air_base(inputs, base)})
 
-    def air_base(self, inputs, base):
+    def air_base(self, inputs: Inputs, base: Any) -> Any:
         """
         Heat per K of warmer air, all else equal. [W/(m² K)]
 
@@ -173,7 +175,7 @@ class ThermalModel:
             loss = loss + after.loss
         return loss + gained
 
-    def rebased(self, coefficients):
+    def rebased(self, coefficients: dict) -> "ThermalModel":
         """
         The model with these coefficients as its base, if a fault scales the base.
 
@@ -188,12 +190,12 @@ class ThermalModel:
         names = dict.fromkeys([*self.base, *rows])
         return replace(self, base={name: coefficients[name] for name in names})
 
-    def completed(self, coefficients):
+    def completed(self, coefficients: Any) -> Any:
         """The coefficients, completed by defaults."""
         tau = INSTANT if self.dynamics == "steady" else TAU
         return {**self.constants, "tau": tau, "bias": 0.0, **coefficients}
 
-    def checked(self, coefficients):
+    def checked(self, coefficients: Mapping) -> dict:
         """The completed coefficients; ValueError if one is unknown or impossible."""
         complete = self.completed(coefficients)
         steady = self.steady_model
@@ -219,7 +221,14 @@ class ThermalModel:
                 )
         return complete
 
-    def predict(self, poa_global, temp_air, wind_speed, coefficients, **drivers):
+    def predict(
+        self,
+        poa_global: pd.Series,
+        temp_air: pd.Series,
+        wind_speed: Any,
+        coefficients: Any,
+        **drivers: Any,
+    ) -> pd.Series:
         """
         Module temperature; ``tau`` has its default, ``bias`` is 0 if missing. [°C]
 
@@ -249,7 +258,7 @@ class ThermalModel:
         known = np.all(known, axis=0)
         return inputs.restore(np.where(known, found, np.nan))
 
-    def refuse_without_wind(self, columns):
+    def refuse_without_wind(self, columns: Sequence) -> None:
         """Refuse columns without wind if something depends on it."""
         if WIND in columns or WIND not in self.usual:
             return
@@ -267,7 +276,7 @@ class ThermalModel:
             f"{'s' * (len(using) > 1)}"
         )
 
-    def check_drivers(self, given):
+    def check_drivers(self, given: dict | list) -> None:
         """Refuse missing drivers, and drivers that no effect uses."""
         if missing := [name for name in self.drivers if name not in given]:
             using = [
@@ -290,7 +299,7 @@ class ThermalModel:
                 f"{', '.join(self.drivers) or 'no further column'}"
             )
 
-    def temperature(self, inputs, coefficients):
+    def temperature(self, inputs: Inputs, coefficients: dict) -> np.ndarray:
         """Module temperature of checked inputs by a full set of coefficients. [°C]"""
         temperature = np.empty(len(inputs.index))
         found = self.in_blocks(inputs, coefficients)
@@ -298,7 +307,9 @@ class ThermalModel:
             temperature[block] = next(found)
         return temperature
 
-    def in_blocks(self, inputs, coefficients, counts=None):
+    def in_blocks(
+        self, inputs: Inputs, coefficients: dict, counts: np.ndarray | None = None
+    ) -> Iterator:
         """
         Yield the temperature block by block; each block overwrites the one before.
 
@@ -318,7 +329,9 @@ class ThermalModel:
                 found = here.answer(*given, wanted=False)[0]
             yield found
 
-    def slopes(self, inputs, coefficients, wanted=True, also=None):
+    def slopes(
+        self, inputs: Inputs, coefficients: dict, wanted: bool = True, also: Any = None
+    ) -> tuple[np.ndarray, dict]:
         """
         Module temperature and its slope by each parameter, where ``wanted``.
 
@@ -349,7 +362,7 @@ class ThermalModel:
                 slopes[name][block] = slope
         return temperature, slopes
 
-    def longest(self, inputs, coefficients):
+    def longest(self, inputs: Inputs, coefficients: dict) -> Any:
         """Longest time constant of any row. [s]"""
         if self.dynamics != "balance":
             return coefficients.get("tau", 0.0)
@@ -359,18 +372,20 @@ class ThermalModel:
         taus = (added.capacity + coefficients["capacity"]) * r_eq
         return float(np.nanmax(taus, initial=0.0))
 
-    def knowing(self, inputs, coefficients, wanted=True):
+    def knowing(
+        self, inputs: Inputs, coefficients: dict, wanted: bool = True
+    ) -> "ThermalModel":
         """The model with the terms of its effects computed on a record's columns."""
         given = inputs.columns, coefficients, wanted
         effects = tuple(known(effect, *given) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
-    def on(self, rows):
+    def on(self, rows: int) -> "ThermalModel":
         """The model with the terms of its effects cut to a slice of the record."""
         effects = tuple(effect.on(rows) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
-    def past(self, inputs):
+    def past(self, inputs: Any) -> Past:
         """The state before the first row of a record."""
         names = (*COLUMNS[:3], *self.drivers)
         if names not in inputs.known:
@@ -378,7 +393,14 @@ class ThermalModel:
             inputs.known[names] = usual_step(columns, inputs.steps)
         return Past(inputs.known[names])
 
-    def answer(self, inputs, coefficients, past, wanted=True, also=None):
+    def answer(
+        self,
+        inputs: Inputs,
+        coefficients: dict,
+        past: Past,
+        wanted: bool = True,
+        also: Any = None,
+    ) -> tuple[np.ndarray, dict]:
         """
         Temperature and slopes of a block of rows, continued from the block before.
 
@@ -417,7 +439,9 @@ class ThermalModel:
             for name, answer in answers.items()
         }
 
-    def terms(self, inputs, coefficients, wanted=True, also=None):
+    def terms(
+        self, inputs: Inputs, coefficients: dict, wanted: bool = True, also: Any = None
+    ) -> tuple[Terms, dict]:
         """The columns of the equation, and their slopes where ``wanted``."""
         added = Terms(heat=inputs["poa_global"], offset=coefficients["bias"])
         slopes = {"bias": Terms(offset=1.0)} if wanted else {}
@@ -428,22 +452,27 @@ class ThermalModel:
                 slopes |= effect.slopes(inputs.columns, coefficients)
         return added, slopes
 
-    def own(self, coefficients):
+    def own(self, coefficients: dict) -> dict:
         """The coefficients of the steady model among some coefficients."""
         return {name: coefficients[name] for name in self.steady_model.coefficients}
 
 
-def blocks(rows, size=BLOCK):
+def blocks(rows: int, size: int = BLOCK) -> list:
     """Slices of so many rows, each so short that its columns stay in the cache."""
     return [slice(start, min(start + size, rows)) for start in range(0, rows, size)]
 
 
-def parts(terms, rows):
+def parts(terms: Any, rows: int) -> Any:
     """Terms by name on a slice of rows."""
     return {name: column.part(rows) for name, column in terms.items()}
 
 
-def as_read(answer, slope, gain, over):
+def as_read(
+    answer: float | np.ndarray,
+    slope: Terms | None,
+    gain: float | np.ndarray,
+    over: np.ndarray,
+) -> Any:
     """The reading of a sensor: the response to a slope, with gain and offset."""
     if is_there(gain):
         answer = answer + gain * answer
@@ -454,13 +483,13 @@ def as_read(answer, slope, gain, over):
     return answer
 
 
-def is_share(effect):
+def is_share(effect: Effect) -> bool:
     """Whether an effect scales the loss of the model without effects."""
     shares = {"loss_base", "air_base"}
     return bool(effect.channel and shares & {*behind(effect.drivers)})
 
 
-def as_in_a_fit(inputs):
+def as_in_a_fit(inputs: Any) -> Inputs:
     """Inputs as a fit takes them, with a warning of impossible values."""
     columns, said = dict(inputs.columns), []
     for name, values in inputs.columns.items():
@@ -482,7 +511,13 @@ def as_in_a_fit(inputs):
     return replace(inputs, columns=columns)
 
 
-def thermal_model(model, dynamics, effects=(), base=None, held=None):
+def thermal_model(
+    model: str,
+    dynamics: str,
+    effects: Iterable = (),
+    base: Any = None,
+    held: dict | None = None,
+) -> ThermalModel:
     """The thermal model with that steady model; ValueError for a callable."""
     if callable(model):
         raise ValueError(

@@ -1,6 +1,7 @@
 """First-order responses of a block of rows, continued from the rows before it."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,9 @@ class Response:
     under ``name``.
     """
 
-    def __init__(self, name, whole, steps, tau, past):
+    def __init__(
+        self, name: str, whole: np.ndarray, steps: Any, tau: Any, past: Past
+    ) -> None:
         self.name, self.past, self.rows, self.was = name, past, len(whole), {}
         self.valid = None
         if np.isnan(whole.sum()):  # one fast pass; infinities are refused before
@@ -54,11 +57,11 @@ class Response:
         self.rise = 1.0 - self.decay
         self.band = banded(self.decay)
 
-    def there(self, column):
+    def there(self, column: float | np.ndarray) -> Any:
         """A column without the missing rows; a number is returned as it is."""
         return column if self.valid is None else part(column, self.valid)
 
-    def spread(self, column):
+    def spread(self, column: np.ndarray) -> Any:
         """Values on all rows of the block; missing rows are NaN."""
         if self.valid is None or np.ndim(column) == 0:
             return column
@@ -66,7 +69,7 @@ class Response:
         result[self.valid] = column
         return result
 
-    def solve(self, column, source):
+    def solve(self, column: str, source: np.ndarray) -> Any:
         """Response to a source on the rows that are not missing, computed in place."""
         key = self.name, column
         state = self.was[column] = self.past.last.get(key, 0.0)
@@ -76,11 +79,11 @@ class Response:
             self.past.last[key] = source[-1]
         return source
 
-    def mean(self, column, values):
+    def mean(self, column: str, values: Any) -> Any:
         """Response to values on the rows that are not missing."""
         return self.solve(column, self.rise * values)
 
-    def fall(self, column, values, target):
+    def fall(self, column: str, values: np.ndarray, target: Any) -> np.ndarray:
         """Source of the slope by the logarithm of the time constant."""
         fall = np.empty(self.count)
         fall[:1] = self.was[column]
@@ -91,14 +94,16 @@ class Response:
         return fall
 
 
-def total(steps, rows):
+def total(steps: Any, rows: Any) -> float:
     """Duration of the last rows, by their steps or one even step."""
     if np.ndim(steps) == 0:
         return float(steps * rows)
     return float(np.sum(steps[len(steps) - rows :]))
 
 
-def fading(steps, tau, rows, past):
+def fading(
+    steps: float | np.ndarray, tau: float | np.ndarray, rows: int, past: Past
+) -> np.ndarray:
     """Weight of the past at each row: ``exp(-steps/tau)``, 0 after a gap."""
     decay = np.exp(-steps / tau)
     if np.ndim(decay) == 0:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.effects.effect import Parameter
 from pvlib_fem.spelling import did_you_mean
@@ -49,17 +50,17 @@ class SteadyModel:
     takes_wind: bool = True  # whether it depends on wind
 
     @property
-    def coefficients(self):
+    def coefficients(self) -> Any:
         """Names of all coefficients: first the fitted ones, then the constants."""
         return [*self.parameters, *self.constants]
 
     @property
-    def fixed(self):
+    def fixed(self) -> dict:
         """Defaults of the constants that have one, by name."""
         rows = self.constants.items()
         return {name: row.start for name, row in rows if not np.isnan(row.start)}
 
-    def complete(self, coefficients):
+    def complete(self, coefficients: dict) -> dict:
         """Check the names and values of coefficients, and add the defaults."""
         names = self.coefficients
         if unknown := [name for name in coefficients if name not in names]:
@@ -81,10 +82,11 @@ POSITIVE = ("k", "d", "u0", "wind_speed_max", "u_c", "alpha_absorption")
 SHARES = ("module_efficiency", "alpha_absorption", "transmittance_absorptance")
 
 
-def check_values(name, coefficients):
+def check_values(name: Any, coefficients: dict) -> None:
     """Refuse values at which a steady model has no physical meaning."""
     for key, value in coefficients.items():
-        if not np.isscalar(value) or np.isnan(value):
+        scalar = np.isscalar(value)
+        if not scalar or np.isnan(value):
             raise ValueError(f"{name}: {key} = {value!r} must be one number")
         if key in POSITIVE and not value > 0:
             raise ValueError(f"{name}: {key} = {value} must be positive")
@@ -108,46 +110,61 @@ def check_values(name, coefficients):
             )
 
 
-def ross(wind_speed, k):
+def ross(
+    wind_speed: float | np.ndarray | pd.Series, k: float
+) -> float | np.ndarray | pd.Series:
     return k + 0.0 * wind_speed
 
 
-def ross_slopes(wind_speed, k):
+def ross_slopes(wind_speed: np.ndarray, k: float) -> dict:
     return {"k": np.ones_like(wind_speed), "wind_speed": 0.0}
 
 
-def sapm(wind_speed, a, b):
+def sapm(
+    wind_speed: float | np.ndarray | pd.Series, a: float, b: float
+) -> float | np.ndarray | pd.Series:
     return np.exp(a + b * wind_speed)
 
 
-def sapm_slopes(wind_speed, a, b):
+def sapm_slopes(wind_speed: np.ndarray, a: float, b: float) -> dict:
     r_eq = sapm(wind_speed, a, b)
     return {"a": r_eq, "b": wind_speed * r_eq, "wind_speed": b * r_eq}
 
 
-def faiman(wind_speed, u0, u1):
+def faiman(
+    wind_speed: float | np.ndarray | pd.Series, u0: float, u1: float
+) -> float | np.ndarray | pd.Series:
     return 1.0 / (u0 + u1 * wind_speed)
 
 
-def faiman_slopes(wind_speed, u0, u1):
+def faiman_slopes(wind_speed: np.ndarray, u0: float, u1: float) -> dict:
     square = faiman(wind_speed, u0, u1) ** 2
     return {"u0": -square, "u1": -wind_speed * square, "wind_speed": -u1 * square}
 
 
-def wm1(wind_speed, k, d):
+def wm1(
+    wind_speed: float | np.ndarray | pd.Series, k: float, d: float
+) -> float | np.ndarray | pd.Series:
     return k * np.exp(-wind_speed / d)
 
 
-def wm1_slopes(wind_speed, k, d):
+def wm1_slopes(wind_speed: np.ndarray, k: float, d: float) -> dict:
     r_eq = wm1(wind_speed, k, d)
     return {"k": r_eq / k, "d": wind_speed / d**2 * r_eq, "wind_speed": -r_eq / d}
 
 
-def wm2(wind_speed, k, k_w, wind_speed_max):
+def wm2(
+    wind_speed: float | np.ndarray | pd.Series,
+    k: float,
+    k_w: float,
+    wind_speed_max: float,
+) -> float | np.ndarray | pd.Series:
     return k - k_w * np.minimum(wind_speed, wind_speed_max)
 
 
-def wm2_slopes(wind_speed, k, k_w, wind_speed_max):
+def wm2_slopes(
+    wind_speed: np.ndarray, k: float, k_w: float, wind_speed_max: float
+) -> dict:
     return {
         "k": np.ones_like(wind_speed),
         "k_w": -np.minimum(wind_speed, wind_speed_max),
@@ -155,17 +172,21 @@ def wm2_slopes(wind_speed, k, k_w, wind_speed_max):
     }
 
 
-def pvsyst_line(u_c, u_v, module_efficiency, alpha_absorption):
+def pvsyst_line(
+    u_c: float, u_v: float, module_efficiency: float, alpha_absorption: float
+) -> tuple[float, float]:
     """Loss per absorbed irradiance as a line in wind, Faiman's u0 and u1."""
     absorbed = alpha_absorption * (1.0 - module_efficiency)
     return u_c / absorbed, u_v / absorbed
 
 
-def pvsyst(wind_speed, **coefficients):
+def pvsyst(
+    wind_speed: float | np.ndarray | pd.Series, **coefficients: float
+) -> float | np.ndarray | pd.Series:
     return faiman(wind_speed, *pvsyst_line(**coefficients))
 
 
-def pvsyst_slopes(wind_speed, **coefficients):
+def pvsyst_slopes(wind_speed: np.ndarray, **coefficients: float) -> dict:
     slopes = faiman_slopes(wind_speed, *pvsyst_line(**coefficients))
     per_loss, _ = pvsyst_line(**{**coefficients, "u_c": 1.0})
     return {
@@ -175,26 +196,32 @@ def pvsyst_slopes(wind_speed, **coefficients):
     }
 
 
-def noct(wind_speed, noct):
+def noct(
+    wind_speed: float | np.ndarray | pd.Series, noct: float
+) -> float | np.ndarray | pd.Series:
     return ross(wind_speed, (noct - 20.0) / 800.0)
 
 
-def noct_slopes(wind_speed, noct):
+def noct_slopes(wind_speed: np.ndarray, noct: float) -> dict:
     return {"noct": np.full_like(wind_speed, 1.0 / 800.0), "wind_speed": 0.0}
 
 
-def noct_sam_line(noct, module_efficiency, transmittance_absorptance):
+def noct_sam_line(
+    noct: float, module_efficiency: float, transmittance_absorptance: float
+) -> tuple[float, float]:
     """SAM's loss as a line in wind: 0.6 of it in calm air, 0.4 grow with the wind."""
     heat = 1.0 - module_efficiency / transmittance_absorptance
     loss = 800.0 / (noct - 20.0) / heat
     return 0.6 * loss, 0.4 * SHELTER * loss
 
 
-def noct_sam(wind_speed, **coefficients):
+def noct_sam(
+    wind_speed: float | np.ndarray | pd.Series, **coefficients: float
+) -> float | np.ndarray | pd.Series:
     return faiman(wind_speed, *noct_sam_line(**coefficients))
 
 
-def noct_sam_slopes(wind_speed, **coefficients):
+def noct_sam_slopes(wind_speed: np.ndarray, **coefficients: float) -> dict:
     u0, u1 = noct_sam_line(**coefficients)
     r_eq = faiman(wind_speed, u0, u1)
     by_wind = faiman_slopes(wind_speed, u0, u1)["wind_speed"]
@@ -283,7 +310,7 @@ STEADY_MODELS = {
 }
 
 
-def steady_model(model, given=()):
+def steady_model(model: str, given: dict | tuple = ()) -> SteadyModel:
     """The steady model of that name; ``"noct"`` for ``"ross"`` with a NOCT given."""
     if model == "ross" and "noct" in given:
         model = "noct"

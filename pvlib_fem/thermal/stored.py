@@ -1,10 +1,14 @@
 """Store a thermal model and its coefficients in a file, and read them."""
 
+from typing import Any
+
 from pvlib_fem.effects import find, several
-from pvlib_fem.thermal.model import thermal_model
+from pvlib_fem.effects.effect import Effect
+from pvlib_fem.stored import Stored
+from pvlib_fem.thermal.model import ThermalModel, thermal_model
 
 
-def content_of(model, coefficients):
+def content_of(model: ThermalModel, coefficients: dict) -> dict:
     """Content of a file from which :func:`model_of` makes an equal model."""
     return {
         "model": model.steady_model.name,
@@ -16,7 +20,7 @@ def content_of(model, coefficients):
     }
 
 
-def model_of(stored, own=()):
+def model_of(stored: Stored, own: Any = ()) -> Any:
     """
     The model of a file, and its coefficients.
 
@@ -60,7 +64,7 @@ def model_of(stored, own=()):
     return model, found
 
 
-def effect_of(spec, own, stored):
+def effect_of(spec: str, own: list, stored: Stored) -> Effect:
     """The effect that an entry of the file describes."""
     try:
         return find(spec, own)
@@ -71,7 +75,7 @@ def effect_of(spec, own, stored):
         ) from error
 
 
-def coefficients_of(stored, key, model):
+def coefficients_of(stored: Stored, key: str, model: ThermalModel) -> dict:
     """The coefficients of a file, checked to be the complete set of the model."""
     found = stored.numbers(key)
     least = {*model.parameters}

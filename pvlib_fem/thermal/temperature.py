@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import at_time
-from pvlib_fem.record.inputs import read
+from pvlib_fem.record.inputs import Inputs, read
 from pvlib_fem.relaxation import relax, smoothed
-from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS, steady_model
+from pvlib_fem.thermal.steady import CLIP, STEADY_MODELS, SteadyModel, steady_model
 from pvlib_fem.types import Numeric, Times
 
 SEEN = ("poa_global", "wind_speed")  # smoothed
@@ -120,7 +120,13 @@ def wm2(
     return steady(STEADY_MODELS["wm2"], poa_global, temp_air, wind_speed, coefficients)
 
 
-def steady(steady_model, poa_global, temp_air, wind_speed, coefficients):
+def steady(
+    steady_model: SteadyModel,
+    poa_global: Any,
+    temp_air: Any,
+    wind_speed: Any,
+    coefficients: dict,
+) -> float | np.ndarray:
     """Temperature by a steady model; numbers, arrays or Series give their own kind."""
     coefficients = steady_model.complete(coefficients)
     return temp_air + poa_global * steady_model.resistance(wind_speed, **coefficients)
@@ -318,7 +324,13 @@ def heat_balance(
     return named(inputs.restore(temperature), poa_global)
 
 
-def driver_inputs(poa_global, temp_air, wind_speed, step, times):
+def driver_inputs(
+    poa_global: Any,
+    temp_air: Any,
+    wind_speed: float | np.ndarray | pd.Series,
+    step: float | None,
+    times: Any,
+) -> Inputs:
     columns = dict(poa_global=poa_global, temp_air=temp_air, wind_speed=wind_speed)
     inputs = read(columns, step, times, purpose="a dynamic temperature")
     wind = inputs["wind_speed"]
@@ -331,7 +343,9 @@ def driver_inputs(poa_global, temp_air, wind_speed, step, times):
     return inputs
 
 
-def losing(chosen, wind, coefficients):
+def losing(
+    chosen: SteadyModel, wind: np.ndarray | pd.Series, coefficients: dict
+) -> np.ndarray | pd.Series:
     """Resistance of a steady model; ValueError if it is not positive. [K m²/W]"""
     r_eq = chosen.resistance(wind, **coefficients)
     if not np.nanmin(np.asarray(r_eq), initial=np.inf) > 0:
@@ -342,12 +356,12 @@ def losing(chosen, wind, coefficients):
     return r_eq
 
 
-def named(temperature, like):
+def named(temperature: Any, like: Any) -> np.ndarray | pd.Series:
     """The temperature without the name of an input, as pvlib's results."""
     return temperature.rename(None) if isinstance(like, pd.Series) else temperature
 
 
-def state(initial, name):
+def state(initial: Any, name: Any) -> float | pd.Series:
     """The state of one smoothed input."""
     if not isinstance(initial, Mapping | pd.DataFrame):
         raise ValueError(
@@ -356,11 +370,11 @@ def state(initial, name):
             "they cannot be computed from a temperature"
         )
     if name not in initial:
-        raise ValueError(f"initial has no {name}; it holds {', '.join(initial)}")
+        raise ValueError(f"initial has no {name}; it holds {', '.join([*initial])}")
     return initial[name]
 
 
-def refuse_dynamic(model):
+def refuse_dynamic(model: Callable) -> None:
     """Refuse functions that have a memory of their own."""
     model = getattr(model, "func", model)  # of a functools.partial
     name = getattr(model, "__name__", "")
@@ -371,7 +385,7 @@ def refuse_dynamic(model):
         )
 
 
-def as_function(model, coefficients):
+def as_function(model: Any, coefficients: dict) -> Callable:
     """``f(poa_global, temp_air, wind_speed)`` of a named steady model or a callable."""
     if not callable(model):
         chosen = steady_model(model, coefficients)

@@ -1,13 +1,17 @@
 """T98 of IEC TS 63126: the temperature that a module exceeds in 2 % of a year."""
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem.record.columns import with_aliases
 from pvlib_fem.statistics.clusters import calendar_weeks
+from pvlib_fem.thermal_parameters.measured import Measured
 from pvlib_fem.thermal_parameters.rows import LEVEL, Row
-from pvlib_fem.thermal_parameters.steady import NO_ERROR, joined
+from pvlib_fem.thermal_parameters.steady import NO_ERROR, Steady, joined
 
 SHARE = 0.98
 WEATHER = ("poa_global", "temp_air", "wind_speed")
@@ -29,7 +33,9 @@ NO_YEAR = (
 )
 
 
-def hottest_rows(measured, why, steady, typical_year):
+def hottest_rows(
+    measured: Any, why: str, steady: Steady, typical_year: Any
+) -> Iterator:
     """
     Rows of T98 of the record and of a typical year.
 
@@ -46,7 +52,7 @@ def hottest_rows(measured, why, steady, typical_year):
     ------
     Row
     """
-    like = dict(of="module", equation=EQUATION, source=SOURCE)
+    like: dict[str, Any] = dict(of="module", equation=EQUATION, source=SOURCE)
     found, years = dict(value=np.nan, note=why), []
     if measured is not None:
         found, years = of_record(measured)
@@ -60,7 +66,7 @@ def hottest_rows(measured, why, steady, typical_year):
     yield Row("T98", "of a typical year", unit="°C", **found, **like)
 
 
-def of_record(measured):
+def of_record(measured: Measured) -> Any:
     """T98 of all rows with Woodruff's range by weeks, and T98 of each whole year."""
     module = measured.series("temp_module")
     kept = module.notna().to_numpy()
@@ -87,7 +93,7 @@ def of_record(measured):
     return found, whole_years(measured, module, dates)
 
 
-def share_error(above, dates):
+def share_error(above: np.ndarray, dates: np.ndarray) -> tuple[float, float]:
     """
     Standard error of the share of rows above a temperature, and effective weeks.
 
@@ -110,7 +116,7 @@ def share_error(above, dates):
     return float(np.sqrt(squares.sum()) / rows.sum()), float(draws)
 
 
-def whole_years(measured, module, dates):
+def whole_years(measured: Measured, module: pd.Series, dates: np.ndarray) -> list:
     """T98 of each complete year, counted from the record's first day."""
     number = np.floor((dates - dates[0]) / YEAR).astype(int)
     full = WHOLE * YEAR * 86400.0 / measured.step
@@ -118,7 +124,7 @@ def whole_years(measured, module, dates):
     return [float(one.quantile(SHARE)) for _, one in years if len(one) >= full]
 
 
-def of_years(years):
+def of_years(years: list) -> Any:
     """T98 of a typical year: the mean over the years of the record."""
     many, spread = len(years), np.std(years, ddof=1)
     return dict(
@@ -130,12 +136,12 @@ def of_years(years):
     )
 
 
-def of_weather(steady, weather):
+def of_weather(steady: Any, weather: pd.DataFrame) -> Any:
     """T98 of a year of weather, modelled by the fit."""
     fit, model = steady.fit, steady.fit.thermal_model
     there = with_aliases(weather, (*model.usual, *model.drivers))
 
-    def hottest(coefficients):
+    def hottest(coefficients: dict) -> Any:
         columns = {name: there.get(name) for name in WEATHER}
         columns |= {name: there[name] for name in model.drivers}
         if not steady.with_bias:
@@ -153,7 +159,7 @@ def of_weather(steady, weather):
     return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)
 
 
-def level(value):
+def level(value: float) -> Any:
     """The required class of modules."""
     for most, words in LEVELS.items():
         if value <= most:

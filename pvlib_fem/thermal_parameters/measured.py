@@ -1,7 +1,9 @@
 """The record that some rows need: the fit's own, or a given one."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,7 +11,7 @@ import pandas as pd
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.columns import COLUMNS, with_aliases
 from pvlib_fem.record.filters import counted
-from pvlib_fem.record.inputs import Record, as_record
+from pvlib_fem.record.inputs import Inputs, Record, as_record
 from pvlib_fem.translation import QUANTILES, USUAL_WINDS
 
 NEEDED = "needs the record; give data"
@@ -28,28 +30,28 @@ class Measured:
         Masks of rows that count in a fit, and of held-out rows.
     """
 
-    fit: object
+    fit: Any
     record: Record
     counts: np.ndarray
     out: np.ndarray
 
     @property
-    def step(self):
+    def step(self) -> Any:
         return self.record.inputs.step
 
     @property
-    def dates(self):
+    def dates(self) -> np.ndarray:
         return self.record.dates
 
     @property
-    def wind(self):
+    def wind(self) -> float:
         return float(np.nanmean(self.record["wind_speed"]))
 
-    def series(self, name):
+    def series(self, name: str) -> pd.Series:
         return pd.Series(self.record[name], self.record.index, name=name)
 
     @cached_property
-    def winds(self):
+    def winds(self) -> np.ndarray:
         """
         Representative winds of the record with equal weights. [m/s]
 
@@ -66,12 +68,12 @@ class Measured:
         return wind[order][np.searchsorted(weight, QUANTILES * weight[-1])]
 
     @cached_property
-    def inputs(self):
+    def inputs(self) -> Inputs:
         """The inputs of the record, completed by the drivers of the fit's effects."""
         return self.fit.thermal_model.with_drivers(self.record.inputs)
 
     @cached_property
-    def modelled(self):
+    def modelled(self) -> tuple[np.ndarray, np.ndarray, dict]:
         """Temperature of the fit, and the steady temperature with its slopes."""
         model = self.fit.thermal_model
         found = model.completed(self.fit.coefficients)
@@ -81,11 +83,11 @@ class Measured:
         return model.temperature(self.inputs, found), steady, free
 
     @cached_property
-    def known_effects(self):
+    def known_effects(self) -> Any:
         """Cache of :meth:`effects`, by the coefficients."""
         return {}
 
-    def effects(self, coefficients):
+    def effects(self, coefficients: Any) -> Any:
         """
         Mean steady temperature that the effects add on fitted rows. [K]
 
@@ -108,7 +110,9 @@ class Measured:
         return self.known_effects[key]
 
 
-def measured_of(fit, data, out_of, holdout=None):
+def measured_of(
+    fit: Any, data: pd.DataFrame | None, out_of: Callable, holdout: Any = None
+) -> Measured | None:
     """
     Check the given record or that of a fit; None without both.
 

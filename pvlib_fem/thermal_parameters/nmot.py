@@ -6,13 +6,16 @@ the procedure as the literature describes it: filters, the regression of G / (T 
 on wind speed, and the minimum number of days.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.columns import DAYLIGHT
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, day_errors
+from pvlib_fem.thermal_parameters.measured import Measured
 from pvlib_fem.thermal_parameters.rows import Row
 from pvlib_fem.thermal_parameters.steady import AIR, BREEZE, IEC, NOMINAL
 
@@ -45,7 +48,7 @@ class Nmot:
     unmet: tuple
 
 
-def nmot_rows(measured, why, surface_tilt=None):
+def nmot_rows(measured: Any, why: str, surface_tilt: Any = None) -> Iterator:
     """
     Rows of NMOT by the standard's procedure.
 
@@ -86,7 +89,7 @@ def nmot_rows(measured, why, surface_tilt=None):
         )
 
 
-def procedure(measured, surface_tilt=None):
+def procedure(measured: Measured, surface_tilt: Any = None) -> Nmot:
     """Apply the procedure to a record."""
     step, unmet = measured.step, []
     if step > READING:
@@ -117,7 +120,7 @@ def procedure(measured, surface_tilt=None):
     return Nmot(values, errors, days, tuple(unmet))
 
 
-def readings(measured):
+def readings(measured: Measured) -> tuple[pd.DataFrame, int]:
     """Readings that pass the filters, and the number of days with light."""
     columns = ("poa_global", "temp_air", "wind_speed", "temp_module")
     sun, air, wind, module = (measured.series(name) for name in columns)
@@ -140,7 +143,7 @@ def readings(measured):
     return table[kept].dropna(), len(noon)
 
 
-def regression(table, days):
+def regression(table: pd.DataFrame, days: int) -> tuple[dict, dict]:
     """u0, u1 and NMOT by least squares, with errors clustered by day."""
     if not days or np.ptp(table["wind"]) == 0.0:
         return {}, {}

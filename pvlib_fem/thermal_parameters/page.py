@@ -1,8 +1,10 @@
 """The table of thermal parameters as text and as an HTML page."""
 
 import textwrap
+from collections.abc import Iterator
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.report.document import (
     Heading,
@@ -73,7 +75,7 @@ COLUMNS = (
 )
 
 
-def cells(row):
+def cells(row: pd.Series) -> tuple[str, str, str]:
     """Value, error and range as text."""
     value, error = row["value"], row["stderr"]
     if not np.isfinite(value):
@@ -83,7 +85,7 @@ def cells(row):
     return *with_error(value, error).split(" ± "), spanned(row["low"], row["high"])
 
 
-def as_text(table):
+def as_text(table: pd.DataFrame) -> str:
     """
     The table as text for a terminal, with conditions and notes below.
 
@@ -119,28 +121,28 @@ def as_text(table):
     return "\n".join(lines)
 
 
-def wrapped(name, words):
+def wrapped(name: str, words: str) -> list:
     return textwrap.wrap(f"{name}: {words}", 88, subsequent_indent="  ")
 
 
-def left(row):
+def left(row: pd.Series) -> str:
     return number(row["mismatch"]) if np.isfinite(row["mismatch"]) else ""
 
 
-def conditions(table):
+def conditions(table: pd.DataFrame) -> str:
     """Conditions of the first row with a mismatch, or of the first row."""
     compared = table[table["mismatch"].notna()]
     return (compared if len(compared) else table)["conditions"].iloc[0]
 
 
-def notes(table):
+def notes(table: pd.DataFrame) -> Iterator:
     """Each note once, with the parameters that have it."""
     for note, rows in table[table["note"] != ""].groupby("note", sort=False):
         of, names = (rows.index.get_level_values(n).unique() for n in (0, 1))
         yield f"{'; '.join(of)} ({', '.join(names)})", note
 
 
-def page(table, title=""):
+def page(table: pd.DataFrame, title: str = "") -> str:
     """
     The table as one self-contained HTML file.
 
@@ -162,7 +164,7 @@ def page(table, title=""):
     return document(" · ".join(filter(None, [title, "Thermal parameters"])), parts)
 
 
-def part(table, begins, use):
+def part(table: pd.DataFrame, begins: tuple, use: str) -> list:
     """The rows of some conventions, their definitions, and their use."""
     of = [name.startswith(begins) for name in table.index.get_level_values(0)]
     own = table[of]

@@ -1,5 +1,6 @@
 """Rows of the table of thermal parameters, and its columns."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,7 +61,7 @@ class Row:
     note: str = ""
     span: tuple | None = None
 
-    def cells(self):
+    def cells(self) -> dict:
         """Cells of the table."""
         reach = student.ppf(0.5 + LEVEL / 2, max(self.freedom, 1.0)) * self.stderr
         low, high = self.span or (self.value - reach, self.value + reach)
@@ -68,7 +69,7 @@ class Row:
         return own | {"low": low, "high": high}
 
 
-def table_of(rows):
+def table_of(rows: Iterable) -> pd.DataFrame:
     """The table of some rows."""
     rows = [*rows]
     index = pd.MultiIndex.from_tuples(

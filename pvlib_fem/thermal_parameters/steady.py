@@ -1,7 +1,8 @@
 """Parameters of other models from the coefficients of a fit alone."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -51,14 +52,16 @@ class Curve:
 
     curve: Callable
 
-    def resistance(self, wind_speed, own=None):
+    def resistance(
+        self, wind_speed: Sequence | float | np.ndarray, own: dict | None = None
+    ) -> Any:
         return self.curve(np.asarray(wind_speed, float))
 
-    def seen_at(self, share):
+    def seen_at(self, share: float | None) -> "Curve":
         """The curve as a function of another wind, with a given ratio to it."""
         return Curve(lambda wind_speed: self.curve(wind_speed * share))
 
-    def plus(self, more):
+    def plus(self, more: float) -> "Curve":
         """The curve plus a constant. [K m²/W]"""
         return Curve(lambda wind_speed: self.curve(wind_speed) + more)
 
@@ -78,7 +81,7 @@ class Convention:
     calm: bool = False  # whether it has one parameter and no wind
 
 
-def conventions(module_efficiency, absorptance):
+def conventions(module_efficiency: float, absorptance: float) -> list:
     """All conventions of the table, in order."""
     faiman = {"u0": "W/(m² K)", "u1": "W s/(m³ K)"}
     sandia = {"a": "ln(K m²/W)", "b": "s/m"}
@@ -95,7 +98,8 @@ def conventions(module_efficiency, absorptance):
         "T = T_air + G / 800 (noct - 20) "
         "(1 - module_efficiency / transmittance_absorptance) 9.5 / (5.7 + 3.8·0.51 WS)"
     )
-    ten, sam = dict(high=True), {"noct": "°C"}
+    ten: dict[str, Any] = dict(high=True)
+    sam = {"noct": "°C"}
     return [
         Convention("faiman", "faiman", "module", faiman, t_faiman, FAIMAN),
         Convention("sapm", "sapm", "module", sandia, t_sandia, KING),
@@ -139,48 +143,48 @@ class Steady:
     measured : Measured or None
     """
 
-    fit: object
+    fit: Any
     deltaT: float | None
     with_bias: bool
     share: float | None
     winds: np.ndarray
     measured: Measured | None = None
 
-    def own(self, coefficients):
+    def own(self, coefficients: dict) -> Curve:
         """The resistance of the steady model as a function of wind."""
         model = self.fit.thermal_model
         law, own = model.steady_model, model.own(model.completed(coefficients))
         return Curve(lambda wind_speed: law.resistance(wind_speed, **own))
 
-    def curve(self, coefficients, of):
+    def curve(self, coefficients: dict, of: str) -> Curve:
         """Over-temperature per irradiance at 800 W/m², with bias and cell."""
         more = self.bias(coefficients) / NOMINAL
         return self.own(coefficients).plus(more + self.cell(of) / 1000.0)
 
-    def bias(self, coefficients):
+    def bias(self, coefficients: dict) -> float:
         """Bias and mean effects, added to the over-temperature at 800 W/m². [K]"""
         added = coefficients["bias"] if self.with_bias else 0.0
         return added + self.effects(coefficients)
 
-    def effects(self, coefficients):
+    def effects(self, coefficients: dict) -> Any:
         return 0.0 if self.measured is None else self.measured.effects(coefficients)
 
     @property
-    def left_out(self):
+    def left_out(self) -> str:
         """A note on effects that are not included without the record."""
         names = ", ".join(effect.name for effect in self.fit.effects)
         return NO_EFFECTS.format(names) if names and self.measured is None else ""
 
-    def cell(self, of):
+    def cell(self, of: str) -> float:
         return self.deltaT or 0.0 if of == "cell" else 0.0
 
-    def seen(self, one, curve):
+    def seen(self, one: Convention, curve: Curve) -> tuple[Curve, np.ndarray]:
         """A curve and the winds, at the height of a convention."""
         if one.high:
             return curve.seen_at(self.share), self.winds / self.share
         return curve, self.winds
 
-    def line(self, one, coefficients):
+    def line(self, one: Convention, coefficients: dict) -> tuple[float, float] | None:
         """The convention's line in wind by least squares; None if impossible."""
         curve, winds = self.seen(one, self.curve(coefficients, one.of))
         goal = SHAPES[one.shape]
@@ -193,14 +197,14 @@ class Steady:
         warms = second < 0.0 if goal.bend is reciprocal else second > 0.0
         return None if warms else (first, second)
 
-    def parameters(self, one, coefficients):
+    def parameters(self, one: Convention, coefficients: dict) -> dict:
         """The convention's parameters by name; NaN if impossible."""
         line = self.line(one, coefficients)
         if line is None:
             return dict.fromkeys(one.units, np.nan)
         return SHAPES[one.shape].coefficients(*line, **one.fixed)
 
-    def mismatch(self, one, found):
+    def mismatch(self, one: Convention, found: dict) -> float:
         """Largest difference from the fit at 400 to 1000 W/m² and all winds. [K]"""
         coefficients = self.fit.coefficients
         curve = self.own(coefficients).plus(self.cell(one.of) / 1000.0)
@@ -209,7 +213,7 @@ class Steady:
         over = np.outer(SUNS, curve.resistance(winds)) + self.bias(coefficients)
         return float(np.abs(np.outer(SUNS, own) - over).max())
 
-    def error(self, function):
+    def error(self, function: Any) -> Any:
         """Standard errors of some numbers by the delta method, as an array."""
         covariance = self.fit.covariance
         if covariance.empty:
@@ -229,7 +233,7 @@ class Steady:
         return np.sqrt(np.maximum(variance, 0.0))
 
 
-def steady_rows(steady, chosen):
+def steady_rows(steady: Any, chosen: list) -> Iterator:
     """
     Rows of other models' parameters.
 
@@ -269,11 +273,21 @@ def steady_rows(steady, chosen):
             yield of_cell(steady, one.name, like)
 
 
-def joined(*notes):
+def joined(*notes: str) -> Any:
     return "; ".join(filter(None, notes))
 
 
-def row(steady, convention, name, value, unit, error, left, why, like):
+def row(
+    steady: Any,
+    convention: str,
+    name: str,
+    value: float,
+    unit: str,
+    error: float,
+    left: float,
+    why: str,
+    like: dict,
+) -> Row:
     """A row of a parameter whose error is from the fit."""
     freedom = steady.fit.train_days - 1.0
     if np.isfinite(value) and not np.isfinite(error):
@@ -291,17 +305,17 @@ def row(steady, convention, name, value, unit, error, left, why, like):
     )
 
 
-def of_cell(steady, convention, like):
+def of_cell(steady: Steady, convention: str, like: dict) -> Row:
     """The row of deltaT, cell minus back temperature."""
     value = np.nan if steady.deltaT is None else steady.deltaT
     note = NO_DELTA if steady.deltaT is None else GIVEN
     return Row(convention, "deltaT", value, "K", note=note, **{**like, "of": "cell"})
 
 
-def nmot_row(steady):
+def nmot_row(steady: Any) -> Row:
     """The row of the fit's temperature at 800 W/m², 20 °C of air and 1 m/s."""
 
-    def nmot(coefficients):
+    def nmot(coefficients: dict) -> float | np.ndarray:
         curve = steady.curve(coefficients, "module")
         return AIR + NOMINAL * curve.resistance([BREEZE])
 
@@ -315,7 +329,7 @@ def nmot_row(steady):
     return row(steady, "nmot", "of the fit", value, "°C", error, np.nan, why, like)
 
 
-def memory_rows(steady):
+def memory_rows(steady: Any) -> Iterator:
     """Rows of time constants by wind, for samples at the end of steps and for means."""
     fit, why = steady.fit, ""
     if fit.dynamics == "steady":
@@ -325,14 +339,14 @@ def memory_rows(steady):
     elif fit.effects:
         why = NO_LOSS
 
-    def taus(coefficients):
+    def taus(coefficients: dict) -> np.ndarray:
         if fit.dynamics == "ewm":
             return np.full(len(TAU_WINDS), coefficients["tau"])
         if fit.dynamics == "steady":
             return np.full(len(TAU_WINDS), np.nan)
         return coefficients["capacity"] * steady.own(coefficients).resistance(TAU_WINDS)
 
-    def of_means(coefficients):
+    def of_means(coefficients: dict) -> np.ndarray:
         # for means, tau is the mean age of the past, computed at the mean wind
         usual = taus(coefficients)[0]
         if fit.dynamics == "balance":

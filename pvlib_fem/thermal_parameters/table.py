@@ -1,13 +1,16 @@
 """The table of a fit's thermal parameters."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.thermal_parameters.hottest import hottest_rows
-from pvlib_fem.thermal_parameters.measured import NEEDED, measured_of
+from pvlib_fem.thermal_parameters.measured import NEEDED, Measured, measured_of
 from pvlib_fem.thermal_parameters.nmot import nmot_rows
-from pvlib_fem.thermal_parameters.rows import table_of
+from pvlib_fem.thermal_parameters.rows import Row, table_of
 from pvlib_fem.thermal_parameters.steady import (
     HEIGHT,
     Steady,
@@ -21,19 +24,19 @@ from pvlib_fem.translation import USUAL_WINDS
 
 
 def thermal_parameters(
-    fit,
-    out_of,
-    data=None,
-    holdout=None,
-    typical_year=None,
-    wind_height=None,
-    exponent=1 / 7,
-    surface_tilt=None,
-    module_efficiency=0.2,
-    absorptance=0.9,
-    deltaT=None,
-    with_bias=True,
-):
+    fit: Any,
+    out_of: Callable,
+    data: pd.DataFrame | None = None,
+    holdout: Any = None,
+    typical_year: Any = None,
+    wind_height: float | None = None,
+    exponent: float = 1 / 7,
+    surface_tilt: Any = None,
+    module_efficiency: float = 0.2,
+    absorptance: float = 0.9,
+    deltaT: float | None = None,
+    with_bias: bool = True,
+) -> pd.DataFrame:
     """The table of :meth:`FemFit.thermal_parameters`."""
     check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, deltaT)
     if deltaT is None:
@@ -60,14 +63,21 @@ def thermal_parameters(
     return table_of(replace(one, conditions=words(one)) for one in rows)
 
 
-def cell_of(fit):
+def cell_of(fit: Any) -> float | None:
     """Cell minus back temperature at 1000 W/m² in the fit's file, or None. [K]"""
     if "deltaT" in fit.cell:
         return fit.cell["deltaT"]
     return 1000.0 * fit.cell["k_bs_c"] if "k_bs_c" in fit.cell else None
 
 
-def check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, deltaT):
+def check(
+    wind_height: float | None,
+    exponent: float,
+    surface_tilt: Any,
+    module_efficiency: float,
+    absorptance: float,
+    deltaT: float | None,
+) -> None:
     """Refuse arguments out of range."""
     if wind_height is not None and not 0.0 < wind_height <= 200.0:
         raise ValueError(f"wind_height = {wind_height} must be a height, above 0 m")
@@ -88,7 +98,14 @@ def check(wind_height, exponent, surface_tilt, module_efficiency, absorptance, d
         )
 
 
-def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
+def conditions(
+    fit: Any,
+    measured: Measured | None,
+    steady: Steady,
+    wind_height: float | None,
+    exponent: float,
+    surface_tilt: Any,
+) -> Callable:
     """A function that returns the conditions of a row."""
     record = fit.summary
     start, end, sun = record.start, record.end, "more than 20 W/m² by day"
@@ -114,7 +131,7 @@ def conditions(fit, measured, steady, wind_height, exponent, surface_tilt):
         mean = steady.effects(fit.coefficients)
         taken += f"; {', '.join(names)}, in the mean {mean:+.2f} K, added at 800 W/m²"
 
-    def words(row):
+    def words(row: Row) -> str:
         wind = wind_at
         if row.convention.endswith("10 m"):
             wind += f", taken to 10 m by (10 m / {at})^{exponent:.3g}"

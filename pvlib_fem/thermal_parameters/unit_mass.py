@@ -8,8 +8,10 @@ a larger mass, older temperatures have more weight than newer ones. So a mass of
 """
 
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -60,7 +62,9 @@ NO_TEST = "no days are held out"
 NO_WIND = "needs wind, which nobody measured"
 
 
-def smoothed(steady, wind_speed, unit_mass):
+def smoothed(
+    steady: pd.DataFrame, wind_speed: pd.Series, unit_mass: float
+) -> pd.DataFrame:
     """
     Smooth steady temperature by Prilliman's moving mean, each even part separately.
 
@@ -124,7 +128,9 @@ def smoothed(steady, wind_speed, unit_mass):
     return pd.DataFrame(answer.T, steady.index, steady.columns)
 
 
-def moving_mean(steady, wind, step, behind, unit_mass):
+def moving_mean(
+    steady: np.ndarray, wind: np.ndarray, step: float, behind: int, unit_mass: float
+) -> np.ndarray:
     """pvlib's function on even steps, applied to blocks of rows."""
     answer, rows = np.empty(len(steady)), max(CELLS // behind, behind, FEWEST)
     for first in range(0, len(steady), rows):
@@ -146,7 +152,7 @@ def moving_mean(steady, wind, step, behind, unit_mass):
     return answer
 
 
-def unit_mass_rows(measured, why):
+def unit_mass_rows(measured: Any, why: str) -> Iterator:
     """
     Rows of the unit mass, and of the errors on held-out days.
 
@@ -202,7 +208,7 @@ def unit_mass_rows(measured, why):
         )
 
 
-def few(days):
+def few(days: int) -> str:
     return f"no error: {days} days, and it needs {FEWEST_DAYS}"
 
 
@@ -223,7 +229,7 @@ class PrillimanFit:
     measured: Measured
 
     @cached_property
-    def table(self):
+    def table(self) -> pd.DataFrame:
         """Table of the record, as means over a minute if steps are shorter."""
         own, record = self.measured, self.measured.record
         fit, steady, slopes = own.modelled
@@ -247,17 +253,19 @@ class PrillimanFit:
         return table[looked_at(table["train"] | table["test"])]
 
     @cached_property
-    def slopes(self):
+    def slopes(self) -> list:
         """Names of the columns with slopes of the steady temperature."""
         return [name for name in self.table if isinstance(name, tuple)]
 
-    def smoothed(self, unit_mass):
+    def smoothed(self, unit_mass: float) -> list:
         """Steady temperature and its slopes, smoothed by Prilliman's mean."""
         columns = self.table[["steady", *self.slopes]]
         found = smoothed(columns, self.table["wind_speed"], unit_mass)
         return [found[name] for name in columns]
 
-    def at(self, unit_mass):
+    def at(
+        self, unit_mass: float
+    ) -> tuple[np.ndarray, pd.Series, pd.Series, np.ndarray]:
         """
         Fit the steady coefficients for a mass, linearised about those of the fit.
 
@@ -273,20 +281,20 @@ class PrillimanFit:
         modelled = steady + sum(m * c for m, c in zip(moved, columns))
         return moved, modelled, rest[kept] - matrix[kept] @ moved, matrix[kept].T
 
-    def temperature(self, moved, unit_mass):
+    def temperature(self, moved: np.ndarray, unit_mass: float) -> pd.Series:
         """Temperature for a mass and changed coefficients. [°C]"""
         steady, *columns = self.smoothed(unit_mass)
         return steady + sum(m * c for m, c in zip(moved, columns))
 
     @cached_property
-    def fitted(self):
+    def fitted(self) -> pd.Series:
         """Mask of complete rows of the fitted days."""
         return self.table["train"] & self.table.notna().all(axis=1)
 
-    def cost(self, unit_mass):
+    def cost(self, unit_mass: float) -> float:
         return float((self.at(unit_mass)[2] ** 2).mean())
 
-    def best(self):
+    def best(self) -> Any:
         """The best mass with its error, or None and the reason."""
         step = usual_step(self.table.index)
         if not step < WINDOW:
@@ -310,7 +318,7 @@ class PrillimanFit:
         covariance = day_errors([slope, *columns], residual, dates)
         return Mass(found, float(np.sqrt(covariance[0, 0])), days, modelled), ""
 
-    def scores(self, found):
+    def scores(self, found: Any) -> dict:
         """RMSE on held-out days, with standard errors. [K]"""
         table = self.table
         modelled = {"this fit": table["fit"], "without memory": table["steady"]}
@@ -322,7 +330,7 @@ class PrillimanFit:
         }
 
 
-def looked_at(rows):
+def looked_at(rows: pd.Series) -> np.ndarray:
     """Mask of the given rows and of rows within the window before them."""
     behind = int(WINDOW // usual_step(rows.index)) + 1
     last = np.cumsum(rows.to_numpy())
@@ -330,7 +338,7 @@ def looked_at(rows):
     return rows.to_numpy() | (last[ahead] > last)
 
 
-def rms_of(residual, dates):
+def rms_of(residual: pd.Series, dates: pd.Series) -> tuple:
     """A root mean square, its error by the jackknife over days, and the days."""
     squares = (residual**2).dropna()
     if squares.empty:
