@@ -15,7 +15,8 @@ from pvlib.pvsystem import FixedMount, SingleAxisTrackerMount
 import pvlib_fem as fem
 from pvlib_fem import detect, simulator
 from pvlib_fem.drivers import checked_place, completed, geometry
-from pvlib_fem.drivers.mounts import ByColumns, angles_at, axis_of
+from pvlib_fem.drivers.mounts import angles_at, axis_of
+from pvlib_fem.drivers.planes import ByColumns
 from pvlib_fem.quality.clearsky import clear_sky
 from pvlib_fem.record.inputs import as_record, with_columns
 
@@ -284,6 +285,35 @@ def test_a_plane_is_not_estimated_of_light_on_a_tracker(plain):
     assert str(loop.untestable["incidence_angle"]).startswith("no surface_azimuth")
 
 
+def test_a_recorded_rotation_takes_the_place_of_the_described_one(tmp_path):
+    """A tracker that is stowed for weeks is where it was, not where it should be."""
+    effects = simulator.PHYSICS | {"poa_misalignment": -TURNED}
+    stowed = {"tracker_stuck": 1.0, "tracker_stuck_sensor": 1.0}
+    data = simulator.record(SITE, effects | stowed, days=150, step=900.0)
+    theta = np.where(data["surface_azimuth"] > 180.0, 1.0, -1.0) * data["surface_tilt"]
+    stuck = SITE.tracker.stuck
+    theta[stuck.during(data.index)] = stuck.angle
+    by_theta = data[[*COLUMNS]].assign(tracker_theta=theta)
+    plane = pvlib.tracking.calc_surface_orientation(theta, 0.0, 180.0)
+    by_angles = data[[*COLUMNS]].assign(**{name: plane[name] for name in ANGLES})
+    one = fem.close_loop(by_theta, location=WHERE, mount=MOUNT)
+    other = fem.close_loop(by_angles, location=WHERE)
+    pd.testing.assert_frame_equal(one.table, other.table)
+    assert "poa_misalignment" in one.effects and not one.standings
+    assert one.place["mount"] == MOUNT
+    predicted = one.predict(by_theta)
+    pd.testing.assert_series_equal(predicted, other.predict(by_angles))
+    wrong = by_theta.assign(tracker_theta=theta.where(theta > -20.0, -999.0))
+    with pytest.raises(ValueError, match=r"tracker_theta is -999°.*--missing -999"):
+        fem.close_loop(wrong, location=WHERE, mount=MOUNT)
+    # and from files
+    pytest.importorskip("pyarrow")
+    by_theta.attrs = {}
+    by_theta.to_parquet(tmp_path / "theta.parquet")
+    files = fem.close_loop(tmp_path, location=WHERE, mount=MOUNT)
+    assert files.effects == one.effects
+
+
 # other functions ---------------------------------------------------------------
 
 
@@ -426,7 +456,7 @@ def test_what_is_no_plane_is_refused_with_its_remedy(record, plain):
     refused("surface_azimuth is 400°", plain, surface_tilt=1.0, surface_azimuth=400.0)
     east = np.where(record["surface_azimuth"] < 180.0, -1.0, 1.0)
     rotation = record.assign(surface_tilt=east * record["surface_tilt"])
-    refused("surface_tilt is -.*rotation.*calc_surface_orientation", rotation)
+    refused("surface_tilt is -.*rotation.*tracker_theta", rotation)
     south = record.assign(surface_azimuth=record["surface_azimuth"] - 180.0)
     refused("surface_azimuth is -90°.*from south add 180", south)
     short = record["surface_tilt"].iloc[1:]
@@ -481,6 +511,18 @@ def test_columns_of_other_names_are_mapped_to_the_angles(loop, record, folder):
     maps = [word for n, c in names.items() for word in ("--map", f"{n}={c}")]
     out = folder / "named.json"
     said = call("loop", folder / "named.csv", *LATITUDE, *maps, "--out", out)
+    assert said.exit_code == 0, said.output
+    size = loop.fit.coefficients["poa_misalignment.azimuth"]
+    assert size_in(out) == pytest.approx(size, rel=1e-6)
+
+
+def test_a_column_of_rotations_is_mapped(loop, record, folder):
+    east = np.where(record["surface_azimuth"] < 180.0, -1.0, 1.0)
+    data = record.drop(columns=ANGLES).assign(turn=east * record["surface_tilt"])
+    data.tz_localize(None).to_csv(folder / "turn.csv", index_label="time")
+    out = folder / "turn.json"
+    more = ("--map", "tracker_theta=turn", "--axis-azimuth", 180)
+    said = call("loop", folder / "turn.csv", *LATITUDE, *more, "--out", out)
     assert said.exit_code == 0, said.output
     size = loop.fit.coefficients["poa_misalignment.azimuth"]
     assert size_in(out) == pytest.approx(size, rel=1e-6)

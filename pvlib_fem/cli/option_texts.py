@@ -7,7 +7,7 @@ import pandas as pd
 
 from pvlib_fem.drivers.mounts import ANGLES, TRACKER as TRACKED
 from pvlib_fem.effects import find
-from pvlib_fem.record.columns import in_new_names, vouches
+from pvlib_fem.record.columns import ROTATION, in_new_names, vouches
 from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.units import QUANTITIES, unit_of
 from pvlib_fem.spelling import did_you_mean
@@ -52,7 +52,7 @@ def pairs(texts, option, form):
 
 
 #: names that columns of a file may have
-NAMED = (*QUANTITIES, *ANGLES)
+NAMED = (*QUANTITIES, *ANGLES, ROTATION)
 #: options of a place, and among them those of a tracker
 TRACKER = (*TRACKED, "backtrack")
 PLACE = ("lat", "lon", "tilt", "azimuth", *TRACKER)

@@ -1,6 +1,6 @@
 """The plane of the modules: fixed, turned by a tracker, or by columns of a record."""
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from numbers import Real
 
 import numpy as np
@@ -8,11 +8,19 @@ import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import FixedMount, SingleAxisTrackerMount
 
+from pvlib_fem.drivers.planes import (
+    ANGLES,
+    AZIMUTH,
+    TILT,
+    ByColumns,
+    by_rotation,
+    code,
+    normals,
+)
 from pvlib_fem.drivers.solar import sun
 from pvlib_fem.record.columns import GEOMETRY, printable
 from pvlib_fem.spelling import Spelled, refusal
 
-TILT, AZIMUTH = ANGLES = GEOMETRY[2:]
 PLANE = (*ANGLES, "mount")  # of a place, in addition to its location
 BY_COLUMNS = "columns"  # the mount of a result, of which each record has the angles
 #: numbers of a tracker by pvlib's names, with their ranges
@@ -24,9 +32,9 @@ TRACKER = {
 }
 STOW = 0.0  # ° of tilt, and of azimuth, by night where a tracker has no angles
 RANGES = {TILT: (0.0, 180.0), AZIMUTH: (0.0, 360.0)}  # °
-ROTATION = (
-    "if it is a tracker's rotation, pvlib.tracking.calc_surface_orientation makes the "
-    "tilt and azimuth of it"
+TURNED = (
+    "if it is the rotation of a tracker, call it tracker_theta, and describe the "
+    "tracker's axis (mount=, --axis-azimuth)"
 )
 FROM_SOUTH = "azimuths are from north, clockwise: to one from south add 180"
 LEFT_OUT = Spelled("mount", "--axis-tilt, --axis-azimuth, --max-angle, --gcr")
@@ -35,62 +43,6 @@ WHERE = Spelled("location", "--lat and --lon")
 FLAT = 0.01  # relative mean square of normals along an axis to which they are vertical
 LEVEL = 0.02  # horizontal part of a normal, below which a plane is level
 AHEAD = 0.2  # of the mean normal, from which a plane faces one side more than another
-
-
-@dataclass(frozen=True, eq=False)
-class ByColumns:
-    """
-    A plane that moves, by its angles at some times.
-
-    Attributes
-    ----------
-    index : DatetimeIndex
-    columns : dict of array
-        ``surface_tilt``, ``surface_azimuth``, or both. [°]
-    """
-
-    index: pd.DatetimeIndex
-    columns: dict
-
-    def get_orientation(self, solar_zenith, solar_azimuth):
-        """The angles at the times of a Series, as of any mount of pvlib."""
-        return self.at(solar_zenith.index)
-
-    def at(self, index):
-        """
-        The angles at other times: of a row its own, between rows interpolated.
-
-        Tilt and azimuth are interpolated together, as the normal of the plane. There
-        are none between rows that are further apart than twice the usual step.
-        """
-        own, wanted = (i.as_unit("ns").asi8 for i in (self.index, index))
-        if len(own) == len(wanted) and (own == wanted).all():
-            return dict(self.columns)
-        after = np.clip(np.searchsorted(own, wanted), 1, max(len(own) - 1, 1))
-        before, after = np.clip([after - 1, after], 0, len(own) - 1)
-        apart = own[after] - own[before]
-        share = (wanted - own[before]) / np.maximum(apart, 1)
-        usual = np.median(np.diff(own)) if len(own) > 1 else 0.0
-        far = (apart > 2.0 * usual) | (share < 0.0) | (share > 1.0)
-        found = {}
-        for name, values in between(self.columns, before, after, share).items():
-            values = np.where(far, np.nan, values)
-            for at, exact in ((before, 0.0), (after, 1.0)):
-                values = np.where(share == exact, self.columns[name][at], values)
-            found[name] = values
-        return found
-
-
-def between(columns, before, after, share):
-    """Angles part of the way from some rows to others, the shorter way round."""
-    size = len(next(iter(columns.values())))
-    others = {TILT: np.full(size, 90.0), AZIMUTH: np.zeros(size)}
-    normal = normals(*(columns.get(name, others[name]) for name in ANGLES))
-    mean = (1.0 - share) * normal[:, before] + share * normal[:, after]
-    angles = dict(zip(ANGLES, angles_of(*mean)))
-    # a plane that stands still keeps its angles, to the last digit
-    same = np.all([v[before] == v[after] for v in columns.values()], axis=0)
-    return {n: np.where(same, v[before], angles[n]) for n, v in columns.items()}
 
 
 def geometry(index, location=None, surface_tilt=None, surface_azimuth=None, mount=None):
@@ -213,7 +165,8 @@ def plane_of_rows(data, place):
     """A place with the angles of a record's rows, if it has these columns."""
     own = {printable(label): label for label in data if printable(label) in ANGLES}
     if not own:
-        return place
+        turned = by_rotation(data, place["mount"])
+        return place if turned is None else {**place, "mount": turned}
     columns = {name: checked_column(name, data[label]) for name, label in own.items()}
     if place["mount"] is not None:
         place = {**place, **dict.fromkeys(ANGLES)}
@@ -240,7 +193,8 @@ def checked_column(name, column):
     values, (low, high) = column.astype(float), RANGES[name]
     if (off := (values < low) | (values > high)).any():
         at = int(np.argmax(off.to_numpy()))
-        what = ROTATION if name == TILT else FROM_SOUTH
+        what = TURNED if name == TILT else FROM_SOUTH
+        what = what if abs(values.iloc[at]) <= high else code(values.iloc[at])
         raise ValueError(
             f"{name} is {values.iloc[at]:g}° at {column.index[at]}; it is from {low:g} "
             f"to {high:g}°, and missing where it is not known; {what}"
@@ -292,7 +246,7 @@ def axis_of(place):
     it is the one from which a plane that faces one side, as one whose tilt is changed
     with the seasons, is steeper at positive angles, otherwise the southern one.
     """
-    mount = place["mount"]
+    mount = getattr(place["mount"], "described", None) or place["mount"]
     if isinstance(mount, SingleAxisTrackerMount):
         return float(mount.axis_azimuth)
     if not isinstance(mount, ByColumns) or {*mount.columns} != {*ANGLES}:
@@ -312,20 +266,6 @@ def axis_of(place):
     return float((azimuth + 180.0 * turned) % 360.0)
 
 
-def normals(tilt, azimuth):
-    """Normals of planes by their angles [°]: components to north, to east and up."""
-    tilt, turn = np.radians(tilt), np.radians(azimuth)
-    return np.array(
-        [np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)]
-    )
-
-
-def angles_of(north, east, up):
-    """Tilt and azimuth of a normal of any length. [°]"""
-    tilt = np.degrees(np.arctan2(np.hypot(north, east), up))
-    return tilt, np.degrees(np.arctan2(east, north)) % 360.0
-
-
 def mount_content(mount):
     """A mount for a file."""
     if mount is None or mount == BY_COLUMNS:
@@ -337,8 +277,9 @@ def mount_content(mount):
 
 def without_rows(place):
     """A place without the angles of a record's rows, which each record has."""
-    by_rows = isinstance(place["mount"], ByColumns)
-    return {**place, "mount": BY_COLUMNS} if by_rows else place
+    if not isinstance(place["mount"], ByColumns):
+        return place
+    return {**place, "mount": place["mount"].described or BY_COLUMNS}
 
 
 def mount_from(content):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pvlib_fem.drivers.mounts import angles_of, normals
+from pvlib_fem.drivers.planes import angles_of, normals
 from pvlib_fem.statistics.extremes import as_normal, largest
 
 STEP = 10.0  # ° between planes that are tried; the light between is within 0.4 %

@@ -9,7 +9,8 @@ from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
-from pvlib_fem.drivers.mounts import ByColumns, plane_of_rows
+from pvlib_fem.drivers.mounts import plane_of_rows
+from pvlib_fem.drivers.planes import ByColumns
 from pvlib_fem.drivers.transposition import (
     PARTS,
     check_transposition,

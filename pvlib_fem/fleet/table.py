@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers.mounts import ANGLES, TRACKER
-from pvlib_fem.record.columns import renamed
+from pvlib_fem.record.columns import ROTATION, renamed
 from pvlib_fem.record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem.record.times import zoned
 from pvlib_fem.record.units import QUANTITIES, unit_of
@@ -28,7 +28,8 @@ READING = ("convert_units", "check_units", "module_area")
 LAYOUT = tuple(one.name for one in fields(Layout))
 UNITS = {f"{name}_unit": name for name in QUANTITIES}
 #: cells with the names of a file's columns: of angles, those that are no numbers
-CELLS = {name: name for name in QUANTITIES} | {n: f"{n}_column" for n in ANGLES}
+CELLS = {name: name for name in (*QUANTITIES, ROTATION)}
+CELLS |= {name: f"{name}_column" for name in ANGLES}
 KNOWN = (
     "id",
     "file",

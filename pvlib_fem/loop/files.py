@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers.mounts import ANGLES, ByColumns, by_night
+from pvlib_fem.drivers.mounts import by_night
+from pvlib_fem.drivers.planes import ANGLES, ByColumns, rotated
 from pvlib_fem.findings import Check
 from pvlib_fem.fitting.files import FileFit, fitted, given_days
 from pvlib_fem.fitting.passes import first_pass
@@ -16,7 +17,7 @@ from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import dates_of
-from pvlib_fem.record.columns import COLUMNS, GEOMETRY
+from pvlib_fem.record.columns import COLUMNS, GEOMETRY, ROTATION
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.statistics.clusters import root
 from pvlib_fem.thermal.model import ThermalModel
@@ -102,6 +103,7 @@ class OwnSteps:
         own = screened.record.names
         turning = Turning(case.place["mount"], case.standings)
         lacks = [n for n in names if n not in own and n not in turning.columns]
+        names = (*names, ROTATION) if turning.described else names
         record = replace(screened.record, names=tuple(n for n in names if n in own))
         if lacks:  # the sun, whose place is known at the times of the means
             record = record.with_columns(Alongside.of(inputs, lacks))
@@ -141,6 +143,11 @@ class Turning:
         """Names of the angles that it has."""
         return getattr(self.mount, "columns", ANGLES if self.mount else ())
 
+    @property
+    def described(self):
+        """The tracker whose rotations were recorded, or None."""
+        return getattr(self.mount, "described", None)
+
     def begun(self):
         """What follows the blocks of a record from the first on."""
         return self
@@ -148,8 +155,12 @@ class Turning:
     def at(self, inputs):
         """The angles at the times of inputs that have the sun, level by night."""
         zenith, azimuth = (inputs[name] for name in GEOMETRY[:2])
-        by_rows = isinstance(self.mount, ByColumns)
-        found = inputs if by_rows else self.mount.get_orientation(zenith, azimuth)
+        if self.described:
+            found = rotated(inputs[ROTATION], self.described)
+        elif isinstance(self.mount, ByColumns):
+            found = inputs
+        else:
+            found = self.mount.get_orientation(zenith, azimuth)
         angles = by_night({name: found[name] for name in self.columns}, zenith)
         for one in self.standings:
             rows = one.rows(inputs.index)

@@ -4,17 +4,14 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers.mounts import (
-    ANGLES,
-    AZIMUTH,
-    TILT,
-    ByColumns,
     angles_at,
     checked_column,
     checked_place,
     geometry,
 )
+from pvlib_fem.drivers.planes import ANGLES, AZIMUTH, TILT, ByColumns, by_rotation
 from pvlib_fem.quality.standing import standing_of
-from pvlib_fem.record.columns import numeric, printable, with_aliases
+from pvlib_fem.record.columns import ROTATION, numeric, printable, with_aliases
 
 FIXED = 1.0  # ° within which a plane is one and the same
 
@@ -49,6 +46,9 @@ def plane_of_columns(data, site):
     columns = {n: checked_column(n, c) for n, c in columns.items() if c.notna().any()}
     known = {name: column.dropna().to_numpy() for name, column in columns.items()}
     data = data.drop(columns=own)
+    if not known and (turned := by_rotation(data, site["mount"])) is not None:
+        own = [label for label in data if printable(label) == ROTATION]
+        return data.drop(columns=own), {**site, "mount": turned}
     if known and site["mount"] is not None:
         raise ValueError(
             f"the tracker is described, and data have the column {min(known)}; drop "

@@ -7,7 +7,8 @@ import pandas as pd
 import pvlib
 
 from pvlib_fem.drivers import standard_time
-from pvlib_fem.drivers.mounts import ANGLES, orientation
+from pvlib_fem.drivers.mounts import orientation
+from pvlib_fem.drivers.planes import ANGLES
 from pvlib_fem.quality.hours import day_of, days_of, listed, offsets, side_of
 from pvlib_fem.quality.jumps import jumps_of, whole_hours
 from pvlib_fem.quality.limits import Limits

@@ -36,10 +36,11 @@ from pvlib_fem.record.clean import (
     spans,
     united,
 )
-from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.record.columns import GEOMETRY, ROTATION
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.record.units import of_any_unit
 
+PLACED = (*GEOMETRY, ROTATION)  # angles, which no rule checks
 PARTS = 1000  # of a day, more than there are
 
 #: what was found of one kind in one column, as Faults.counts has it
@@ -137,7 +138,7 @@ class Screener:
     def ruled(self):
         """Columns that the rules check."""
         for name, one in self.look.columns.items():
-            if name in self.asked and name not in self.doubts and name not in GEOMETRY:
+            if name in self.asked and name not in self.doubts and name not in PLACED:
                 yield name, one
 
     def note(self, kind, name, rows, times, values):

@@ -41,6 +41,8 @@ UNITS = {
 }
 #: where the sun stands and how the module does, under pvlib's names [°]
 GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
+#: rotation of a tracker about its axis, under pvlib's name [°]
+ROTATION = "tracker_theta"
 ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full circle
 #: other names that pvlib has for a column
 ALIASES = {"ir_down": "longwave_down"}

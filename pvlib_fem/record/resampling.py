@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants, usual_step
-from pvlib_fem.record.columns import ANGLES, GEOMETRY
+from pvlib_fem.record.columns import ANGLES, GEOMETRY, ROTATION
 from pvlib_fem.record.inputs import Inputs
 
 #: where a plane stands at the end of a step: of east and west there is no mean
-AT_END = GEOMETRY[2:]
+AT_END = (*GEOMETRY[2:], ROTATION)
 
 
 def coarse(record, step=300.0, present=0.5):

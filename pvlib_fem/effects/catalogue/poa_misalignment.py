@@ -13,7 +13,8 @@ def terms(beam_by_tilt, beam_by_azimuth, *, tilt, azimuth):
         + \mathrm{azimuth} \cdot \mathrm{beam\_by\_azimuth}
 
     ``tilt`` and ``azimuth`` are the angles of the module minus the stated angles, which
-    are assumed for the sensor. The equation is of first order in both.
+    are assumed for the sensor. The equation is of first order in both. On a tracker
+    ``tilt`` is the rotation about its axis, and ``azimuth`` that about the vertical.
 
     References
     ----------
