@@ -16,6 +16,7 @@ from test_corrected import (  # noqa: F401 (fixtures)
 
 import pvlib_fem as fem
 from pvlib_fem import simulator
+from pvlib_fem.drivers import needed_for
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.statements.worth import energies
 from pvlib_fem.thermal.model import ThermalModel
@@ -97,7 +98,7 @@ def test_the_most_valuable_comes_first_and_a_file_keeps_it(true, sound, tmp_path
     again = fem.Loop.from_json(path)
     assert stored == [*loop.statements["energy"]] == [*again.statements["energy"]]
     for page in (loop.to_html(), again.to_html()):
-        cells = [page.index(f'"n">{one.energy:.1f}</td>') for one in (first, second)]
+        cells = [page.index(f">{one.energy:.1f}</td>") for one in (first, second)]
         assert cells == sorted(cells) and "per year]" in page
 
 
@@ -111,3 +112,39 @@ def test_statements_are_made_once(true, sound, monkeypatch):  # noqa: F811
     )
     print(loop, loop.to_html()[:1], loop.to_json()[:1], len(loop.statements))
     assert made == [1] and loop.conclusion
+
+
+def test_means_of_five_minutes_are_worth_what_minutes_are(monkeypatch):
+    effects = simulator.PHYSICS | {"wind_direction": 1.0}
+    data = simulator.record(effects=effects, days=70, step=60.0, start="2023-05-01")
+    loop = fem.close_loop(data[[*COLUMNS, "wind_direction"]])
+    assert "wind_direction" in loop.effects
+    means = energies(loop)
+    monkeypatch.setattr("pvlib_fem.statements.worth.STEP", 60.0)
+    for name, energy_of_minutes in energies(loop).items():
+        assert means[name] == pytest.approx(energy_of_minutes, rel=0.03)
+
+
+def test_an_effect_of_the_model_is_worth_what_a_fit_without_it_misses():
+    """And not the part that another bias or loss makes up, which is most of it."""
+    effects = simulator.PHYSICS | {"wind_direction": 1.0, "sky_radiation": 1.0}
+    data = simulator.record(effects=effects, days=100, step=900.0, start="2023-04-01")
+    columns = [data[name] for name in COLUMNS]
+    drivers = {n: data[n] for n in ("wind_direction", "longwave_down")}
+    loop = fem.close_loop(data[[*COLUMNS, *drivers]])
+    how = dict(model="faiman", dynamics="balance", night=True, holdout=loop.fit.holdout)
+    checked = 0
+    for name in {"wind_direction", "sky_radiation"} & {*loop.effects}:
+        others = [e for e in loop.fit.effects if e.name != name]
+        needed = {n for e in others for n in needed_for(e.drivers)}
+        used = {n: c for n, c in drivers.items() if n in needed}
+        without = fem.fit_fem(*columns, **how, effects=others, **used)
+        change = loop.fit.residual - without.residual
+        light = data["poa_global"] / 1000.0 * 0.25 * GAMMA
+        missed = np.abs(light * change).sum() * 365.2425 / 100.0
+        whole = loop.contributions(data)[name]
+        full = np.abs(light * whole).sum() * 365.2425 / 100.0
+        assert loop.yearly_energy[name] == pytest.approx(missed, rel=0.3)
+        assert loop.yearly_energy[name] < 0.9 * full
+        checked += 1
+    assert checked

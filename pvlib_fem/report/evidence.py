@@ -48,7 +48,7 @@ def irradiance(rows, effect):
     """Irradiance over what else shows it: a clear sky, power, second sensors."""
     poa, series = rows.record["poa_global"], {}
     bright = poa > BRIGHT
-    if rows.location is not None:
+    if rows.location is not None and not rows.moves:
         sky = clear_sky(poa, rows.index, rows.location, rows.plane, rows.late)
         series["clear sky"] = rows.daily(bright, poa, sky)
     if (found := power_at_25(rows)) is not None:
@@ -280,6 +280,7 @@ SHOWN = {
     "incidence_angle": SUN,
     "rear_irradiance": SUN,
     "outage": POWER,
+    "tracker_stuck": (temperature_rise, power_deficit),
     "modules_covered": POWER,
     "snow": POWER,
     "radiative_loss": (night_by_sky,),

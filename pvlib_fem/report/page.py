@@ -47,7 +47,9 @@ WORTH = (
     "the record's irradiance and the modelled temperature, as the sum of absolute "
     "changes, at a temperature coefficient of {:g} %/K. It is the mean over all days "
     "of the record, for 365 days. Of a fault of the irradiance sensor, and of what "
-    "covers or shades it or the modules, it includes the irradiance. Clocks come "
+    "covers or shades it or the modules, it includes the irradiance. Of an effect that "
+    "is missing from the model, it is the part that other coefficients of the model "
+    "would not make up. Clocks come "
     "first, since a wrong clock can make all else wrong."
 )
 #: words of the page

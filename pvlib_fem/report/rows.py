@@ -74,6 +74,11 @@ class Rows:
         return tuple(angles) if all(isinstance(a, Real) for a in angles) else None
 
     @property
+    def moves(self):
+        """Whether the plane is that of a tracker."""
+        return self.loop.place.get("mount") is not None
+
+    @property
     def late(self):
         """By how much the times run ahead of the sun, uncorrected. [s]"""
         return 60.0 * sum(

@@ -122,7 +122,10 @@ def findings(found, room):
     """Numbered statements, as many as there is room for, and how many more."""
     lines = []
     for i, one in enumerate(found):
-        worth = f" [{one.gain:.2f} K]" if np.isfinite(one.gain) else ""
+        sizes = [f"{one.gain:.2f} K"] if np.isfinite(one.gain) else []
+        if np.isfinite(one.energy):
+            sizes.append(f"{one.energy:.2g} kWh/kWp a year")
+        worth = f" [{', '.join(sizes)}]" if sizes else ""
         words = f"{one.text}{worth}. {one.certainty.rstrip('.')}".rstrip(". ")
         action = f" → {one.action}." if one.action else ""
         block = wrapped(f"{i + 1:>2}. {words}.{action}", "    ")

@@ -5,9 +5,12 @@ import numpy as np
 from pvlib_fem.effects.courses import YEAR
 from pvlib_fem.quality.lag import retimed
 from pvlib_fem.record.inputs import read
+from pvlib_fem.record.resampling import coarse
 from pvlib_fem.scores import GAMMA, kilowatt_hours
+from pvlib_fem.statements.causes import READS, SPECIAL
 from pvlib_fem.thermal.model import as_in_a_fit
 
+STEP = 300.0  # s, over which shorter rows are averaged
 REFERENCE = 25.0  # °C, of the power that a kWp is
 #: findings by which the modules receive other irradiance than the sensor reads, by the
 #: channel or the name of the effect
@@ -19,6 +22,7 @@ LIGHT = (
     "modules_covered",
     "sensor_covered",
     "snow",
+    "tracker_stuck",
 )
 
 
@@ -50,45 +54,62 @@ def energies(loop, gamma=GAMMA):
         - G\,(1 + \gamma\,(T - \Delta T - 25)) \right|_i \Delta t_i
 
     :math:`\Delta G` is the irradiance that the modules receive in addition to the
-    reading, and 0 but for the findings of :data:`LIGHT`. The other coefficients of the
-    model stay as they are. A fault that begins within the record counts from its date
-    on, and the mean is over all days of the record. Of the clock of the module's logger
-    :math:`\Delta T` is the error of the temperature as it was written.
+    reading, and 0 but for the findings of :data:`LIGHT`. A fault that begins within
+    the record counts from its date on, and the mean is over all days of the record.
+    Rows below 5 min are averaged over that.
+
+    Of an effect that is missing from the model, :math:`\Delta T` is the part that the
+    model without it would not make up by other values of its bias, its loss and the
+    dependence of its loss on wind: the remainder of a least-squares fit. Of the clock
+    of the module's logger, it is the error of the temperature as it was written.
     """
     record = loop.fit.record
     if record is None:
         return {}
-    light = kilowatt_hours(record.inputs)
-    found = clocks(loop, record, light, gamma)
+    found = clocks(loop, record, gamma)
     if not loop.fit.effects:
         return found
-    frame = record.inputs.frame()
+    record = coarse(record, STEP)
+    light, frame = kilowatt_hours(record.inputs), record.inputs.frame()
     parts = loop.contributions(frame, correct_times=False)
+    usual, drivers = loop.inputs(frame)
+    temperature = loop.fit.predict(*usual, **drivers).to_numpy()
     for effect in loop.fit.effects:
-        warmer = parts[effect.name].to_numpy()
-        if (effect.channel or effect.name) in LIGHT:
-            change = with_light(loop, frame, effect, warmer, gamma)
+        warmer, kind = parts[effect.name].to_numpy(), effect.channel or effect.name
+        if kind in LIGHT:
+            heat = received(loop, usual, drivers, effect)
+            more = kilowatt_hours(record.inputs.having({"poa_global": heat}))
+            change = (light + more) * efficiency(temperature, gamma)
+            change = change - light * efficiency(temperature - warmer, gamma)
         else:
+            if kind not in (*READS, *SPECIAL):
+                warmer = beyond_others(record, temperature, warmer)
             change = light * gamma * warmer
         found[effect.name] = per_year(record, change)
     return found
 
 
-def with_light(loop, frame, effect, warmer, gamma):
-    """Change of the expected energy of rows by irradiance and temperature. [kWh/kWp]"""
-    (poa, air, wind), drivers = loop.inputs(frame)
-    after = loop.fit.predict(poa, air, wind, **drivers).to_numpy()
+def received(loop, usual, drivers, effect):
+    """Irradiance that the modules receive in addition to the reading. [W/m²]"""
+    poa, air, wind = usual
     columns = {"poa_global": poa, "temp_air": air, **drivers}
     columns["wind_speed"] = 0.0 if wind is None else wind
     inputs = as_in_a_fit(read(columns, purpose="the worth of a finding"))
     inputs = loop.fit.thermal_model.with_drivers(inputs)
     heat = effect.at(inputs.columns, loop.fit.coefficients).heat
-    before, more = (
-        kilowatt_hours(inputs.having({"poa_global": values}))
-        for values in (inputs["poa_global"], heat + np.zeros(len(after)))
-    )
-    received = (before + more) * efficiency(after, gamma)
-    return received - before * efficiency(after - warmer, gamma)
+    return heat + np.zeros(len(inputs.index))
+
+
+def beyond_others(record, temperature, warmer):
+    """The part of an effect that bias, loss and its dependence on wind do not make."""
+    over = temperature - record["temp_air"]
+    columns = [np.ones(len(over)), over]
+    if "wind_speed" not in record.absent:
+        columns.append(over * record["wind_speed"])
+    table = np.column_stack(columns)
+    known = np.isfinite(warmer) & np.isfinite(table).all(axis=1)
+    size = np.linalg.lstsq(table[known], warmer[known], rcond=None)[0]
+    return warmer - table @ size
 
 
 def efficiency(temperature, gamma):
@@ -103,11 +124,12 @@ def per_year(record, change):
     return float(np.abs(change[known]).sum() * YEAR / days) if days else np.nan
 
 
-def clocks(loop, record, light, gamma):
+def clocks(loop, record, gamma):
     """Of the clock of the module's logger, where it was corrected."""
     found = {}
     if loop.times is None or not loop.times.module.fault:
         return found
+    light = kilowatt_hours(record.inputs)
     seconds, module = record.inputs.seconds, record["temp_module"]
     written = retimed(seconds, module, -loop.times.module.at(seconds))
     for one in loop.corrections:
