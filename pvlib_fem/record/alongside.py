@@ -1,10 +1,12 @@
 """Columns of longer steps joined to a record of shorter ones."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem.record.checks import instants
+from pvlib_fem.record.inputs import Inputs
 
 ROUND = ("solar_azimuth",)  # columns that begin anew after a turn of 360°
 
@@ -32,7 +34,7 @@ class Alongside:
     made_of: dict = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, inputs, names, made_of=None):
+    def of(cls, inputs: Inputs, names: list, made_of: dict | None = None) -> Any:
         """
         The columns of some inputs.
 
@@ -58,11 +60,11 @@ class Alongside:
             columns[name] = seconds if there.all() else seconds[there], values
         return cls(start, columns, made_of)
 
-    def begun(self):
+    def begun(self) -> "Alongside":
         """What follows the blocks of a record from the first on."""
         return self
 
-    def at(self, inputs):
+    def at(self, inputs: Inputs) -> dict:
         """The columns at the times of other inputs."""
         wanted, found = since(self.start, inputs.index), {}
         for name, (seconds, values) in self.columns.items():
@@ -74,6 +76,6 @@ class Alongside:
         return found
 
 
-def since(start, index):
+def since(start: np.datetime64, index: Any) -> np.ndarray:
     """Times since a first one. [s]"""
     return (instants(index) - start) / np.timedelta64(1, "s")

@@ -3,6 +3,7 @@
 import numbers
 import re
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,7 +24,7 @@ KEEP_ONE = Spelled(
 )
 
 
-def common_index(series):
+def common_index(series: dict) -> Any:
     """The one index of several series, or None without any."""
     if not series:
         return None
@@ -51,21 +52,23 @@ def common_index(series):
     return one.index
 
 
-def first_difference(one, other):
+def first_difference(one: pd.DatetimeIndex, other: pd.DatetimeIndex) -> pd.Timestamp:
     shared = min(len(one), len(other))
     unequal = np.flatnonzero(np.asarray(one[:shared] != other[:shared]))
     at = unequal[0] if len(unequal) else shared - 1
     return one[at]
 
 
-def as_times(times, rows):
+def as_times(times: np.ndarray, rows: int) -> Any:
     times = pd.Index(times)
     if len(times) != rows:
         raise ValueError(f"times has {len(times)} entries for {rows} samples")
     return times
 
 
-def plain_steps(index, rows, step, purpose, series):
+def plain_steps(
+    index: pd.Index | None, rows: int, step: float | None, purpose: str, series: dict
+) -> Any:
     """Steps of rows without datetimes: from ``step``, or numbers in seconds."""
     if step is not None:
         if not (isinstance(step, numbers.Real) and 0 < step < np.inf):
@@ -90,7 +93,7 @@ def plain_steps(index, rows, step, purpose, series):
     return index, steps, 1.0
 
 
-def no_datetimes(name, index):
+def no_datetimes(name: str, index: Any) -> Any:
     """What to do about a Series whose index holds no times."""
     remedy = "set one with pd.to_datetime"
     if isinstance(index, pd.TimedeltaIndex):
@@ -98,7 +101,7 @@ def no_datetimes(name, index):
     return f"{name} has no DatetimeIndex but a {type(index).__name__}; {remedy}"
 
 
-def datetime_steps(index, name):
+def datetime_steps(index: Any, name: str) -> Any:
     """Steps of a DatetimeIndex, as whole counts of its own resolution."""
     if index.hasnans:
         raise ValueError(
@@ -120,12 +123,12 @@ def datetime_steps(index, name):
     return steps, unit
 
 
-def instants(index):
+def instants(index: Any) -> Any:
     """The times as numpy has them, in UTC where they have a zone."""
     return (index if index.tz is None else index.tz_convert(None)).to_numpy()
 
 
-def dates_of(index):
+def dates_of(index: Any) -> np.ndarray:
     """Calendar day of each time in its own zone, from 1970-01-01."""
     offset = None if index.tz is None else index.tz.utcoffset(None)
     if offset is None:  # no zone, or one of several offsets
@@ -135,7 +138,7 @@ def dates_of(index):
     return local.astype("datetime64[D]").astype(np.int32)
 
 
-def usual_step(index):
+def usual_step(index: Any) -> float:
     """Median time between some times; NaN of fewer than two. [s]"""
     steps = np.diff(instants(index))
     if not len(steps):
@@ -145,7 +148,7 @@ def usual_step(index):
     return float(np.median(steps))
 
 
-def check_order(steps, index, name):
+def check_order(steps: np.ndarray, index: pd.Index, name: str) -> None:
     if len(steps) < 2 or steps[1:].min() > 0:
         return
     at = 1 + int(np.argmax(steps[1:] <= 0))
@@ -166,7 +169,7 @@ def check_order(steps, index, name):
     )
 
 
-def ends_summer_time(steps, index, at):
+def ends_summer_time(steps: np.ndarray, index: pd.Index, at: int) -> bool:
     """Whether times without a zone go back by an hour, but for a step, in autumn."""
     if not isinstance(index, pd.DatetimeIndex) or index.tz is not None:
         return False
@@ -177,15 +180,15 @@ def ends_summer_time(steps, index, at):
     return autumn and abs(back - 3600.0) < usual / 2
 
 
-def as_numbers(name, value, index):
+def as_numbers(name: str, value: Any, index: Any) -> np.ndarray:
     """Column in double precision; text and infinities are refused by name and time."""
     return as_given(name, value, index).astype(float, copy=False)
 
 
-def as_given(name, value, index):
+def as_given(name: str, value: Any, index: pd.Index | tuple) -> np.ndarray:
     """The numbers, with single precision kept."""
     if np.ma.isMaskedArray(value):
-        value = value.astype(float).filled(np.nan)
+        value = np.ma.filled(value.astype(float), np.nan)
     values = value.to_numpy() if isinstance(value, pd.Series) else np.asarray(value)
     if values.dtype.kind not in "fiub":
         for at, entry in enumerate(np.atleast_1d(values)):
@@ -205,7 +208,7 @@ def as_given(name, value, index):
     return values
 
 
-def not_a_number(name, values, row, index):
+def not_a_number(name: str, values: Any, row: Any, index: Any) -> Any:
     """The error of text in a column, of which one bad entry makes all of it text."""
     words = [entry if isinstance(entry, str) else "0" for entry in values]
     numeric = pd.to_numeric(pd.Series(words, dtype=object), errors="coerce")
@@ -227,5 +230,5 @@ def not_a_number(name, values, row, index):
     )
 
 
-def at_time(index, row):
+def at_time(index: Any, row: int) -> str:
     return f"{index[row]} (row {row})" if len(index) > row else f"row {row}"

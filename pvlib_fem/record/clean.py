@@ -3,12 +3,16 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import SECONDS, instants
 from pvlib_fem.record.inputs import Inputs
 from pvlib_fem.record.parquet import ROWS, Block, ParquetRecord
+from pvlib_fem.record.trailing import Trailing
 
 NONE = np.empty((0, 2), dtype=np.int64)
 
@@ -25,28 +29,29 @@ class FrameRecord:
 
     files = ("",)
 
-    def __init__(self, inputs):
+    def __init__(self, inputs: Inputs) -> None:
         self.inputs = inputs
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.inputs.index)
 
     @cached_property
-    def counts(self):
+    def counts(self) -> np.ndarray:
         """Times as counts of the index's unit since 1970."""
         return instants(self.inputs.index).view("i8")
 
-    def at(self, count):
+    def at(self, count: int) -> pd.Timestamp:
         """The time of such a count."""
         return self.index(np.array([count]))[0]
 
-    def index(self, counts):
+    def index(self, counts: Any) -> Any:
         """The times of such counts."""
         return self.inputs.index[np.searchsorted(self.counts, counts)]
 
-    def blocks(self, names, rows=ROWS):
+    def blocks(self, names: tuple, rows: int = ROWS) -> Iterator:
         """The columns of some names, in blocks of rows."""
-        columns, whole = self.inputs.columns.only(names), self.inputs.index
+        columns = self.inputs.columns.only(names)
+        whole: Any = self.inputs.index
         unit = SECONDS[whole.unit]
         for start in range(0, len(self), rows):
             some = slice(start, start + rows)
@@ -56,7 +61,7 @@ class FrameRecord:
             part = Inputs(columns.taken(some), steps, unit, whole[some], True)
             yield Block(part, start, "")
 
-    def values(self, names):
+    def values(self, names: Any) -> Iterator:
         """First row and columns of the same blocks, without their times."""
         for block in self.blocks(names):
             yield block.start, dict(block.inputs.columns)
@@ -72,26 +77,26 @@ class CleanRecord:
     clip: bool = False  # whether negative irradiance is 0
     beside: tuple = ()  # of Alongside and Trailing: columns that the files do not hold
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.source)
 
-    def lacking(self, rows):
+    def lacking(self, rows: dict) -> "CleanRecord":
         """The record without further spans of rows, by column."""
         both = {name: joined(self.of(name), more) for name, more in rows.items()}
         return replace(self, holes=self.holes | both)
 
-    def clipped(self):
+    def clipped(self) -> "CleanRecord":
         """The record with 0 instead of negative irradiance."""
         return replace(self, clip=True)
 
-    def with_columns(self, more):
+    def with_columns(self, more: Alongside | Trailing) -> "CleanRecord":
         """The record with columns that the files do not hold."""
         return replace(self, beside=(*self.beside, more))
 
-    def of(self, name):
+    def of(self, name: str) -> Any:
         return self.holes.get(name, NONE)
 
-    def blocks(self, names=None) -> Iterator[Block]:
+    def blocks(self, names: tuple | None = None) -> Iterator[Block]:
         """
         The record in blocks, as it is screened.
 
@@ -110,7 +115,7 @@ class CleanRecord:
         for start, columns in self.source.values(self.names):
             yield start, self.cleaned(columns, start, len(columns[self.names[0]]))
 
-    def cleaned(self, columns, start, rows):
+    def cleaned(self, columns: Any, start: int, rows: int) -> dict:
         """Columns of a block as they are screened."""
         columns = dict(columns)
         for name, values in columns.items():
@@ -122,7 +127,7 @@ class CleanRecord:
         return columns
 
 
-def spans(rows, start=0):
+def spans(rows: list | np.ndarray, start: int = 0) -> np.ndarray:
     """Rows that are there, by first and one after the last of those that join."""
     rows = np.asarray(rows, dtype=np.int64)
     if not len(rows):
@@ -132,13 +137,13 @@ def spans(rows, start=0):
     return np.column_stack([first, last + 1]) + start
 
 
-def joined(one, other):
+def joined(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Spans of both, in order."""
     both = np.concatenate([one, other])
     return both[np.argsort(both[:, 0], kind="stable")]
 
 
-def united(one, other):
+def united(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Spans of both, which may overlap, as spans that do not."""
     both = joined(one, other)
     ends = np.maximum.accumulate(both[:, 1])
@@ -146,12 +151,12 @@ def united(one, other):
     return np.column_stack([both[first, 0], np.append(ends[first[1:] - 1], ends[-1])])
 
 
-def size(some):
+def size(some: np.ndarray) -> int:
     """Number of rows in spans that do not overlap."""
     return int((some[:, 1] - some[:, 0]).sum())
 
 
-def within(some, start, rows):
+def within(some: np.ndarray, start: int, rows: int) -> np.ndarray:
     """Parts of spans within a block, counted from its first row."""
     if not len(some):
         return some
@@ -159,7 +164,7 @@ def within(some, start, rows):
     return np.clip(near - start, 0, rows)
 
 
-def masked(some, rows):
+def masked(some: np.ndarray, rows: int) -> np.ndarray:
     """Booleans of that many rows, True in spans that do not overlap."""
     found = np.zeros(rows, dtype=bool)
     for first, end in some:
@@ -167,7 +172,7 @@ def masked(some, rows):
     return found
 
 
-def covered(some, rows):
+def covered(some: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Whether each of some rows is in a span; spans do not overlap."""
     if not len(some):
         return np.zeros(len(rows), dtype=bool)

@@ -104,14 +104,14 @@ def read_file(
 
 
 def frame(
-    files,
-    layouts,
-    columns,
-    convert=False,
-    units=None,
-    check_units=True,
-    module_area=None,
-):
+    files: Sequence,
+    layouts: list,
+    columns: Mapping,
+    convert: bool = False,
+    units: Mapping | None = None,
+    check_units: bool = True,
+    module_area: float | None = None,
+) -> pd.DataFrame:
     """Several files, each with its layout; of a list, pieces in time."""
     tables, names, notes = [], [], []
     for file, layout in zip(files, layouts):
@@ -146,7 +146,7 @@ def frame(
     return data
 
 
-def table(file, layout):
+def table(file: Path, layout: Layout) -> pd.DataFrame:
     """A file's columns; of a table with a row for each reading those of its tags."""
     data = plain_table(file, layout)
     if not layout.tag:
@@ -154,7 +154,7 @@ def table(file, layout):
     return wide(data, layout.tag, layout.value or "value", layout.time)
 
 
-def plain_table(file, layout):
+def plain_table(file: Any, layout: Any) -> pd.DataFrame:
     """A file's columns as they are."""
     suffix = file.suffix.lower()
     if suffix == ".gz":
@@ -188,7 +188,7 @@ def plain_table(file, layout):
     return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
 
 
-def refuse_swelling(file):
+def refuse_swelling(file: Any) -> None:
     """Refuse a packed file of which little on disk takes all memory, before it does."""
     with open(file, "rb") as packed:
         size = packed.seek(0, io.SEEK_END)
@@ -201,7 +201,7 @@ def refuse_swelling(file):
         )
 
 
-def refuse_wide(file):
+def refuse_wide(file: Path) -> None:
     """Refuse a workbook whose cells reach so far that no memory holds them."""
     import openpyxl
 
@@ -222,7 +222,7 @@ class TooLarge(ValueError):
     """A file that would take all memory."""
 
 
-def texts(data):
+def texts(data: pd.DataFrame) -> list:
     """Names of the columns of text."""
     kinds = pd.api.types
     return [
@@ -232,7 +232,7 @@ def texts(data):
     ]
 
 
-def workbook(file, **how):
+def workbook(file: Any, **how: Any) -> pd.DataFrame:
     try:
         if file.suffix.lower() in (".xlsx", ".xlsm"):
             refuse_wide(file)
@@ -253,7 +253,7 @@ def workbook(file, **how):
     return flat_header(data).dropna(axis="columns", how="all")
 
 
-def text(file, layout, **how):
+def text(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
     """A CSV file; what makes it no table says which option may."""
     how |= {"sep": layout.sep, "decimal": layout.decimal, "encoding": layout.encoding}
     how |= {"skipinitialspace": True, "low_memory": False}
@@ -295,7 +295,7 @@ def text(file, layout, **how):
     return data
 
 
-def refuse_row(data, file):
+def refuse_row(data: pd.DataFrame, file: Path) -> None:
     """Refuse a file that begins with a row where names should be."""
     first, *others = data.columns
     numbers = [pd.to_numeric(re.sub(r"\.\d+$", "", c), errors="coerce") for c in others]
@@ -307,20 +307,20 @@ def refuse_row(data, file):
         )
 
 
-def without_end(file, layout):
+def without_end(file: Any, layout: Layout) -> Any:
     """The text of a file without its last lines; empty ones do not count."""
     lines = file.read_text(layout.encoding).rstrip().split("\n")
     return io.StringIO("\n".join(lines[: -layout.skip_end]))
 
 
-def without_comments(source, encoding):
+def without_comments(source: Any, encoding: Any) -> Any:
     """The text of a file without the signs before the lines above its table."""
     if isinstance(source, Path):
         source = io.StringIO(source.read_text(encoding))
     return io.StringIO("".join(line.lstrip(COMMENT) for line in source))
 
 
-def named(data, columns):
+def named(data: pd.DataFrame, columns: dict) -> pd.DataFrame:
     """The table in the package's names."""
     # a mapped column takes the name, whatever else the file calls by it, and leaves
     # its own, under which it would be one more driver
@@ -328,7 +328,14 @@ def named(data, columns):
     return data.drop(columns=list(dict.fromkeys(columns.values()))).assign(**taken)
 
 
-def in_units(data, headers, convert, units, check_units, module_area):
+def in_units(
+    data: pd.DataFrame,
+    headers: dict,
+    convert: bool,
+    units: Mapping,
+    check_units: bool,
+    module_area: float | None,
+) -> tuple[pd.DataFrame, dict]:
     """Columns in the package's units, if that is requested, and their own units."""
     told = {name: unit_of(name, unit) for name, unit in units.items()}
     if absent := [name for name in told if name not in data]:

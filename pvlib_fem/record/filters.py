@@ -1,8 +1,11 @@
 """Rows that count: the paper's filters by day and by night."""
 
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
+from pvlib_fem.record.inputs import Columns
 from pvlib_fem.types import Numeric, Rows
 
 
@@ -69,7 +72,7 @@ def night(
     )
 
 
-def counted(columns, with_night=False):
+def counted(columns: Columns, with_night: bool = False) -> Any:
     """
     Rows whose residual counts in a fit: daytime, and by choice the night.
 

@@ -3,7 +3,9 @@
 import glob
 import itertools
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -39,15 +41,15 @@ class Footer:
     groups: tuple
 
     @property
-    def names(self):
+    def names(self) -> Any:
         return ", ".join(self.schema.names)
 
-    def kind(self, name):
+    def kind(self, name: str) -> Any:
         """Type of a column, None if it is missing."""
         return self.schema.field(name).type if name in self.schema.names else None
 
 
-def found_files(data):
+def found_files(data: Any) -> tuple[list, None]:
     """Files of a folder, a pattern or a Dataset of pyarrow, and where they lie."""
     if hasattr(data, "get_fragments"):
         if not getattr(data, "files", None):
@@ -72,7 +74,7 @@ def found_files(data):
     return sorted(map(str, files)), None
 
 
-def without_parquet(folder):
+def without_parquet(folder: Any) -> Any:
     """What was looked for in a folder, and what is there instead."""
     kinds = Counter(p.suffix.lower() for p in folder.rglob("*") if p.is_file())
     there = ", ".join(
@@ -85,7 +87,7 @@ def without_parquet(folder):
     )
 
 
-def parquet_file(file, filesystem):
+def parquet_file(file: str, filesystem: Any) -> Any:
     """One file, opened; of it only the footer is read."""
     try:
         import pyarrow as pa
@@ -100,7 +102,7 @@ def parquet_file(file, filesystem):
         raise ValueError(f"{file} is no Parquet file that can be read") from error
 
 
-def footers_of(files, filesystem, time):
+def footers_of(files: list, filesystem: Any, time: str | None) -> Iterator:
     """Footers of the files that have rows."""
     for file in files:
         with parquet_file(file, filesystem) as opened:
@@ -118,7 +120,7 @@ def footers_of(files, filesystem, time):
             yield Footer(file, schema, time, tuple(groups_of(file, opened, time)))
 
 
-def time_column(schema, file):
+def time_column(schema: Any, file: str) -> str:
     """The column of times: pandas' index, or the first of timestamps."""
     stored = (schema.pandas_metadata or {}).get("index_columns", [])
     stamps = [field.name for field in schema if str(field.type).startswith("timestamp")]
@@ -131,7 +133,7 @@ def time_column(schema, file):
     )
 
 
-def common_times(footers):
+def common_times(footers: list) -> tuple[str, str]:
     """Zone of the first file, and the finest unit of all."""
     first, *others = footers
     kinds = [footer.kind(footer.time) for footer in footers]
@@ -145,7 +147,7 @@ def common_times(footers):
     return kinds[0].tz, min((kind.unit for kind in kinds), key=finest)
 
 
-def common_columns(footers, columns):
+def common_columns(footers: list, columns: Mapping) -> tuple[dict, dict]:
     """
     The package's names to columns of numbers, and why others cannot be read.
 
@@ -184,7 +186,7 @@ def common_columns(footers, columns):
     return found, partial
 
 
-def groups_of(file, opened, time):
+def groups_of(file: Any, opened: Any, time: str) -> Iterator:
     """The row groups of one file, with their first and last times."""
     place = opened.schema_arrow.names.index(time)
     for number in range(opened.num_row_groups):
@@ -195,31 +197,32 @@ def groups_of(file, opened, time):
         if known is None or not (known.has_min_max and known.has_null_count):
             column = opened.read_row_group(number, columns=[time]).column(time)
             times, nulls = pd.Series(column.to_numpy()), column.null_count
-            ends = times.min(), times.max()
+            first, last = times.min(), times.max()
         else:
-            ends, nulls = (known.min, known.max), known.null_count
+            first, last, nulls = known.min, known.max, known.null_count
         if nulls < meta.num_rows:
-            yield RowGroup(file, number, meta.num_rows, *map(in_utc, ends), nulls)
+            ends = in_utc(first), in_utc(last)
+            yield RowGroup(file, number, meta.num_rows, *ends, nulls)
 
 
-def times_of(group, time, filesystem):
+def times_of(group: Any, time: Any, filesystem: Any) -> Any:
     """The times of a row group as they are."""
     with parquet_file(group.file, filesystem) as opened:
         column = opened.read_row_group(group.number, columns=[time]).column(time)
     return column.to_numpy()
 
 
-def nothing_nested(opened):
+def nothing_nested(opened: Any) -> bool:
     """Whether the columns stand in a file as they do in its schema."""
     return opened.metadata.num_columns == len(opened.schema_arrow.names)
 
 
-def in_utc(time):
+def in_utc(time: datetime) -> pd.Timestamp:
     time = pd.Timestamp(time)
     return time if time.tz is None else time.tz_convert(None)
 
 
-def in_order(groups):
+def in_order(groups: list) -> tuple:
     """Row groups by their times; two that overlap are refused by their files."""
     groups = tuple(sorted(groups, key=lambda group: (group.first, group.last)))
     for one, other in itertools.pairwise(groups):
@@ -239,7 +242,7 @@ def in_order(groups):
     return groups
 
 
-def is_number(kind):
+def is_number(kind: Any) -> bool:
     """Whether a type of pyarrow holds numbers."""
     numbers = ("int", "uint", "float", "double", "half", "bool", "decimal")
     return str(kind).startswith(numbers)

@@ -3,9 +3,11 @@
 import re
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import pandas as pd
 
+from pvlib_fem.record.layout import Layout
 from pvlib_fem.record.letters import (
     HOURS as ZONES,
     ISO,
@@ -68,7 +70,7 @@ FIRST = 5
 OFFSET = re.compile(r"\d\s*[+-]\d\d:?\d\d$")
 
 
-def with_times(raw, layout, doubts, file):
+def with_times(raw: pd.DataFrame, layout: Layout, doubts: list, file: str) -> Layout:
     """The layout with the columns of the times and their format."""
     if isinstance(raw.index, pd.DatetimeIndex):
         return layout
@@ -99,7 +101,7 @@ def with_times(raw, layout, doubts, file):
     return layout
 
 
-def of_letters(columns, layout, doubts):
+def of_letters(columns: Any, layout: Layout, doubts: list) -> Any:
     """The layout with the zone of letters that more than one has, the most usual."""
     column = joined(columns)
     zones = zones_of(column)
@@ -111,7 +113,7 @@ def of_letters(columns, layout, doubts):
     return replace(layout, tz=zones[0]) if zones else layout
 
 
-def in_parts(raw):
+def in_parts(raw: pd.DataFrame) -> dict:
     """Columns that hold the parts of the times by their names, and their formats."""
     for first, second in product(OF_YEAR, OF_DAY):
         found = {}
@@ -126,12 +128,12 @@ def in_parts(raw):
     return {}
 
 
-def plain(column):
+def plain(column: Any) -> str:
     """A column's name in small letters, without brackets."""
     return re.sub(r"[\[({].*?[\])}]", "", str(column)).strip().lower()
 
 
-def formats(columns, tz=None):
+def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
     """Formats in which all times can be read and tell the hour, the best first."""
     without = untimed(columns)
     if without.mean() > 0.5:
@@ -191,7 +193,7 @@ def formats(columns, tz=None):
     return [*{form.replace("%B", "%b"): form for form in ways[::-1]}.values()][::-1]
 
 
-def lines_after(raw, layout):
+def lines_after(raw: pd.DataFrame, layout: Layout) -> int:
     """How many last lines hold no time, such as totals, where all others hold one."""
     if isinstance(raw.index, pd.DatetimeIndex):
         return 0
@@ -204,8 +206,11 @@ def lines_after(raw, layout):
     return 0
 
 
-def with_times_only(raw, layout, doubts, file):
+def with_times_only(
+    raw: Any, layout: Any, doubts: list, file: str
+) -> tuple[Layout, pd.DataFrame]:
     """The layout that leaves out rows without a time, and the others."""
+    without: Any
     if isinstance(raw.index, pd.DatetimeIndex) and not layout.time:
         without = raw.index.isna()
     else:
@@ -217,7 +222,7 @@ def with_times_only(raw, layout, doubts, file):
     return replace(layout, drop_untimed=True), of_numbers(raw[~without])
 
 
-def in_order(raw, layout, name):
+def in_order(raw: pd.DataFrame, layout: Layout, name: str) -> Layout:
     """The layout that puts rows in order, where they are not."""
     try:
         index = timed(raw, layout, name)[0].index
@@ -228,7 +233,7 @@ def in_order(raw, layout, name):
     return replace(layout, sort=not rises, drop_doubled=twice)
 
 
-def index_of(raw, layout):
+def index_of(raw: pd.DataFrame, layout: Layout) -> Any:
     """Times as they are, before they are brought into a zone, or None."""
     if isinstance(raw.index, pd.DatetimeIndex):
         index = raw.index
@@ -240,7 +245,7 @@ def index_of(raw, layout):
     return index
 
 
-def written(raw, layout):
+def written(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
     """Times as a clock showed them, without what is said of its zone."""
     if isinstance(raw.index, pd.DatetimeIndex):
         return raw.index.tz_localize(None)
@@ -252,7 +257,7 @@ def written(raw, layout):
     return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
 
 
-def time_columns(raw, layout):
+def time_columns(raw: pd.DataFrame, layout: Layout) -> Any:
     """The columns of the times: the given ones, or the first."""
     if layout.time or isinstance(raw.index, pd.DatetimeIndex):
         return [column for column in layout.time if column in raw]

@@ -1,8 +1,12 @@
 """How files may be read: proposed by names and data, never acted upon."""
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.columns import COLUMNS
@@ -16,7 +20,7 @@ from pvlib_fem.record.formats import (
     with_times_only,
     written,
 )
-from pvlib_fem.record.layout import found_layout
+from pvlib_fem.record.layout import Layout, found_layout
 from pvlib_fem.record.names import (
     NAMES,
     NOT,
@@ -59,12 +63,20 @@ class Guess:
     unused: dict = field(default_factory=dict)  # reason to columns that are not used
 
     @property
-    def there(self):
+    def there(self) -> set:
         """Names of the package that have a column."""
         return {*self.columns, *self.free}
 
 
-def guess(files, layouts, columns, how=None, place=None, check=None, sensors=False):
+def guess(
+    files: Sequence,
+    layouts: list,
+    columns: dict,
+    how: dict | None = None,
+    place: Any = None,
+    check: Callable | None = None,
+    sensors: bool = False,
+) -> Guess:
     """
     Propose how files are to be read.
 
@@ -131,7 +143,9 @@ def guess(files, layouts, columns, how=None, place=None, check=None, sensors=Fal
     return found
 
 
-def with_tags(file, layout, raw, doubts):
+def with_tags(
+    file: Path, layout: Layout, raw: pd.DataFrame, doubts: list
+) -> tuple[Layout, pd.DataFrame]:
     """The layout and table of a file with a row for each reading."""
     if layout.tag or isinstance(raw.index, pd.DatetimeIndex):
         return layout, raw
@@ -154,7 +168,9 @@ def with_tags(file, layout, raw, doubts):
     return layout, table(file, layout)
 
 
-def with_cells(file, layout, raw, doubts):
+def with_cells(
+    file: Path, layout: Layout, raw: pd.DataFrame, doubts: list
+) -> tuple[Layout, pd.DataFrame]:
     """The layout with the texts in cells of numbers, and the table."""
     columns = [raw[name] for name in texts(raw)]
     sign = "" if layout.thousands else thousands_of(columns, layout.decimal)
@@ -181,13 +197,13 @@ def with_cells(file, layout, raw, doubts):
     return layout, raw
 
 
-def rows_of(file, layout):
+def rows_of(file: Path, layout: Layout) -> pd.DataFrame:
     """The table without the rows that the layout leaves out for their times."""
     raw = table(file, layout)
     return with_times_only(raw, layout, [], "")[1] if layout.drop_untimed else raw
 
 
-def by_the_sun(data, found):
+def by_the_sun(data: dict, found: Guess) -> None:
     """Of two temperatures of no telling name the warmer by day is the module."""
     light, air = (found.columns.get(name) for name in ("poa_global", "temp_air"))
     if "temp_module" in {*found.columns, *data} or air is None or light is None:
@@ -208,7 +224,7 @@ def by_the_sun(data, found):
     )
 
 
-def all_modules(data, found):
+def all_modules(data: Any, found: Guess) -> None:
     """Map each further column that looks like a module's temperature."""
     taken = found.columns.values()
     free = {c: v for c, v in data.items() if c not in taken and not is_own(c)}
@@ -219,7 +235,7 @@ def all_modules(data, found):
     found.doubts = [doubt for doubt in found.doubts if not doubt.startswith(alike)]
 
 
-def in_units(found, data, below):
+def in_units(found: Guess, data: dict, below: dict) -> None:
     """What headers say of units, or a line below them."""
     for name, column in found.columns.items():
         if column not in data or usual_name_of(name) is None:
@@ -247,7 +263,7 @@ def in_units(found, data, below):
             )
 
 
-def texts_of_missing(raw, layout):
+def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple:
     """Texts in columns of numbers, which stand for missing ones."""
     found = {}
     for name, column in raw.items():
@@ -262,7 +278,7 @@ def texts_of_missing(raw, layout):
     return tuple(found)
 
 
-def by_evidence(found, files, how, check):
+def by_evidence(found: Guess, files: Any, how: dict, check: Callable) -> None:
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
     headers = {name: found.columns.get(name, name) for name in QUANTITIES}
@@ -284,7 +300,7 @@ def by_evidence(found, files, how, check):
             return
 
 
-def of_wind(found, data):
+def of_wind(found: Guess, data: dict) -> None:
     """Ask for mph where the temperatures are in °F and the wind says nothing."""
     wind = found.columns.get("wind_speed", "wind_speed")
     told = wind not in data or named_unit("wind_speed", str(wind)) is not None
@@ -295,7 +311,7 @@ def of_wind(found, data):
         )
 
 
-def exchange(found, why):
+def exchange(found: Guess, why: str) -> None:
     """A unit of the air holds for the module, and the other way round."""
     pair = ("temp_air", "temp_module")
     columns = [found.columns.get(name, name) for name in pair]
@@ -310,7 +326,7 @@ def exchange(found, why):
     )
 
 
-def sunny(left):
+def sunny(left: pd.DataFrame) -> np.ndarray | None:
     """The column that looks like irradiance, or None."""
     column = mapped(dict(left.items()), {}, ("poa_global",), []).get("poa_global")
     column = "poa_global" if "poa_global" in left else column

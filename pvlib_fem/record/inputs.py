@@ -1,9 +1,10 @@
 """Columns on common times, checked once: what all else works on."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,7 +31,7 @@ class Times:
     unit: float
 
     @cached_property
-    def seconds(self):
+    def seconds(self) -> np.ndarray:
         """Time of each row since the first. [s]"""
         if np.ndim(self.steps) == 0:
             return np.arange(len(self.index)) * (self.steps * self.unit)
@@ -39,12 +40,12 @@ class Times:
         return np.cumsum(steps) * self.unit
 
     @cached_property
-    def dates(self):
+    def dates(self) -> np.ndarray:
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
         return dates_of(self.index)
 
     @cached_property
-    def runs(self):
+    def runs(self) -> Any:
         """First row of each run of rows of one date, and the date."""
         other = self.dates[1:] != self.dates[:-1]
         first = np.concatenate(([0], np.flatnonzero(other) + 1))[: len(self.dates)]
@@ -63,7 +64,7 @@ class Columns(Mapping):
     given : mapping of array
     """
 
-    def __init__(self, given: Mapping):
+    def __init__(self, given: Mapping) -> None:
         own = given.given if isinstance(given, Columns) else given
         self.given: dict[str, np.ndarray] = {**own}
 
@@ -79,24 +80,24 @@ class Columns(Mapping):
     def __len__(self) -> int:
         return len(self.given)
 
-    def __or__(self, more):
+    def __or__(self, more: "dict | Columns") -> "Columns":
         """The columns, with others that replace them or are added."""
         return Columns(self.given | Columns(more).given)
 
     @property
-    def narrow(self):
+    def narrow(self) -> bool:
         """Whether any is to be widened where it is read."""
         return any(values.dtype != float for values in self.given.values())
 
-    def only(self, names):
+    def only(self, names: Any) -> Any:
         """Some of them, in that order."""
         return Columns({name: self.given[name] for name in names})
 
-    def taken(self, rows):
+    def taken(self, rows: Any) -> "Columns":
         """Some rows of each."""
         return Columns({name: values[rows] for name, values in self.given.items()})
 
-    def put(self, value, rows):
+    def put(self, value: float, rows: dict) -> "Columns":
         """The columns with a value in some of their rows, by name."""
         given = {name: self.given[name] for name in rows}
         return self | {
@@ -109,14 +110,14 @@ class Columns(Mapping):
 class Inputs:
     """Columns on common times, ready for the kernel."""
 
-    columns: Columns
-    steps: np.ndarray | float  # time since the row before, in units
+    columns: Any  # Columns, or a mapping from which they are made
+    steps: Any  # float or array: time since the row before, in units
     unit: float  # seconds in one unit of ``steps``
     index: pd.Index
     is_series: bool
-    times: Times | None = field(default=None, repr=False)
+    times: Any = field(default=None, repr=False)  # Times, made where they are None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not isinstance(self.columns, Columns):
             object.__setattr__(self, "columns", Columns(self.columns))
         times = self.times
@@ -126,22 +127,22 @@ class Inputs:
             times = Times(self.index, self.steps, self.unit)
             object.__setattr__(self, "times", times)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
 
     @cached_property
-    def known(self):
+    def known(self) -> dict:
         """What was found of the columns, by what it is, so that it is found once."""
         return {}
 
-    def mean(self, name):
+    def mean(self, name: str) -> float:
         """Mean of what there is of a column."""
         if name not in self.known:
             self.known[name] = float(np.nanmean(self[name]))
         return self.known[name]
 
     @property
-    def step(self):
+    def step(self) -> Any:
         """Usual time between rows; NaN of a single one. [s]"""
         if np.ndim(self.steps) == 0:
             return self.steps * self.unit
@@ -152,16 +153,16 @@ class Inputs:
         )
 
     @property
-    def seconds(self):
+    def seconds(self) -> np.ndarray:
         """Time of each row since the first. [s]"""
         return self.times.seconds
 
-    def part(self, rows):
+    def part(self, rows: Any) -> "Inputs":
         """The inputs of a slice of the rows."""
         steps = self.steps if np.ndim(self.steps) == 0 else self.steps[rows]
         return self.by_steps(rows, steps)
 
-    def taken(self, rows):
+    def taken(self, rows: np.ndarray) -> "Inputs":
         """The inputs of some rows, each as long after the one before as it was."""
         if np.ndim(self.steps) == 0:
             steps = self.steps * np.diff(rows, prepend=rows[0] - 1)
@@ -169,28 +170,30 @@ class Inputs:
             steps = np.diff(np.cumsum(self.steps)[rows], prepend=0.0)
         return self.by_steps(rows, steps)
 
-    def by_steps(self, rows, steps):
+    def by_steps(self, rows: np.ndarray, steps: float | np.ndarray) -> "Inputs":
         """The inputs of some rows, with the time between them."""
         columns = self.columns.taken(rows)
         return Inputs(columns, steps, self.unit, self.index[rows], self.is_series)
 
-    def only(self, names):
+    def only(self, names: Sequence) -> Any:
         """The inputs with some of their columns, in that order."""
         return replace(self, columns=self.columns.only(names))
 
-    def having(self, columns):
+    def having(self, columns: Any) -> "Inputs":
         """The inputs with other values of some columns, or with more of them."""
         return replace(self, columns=self.columns | columns)
 
-    def frame(self):
+    def frame(self) -> Any:
         """The columns as a frame, in double precision."""
         return pd.DataFrame(dict(self.columns), self.index)
 
-    def restore(self, values, name=None):
+    def restore(
+        self, values: np.ndarray, name: str | None = None
+    ) -> np.ndarray | pd.Series:
         """Give values back in the form the input came in."""
         return pd.Series(values, self.index, name=name) if self.is_series else values
 
-    def resume(self, initial):
+    def resume(self, initial: Any) -> Any:
         """State to carry on from, and the steps counted from its time."""
         if initial is None:
             return None, self.steps
@@ -216,7 +219,7 @@ class Inputs:
             )
         return float(initial), self.steps
 
-    def past(self, initial):
+    def past(self, initial: pd.Series) -> pd.Series:
         """The facts of a Series that goes before, with times that can be compared."""
         initial = initial.dropna()
         if initial.empty:
@@ -252,23 +255,23 @@ class Record:
     absent: tuple = ()  # columns that nobody measured, which hold 0
 
     @property
-    def index(self):
+    def index(self) -> Any:
         return self.inputs.index
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> np.ndarray:
         return self.inputs.columns[name]
 
     @property
-    def days(self):
+    def days(self) -> np.ndarray:
         """Number of each row's day among the days that are there, from 0."""
         return pd.factorize(self.dates)[0]
 
     @property
-    def dates(self):
+    def dates(self) -> np.ndarray:
         """Calendar day of each row in the record's own zone, from 1970-01-01."""
         return self.inputs.times.dates
 
-    def rows_by_date(self, rows):
+    def rows_by_date(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Dates in order, and how many of some rows each has."""
         first, dates = self.inputs.times.runs
         days, place = np.unique(dates, return_inverse=True)
@@ -276,35 +279,35 @@ class Record:
         counts = [np.count_nonzero(rows[start:end]) for start, end in edges]
         return days, np.bincount(place, counts).astype(int)
 
-    def of_dates(self, dates):
+    def of_dates(self, dates: np.ndarray) -> np.ndarray:
         """Booleans of the rows of some dates."""
         first, days = self.inputs.times.runs
         return np.repeat(np.isin(days, dates), np.diff(first, append=len(self.dates)))
 
-    def count_days(self, rows):
+    def count_days(self, rows: np.ndarray) -> int:
         """How many days some rows are of."""
         return int(np.count_nonzero(self.rows_by_date(rows)[1]))
 
-    def only(self, names):
+    def only(self, names: Sequence) -> Any:
         """The record with some of its columns."""
         inputs = self.inputs.only(names)
         missing = {n: rows for n, rows in self.missing.items() if n in inputs.columns}
         return replace(self, inputs=inputs, missing=missing)
 
-    def having(self, columns):
+    def having(self, columns: dict | Columns) -> "Record":
         """The record with other values of some columns, or with more of them."""
         return replace(self, inputs=self.inputs.having(columns))
 
-    def lacking(self, rows):
+    def lacking(self, rows: dict) -> "Record":
         """The record with NaN in some rows of its columns, by name."""
         return self.put(np.nan, rows)
 
-    def put(self, value, rows):
+    def put(self, value: float, rows: dict) -> "Record":
         """The record with a value in some rows of its columns, by name."""
         columns = self.inputs.columns.put(value, rows)
         return replace(self, inputs=replace(self.inputs, columns=columns))
 
-    def known(self, names):
+    def known(self, names: list) -> np.ndarray:
         """Rows that have all of some columns."""
         asked = "rows", *names
         if asked not in self.inputs.known:
@@ -315,7 +318,7 @@ class Record:
             self.inputs.known[asked] = rows
         return self.inputs.known[asked]
 
-    def rows(self, holdout):
+    def rows(self, holdout: pd.Series) -> np.ndarray:
         """Boolean array of a user's choice of rows."""
         if not isinstance(holdout, pd.Series) or holdout.dtype != bool:
             raise ValueError("holdout must be a boolean Series, True where held out")
@@ -324,7 +327,12 @@ class Record:
         return holdout.to_numpy()
 
 
-def read(columns, step=None, times=None, purpose="this model"):
+def read(
+    columns: dict,
+    step: float | None = None,
+    times: Any = None,
+    purpose: str = "this model",
+) -> Any:
     """
     Bring series, arrays and numbers onto common times.
 
@@ -383,7 +391,13 @@ def read(columns, step=None, times=None, purpose="this model"):
     return Inputs(checked, steps, unit, index, bool(series))
 
 
-def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
+def as_record(
+    poa_global: pd.Series | None,
+    temp_air: pd.Series | None,
+    wind_speed: pd.Series | None,
+    temp_module: pd.Series | None,
+    **drivers: pd.Series,
+) -> Record:
     """
     The columns on their common times, as they are.
 
@@ -419,7 +433,7 @@ def as_record(poa_global, temp_air, wind_speed, temp_module, **drivers):
     return Record(inputs, missing, {}, 0, absent)
 
 
-def with_columns(record, columns):
+def with_columns(record: Record, columns: dict) -> Record:
     """The record with further columns, which stand on its index."""
     arrays = {name: column.to_numpy(float) for name, column in columns.items()}
     missing = {name: int(np.isnan(values).sum()) for name, values in arrays.items()}

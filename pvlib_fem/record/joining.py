@@ -1,5 +1,8 @@
 """Several files as one: of several loggers, or the months of one."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -9,7 +12,7 @@ from pvlib_fem.record.columns import ANGLES
 LEAST = 0.5  # share of the shorter file's rows that has to find a partner
 
 
-def joined(tables, names, columns):
+def joined(tables: list, names: list, columns: Mapping) -> tuple[pd.DataFrame, list]:
     """
     Tables on common times, those of the one with the longest step.
 
@@ -71,7 +74,9 @@ def joined(tables, names, columns):
     return whole[[column for table in apart for column in table]], notes
 
 
-def stacked(tables, names, overlap=False):
+def stacked(
+    tables: list, names: list, overlap: bool = False
+) -> tuple[pd.DataFrame, str]:
     """
     Pieces of one logger, one after the other in time, and what they are called.
 
@@ -115,17 +120,17 @@ def stacked(tables, names, overlap=False):
     return pd.concat([t[first.columns] for t in same]), f"{names[0]} … {names[-1]}"
 
 
-def first_time(table):
+def first_time(table: pd.DataFrame) -> Any:
     """The first time, as a number that is the same in any zone."""
     return table.index.min().timestamp() if len(table) else np.inf
 
 
-def last_time(table):
+def last_time(table: pd.DataFrame) -> Any:
     """The last one."""
     return table.index.max().timestamp() if len(table) else -np.inf
 
 
-def refuse_disorder(table, name):
+def refuse_disorder(table: pd.DataFrame, name: str) -> None:
     back = np.diff(instants(table.index)) <= np.timedelta64(0, "s")
     if back.any():
         at = 1 + int(np.argmax(back))
@@ -136,11 +141,11 @@ def refuse_disorder(table, name):
         )
 
 
-def span(table):
+def span(table: pd.DataFrame) -> Any:
     return f"{table.index[0]:%Y-%m-%d %H:%M} to {table.index[-1]:%Y-%m-%d %H:%M}"
 
 
-def distinct(tables, names):
+def distinct(tables: list, names: list) -> list:
     """The tables, no column of which is called like one of another."""
     seen, apart = set(), []
     for table, name in zip(tables, names):
@@ -150,7 +155,14 @@ def distinct(tables, names):
     return apart
 
 
-def onto(table, index, step, own, states, directions):
+def onto(
+    table: pd.DataFrame,
+    index: pd.DatetimeIndex,
+    step: float,
+    own: float,
+    states: set,
+    directions: set,
+) -> pd.DataFrame:
     """
     A table on some times: the nearest rows, and of shorter steps the means.
 
@@ -178,7 +190,7 @@ def onto(table, index, step, own, states, directions):
     return pd.DataFrame(parts, index)
 
 
-def means(values, place, size, angle):
+def means(values: Any, place: Any, size: int, angle: Any) -> Any:
     """Means of the rows at each of so many places, NaN where none is there."""
     if angle:
         turned = np.radians(values)

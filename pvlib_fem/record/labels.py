@@ -1,12 +1,15 @@
 """Names of columns from labels of several levels."""
 
 import re
+from typing import Any
+
+import pandas as pd
 
 #: what pandas writes for a cell of a header that is empty
 EMPTY = re.compile(r"Unnamed: \d+(_level_\d+)?")
 
 
-def joined_labels(levels):
+def joined_labels(levels: list) -> list:
     """
     One name for each column, of the levels of its label from the top.
 
@@ -24,7 +27,7 @@ def joined_labels(levels):
     return [name or f"Unnamed: {n}" for n, name in enumerate(names)]
 
 
-def name_of(parts):
+def name_of(parts: tuple) -> str:
     found = []
     for part in map(bare, parts):
         if part and part not in found[-1:]:
@@ -32,18 +35,18 @@ def name_of(parts):
     return "_".join(found)
 
 
-def bare(cell):
+def bare(cell: str) -> str:
     text = str(cell).strip()
     return "" if EMPTY.fullmatch(text) else text
 
 
-def merged(levels):
+def merged(levels: list) -> list:
     """Levels with an empty cell as the one to its left, but for the last of them."""
     *upper, last = [[bare(cell) for cell in level] for level in levels]
     return [*map(filled, upper), last]
 
 
-def filled(level):
+def filled(level: Any) -> Any:
     found, before = [], ""
     for cell in level:
         before = cell or before
@@ -51,20 +54,20 @@ def filled(level):
     return found
 
 
-def levels_of(data):
+def levels_of(data: Any) -> Any:
     """The levels of the labels of a table."""
     labels = data.columns
     return [list(labels.get_level_values(n)) for n in range(labels.nlevels)]
 
 
-def flat(data):
+def flat(data: Any) -> Any:
     """The table with labels of several levels joined to one text."""
     if data.columns.nlevels == 1:
         return data
     return data.set_axis(joined_labels(levels_of(data)), axis=1)
 
 
-def flat_header(data):
+def flat_header(data: pd.DataFrame) -> Any:
     """The names of a header of several lines, in which a cell may span columns."""
     if data.columns.nlevels == 1:
         return data.rename(columns=lambda name: str(name).strip())

@@ -4,6 +4,8 @@ import codecs
 import csv
 import re
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -50,7 +52,7 @@ class Layout:
     drop_untimed: bool = False
 
 
-def found_layout(file, layout=None):
+def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
     """
     How a file seems to be written.
 
@@ -97,7 +99,7 @@ def found_layout(file, layout=None):
     return replace(layout, **how, **header), units
 
 
-def encoding_of(file):
+def encoding_of(file: Path) -> str:
     """UTF-8 or UTF-16 where the bytes are that, and else what Windows writes."""
     with open(file, "rb") as opened:
         start = opened.read(SOME)
@@ -111,37 +113,37 @@ def encoding_of(file):
     return "utf-8"
 
 
-def cells(sheet):
+def cells(sheet: pd.DataFrame) -> list:
     """Rows of a sheet as text."""
     text = sheet.astype(object).where(sheet.notna(), "")
     return [[str(cell) for cell in row] for row in text.to_numpy()]
 
 
-def number(cell, decimal):
+def number(cell: str, decimal: str) -> bool:
     return NUMBERS[decimal].fullmatch(cell.strip()) is not None
 
 
-def known(cell, decimal):
+def known(cell: str, decimal: str) -> bool:
     """Whether a cell is what a logger's row is made of."""
     if any(number(cell, sign) for sign in NUMBERS):  # 13.5 is no time, either
         return number(cell, decimal)
     return TIME.fullmatch(cell.strip()) is not None
 
 
-def is_data(row, width, decimal):
+def is_data(row: list, width: int, decimal: str) -> bool:
     """Whether a row has a logger's values."""
     filled = [cell for cell in row if cell.strip()]
     seen = sum(known(cell, decimal) for cell in filled)
     return len(row) == width and seen >= 2 and seen >= 0.5 * len(filled)
 
 
-def width_of(rows):
+def width_of(rows: list) -> int:
     """Number of columns that the later rows have."""
     later = [len(row) for row in rows[len(rows) // 2 :]]
     return max(set(later), key=later.count) if later else 0
 
 
-def likeness(rows, decimal):
+def likeness(rows: list, decimal: str) -> float:
     """How much rows look like a table: its cells that have a meaning."""
     width = width_of(rows)
     if width < 2:
@@ -153,7 +155,7 @@ def likeness(rows, decimal):
     )
 
 
-def outside(rows, decimal):
+def outside(rows: list, decimal: str) -> Any:
     """The header and lines to leave out, and the units that one of these gives."""
     width = width_of(rows)
     data = [is_data(row, width, decimal) for row in rows]
@@ -181,7 +183,7 @@ def outside(rows, decimal):
     return dict(skip_rows=skip, header_rows=len(header)), units
 
 
-def header_of(rows, above):
+def header_of(rows: list, above: list) -> list:
     """
     Lines that make the header: one whose names differ, or some that do so joined.
 

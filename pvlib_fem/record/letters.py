@@ -1,7 +1,8 @@
 """The form of times, and letters of zones, each of which is one distance from UTC."""
 
 import re
-from datetime import datetime
+from datetime import datetime, timedelta
+from typing import Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
@@ -30,16 +31,17 @@ LETTERS = re.compile(r"\b(?!AM\b|PM\b)[A-Z]{3,5}\b")
 DAYS = [datetime(2023, month, 1) for month in (1, 7)]
 
 
-def names_of(tz):
+def names_of(tz: str | None) -> Any:
     """The letters of a zone's clock, and their hours before UTC."""
     try:
         times = [day.replace(tzinfo=ZoneInfo(tz)) for day in DAYS] if tz else []
     except (ZoneInfoNotFoundError, ValueError, OSError):  # refused with the times
         return {}
-    return {time.tzname(): time.utcoffset().total_seconds() / 3600.0 for time in times}
+    offsets = {time.tzname(): time.utcoffset() or timedelta() for time in times}
+    return {name: offset.total_seconds() / 3600.0 for name, offset in offsets.items()}
 
 
-def zones_of(column):
+def zones_of(column: Any) -> Any:
     """The zones that the letters of times may mean, where these are of several."""
     found = {last_letters(text) for text in column.astype(str).unique()}
     zones = [SEVERAL[letters] for letters in found if letters in SEVERAL]
@@ -49,12 +51,12 @@ def zones_of(column):
     return list(zones[0]) if zones else []
 
 
-def last_letters(text):
+def last_letters(text: str) -> str:
     found = LETTERS.findall(text)
     return found[-1] if found else ""
 
 
-def without_letters(column, time_format, tz=None):
+def without_letters(column: Any, time_format: str, tz: str | None = None) -> Any:
     """
     Texts and format without the letters of a zone, and their hours before UTC.
 
@@ -85,7 +87,7 @@ def without_letters(column, time_format, tz=None):
     return pd.Series(bare, column.index), time_format.replace("%Z", " "), hours
 
 
-def unknown(name, row, time_format):
+def unknown(name: str, row: Any, time_format: str) -> Any:
     """The error of letters that do not tell the distance from UTC."""
     if name in SEVERAL:
         zones = " or ".join(f"--tz {zone}" for zone in SEVERAL[name])

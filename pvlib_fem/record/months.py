@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from typing import Any
 
 MONTHS = ("January", "February", "March", "April", "May", "June", "July", "August")
 MONTHS += ("September", "October", "November", "December")
@@ -26,14 +27,14 @@ WORD = re.compile(r"[^\W\d_]{3,}\.?")
 HALF = re.compile(r"\b([ap])\.?\s?m\b\.?", re.IGNORECASE)
 
 
-def in_english(text, whole):
+def in_english(text: str, whole: bool) -> str:
     """
     A time with the month's name and the half of the day as English has them.
 
     ``whole`` has the month's whole name, as of the format ``%B``.
     """
 
-    def month(match):
+    def month(match: Any) -> Any:
         if match[0] in MONTHS:  # which is another format than Jan
             return match[0]
         word = plain(match[0])
@@ -47,7 +48,7 @@ def in_english(text, whole):
     return HALF.sub(lambda half: half[1].upper() + "M", WORD.sub(month, text))
 
 
-def plain(word):
+def plain(word: str) -> Any:
     """A word in small letters without accents and its full stop."""
     apart = unicodedata.normalize("NFKD", word.strip(".").lower())
     return "".join(letter for letter in apart if not unicodedata.combining(letter))

@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from typing import Any
 
 import pandas as pd
 
@@ -63,7 +64,7 @@ NOT = re.compile(
 )
 
 
-def mapped(data, columns, names, doubts):
+def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
     """The map with the columns that look like a name that none has yet."""
     numeric = [c for c in data if pd.api.types.is_numeric_dtype(data[c])]
     there = {ALIASES.get(column, column) for column in data}
@@ -83,7 +84,7 @@ def mapped(data, columns, names, doubts):
     return columns
 
 
-def told(name, matching, sure, doubts):
+def told(name: str, matching: list, sure: int, doubts: list) -> None:
     """What a person should look at."""
     if len(matching) > 1:
         doubts.append(
@@ -96,22 +97,22 @@ def told(name, matching, sure, doubts):
         )
 
 
-def spelled(column):
+def spelled(column: str) -> str:
     """A column's name without its unit, in small letters, words apart."""
     bare = re.sub(r"([a-z])([A-Z])", r"\1_\2", without_unit(column))
     return PLACE.sub("", without_accents(bare.strip().lower()))
 
 
-def without_accents(text):
+def without_accents(text: str) -> str:
     apart = unicodedata.normalize("NFKD", text)
     return "".join(letter for letter in apart if not unicodedata.combining(letter))
 
 
-def without_unit(column):
+def without_unit(column: str) -> str:
     return re.sub(r"[\[({].*?[\])}]", "", str(column))
 
 
-def usual_name(column):
+def usual_name(column: str) -> Any:
     """The package's name that a column's name looks like, or None."""
     if NOT.search(without_unit(column)):
         return None
@@ -121,18 +122,18 @@ def usual_name(column):
     return None
 
 
-def is_own(column):
+def is_own(column: str) -> bool:
     """Whether a column has a name that the package knows."""
     return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or vouches(column)
 
 
-def unmapped(columns):
+def unmapped(columns: dict) -> dict:
     """Columns that look like the driver of an effect, or like power, and what like."""
     found = {c: usual_name(c) for c in columns if not is_own(c)}
     return {column: name for column, name in found.items() if name in DRIVERS}
 
 
-def unused(columns, taken):
+def unused(columns: dict, taken: set) -> dict:
     """
     Why columns are not used, by reason.
 
@@ -154,7 +155,7 @@ def unused(columns, taken):
     return found
 
 
-def why_unused(column, values, taken):
+def why_unused(column: str, values: pd.Series, taken: set) -> str:
     """Why a column is not used, in words."""
     if values.isna().all():
         return "no value"

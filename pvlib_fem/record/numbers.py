@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,13 +20,13 @@ MARKED = re.compile(r"[+-]?\d+(?:[.,]\d+)?\s*[^\w\s.,:/%°-]")
 SPACES = r"[ \u00a0\u202f]"  # also those at which no line breaks
 
 
-def grouped(thousands, decimal):
+def grouped(thousands: str, decimal: str) -> Any:
     """The form of a number with a sign between its thousands."""
     sign = SPACES if thousands == " " else re.escape(thousands)
     return re.compile(rf"[+-]?[1-9]\d{{0,2}}({sign}\d{{3}})+({re.escape(decimal)}\d*)?")
 
 
-def ungrouped(column, thousands, decimal):
+def ungrouped(column: Any, thousands: Any, decimal: str) -> Any:
     """
     Numbers of a column of text; what is none stays as it is.
 
@@ -33,7 +34,7 @@ def ungrouped(column, thousands, decimal):
     """
     form, usual = grouped(thousands, decimal), NUMBERS.get(decimal)
 
-    def number(cell):
+    def number(cell: str) -> Any:
         bare = cell.strip() if isinstance(cell, str) else ""
         if form.fullmatch(bare):
             whole, _, rest = bare.partition(decimal)
@@ -45,11 +46,11 @@ def ungrouped(column, thousands, decimal):
     return column.astype(object).map(number, na_action="ignore").infer_objects()
 
 
-def unmarked(column, marks, decimal):
+def unmarked(column: Any, marks: Any, decimal: str) -> Any:
     """A column of text without the numbers that one of some marks stands behind."""
     usual = NUMBERS.get(decimal, NUMBERS["."])
 
-    def number(cell):
+    def number(cell: str) -> Any:
         bare = cell.strip() if isinstance(cell, str) else ""
         for mark in marks:
             if bare.endswith(mark) and usual.fullmatch(bare.removesuffix(mark).strip()):
@@ -59,7 +60,7 @@ def unmarked(column, marks, decimal):
     return column.astype(object).map(number, na_action="ignore").infer_objects()
 
 
-def marks_of(texts, decimal):
+def marks_of(texts: list, decimal: str) -> tuple:
     """Marks behind the numbers of columns that have others without one."""
     usual, found = NUMBERS[decimal], {}
     for column in texts:
@@ -72,12 +73,12 @@ def marks_of(texts, decimal):
     return tuple(found) if len(found) <= FEW_MARKS else ()
 
 
-def strings(column):
+def strings(column: pd.Series) -> pd.Series:
     """The cells of a column that are text."""
     return column[column.map(lambda cell: isinstance(cell, str))]
 
 
-def thousands_of(texts, decimal):
+def thousands_of(texts: list, decimal: str) -> str:
     """The sign between the thousands of columns of text, or an empty one."""
     for sign in SIGNS.get(decimal, ()):
         form = grouped(sign, decimal)
@@ -89,7 +90,7 @@ def thousands_of(texts, decimal):
     return ""
 
 
-def refuse_text(column, name):
+def refuse_text(column: pd.Series, name: str) -> None:
     """Say which text stands among the numbers of a column."""
     if pd.api.types.is_numeric_dtype(column) or column.isna().all():
         return
@@ -108,7 +109,7 @@ def refuse_text(column, name):
     )
 
 
-def remedy_for(word):
+def remedy_for(word: str) -> str:
     """The option that may make a number of a text."""
     comma = pd.to_numeric(word.replace(",", ".", 1), errors="coerce")
     commas = "," in word and pd.notna(comma)

@@ -1,7 +1,9 @@
 """Rows of Parquet files that hold no time, or none that their zone's clock shows."""
 
 import itertools
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,7 +15,9 @@ DAY = pd.Timedelta(days=1)
 NEAR = pd.Timedelta(hours=3)  # so that an hour in two row groups is seen as a whole
 
 
-def on_the_clock(groups, times_of, tz=None, drop_untimed=False):
+def on_the_clock(
+    groups: tuple, times_of: Callable, tz: str | None = None, drop_untimed: bool = False
+) -> tuple[list, list]:
     """
     Row groups with the rows that have no time, and what is said of these.
 
@@ -70,22 +74,23 @@ def on_the_clock(groups, times_of, tz=None, drop_untimed=False):
     return [group for group in runs if group.rows], notes
 
 
-def changes(groups, tz):
+def changes(groups: Any, tz: Any) -> Any:
     """The hours around the changes of a zone's clock, as pairs of its own times."""
     first = min(group.first for group in groups).normalize() - DAY
     last = max(group.last for group in groups).normalize() + DAY
     noons = pd.date_range(first, last, freq="D") + DAY / 2
-    how = dict(ambiguous=np.ones(len(noons), dtype=bool), nonexistent="shift_forward")
+    how: dict[str, Any] = dict(ambiguous=np.ones(len(noons), dtype=bool))
+    how["nonexistent"] = "shift_forward"
     ahead = (noons - noons.tz_localize(tz, **how).tz_convert(None)).to_numpy()
     at = np.flatnonzero(np.diff(ahead))
-    return [(noons[i] - NEAR, noons[i + 1] + NEAR) for i in at]
+    return [(noons[i] - NEAR, noons[i + 1] + NEAR) for i in at.tolist()]
 
 
-def meets(group, pairs):
+def meets(group: Any, pairs: Any) -> Any:
     return any(group.first <= end and begin <= group.last for begin, end in pairs)
 
 
-def without_nulls(group, times_of):
+def without_nulls(group: Any, times_of: Any) -> Any:
     if not group.nulls:
         return group
     lacks = np.isnat(times_of(group))
@@ -93,7 +98,7 @@ def without_nulls(group, times_of):
     return replace(group, rows=group.rows - len(left), left=left)
 
 
-def in_the_zone(run, times_of, tz):
+def in_the_zone(run: Any, times_of: Any, tz: str) -> Any:
     """Row groups that follow each other, and their times in a zone."""
     times = [times_of(group) for group in run]
     kept = [~np.isnat(part) for part in times]
@@ -123,7 +128,7 @@ def in_the_zone(run, times_of, tz):
     return found, index.to_numpy(), there, once
 
 
-def in_file(groups):
+def in_file(groups: list) -> tuple[np.ndarray, np.ndarray]:
     """Rows of a file's row groups that are dropped, and that are late."""
     left, late, start = [], [], 0
     for group in groups:

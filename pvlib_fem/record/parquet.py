@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -40,23 +41,23 @@ class Block:
     start: int  # number of the first row
     file: str
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> np.ndarray:
         return self.inputs.columns[name]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.inputs.index)
 
     @property
-    def index(self):
+    def index(self) -> Any:
         return self.inputs.index
 
     @cached_property
-    def times(self):
+    def times(self) -> Any:
         """Times as counts of the unit since 1970, in UTC where they have a zone."""
         return instants(self.index).view("i8")
 
     @cached_property
-    def dates(self):
+    def dates(self) -> np.ndarray:
         """Calendar day of each row in the record's zone, from 1970-01-01."""
         ends = self.index[[0, -1]]
         offsets = [
@@ -123,7 +124,7 @@ class ParquetRecord:
     notes: tuple = ()  # rows without a time, which are dropped, and what is made
     made: Made | None = None  # a column that no file has
 
-    def __len__(self):
+    def __len__(self) -> int:
         return sum(group.rows for group in self.groups)
 
     @property
@@ -132,7 +133,7 @@ class ParquetRecord:
         ends = pd.DatetimeIndex([self.groups[0].first, self.groups[-1].last])
         return tuple(in_zone(ends, self.tz, self.naive, np.array([False, True])))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         first, last = self.ends
         return (
             f"ParquetRecord: {len(self.files)} files, {len(self):,} rows, {first} to "
@@ -340,7 +341,7 @@ def open_parquet(
         refuse_headers(names)
     groups = in_order([group for footer in footers for group in footer.groups])
 
-    def read(group):
+    def read(group: Any) -> Any:
         return times_of(group, footers[0].time, filesystem)
 
     groups, notes = on_the_clock(groups, read, None if zone else tz, drop_untimed)
@@ -349,18 +350,18 @@ def open_parquet(
     return ParquetRecord(ordered, names, tz or zone, *own, notes=tuple(notes))
 
 
-def is_data_set(data):
+def is_data_set(data: Any) -> bool:
     """Whether an argument names Parquet files, rather than being columns."""
     kinds = str, os.PathLike, ParquetRecord
     return isinstance(data, kinds) or hasattr(data, "get_fragments")
 
 
-def as_source(data):
+def as_source(data: Path) -> ParquetRecord:
     """A data set as it is opened, if it is not yet."""
     return data if isinstance(data, ParquetRecord) else open_parquet(data)
 
 
-def refuse_headers(names):
+def refuse_headers(names: dict) -> None:
     """Refuse a column whose header names another unit."""
     for name, header in names.items():
         if usual_name_of(name) is None or (name not in QUANTITIES and name == header):
@@ -374,7 +375,7 @@ def refuse_headers(names):
             )
 
 
-def utc_of(index):
+def utc_of(index: pd.DatetimeIndex) -> pd.DatetimeIndex:
     return index if index.tz is None else index.tz_convert(None)
 
 
@@ -394,7 +395,9 @@ def write_parquet(path: FilePath, blocks: Iterable[tuple], name: str) -> None:
             writer.close()
 
 
-def in_zone(index, tz, naive=False, late=None):
+def in_zone(
+    index: pd.DatetimeIndex, tz: Any, naive: bool = False, late: Any = None
+) -> Any:
     """Instants in a zone, or naive times of it, some for the second time."""
     if tz is None:
         return index
@@ -403,12 +406,12 @@ def in_zone(index, tz, naive=False, late=None):
     return index.tz_localize("UTC").tz_convert(tz)
 
 
-def numbers(batch, column):
+def numbers(batch: Any, column: str) -> np.ndarray:
     """A column that has been looked at, as float64."""
     return values(batch.column(column)).astype(float, copy=False)
 
 
-def values(column):
+def values(column: Any) -> np.ndarray:
     """A column of numbers as numpy has it, NaN where it has none."""
     if str(column.type).startswith("decimal"):
         column = column.cast("float64")

@@ -1,6 +1,6 @@
 """What columns can hold, and what loggers write for no value."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,19 +58,19 @@ CODES = np.array(
 NO_CODE = -98.0, 327.0  # between which there is none
 
 
-def as_codes(values):
+def as_codes(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Which of some values are a logger's codes, and those as it writes them."""
     rounded = np.round(values, 2)
     return np.isin(rounded, CODES) & (np.abs(values - rounded) < 1e-4), rounded
 
 
-def range_of(name):
+def range_of(name: str) -> Any:
     """What a column can hold, or None for one of which nothing is known."""
     other = RANGES["temp_"] if name.startswith("temp_") else None
     return RANGES.get(name, other)
 
 
-def possible(name):
+def possible(name: str) -> tuple[float, float, str]:
     """Least and most that a sensor can read, and the unit, or None for any other."""
     found = range_of(name)
     return found and found[:3]

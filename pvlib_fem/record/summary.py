@@ -1,13 +1,17 @@
 """What a report says of a record, which can do without its rows."""
 
 import hashlib
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.record.checks import instants, usual_step
 from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem.record.inputs import Columns, Record
+from pvlib_fem.stored import Stored
 
 
 @dataclass(frozen=True)
@@ -43,17 +47,17 @@ class Summary:
     sha256: str
 
     @property
-    def measured(self):
+    def measured(self) -> list:
         """Names of the record's own columns, in order."""
         return measured(self.missing, self.columns)
 
-    def content(self):
+    def content(self) -> dict:
         """The content for a file."""
         ends = {"start": self.start.isoformat(), "end": self.end.isoformat()}
         return {**asdict(self), **ends}
 
 
-def summary_of(record):
+def summary_of(record: Any) -> Summary:
     """The summary of a Record."""
     return Summary(
         rows=len(record.index),
@@ -69,7 +73,7 @@ def summary_of(record):
     )
 
 
-def summary_from(stored):
+def summary_from(stored: Stored) -> Summary:
     """The summary of a part of a file."""
     return Summary(
         rows=stored.count("rows"),
@@ -85,15 +89,15 @@ def summary_from(stored):
     )
 
 
-def counts(stored):
+def counts(stored: Stored) -> dict:
     return {name: stored.count(name) for name in stored.content}
 
 
-def measured(missing, columns):
+def measured(missing: dict, columns: tuple | Columns) -> list:
     return [n for n in missing if n in columns and n not in GEOMETRY]
 
 
-def digest(record):
+def digest(record: Record) -> str:
     """
     Sha256 of a record's times and values, whatever the computer.
 
@@ -109,7 +113,7 @@ def digest(record):
     return digest_of(names, lambda names: [record.only(names)])
 
 
-def digest_of(names, blocks):
+def digest_of(names: Sequence, blocks: Callable) -> str:
     """The summary of records that follow each other, from ``blocks(names)``."""
     found = hashlib.sha256()
     for block in blocks(()):

@@ -3,6 +3,7 @@
 import datetime
 import numbers
 import re
+from typing import Any
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
@@ -27,7 +28,7 @@ DIGIT = re.compile(r"\d")
 MIDNIGHT = re.compile(r"(?<!\d)24([:. ]?)00")
 
 
-def timed(data, layout, name):
+def timed(data: pd.DataFrame, layout: Any, name: str) -> tuple[pd.DataFrame, list]:
     """
     The table on its times, and what was dropped for that, a sentence each.
 
@@ -71,7 +72,7 @@ def timed(data, layout, name):
     return data, notes
 
 
-def times_of_others(data, time_format):
+def times_of_others(data: pd.DataFrame, time_format: str) -> list:
     """What is said of columns that hold times, too, other than those of the rows."""
     found = {name: off_rows(column, time_format) for name, column in data.items()}
     found = {name: off for name, off in found.items() if off}
@@ -86,7 +87,7 @@ def times_of_others(data, time_format):
     ]
 
 
-def off_rows(column, time_format):
+def off_rows(column: pd.Series, time_format: str) -> float:
     """How far the times in a column of text are off the rows' own, or 0. [s]"""
     kinds = pd.api.types
     if not (kinds.is_object_dtype(column) or kinds.is_string_dtype(column)):
@@ -96,12 +97,13 @@ def off_rows(column, time_format):
             return 0.0
         if (read := parsed_times(text, time_format)).isna().any():
             return 0.0
-    off = pd.DatetimeIndex(read).tz_localize(None) - text.index.tz_localize(None)
+    own = pd.DatetimeIndex(text.index).tz_localize(None)
+    off: Any = pd.DatetimeIndex(read).tz_localize(None) - own
     # by one distance for all they are the same in another zone
     return abs(off).max().total_seconds() if (off != off[0]).any() else 0.0
 
 
-def untimed(columns):
+def untimed(columns: pd.DataFrame) -> Any:
     """Rows that hold no time in any form: nothing, or a text without a digit."""
     columns = filled(columns)
     without = np.array(columns.isna().any(axis=1))
@@ -113,12 +115,12 @@ def untimed(columns):
     return without
 
 
-def blank(column):
+def blank(column: pd.Series) -> pd.Series:
     """Cells that hold nothing."""
     return column.isna() | (column.astype(str).str.strip() == "")
 
 
-def below(columns):
+def below(columns: pd.DataFrame) -> np.ndarray:
     """Rows that have a time of day, and their date in a row above alone."""
     first, last = columns.iloc[:, 0], columns.iloc[:, -1]
     if columns.shape[1] == 1:
@@ -127,7 +129,7 @@ def below(columns):
     return (empty & ~blank(last) & (~empty).cummax()).to_numpy(bool)
 
 
-def filled(columns):
+def filled(columns: pd.DataFrame) -> Any:
     """Dates and times of day, each date in all rows of its day."""
     if not (rows := below(columns)).any():
         return columns
@@ -136,7 +138,7 @@ def filled(columns):
     return columns.assign(**{str(first.name): first.mask(rows, above)})
 
 
-def of_numbers(data):
+def of_numbers(data: Any) -> Any:
     """The table with columns as numbers where all of their cells are."""
     found = {}
     for name, column in data.items():
@@ -148,7 +150,9 @@ def of_numbers(data):
     return data.assign(**found) if found else data
 
 
-def times(columns, time_format=ISO, tz=None):
+def times(
+    columns: Any, time_format: Any = ISO, tz: str | None = None
+) -> pd.DatetimeIndex:
     """
     Times of a column, or of a date and a time of day; the first bad one is named.
 
@@ -166,6 +170,7 @@ def times(columns, time_format=ISO, tz=None):
     """
     name = " and ".join(f"{name!r}" for name in columns)
     column = joined(columns)
+    parsed: Any
     if pd.api.types.is_datetime64_any_dtype(column):
         parsed = column
     elif time_format in COUNTED and pd.api.types.is_numeric_dtype(column):
@@ -194,7 +199,7 @@ COUNTED = {
 }
 
 
-def refuse_numbers(time_format, name):
+def refuse_numbers(time_format: str, name: str) -> None:
     """Refuse numbers where no option says what they count."""
     if time_format == ISO:
         raise ValueError(
@@ -205,7 +210,9 @@ def refuse_numbers(time_format, name):
         )
 
 
-def no_time(columns, column, lacking, time_format):
+def no_time(
+    columns: pd.DataFrame, column: pd.Series, lacking: np.ndarray, time_format: str
+) -> Any:
     """The error of rows that hold no time, or one of another format."""
     name = " and ".join(f"{name!r}" for name in columns)
     several = " (joined by a space)" if columns.shape[1] > 1 else ""
@@ -232,7 +239,7 @@ def no_time(columns, column, lacking, time_format):
     )
 
 
-def parsed_times(column, time_format, tz=None):
+def parsed_times(column: pd.Series, time_format: str, tz: str | None = None) -> Any:
     """Texts as times, NaT where they are none."""
     if "%Z" in time_format:
         return lettered_times(column, time_format, tz)
@@ -252,9 +259,9 @@ def parsed_times(column, time_format, tz=None):
     return parsed
 
 
-def parsed_as(column, time_format):
+def parsed_as(column: Any, time_format: str) -> pd.Series:
     """The times of texts as they stand."""
-    how = {"format": time_format, "errors": "coerce"}
+    how: dict[str, Any] = {"format": time_format, "errors": "coerce"}
     try:
         parsed = pd.to_datetime(column, **how)
     except ValueError:
@@ -263,7 +270,7 @@ def parsed_as(column, time_format):
     return pd.to_datetime(column, utc=True, **how) if parsed.dtype == object else parsed
 
 
-def lettered_times(column, time_format, tz):
+def lettered_times(column: Any, time_format: str, tz: str | None) -> Any:
     """The times of texts that name their zone by letters, as instants."""
     text, form, hours = without_letters(column, time_format, tz)
     local = parsed_times(text, form)
@@ -274,7 +281,13 @@ def lettered_times(column, time_format, tz):
     return times.dt.tz_convert("UTC" if hour == 0 else f"Etc/GMT{-hour:+.0f}")
 
 
-def refuse_turned(column, time_format, parsed, name, tz=None):
+def refuse_turned(
+    column: pd.Series,
+    time_format: str,
+    parsed: pd.Series,
+    name: str,
+    tz: str | None = None,
+) -> None:
     """Refuse a month that is read as the day, where the days tell."""
     both = {"%d", "%m"} <= {*re.findall("%.", time_format)}
     if not both or parsed.isna().any() or parsed.dt.day.max() > 12:
@@ -291,13 +304,13 @@ def refuse_turned(column, time_format, parsed, name, tz=None):
     )
 
 
-def unevenness(column):
+def unevenness(column: pd.Series) -> tuple[int, float]:
     """How far times are from following each other: steps back, and all steps. [s]"""
     steps = np.diff(instants(pd.DatetimeIndex(column))) / np.timedelta64(1, "s")
     return int((steps <= 0).sum()), float(np.abs(steps).sum())
 
 
-def joined(columns):
+def joined(columns: pd.DataFrame) -> Any:
     """A column as it is, or the text of a date and a time of day, or of more parts."""
     first, *others = (column for _, column in filled(columns).items())
     if not others:
@@ -308,7 +321,7 @@ def joined(columns):
     return first.map(as_text).str.cat(text, sep=" ")
 
 
-def as_text(value):
+def as_text(value: float | str) -> str:
     """A cell of a date or of a time as text; a date without its empty midnight."""
     if isinstance(value, datetime.datetime):
         bare = value.time() == datetime.time(0)
@@ -318,7 +331,7 @@ def as_text(value):
     return str(value).strip()
 
 
-def zoned(index, tz):
+def zoned(index: Any, tz: str) -> Any:
     """Times in a zone: naive ones are taken as local in it, and have to be there."""
     index, kept, lost = in_zone(index, tz)
     if not kept.all():
@@ -329,7 +342,7 @@ def zoned(index, tz):
     return index
 
 
-def in_zone(index, tz):
+def in_zone(index: Any, tz: Any) -> Any:
     """
     Times in a zone, where naive ones are local.
 
@@ -362,7 +375,7 @@ def in_zone(index, tz):
     return times, there & ~once, lost
 
 
-def placed(index, tz):
+def placed(index: Any, tz: str) -> Any:
     """Naive times in a zone; rows that its clock shows; those of an hour there once."""
     first = ~index.duplicated()
     local = index.tz_localize(tz, ambiguous=first, nonexistent="NaT")
@@ -376,7 +389,7 @@ def placed(index, tz):
     return local[there & ~once], there, once
 
 
-def once_only(index, tz, once):
+def once_only(index: Any, tz: str, once: Any) -> Any:
     """What is said of rows in an hour that a clock shows twice, and a file has once."""
     if not once.any():
         return []
@@ -386,7 +399,7 @@ def once_only(index, tz, once):
     ]
 
 
-def skipped(index, tz, there):
+def skipped(index: Any, tz: Any, there: Any) -> list:
     """What is said of rows at times that a clock never shows."""
     if there.all():
         return []
@@ -399,7 +412,9 @@ def skipped(index, tz, there):
     ]
 
 
-def in_order(data, sort=False, drop_doubled=False):
+def in_order(
+    data: Any, sort: bool = False, drop_doubled: bool = False
+) -> tuple[pd.DataFrame, list]:
     """Rows in the order of their times, each time once, if requested."""
     notes = []
     if sort and not data.index.is_monotonic_increasing:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,7 +31,7 @@ class Trailing:
     make: Callable
     reach: float
 
-    def begun(self):
+    def begun(self) -> "Tail":
         """What follows the blocks of a record from the first on."""
         return Tail(self)
 
@@ -40,10 +41,10 @@ class Tail:
     """The last rows of the blocks that have gone by."""
 
     of: Trailing
-    columns: dict | None = None
-    steps: np.ndarray | None = None  # [s]
+    columns: Any = None  # dict of array, None before the first block
+    steps: Any = None  # array [s]
 
-    def at(self, inputs):
+    def at(self, inputs: Inputs) -> dict:
         """The columns in the rows of the next block."""
         columns = {name: inputs[name] for name in self.of.made_of}
         steps = np.asarray(inputs.steps * inputs.unit, dtype=float)
@@ -57,7 +58,7 @@ class Tail:
         made = self.of.make(Inputs(columns, steps, 1.0, rows, True), self.of.names)
         return {name: made[name][-len(inputs.index) :] for name in self.of.names}
 
-    def keep(self, columns, steps):
+    def keep(self, columns: dict, steps: np.ndarray) -> None:
         """Keep the rows that the next block looks back to."""
         ago = np.cumsum(steps[:0:-1])  # of all rows but the last, the latest first
         first = len(steps) - 1 - np.searchsorted(ago, self.of.reach, side="right")

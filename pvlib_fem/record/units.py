@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pandas as pd
 from scipy import constants
 
 from pvlib_fem.record.columns import is_power, twin_of
@@ -113,7 +114,9 @@ WORDS = ("in", "m", "deg")  # units in brackets, words of a name elsewhere
 class ForeignUnit(ValueError):
     """``columns`` that look to be in another ``unit``, and ``why``."""
 
-    def __init__(self, message, columns=(), unit="", why=""):
+    def __init__(
+        self, message: str, columns: tuple = (), unit: str = "", why: str = ""
+    ) -> None:
         super().__init__(message)
         self.columns, self.unit, self.why = columns, unit, why
 
@@ -121,24 +124,24 @@ class ForeignUnit(ValueError):
 class Swapped(ValueError):
     """The temperatures of air and module look to be each other's, and ``why``."""
 
-    def __init__(self, message, why=""):
+    def __init__(self, message: str, why: str = "") -> None:
         super().__init__(message)
         self.why = why
 
 
-def usual_name_of(name):
+def usual_name_of(name: str) -> str:
     """The column of ``QUANTITIES`` whose units a column has; None without any."""
     if name in QUANTITIES:
         return name
     return "power_ac" if is_power(name) else twin_of(name)
 
 
-def units_of(name):
+def units_of(name: str) -> dict:
     """Units that a column can have, with factors and offsets; the package's first."""
     return UNITS[QUANTITIES[usual_name_of(name)]]
 
 
-def of_any_unit(name):
+def of_any_unit(name: str) -> tuple[float, float]:
     """Least and most that a column can read in any of its units."""
     low, high, _ = possible(name)
     ways = units_of(name).values()
@@ -146,12 +149,12 @@ def of_any_unit(name):
     return min(map(min, ends)), max(map(max, ends))
 
 
-def own_unit(name):
+def own_unit(name: str) -> str:
     """The unit in which the package has a column."""
     return next(iter(units_of(name)))
 
 
-def unit_of(name, text):
+def unit_of(name: str, text: str) -> str:
     """
     A unit as somebody writes it, under the package's spelling.
 
@@ -173,7 +176,7 @@ def unit_of(name, text):
     raise ValueError(f"{name} cannot be in {text!r}; it may be in {', '.join(known)}")
 
 
-def named_unit(name, header):
+def named_unit(name: str, header: str) -> str | None:
     """The unit that a header names for a column, or None."""
     bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
     bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
@@ -187,7 +190,7 @@ def named_unit(name, header):
     return None
 
 
-def plain(text):
+def plain(text: str) -> str:
     """A unit without case, spaces and signs that only look."""
     text = text.strip().lower()
     for sign, letter in (("²", "2"), ("º", "°"), ("⁻¹", "-1"), ("−", "-")):
@@ -195,7 +198,13 @@ def plain(text):
     return re.sub(r"[\s^*·]", "", text)
 
 
-def converted(column, name, unit, hours=None, area=None):
+def converted(
+    column: pd.Series,
+    name: str,
+    unit: str,
+    hours: float | None = None,
+    area: float | None = None,
+) -> pd.Series:
     """
     A column in the package's unit.
 
@@ -234,13 +243,13 @@ def converted(column, name, unit, hours=None, area=None):
     return new.mask(stands_for_none(name, column) & impossible(name, new), column)
 
 
-def stands_for_none(name, column):
+def stands_for_none(name: str, column: pd.Series) -> np.ndarray:
     """Rows of a logger's codes, which have no unit and so stay as they are."""
     values = column.to_numpy(float, na_value=np.nan)
     return as_codes(values)[0] & impossible(name, column)
 
 
-def impossible(name, column):
+def impossible(name: str, column: pd.Series) -> np.ndarray:
     """Rows of values that the column cannot hold."""
     bounds = possible(name)
     if bounds is None:  # as of power, which an inverter draws little of by night

@@ -1,5 +1,7 @@
 """Tables with a row for each reading, as historians write them, as one of columns."""
 
+from typing import Any
+
 import pandas as pd
 
 from pvlib_fem.spelling import did_you_mean
@@ -9,7 +11,7 @@ EVEN = 0.5  # share of the most frequent tag's rows that each of the usual has, 
 FULL = 0.5  # share of the cells that have to be there, where tags share their times
 
 
-def wide(data, tag, value, times):
+def wide(data: Any, tag: Any, value: Any, times: Any) -> Any:
     """
     The table with a column for each tag.
 
@@ -58,7 +60,7 @@ def wide(data, tag, value, times):
     return found.reset_index()
 
 
-def tag_and_value(data, times):
+def tag_and_value(data: pd.DataFrame, times: list) -> Any:
     """The columns that hold names of quantities, and readings, or None."""
     kinds, others = pd.api.types, [c for c in data if c not in times]
     numeric = [c for c in others if kinds.is_numeric_dtype(data[c])]

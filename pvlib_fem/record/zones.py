@@ -1,6 +1,7 @@
 """In which zone a clock may be, by the hours that it shows twice and by the sun."""
 
 from datetime import timedelta
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,7 +24,9 @@ SUMMER = (
 OFF = 1.5  # hours by which noon may be off before the clock is not local
 
 
-def zone_of(index, longitude, irradiance, doubts):
+def zone_of(
+    index: Any, longitude: float | None, irradiance: np.ndarray | None, doubts: list
+) -> str | None:
     """
     The zone of times without one, where they show it.
 
@@ -71,7 +74,7 @@ def zone_of(index, longitude, irradiance, doubts):
     return "UTC" if round(ahead) == 0 else f"Etc/GMT{-round(ahead):+d}"
 
 
-def zone_of_offsets(clock, instants):
+def zone_of_offsets(clock: Any, instants: Any) -> str | None:
     """
     The zone of a clock that changes its distance from UTC, or None.
 
@@ -90,7 +93,7 @@ def zone_of_offsets(clock, instants):
     return None
 
 
-def of_summer_time(index):
+def of_summer_time(index: Any) -> list:
     """Zones in which the clock goes back at the times at which this one does."""
     steps = np.diff(index.to_numpy()) / np.timedelta64(1, "h")
     usual = np.median(steps[steps > 0]) if (steps > 0).any() else 0.0
@@ -100,27 +103,29 @@ def of_summer_time(index):
     return [zone for zone in SUMMER if all(goes_back(index[i], zone) for i in back)]
 
 
-def goes_back(time, zone):
+def goes_back(time: Any, zone: Any) -> bool:
     """Whether the clock of a zone goes back within the hour around a time."""
     before, after = time - timedelta(hours=2), time + timedelta(hours=2)
     if pd.isna(time):
         return False
     local = pd.DatetimeIndex([before, time, after]).tz_localize(
-        zone, ambiguous=[True] * 3, nonexistent="shift_forward"
+        zone, ambiguous=np.ones(3, dtype=bool), nonexistent="shift_forward"
     )
     twice = pd.DatetimeIndex([time]).tz_localize(
         zone, ambiguous="NaT", nonexistent="shift_forward"
     )
-    return bool(twice.isna()[0]) and local[0].utcoffset() > local[2].utcoffset()
+    ahead = [one.utcoffset() or timedelta() for one in local]
+    return bool(twice.isna()[0]) and ahead[0] > ahead[2]
 
 
-def standard(zone):
+def standard(zone: Any) -> Any:
     """Hours by which a zone's standard time is before UTC."""
     year = pd.DatetimeIndex(["2024-01-01", "2024-07-01"]).tz_localize(zone)
-    return min(time.utcoffset().total_seconds() for time in year) / 3600.0
+    offsets = [time.utcoffset() or timedelta() for time in year]
+    return min(offsets).total_seconds() / 3600.0
 
 
-def noon_of(index, irradiance):
+def noon_of(index: pd.DatetimeIndex, irradiance: np.ndarray | None) -> float | None:
     """The hour around which the irradiance lies, or None where it does not tell."""
     if irradiance is None or len(index) < 100:
         return None
