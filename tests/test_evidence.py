@@ -132,7 +132,7 @@ def test_contributions_are_drawn_at_times_that_are_corrected_once():
     loop = fem.close_loop(data, location=where, effects=["radiative_loss"])
     (correction,) = loop.corrections
     assert correction.applied and loop.fit.effects
-    assert "What each effect adds" in loop.to_html()
+    assert "Contribution of each effect" in loop.to_html()
 
 
 @pytest.mark.parametrize("name", sorted(EFFECTS))

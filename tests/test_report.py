@@ -312,7 +312,7 @@ def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     sizes = [re.search(r"([\d.]+) K$", why) for _, why in items]
     sizes = [float(size[1]) for size in sizes if size]
     assert sizes == [round(gain, 2) for gain in sorted(open_, reverse=True)]
-    hours = "a column that tells what happens between 9 and 16 h at weekends"
+    hours = "a column that records what happens between 9 and 16 h at weekends"
     assert hours in [what for what, _ in items]
     # the columns that were taken away, each with what it is for
     assert ("p_dc_per_area", "would test electrical_output") in items[len(sizes) :]
@@ -359,7 +359,9 @@ def test_a_rose_for_each_wind_that_has_a_direction(columns, strength, roses):
     data = simulator.record(effects=effects, days=84, step=900, start="2023-04-01")
     loop = close_loop(data[[*COLUMNS, *columns]])
     assert ("wind_direction" in loop.effects) == (len(roses) == 2)
-    shown = [text for text in Page(loop.to_html()).texts if "wind comes from" in text]
+    shown = [
+        text for text in Page(loop.to_html()).texts if "wind direction and" in text
+    ]
     shown = [text for text in shown if "mean residual by" in text.lower()]
     assert len(shown) == len(roses)
     assert all(text.startswith(first) for text, first in zip(shown, roses))

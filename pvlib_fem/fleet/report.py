@@ -227,6 +227,7 @@ def by_site(systems, findings, pages):
         "For systems that share a weather station: a cause that all have at one time "
         "is in the station, or acts on all of them; a cause of one system alone is at "
         "its module.",
+        wraps=True,
     )
 
 
@@ -247,7 +248,7 @@ def coefficients(systems, found, by):
     for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
         low, middle, high = some["value"].quantile([0.1, 0.5, 0.9])
         error = some["stderr"].median()
-        cells = (f"{low:.4g}", f"{middle:.4g}", f"{high:.4g}", rounded(error))
+        cells = (*map(digits, (low, middle, high)), rounded(error))
         count = f"{len(some):,}"
         lines.append((label or "not given", name, some["unit"].iloc[0], count, *cells))
     if not lines:
@@ -261,6 +262,11 @@ def coefficients(systems, found, by):
         "Quantiles over the systems; the last column is the median standard error of "
         "one coefficient." + words,
     )
+
+
+def digits(value):
+    """Four digits, without an exponent."""
+    return f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
 
 
 def failures(systems):

@@ -42,7 +42,7 @@ def settling(loop):
     for finding in loop.finding_objects:
         gain = f"{finding.gain:.2f} K"
         if finding.kind is Kind.STRUCTURE:
-            what = f"a column that tells what happens {finding.place}"
+            what = f"a column that records what happens {finding.place}"
             items.append((finding.gain, what, f"would name the cause of {gain}"))
         elif finding.verdict in (Verdict.CLASS, Verdict.SUGGESTIVE):
             names = [n for n in finding.candidates if n in catalogue]

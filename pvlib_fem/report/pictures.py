@@ -60,8 +60,8 @@ def pictures(loop):
     found += on_one_scale("map", both, *MAP)
     if loop.fit.effects:
         words = (
-            "What each effect adds to the temperature on that day, with all others "
-            "there; rms over all days"
+            "Contribution of each effect to the temperature on that day, given all "
+            "others; rms over all days"
         )
         found.append(
             draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
@@ -122,7 +122,7 @@ def by_month(fit):
     names = ("at", "start", "end")
     dates = [dates[name] for dates in given for name in names if name in dates]
     words = (
-        "Monthly coefficients, from its fitted days, with 95 % intervals; the "
+        "Monthly coefficients, from fitted days, with 95 % intervals; the "
         "line is the whole fit, r_eq the over-temperature per irradiance at the mean "
         "wind"
     )
@@ -160,7 +160,7 @@ def by_wind(fit, both, last, known):
             both if "wind_direction" in names else last,
             lambda residual: by_sector(residual, *wind)[0],
             lambda residual, *how: plotting.plot_residual_rose(residual, *wind, *how),
-            "mean residual by where the wind comes from and its speed (–: below zero)",
+            "mean residual by wind direction and wind speed (–: below zero)",
             "polar",
         )
 
