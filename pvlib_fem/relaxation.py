@@ -283,7 +283,7 @@ def median_step(steps: Any) -> float:
     return float(np.median(steps[1:])) if len(steps) > 1 else 0.0
 
 
-def usual_step(columns: list, steps: float) -> float:
+def usual_step(columns: list, steps: float | np.ndarray) -> float:
     """Median step between the rows on which none of the columns is missing."""
     if np.ndim(steps) == 0 and np.isfinite(sum(column.sum() for column in columns)):
         return float(steps)

@@ -16,7 +16,9 @@ MOST = 50  # largest number of stretches per search, and of searches
 TAILS = (1.0, 1.345)
 
 
-def episodes(residual, dates, sunny, chance):
+def episodes(
+    residual: np.ndarray, dates: np.ndarray, sunny: np.ndarray, chance: float
+) -> list:
     """
     Stretches of days with an unusual residual.
 
@@ -54,7 +56,9 @@ def episodes(residual, dates, sunny, chance):
     return joined(sorted(found))
 
 
-def daily_means(residual, dates):
+def daily_means(
+    residual: np.ndarray, dates: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Days that have enough rows, and their means."""
     days, place, size = np.unique(dates, return_inverse=True, return_counts=True)
     means = np.bincount(place, residual, len(days)) / size
@@ -62,7 +66,7 @@ def daily_means(residual, dates):
     return days[enough], means[enough]
 
 
-def stretches(values, days, chance):
+def stretches(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     """From and to (exclusive) of each stretch of a series."""
     found, left = [], np.arange(len(values))
     for _ in range(MOST):
@@ -78,7 +82,7 @@ def stretches(values, days, chance):
     return found
 
 
-def at_once(values, days, chance):
+def at_once(values: np.ndarray, days: np.ndarray, chance: float) -> list:
     """Stretches that one search finds, given the usual level of all days."""
     around = {"size": 2 * AROUND + 1, "mode": "reflect"}
     apart = values - median_filter(values, **around)
@@ -96,7 +100,7 @@ def at_once(values, days, chance):
     return found
 
 
-def sums_of(values, days, length):
+def sums_of(values: np.ndarray, days: np.ndarray, length: int) -> np.ndarray:
     """Sums over so many days; 0 if a gap is between them."""
     total = np.concatenate(([0.0], np.cumsum(values)))
     sums = total[length:] - total[:-length]
@@ -104,7 +108,7 @@ def sums_of(values, days, length):
     return np.where(span < 2 * length, sums, 0.0)
 
 
-def usual(apart, days, chance):
+def usual(apart: np.ndarray, days: np.ndarray, chance: float) -> dict:
     """Threshold of a sum of days, by number of days, that noise exceeds by chance."""
     half, most = np.quantile(np.abs(apart), [0.5, 0.9])
     if not half > 0.0:
@@ -121,7 +125,7 @@ def usual(apart, days, chance):
     return limits
 
 
-def strongest(apart, days, limits):
+def strongest(apart: np.ndarray, days: np.ndarray, limits: dict) -> tuple | None:
     """The stretch that exceeds its threshold most, or None."""
     best, found = 1.0, None
     for length, limit in limits.items():
@@ -132,7 +136,7 @@ def strongest(apart, days, limits):
     return found
 
 
-def grown(apart, days, start, end):
+def grown(apart: np.ndarray, days: np.ndarray, start: int, end: int) -> tuple[int, int]:
     """The stretch, trimmed by usual days at its edges and extended by similar days."""
     mean = apart[start:end].mean()
     strong = np.flatnonzero(apart * np.sign(mean) >= HALF * abs(mean))
@@ -147,7 +151,7 @@ def grown(apart, days, start, end):
     return int(strong[first]), int(strong[last]) + 1
 
 
-def joined(ends):
+def joined(ends: list) -> list:
     """Merge stretches that touch or overlap."""
     found = []
     for first, last in ends:

@@ -1,6 +1,8 @@
 """Find outages and covers by power and the module's temperature."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -63,7 +65,9 @@ class Hours:
     extra: dict
 
     @classmethod
-    def of(cls, index, rows, columns, extra):
+    def of(
+        cls, index: pd.DatetimeIndex, rows: np.ndarray, columns: dict, extra: dict
+    ) -> "Hours":
         """The hours of some rows of columns."""
         index = index[rows]
         columns, extra = (
@@ -75,7 +79,7 @@ class Hours:
         first = np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
         size = np.diff(first, append=len(number))
 
-        def means(values):
+        def means(values: np.ndarray) -> np.ndarray:
             return np.add.reduceat(values, first) / size
 
         found = {name: means(values) for name, values in columns.items()}
@@ -92,7 +96,7 @@ class Hours:
             **found,
         )
 
-    def beyond_usual(self, values):
+    def beyond_usual(self, values: np.ndarray) -> np.ndarray:
         """Values minus their median at the same hour of the days around."""
         values, clock = values.copy(), self.number % 24
         for hour in np.unique(clock):
@@ -100,13 +104,13 @@ class Hours:
             values[rows] -= median_filter(values[rows], 2 * AROUND + 1, mode="reflect")
         return values
 
-    def days(self):
+    def days(self) -> np.ndarray:
         """Hours before which another day, or a gap, begins."""
         new = np.diff(self.number, prepend=-2) > 1
         return new | (np.diff(self.number // 24, prepend=-1) > 0)
 
 
-def found_in(hours, spread, total, shares):
+def found_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.DataFrame:
     """
     Events of some hours, as a table.
 
@@ -152,7 +156,7 @@ class Deciding:
     shares: dict
 
     @classmethod
-    def of(cls, hours, spread, shares):
+    def of(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
         seen = hours.seen
         far = ~agree(seen, hours.shown, spread)
         apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST))
@@ -167,7 +171,7 @@ class Deciding:
             hours, far, apart, shown, bridged(state, hours.days()), *noise, shares
         )
 
-    def kind(self, some):
+    def kind(self, some: Any) -> str:
         """The effect of a stretch of hours; "" for none."""
         hours, length = self.hours, some.stop - some.start
         if self.far[some].mean() <= 0.5:
@@ -187,7 +191,7 @@ class Deciding:
             return "modules_covered" if size < 0.5 * (cold + warm) else "outage"
         return "outage" if hours.off[some].all() else ""
 
-    def follows(self, some, length, made):
+    def follows(self, some: np.ndarray, length: int, made: float) -> bool:
         """
         Whether the temperature is nearer to its value with a cover than without one.
 
@@ -201,7 +205,7 @@ class Deciding:
             return made > SEEN * self.warmth.of(length) or within
         return max(0.5 * made, noise) < beyond and within
 
-    def faint(self, some, length):
+    def faint(self, some: Any, length: int) -> str:
         """The effect if power deviates little, and so does the temperature."""
         sides = abs(self.apart[some].mean()) > BOTH * self.light.of(length)
         size, sure = self.strange.values[some].mean(), SEEN * self.strange.of(length)
@@ -212,16 +216,16 @@ class Deciding:
             return "sensor_covered" if warms else "modules_covered"
         return ""
 
-    def hot(self, some):
+    def hot(self, some: np.ndarray) -> float:
         """Temperature by irradiance that the sensor does not see. [K]"""
         unseen = np.maximum(self.shown - self.hours.seen, 0.0)
         return self.makes("sensor_covered", unseen, some)
 
-    def cold(self, some):
+    def cold(self, some: np.ndarray) -> float:
         """Temperature by irradiance that the modules lose. [K]"""
         return -self.makes("modules_covered", lost(self.hours.seen, self.shown), some)
 
-    def makes(self, name, light, some):
+    def makes(self, name: str, light: np.ndarray, some: np.ndarray) -> float:
         """What so much light does to the module, over a stretch. [K]"""
         return self.shares[name] * float((light / self.hours.loss)[some].mean())
 
@@ -233,7 +237,7 @@ class Noise:
     values: np.ndarray
     known: dict = field(default_factory=dict)
 
-    def of(self, hours):
+    def of(self, hours: int) -> float:
         """Standard deviation of a mean over so many hours, by the median."""
         if hours not in self.known:
             self.known[hours] = np.inf
@@ -245,7 +249,7 @@ class Noise:
         return self.known[hours]
 
 
-def bridged(state, breaks):
+def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
     """The state, with one hour of none between two that are alike as these."""
     state, inside = state.copy(), ~(breaks[1:-1] | breaks[2:])
     alike = inside & (state[:-2] == state[2:]) & (state[1:-1] == 0)
@@ -253,7 +257,7 @@ def bridged(state, breaks):
     return state
 
 
-def joined(kinds):
+def joined(kinds: np.ndarray) -> list:
     """From and to (exclusive) of each event; one hour of another kind is bridged."""
     found = []
     for start, end in runs(kinds):
@@ -266,7 +270,7 @@ def joined(kinds):
     return found
 
 
-def runs(values, breaks=None):
+def runs(values: np.ndarray, breaks: np.ndarray | None = None) -> Iterator:
     """From and to (exclusive) of each run of one value; a break starts a new run."""
     if not len(values):
         return
@@ -275,7 +279,7 @@ def runs(values, breaks=None):
     yield from zip(first.tolist(), [*first[1:].tolist(), len(values)])
 
 
-def rows_of(hours, ends, kinds, total):
+def rows_of(hours: Hours, ends: list, kinds: np.ndarray, total: float) -> list:
     """Events as rows, the largest share first."""
     rows = []
     for start, end in ends:
@@ -295,7 +299,7 @@ def rows_of(hours, ends, kinds, total):
     return sorted(rows, key=lambda row: -row["share"])
 
 
-def event_table(rows, extra=()):
+def event_table(rows: list, extra: Sequence | dict = ()) -> pd.DataFrame:
     """Events as a table."""
     names = [*COLUMNS, *(name for name in extra if name not in COLUMNS)]
     table = pd.DataFrame(rows, columns=names)
@@ -303,7 +307,7 @@ def event_table(rows, extra=()):
     return table.astype({"hours": int, **numbers})
 
 
-def event_rows(table):
+def event_rows(table: pd.DataFrame) -> list:
     """Rows of a table of events for a file, with times in UTC and the zone."""
     rows = table.to_dict(orient="records")
     for row in rows:
@@ -312,18 +316,18 @@ def event_rows(table):
     return rows
 
 
-def as_utc(time):
+def as_utc(time: Any) -> Any:
     return time if time.tz is None else time.tz_convert("UTC")
 
 
-def events_from(parts):
+def events_from(parts: list) -> pd.DataFrame:
     """Events of parts of a file."""
     extra = dict.fromkeys(name for part in parts for name in part.content)
     extra = [name for name in extra if name not in (*COLUMNS, "zone")]
     return event_table([event_from(part, extra) for part in parts], extra)
 
 
-def event_from(part, extra):
+def event_from(part: Any, extra: Any) -> Any:
     """One event of a file."""
     zone = part.text("zone")
     times = {name: pd.Timestamp(part.text(name)) for name in TIMES}

@@ -17,7 +17,13 @@ WEEKS, DAYS, HOURLY, MINUTES, WHITE = SCALES = (
 )
 
 
-def by_scale(residual, dates, hours, seconds, step):
+def by_scale(
+    residual: np.ndarray,
+    dates: np.ndarray,
+    hours: np.ndarray,
+    seconds: np.ndarray,
+    step: float,
+) -> dict:
     """
     Mean square of a residual by time scale; the parts add up exactly.
 
@@ -62,14 +68,16 @@ def by_scale(residual, dates, hours, seconds, step):
     return dict(zip(SCALES, map(float, (*(found - noise), noise.sum()))))
 
 
-def blocked(values, block):
+def blocked(
+    values: np.ndarray, block: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean and number of rows of each block, and the place of each row's block."""
     place = np.unique(block, return_inverse=True)[1]
     size = np.bincount(place)
     return np.bincount(place, values) / size, size, place
 
 
-def white_noise(values, seconds, step):
+def white_noise(values: np.ndarray, seconds: np.ndarray, step: float) -> float:
     """Mean square of the part without autocorrelation."""
     square = values @ values / len(values)
     one, two = (lagged(values, seconds, step, lag) for lag in (1, 2))
@@ -78,7 +86,7 @@ def white_noise(values, seconds, step):
     return float(square - np.clip(kept, 0.0, square))
 
 
-def lagged(values, seconds, step, lag):
+def lagged(values: np.ndarray, seconds: np.ndarray, step: float, lag: int) -> float:
     """Mean product of values so many rows apart."""
     near = seconds[lag:] - seconds[:-lag] <= NEAR * step * lag
     if not near.any():

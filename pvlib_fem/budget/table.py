@@ -1,5 +1,7 @@
 """The error budget: reductions by steps, and the remaining error in time."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -7,6 +9,7 @@ from pvlib_fem.budget.days import episodes
 from pvlib_fem.budget.scales import by_scale
 from pvlib_fem.findings import Kind
 from pvlib_fem.record.columns import DAYLIGHT
+from pvlib_fem.record.inputs import Record
 
 ENDINGS = {"test": "rmse_test", "fitting": "rmse_train"}
 COLUMNS = ["kind", "mean_square", "error", "share", "weeks"]
@@ -14,7 +17,7 @@ COLUMNS = ["kind", "mean_square", "error", "share", "weeks"]
 NUMBERS = ["day", "night", "share"]
 
 
-def episodes_of(case, step):
+def episodes_of(case: Any, step: Any) -> pd.DataFrame:
     """
     Stretches of days with an unusual residual of a step, as a table.
 
@@ -41,15 +44,15 @@ def episodes_of(case, step):
     return episode_table(sorted(found, key=lambda row: -row["share"]))
 
 
-def mean(values):
+def mean(values: np.ndarray) -> float:
     return float(values.mean()) if len(values) else np.nan
 
 
-def written(date):
+def written(date: int) -> str:
     return str(np.datetime64(int(date), "D"))
 
 
-def episode_table(rows):
+def episode_table(rows: list) -> pd.DataFrame:
     """Episodes as a table."""
     names = ["start", "end", "days", *NUMBERS]
     table = pd.DataFrame(rows, columns=names)
@@ -58,13 +61,13 @@ def episode_table(rows):
     return table.assign(**dates).astype(kinds)
 
 
-def episode_rows(table):
+def episode_rows(table: pd.DataFrame) -> list:
     """The table of episodes as rows of a file."""
     dates = {name: table[name].dt.strftime("%Y-%m-%d") for name in ("start", "end")}
     return table.assign(**dates).to_dict(orient="records")
 
 
-def episodes_from(parts):
+def episodes_from(parts: list) -> pd.DataFrame:
     """The table of episodes from parts of a file."""
     return episode_table(
         [
@@ -78,7 +81,14 @@ def episodes_from(parts):
     )
 
 
-def budget_of(case, steps, path, table, findings, stretches):
+def budget_of(
+    case: Any,
+    steps: dict,
+    path: list,
+    table: pd.DataFrame,
+    findings: list,
+    stretches: pd.DataFrame,
+) -> pd.DataFrame:
     """
     Error budget: mean square of the steady model, reductions, and the remainder.
 
@@ -118,7 +128,9 @@ def budget_of(case, steps, path, table, findings, stretches):
     )
 
 
-def budget_weeks(case, steps, last):
+def budget_weeks(
+    case: Any, steps: dict, last: Any
+) -> tuple[str, np.ndarray, np.ndarray]:
     """The weeks of the budget, the last residual, and the mask of their rows."""
     everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
     residual = last.measured - last.temperature
@@ -131,14 +143,14 @@ def budget_weeks(case, steps, last):
     )
 
 
-def left_by_scale(record, residual, rows):
+def left_by_scale(record: Record, residual: np.ndarray, rows: np.ndarray) -> dict:
     """Mean square of the residual on some rows, by time scale."""
     hours = record.index[rows].hour.to_numpy()
     times = record.inputs.seconds[rows], record.inputs.step
     return by_scale(residual[rows], record.dates[rows], hours, *times)
 
 
-def within(dates, stretches):
+def within(dates: np.ndarray, stretches: pd.DataFrame) -> np.ndarray:
     """Mask of the rows of some stretches of days."""
     held = np.zeros(len(dates), dtype=bool)
     for start, end in zip(stretches["start"], stretches["end"]):
@@ -147,7 +159,7 @@ def within(dates, stretches):
     return held
 
 
-def budget_table(rows):
+def budget_table(rows: list) -> pd.DataFrame:
     """An error budget as a table."""
     table = pd.DataFrame(rows).set_index("part")
     square = table["mean_square"]
@@ -155,12 +167,12 @@ def budget_table(rows):
     return table.assign(error=error, share=square / square.iloc[0])[COLUMNS]
 
 
-def budget_rows(table):
+def budget_rows(table: pd.DataFrame) -> list:
     """The budget as rows of a file, without derived columns."""
     return table[["kind", "mean_square", "weeks"]].reset_index().to_dict("records")
 
 
-def budget_from(parts):
+def budget_from(parts: list) -> pd.DataFrame:
     """The budget from parts of a file."""
     texts = ("part", "kind", "weeks")
     return budget_table(

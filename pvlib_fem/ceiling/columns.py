@@ -1,11 +1,16 @@
 """What trees know of a record: its columns, their past, the hour and the date."""
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
 
 from pvlib_fem.drivers import geometry
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY, is_power, twin_of
+from pvlib_fem.record.inputs import Record
 
 USUAL = ("poa_global", "temp_air")  # in all trees; without them nothing is left
 BACK = (1, 2, 3)  # steps, of values that are past
@@ -14,7 +19,7 @@ POWER, WIND, OTHER = "power", "wind", "other columns"
 PAST, CLOCK, DATE = "past values", "hour and season", "date"
 
 
-def features(record, loop, rows):
+def features(record: Record, loop: Any, rows: np.ndarray) -> tuple[dict, dict]:
     """
     What trees know of some rows, and the names of each group.
 
@@ -43,7 +48,7 @@ def features(record, loop, rows):
     return {**columns, **clock, **date}, groups
 
 
-def group_of(name):
+def group_of(name: str) -> str:
     """The group of a column by its name."""
     if is_power(name) or name == "p_dc_per_area":
         return POWER
@@ -51,7 +56,7 @@ def group_of(name):
     return WIND if blows else OTHER
 
 
-def past_of(name, record, rows):
+def past_of(name: str, record: Record, rows: np.ndarray) -> Iterator:
     """Values some steps before, and means of the time before, without the present."""
     values, seconds = np.asarray(record[name], dtype=float), record.inputs.seconds
     step = record.inputs.step
@@ -66,7 +71,7 @@ def past_of(name, record, rows):
             yield f"{name}, {window} before", means.to_numpy()[rows]
 
 
-def clock_of(record, location):
+def clock_of(record: Record, location: Location | None) -> Iterator:
     """Hour, day of the week and of the year, and where the sun stands."""
     times = record.index
     yield "hour", np.asarray(times.hour + times.minute / 60.0)

@@ -62,5 +62,5 @@ class Ceiling:
         errors = {name: part.number(name) for name in ("paper", "loop", "trees")}
         return cls(**errors, rows=part.count("rows"), without=part.numbers("without"))
 
-    def __str__(self):
+    def __str__(self) -> str:
         return sentence(self)

@@ -18,7 +18,7 @@ FEWEST_DAYS = 10  # of fitting weeks
 HOW: dict[str, Any] = dict(learning_rate=0.1, early_stopping=False, random_state=0)
 
 
-def ceiling_of(loop):
+def ceiling_of(loop: Any) -> Ceiling:
     """The ceiling of a loop that has its rows, see :meth:`pvlib_fem.Loop.ceiling`."""
     record, residual = loop.fit.record, loop.fit.residual
     if record is None:
@@ -59,7 +59,7 @@ def ceiling_of(loop):
     )
 
 
-def regressor():
+def regressor() -> type:
     """scikit-learn's trees."""
     try:
         from sklearn.ensemble import HistGradientBoostingRegressor
@@ -78,7 +78,7 @@ class Trees:
     fitting: int  # rows
     out: np.ndarray  # fitting rows that give the number of trees
 
-    def best(self, columns):
+    def best(self, columns: dict) -> int:
         """The number of trees with which the rows left out are described best."""
         table, kept = stacked(columns)[: self.fitting], ~self.out
         left = self.left[: self.fitting]
@@ -86,7 +86,7 @@ class Trees:
         steps = grown.staged_predict(table[self.out])
         return 1 + int(np.argmin([rmse(step, left[self.out]) for step in steps]))
 
-    def error(self, columns, count):
+    def error(self, columns: dict, count: int) -> float:
         """RMSE of so many trees on the test rows. [K]"""
         table, fitting = stacked(columns), slice(self.fitting)
         grown = regressor()(max_iter=count, **HOW)
@@ -95,11 +95,11 @@ class Trees:
         return float(rmse(grown.predict(table[test]), self.left[test]))
 
 
-def stacked(columns):
+def stacked(columns: dict) -> np.ndarray:
     return np.column_stack(list(columns.values()))
 
 
-def left_out(dates):
+def left_out(dates: np.ndarray) -> np.ndarray:
     """Every fifth of the fitting weeks, or of the days where weeks are few."""
     found = np.unique(calendar_weeks(dates), return_inverse=True)[1]
     if found.max() + 1 < EVERY:

@@ -1,10 +1,13 @@
 """A record and a loop of it, to the corrected record."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.correction.faults import chosen
 from pvlib_fem.correction.repairs import SOUND
+from pvlib_fem.correction.result import CorrectedRecord
 from pvlib_fem.correction.work import FLAGS, TIME, Work
 from pvlib_fem.record.columns import (
     ALIASES,
@@ -16,7 +19,9 @@ from pvlib_fem.record.columns import (
 )
 
 
-def corrected_record(loop, data, resolve=()):
+def corrected_record(
+    loop: Any, data: pd.DataFrame, resolve: Any = ()
+) -> CorrectedRecord:
     """The record of :meth:`pvlib_fem.Loop.corrected`."""
     columns = with_aliases(data, ())
     labels = {printable(label): label for label in data}
@@ -38,7 +43,7 @@ def corrected_record(loop, data, resolve=()):
     return work.done()
 
 
-def rows_inside(loop, index):
+def rows_inside(loop: Any, index: pd.Index) -> np.ndarray:
     """Rows within the period of the loop's record; refuse where there is none."""
     if not isinstance(index, pd.DatetimeIndex):
         raise ValueError(

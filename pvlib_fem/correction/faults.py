@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from pvlib_fem.correction.repairs import repair_of
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.effect import Effect
+from pvlib_fem.findings import Finding
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,14 +22,14 @@ class Fault:
     why: str = ""
 
     @classmethod
-    def of(cls, effect, numbers):
+    def of(cls, effect: Effect, numbers: Finding) -> "Fault":
         """Of an effect, with the numbers of a finding or of one of its members."""
         return cls(
             effect.name, effect, numbers.coefficients, numbers.stderr, numbers.ranges
         )
 
 
-def chosen(loop, resolve):
+def chosen(loop: Any, resolve: tuple) -> list:
     """The findings in the model as faults, ambiguous ones by the member to apply."""
     names = [resolve] if isinstance(resolve, str) else [*resolve]
     added = [finding for finding in loop.finding_objects if finding.added]
@@ -60,7 +62,7 @@ def chosen(loop, resolve):
     return faults
 
 
-def is_of_instrument(finding):
+def is_of_instrument(finding: Finding) -> bool:
     """Whether a finding may be a fault of an instrument, or a change of a mounting."""
     known = [EFFECTS[name] for name in finding.candidates if name in EFFECTS]
     return any(repair_of(effect) or effect.channel for effect in known)

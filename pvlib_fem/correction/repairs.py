@@ -7,6 +7,7 @@ of a sound instrument, the equation gives the corrected column.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,28 +18,29 @@ from pvlib_fem.effects.courses import (
     number,
     written,
 )
+from pvlib_fem.effects.effect import Effect, Terms
 from pvlib_fem.report.document import with_error
 
 RANGE = "90 % range"
 SHARE = 100.0  # %
 
 
-def irradiance(columns, terms, coefficients):
+def irradiance(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Irradiance with which the model needs no further heat. [W/m²]"""
     return columns["poa_global"] + terms.heat
 
 
-def wind(columns, terms, coefficients):
+def wind(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Wind with which a loss of ``u0 + u1 · wind_speed`` needs no more. [m/s]"""
     return columns["wind_speed"] + terms.loss / coefficients["u1"]
 
 
-def air(columns, terms, coefficients):
+def air(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Air temperature, of terms whose ``air_base`` is 1. [°C]"""
     return columns["temp_air"] + terms.heat + terms.offset
 
 
-def module(columns, terms, coefficients):
+def module(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
     """Reading of a module's sensor that is attached and calibrated as before. [°C]"""
     zero = columns["temp_air"] + coefficients["bias"]
     over = columns["temp_module"] - terms.offset - zero
@@ -54,19 +56,19 @@ SOUND = {
 }
 
 
-def same(size, coefficients):
+def same(size: float, coefficients: dict) -> float:
     return size
 
 
-def opposite(size, coefficients):
+def opposite(size: float, coefficients: dict) -> float:
     return -size
 
 
-def over_wind(size, coefficients):
+def over_wind(size: float, coefficients: dict) -> float:
     return size / coefficients["u1"]
 
 
-def inverse(size, coefficients):
+def inverse(size: float, coefficients: dict) -> float:
     return 1.0 / (1.0 + size) - 1.0
 
 
@@ -82,7 +84,9 @@ class Repair:
     of: str  # what that is a share of, or where it holds
     unit: str = "-"
 
-    def added(self, fault, coefficients):
+    def added(
+        self, fault: Any, coefficients: dict
+    ) -> tuple[float, float, float, float]:
         """What is added, its standard error and its range."""
         (key,) = fault.effect.rows()
         size, error = fault.coefficients[key], fault.stderr.get(key, np.nan)
@@ -150,12 +154,12 @@ REPAIRS = {
 }
 
 
-def repair_of(effect):
+def repair_of(effect: Effect) -> Any:
     """How the fault is taken out that an effect is, or None."""
     return REPAIRS.get(effect.channel or effect.name)
 
 
-def obstacle(fault, repair, coefficients):
+def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
     """Why a fault cannot be taken out; "" if it can."""
     if repair is None:
         return "it is no fault of an instrument, so that no column is changed"
@@ -169,7 +173,7 @@ def obstacle(fault, repair, coefficients):
     return ""
 
 
-def unit_of(effect, repair):
+def unit_of(effect: Effect, repair: Repair) -> str:
     """Unit of what is added."""
     if effect.name == "soiling":
         return "1/day"
@@ -179,7 +183,7 @@ def unit_of(effect, repair):
     return "1/year" if drifts else "-"
 
 
-def dates_of(effect, first, last):
+def dates_of(effect: Effect, first: str, last: str) -> tuple[str, str]:
     """First and last day of a correction within a record."""
     dates = effect.settings if is_dated(effect) else {}
     start = dates.get("at") or dates.get("start") or dates.get("since") or first
@@ -187,7 +191,7 @@ def dates_of(effect, first, last):
     return start, written(number(end) - 1) if end else last
 
 
-def when(effect):
+def when(effect: Effect) -> str:
     """The dates of a fault in words."""
     words = dates_in_words(effect.settings) if is_dated(effect) else ""
     return {
@@ -198,7 +202,7 @@ def when(effect):
     }[course_of(effect)]
 
 
-def sentence(effect, repair, added):
+def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
     """What was wrong, and what is added, in words."""
     what = repair.low if added[0] > 0 else repair.high
     times, unit = (1.0, "K") if repair.unit == "K" else (SHARE, "%")

@@ -39,9 +39,9 @@ class CorrectedRecord:
     data: pd.DataFrame = field(repr=False)
     actions: pd.DataFrame
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [*self.actions["words"]] or ["Nothing is corrected."]
         return printable("\n".join(lines), "\n")
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return self.actions.to_html(na_rep="–", index=False)

@@ -1,12 +1,14 @@
 """A record as it is corrected: clocks, units, then instruments."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.correction.repairs import (
     SOUND,
+    Repair,
     dates_of,
     obstacle,
     repair_of,
@@ -15,7 +17,7 @@ from pvlib_fem.correction.repairs import (
 )
 from pvlib_fem.correction.result import CorrectedRecord
 from pvlib_fem.drivers import MEASURED, behind, completed
-from pvlib_fem.effects.effect import Terms
+from pvlib_fem.effects.effect import Effect, Terms
 from pvlib_fem.quality.lag import by_module_logger
 from pvlib_fem.quality.units import unit_of_driver
 from pvlib_fem.quality.zones import plain
@@ -44,21 +46,45 @@ class Work:
     times: pd.DatetimeIndex | None = None  # of the file, where others are corrected
 
     @property
-    def days(self):
+    def days(self) -> tuple[str, str]:
         """First and last day of the rows within the record."""
         times = plain(self.data.index)[self.inside]
         return f"{times[0]:%Y-%m-%d}", f"{times[-1]:%Y-%m-%d}"
 
-    def as_it_was(self, cause, column, words, rows=None, dates=None):
+    def as_it_was(
+        self,
+        cause: str,
+        column: str,
+        words: str,
+        rows: np.ndarray | None = None,
+        dates: tuple | None = None,
+    ) -> None:
         """Say what is not corrected, and why."""
         self.say(cause, column, words, False, rows, dates)
 
-    def corrected(self, cause, column, words, rows, dates=None, **size):
+    def corrected(
+        self,
+        cause: str,
+        column: str,
+        words: str,
+        rows: np.ndarray,
+        dates: tuple | None = None,
+        **size: float | str,
+    ) -> None:
         """Say what is corrected, and flag its rows."""
         self.say(cause, column, words, True, rows, dates, size)
         self.flags[cause] = self.flags.get(cause, False) | rows
 
-    def say(self, cause, column, words, applied, rows, dates, size=EMPTY):
+    def say(
+        self,
+        cause: str,
+        column: str,
+        words: str,
+        applied: bool,
+        rows: np.ndarray | None,
+        dates: Any,
+        size: dict = EMPTY,
+    ) -> None:
         start, end = dates or self.days
         self.actions.append(
             {"cause": cause, "column": column, "applied": applied}
@@ -66,14 +92,14 @@ class Work:
             | {"rows": 0 if rows is None else int(np.sum(rows)), "words": words}
         )
 
-    def put(self, name, values):
+    def put(self, name: str, values: np.ndarray) -> None:
         """Replace a column by its corrected values, within the record."""
         label, was = self.labels[name], self.columns[name]
         self.originals.setdefault(label, self.data[label])
         self.columns[name] = was.where(~self.inside, values)
         self.data[label] = self.columns[name]
 
-    def clocks(self, loop):
+    def clocks(self, loop: Any) -> None:
         """Correct the times, and the readings of the module's logger."""
         for one in loop.corrections:
             if not one.applied:
@@ -84,7 +110,7 @@ class Work:
         if loop.times.module.fault:
             self.clock_of_module(loop)
 
-    def clock_of_file(self, loop):
+    def clock_of_file(self, loop: Any) -> None:
         """Correct the times of all columns, and leave out rows of unknown time."""
         if not loop.times.offsets:
             return
@@ -132,7 +158,7 @@ class Work:
             )
             self.corrected(cause, "all", words, rows, ends, size=size, unit="min")
 
-    def clock_of_module(self, loop):
+    def clock_of_module(self, loop: Any) -> None:
         """Interpolate the module's readings to the clock of the irradiance."""
         of_module = [o for o in loop.corrections if o.columns == ("temp_module",)]
         fault = next(one for one in of_module if one.applied)
@@ -153,7 +179,7 @@ class Work:
             rows = self.inside & np.isfinite(was)
             self.corrected(fault.fault, name, words, rows, **size)
 
-    def units(self, loop):
+    def units(self, loop: Any) -> None:
         """Convert drivers whose numbers show another unit."""
         for name in QUANTITIES:
             if name not in self.columns or name in SOUND:
@@ -168,7 +194,7 @@ class Work:
             rows = self.inside & np.isfinite(was)
             self.corrected("unit", name, words, rows, size=factor, unit=own_unit(name))
 
-    def instruments(self, loop, faults):
+    def instruments(self, loop: Any, faults: list) -> None:
         """Take the faults of instruments out of their columns."""
         coefficients, found = loop.fit.coefficients, {}
         for fault in faults:
@@ -200,7 +226,7 @@ class Work:
                 )
             self.put(column, SOUND[column](raw, whole, coefficients))
 
-    def missing(self, effect, repair):
+    def missing(self, effect: Effect, repair: Repair) -> str:
         """Say which columns of a correction are missing; "" if none is."""
         needed = {repair.column, *behind(effect.drivers)} & {*MEASURED, *SOUND}
         if repair.column == "temp_module":
@@ -208,7 +234,7 @@ class Work:
         missing = [name for name in sorted(needed) if name not in self.columns]
         return f"data have no {', '.join(missing)}" if missing else ""
 
-    def terms(self, effect, coefficients):
+    def terms(self, effect: Effect, coefficients: dict) -> Terms:
         """Terms of a fault on the rows; of the air's, by each W/m² that air brings."""
         # a change of constant size is of no column, and still has the times
         used = {*behind(effect.drivers)} & {*self.columns} or {*self.columns}
@@ -217,7 +243,7 @@ class Work:
         inputs = inputs.having({"air_base": np.ones(len(self.data))})
         return effect.at(completed(inputs, effect.drivers).columns, coefficients)
 
-    def done(self):
+    def done(self) -> CorrectedRecord:
         """The corrected record."""
         if outside := np.count_nonzero(~self.inside):
             words = f"all columns: {outside:,} rows are {BEYOND} and stay as they were."
@@ -237,7 +263,7 @@ class Work:
         table = pd.DataFrame(self.actions, columns=list(ACTIONS))
         return CorrectedRecord(data, table)
 
-    def causes(self):
+    def causes(self) -> pd.Series:
         """Names of the causes by which each row is corrected."""
         code = np.zeros(len(self.data), dtype=int)
         for i, rows in enumerate(self.flags.values()):
@@ -247,9 +273,10 @@ class Work:
             ", ".join(name for i, name in enumerate(self.flags) if one >> i & 1)
             for one in there
         ]
-        return pd.Series(pd.Categorical.from_codes(code, words), self.data.index)
+        labels = pd.Categorical.from_codes(code, pd.Index(words))
+        return pd.Series(labels, self.data.index)
 
 
-def ends_of(times):
+def ends_of(times: pd.DatetimeIndex) -> tuple[str, str]:
     """First and last of some times, as they are written."""
     return str(times[0]), str(times[-1])

@@ -28,7 +28,7 @@ FILES = {
 }
 
 
-def fetch(file):
+def fetch(file: str) -> Path:
     """Path of a file with the right hash: in the user's folder, or downloaded."""
     url, sha256 = FILES[file]
     if path := in_folder(file, sha256):
@@ -43,7 +43,7 @@ def fetch(file):
         ) from None
 
 
-def in_folder(file, sha256):
+def in_folder(file: str, sha256: str) -> Path | None:
     """Path of a file in the user's folder, or None; ValueError for a wrong hash."""
     folder = os.environ.get(FOLDER)
     if not folder or not (path := Path(folder) / file).is_file():
@@ -56,11 +56,11 @@ def in_folder(file, sha256):
     return path
 
 
-def cache():
+def cache() -> Path:
     """Folder of downloaded files."""
     return Path(pooch.os_cache("pvlib_fem"))
 
 
-def same(path, sha256):
+def same(path: Path, sha256: str) -> bool:
     """Whether a file has the pinned hash."""
     return pooch.file_hash(str(path)) == sha256

@@ -73,7 +73,7 @@ def synthetic(
     )
     minutes = np.arange(len(times)) * step / 60.0
 
-    def wandering(memory):
+    def wandering(memory: int) -> np.ndarray:
         """Unit Gaussian noise with a correlation time in minutes."""
         decay = np.full(len(times), np.exp(-step / 60.0 / memory))
         kicks = random.standard_normal(len(times)) * np.sqrt(1 - decay**2)
@@ -118,7 +118,9 @@ def synthetic(
     return data
 
 
-def sky(times, latitude, longitude, wandering):
+def sky(
+    times: pd.DatetimeIndex, latitude: float, longitude: float, wandering: Callable
+) -> dict:
     """Solar position, and irradiance under broken clouds."""
     location = pvlib.location.Location(latitude, longitude)
     sun = location.get_solarposition(times, method="ephemeris")

@@ -1,5 +1,7 @@
 """Measured records with pvlib's column names."""
 
+from typing import Any
+
 import pandas as pd
 
 from pvlib_fem.datasets.files import fetch
@@ -96,7 +98,7 @@ def load(name: str) -> pd.DataFrame:
     return readers[name]()
 
 
-def sandia_week():
+def sandia_week() -> pd.DataFrame:
     data = pd.read_csv(fetch("sandia_week_1min.csv"), index_col=0, parse_dates=True)
     data = data.rename(columns={"temp_pv": "temp_module"})
     data.attrs = {
@@ -108,7 +110,7 @@ def sandia_week():
     return data
 
 
-def sandia_day():
+def sandia_day() -> pd.DataFrame:
     met, array = (
         pd.read_csv(fetch(file), skiprows=[0, 2, 3], index_col=0, parse_dates=True)
         for file in ("MET_2015_11_11.dat", "Baseline6kW_2015_11_11.dat")
@@ -139,7 +141,7 @@ def sandia_day():
     return data
 
 
-def eurac_bolzano():
+def eurac_bolzano() -> pd.DataFrame:
     data = named(table("eurac_bolzano"), BOLZANO)
     data.attrs = {
         **TASK_13,
@@ -161,7 +163,7 @@ def eurac_bolzano():
     return data
 
 
-def nrel_stf():
+def nrel_stf() -> pd.DataFrame:
     data = named(table("nrel_stf"), GOLDEN)
     data.attrs = {
         **TASK_13,
@@ -184,7 +186,7 @@ def nrel_stf():
     return data
 
 
-def named(raw, names):
+def named(raw: pd.DataFrame, names: dict) -> Any:
     """The columns of a file with the package's names."""
     data = pd.DataFrame({name: raw[column] for name, column in names.items()})
     return data.astype(float).rename_axis(None)

@@ -7,6 +7,7 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -31,7 +32,7 @@ PATIENCE += ("--disable-pip-version-check",)
 LONGEST = 600.0  # s, for 17 MB
 
 
-def table(name):
+def table(name: str) -> Any:
     """The table of a record, as in its file."""
     try:
         import pyarrow  # noqa: F401
@@ -44,7 +45,7 @@ def table(name):
         return pd.read_parquet(io.BytesIO(wheel.read(MEMBERS[name])), engine="pyarrow")
 
 
-def fetch_wheel():
+def fetch_wheel() -> Path:
     """Path of the wheel: in the user's folder, in the cache, or downloaded."""
     if path := in_folder(WHEEL, SHA256):
         return path
@@ -66,7 +67,7 @@ def fetch_wheel():
     return path
 
 
-def download(folder):
+def download(folder: Any) -> Any:
     """Download the wheel with pip and its own configuration into a folder."""
     command = [sys.executable, "-m", *DOWNLOAD, *PATIENCE, "--dest", str(folder)]
     try:

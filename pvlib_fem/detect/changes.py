@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.detect.path import YEAR, most_probable
+from pvlib_fem.detect.path import YEAR, Law, Path, most_probable
+from pvlib_fem.loop.references import Apart
 
 SURE = 3.0  # errors from which a drift or a step is there
 EPOCH = pd.Timestamp(0)
@@ -58,7 +59,7 @@ class LevelChanges:
         """Whether the drift is three standard errors from none."""
         return bool(abs(self.drift) > SURE * self.drift_error)
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [f"{day:%Y-%m-%d}  {100 * by:+.0f} %" for day, by in self.steps]
         if np.isfinite(self.drift):
             error = 100 * self.drift_error
@@ -66,12 +67,20 @@ class LevelChanges:
         return "\n".join(lines or ["no step"])
 
 
-def dates_of(days):
+def dates_of(days: np.ndarray) -> pd.DatetimeIndex:
     """Dates of numbers of days since 1970-01-01."""
     return EPOCH + pd.to_timedelta(np.asarray(days), unit="D")
 
 
-def result(days, new, sizes, reference, drift=np.nan, error=np.nan, length=1):
+def result(
+    days: np.ndarray,
+    new: np.ndarray,
+    sizes: list | np.ndarray,
+    reference: str,
+    drift: float = np.nan,
+    error: float = np.nan,
+    length: int = 1,
+) -> LevelChanges:
     """
     Changes from the first row of each new level and the logarithm of each step.
 
@@ -91,12 +100,12 @@ def result(days, new, sizes, reference, drift=np.nan, error=np.nan, length=1):
     )
 
 
-def new_levels(path):
+def new_levels(path: Path) -> np.ndarray:
     """The first row of each level but the first."""
     return np.flatnonzero(np.diff(path.level)) + 1
 
 
-def compared(one, law):
+def compared(one: Apart, law: Law) -> LevelChanges:
     """
     Steps and drift of a sensor that is compared with something, day by day.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pvlib_fem.detect.path import Law, most_probable
+from pvlib_fem.detect.path import Law, Path, most_probable
 
 GRID = 15.0  # min, of zones, and of the least change that is looked for
 FARTHEST = 720.0  # min
@@ -16,7 +16,7 @@ MEMORY = 2.0  # days that weather and faults last
 SWING = 5.0  # min, of each harmonic: what plane and horizon do to the edges of light
 
 
-def clock_of(day, minutes, step=GRID):
+def clock_of(day: np.ndarray, minutes: np.ndarray, step: float = GRID) -> Path:
     """
     The clock on each day, on a grid of 15 min.
 

@@ -46,7 +46,7 @@ class DetachedSensor:
     over_temperature: pd.Series
     attached: float
 
-    def __str__(self):
+    def __str__(self) -> str:
         if not self.detached.any():
             return "attached all the time"
         edges = np.flatnonzero(self.detached.astype(int).diff().fillna(1.0))

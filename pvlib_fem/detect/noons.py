@@ -1,7 +1,10 @@
 """The middle of each day's light, of irradiance or power with gaps by night."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
 
 from pvlib_fem.detect.series import seconds_of
 from pvlib_fem.quality.hours import days_of
@@ -14,7 +17,13 @@ BEST = 0.995  # quantile that stands for full light
 FULL = 1000.0  # W/m², at full light
 
 
-def noons(values, index, location, plane=(None, None, None), label="left"):
+def noons(
+    values: np.ndarray,
+    index: pd.DatetimeIndex,
+    location: Location,
+    plane: tuple = (None, None, None),
+    label: str = "left",
+) -> Any:
     """
     How much later than due the middle of each day's light is.
 
@@ -54,7 +63,9 @@ def noons(values, index, location, plane=(None, None, None), label="left"):
     return late[~late.index.duplicated()]
 
 
-def regular(seconds, values, step):
+def regular(
+    seconds: np.ndarray, values: np.ndarray, step: float
+) -> tuple[np.ndarray, np.ndarray]:
     """The record at regular times, with NaN in missing rows."""
     place = np.round(seconds / step).astype(int)
     if (np.diff(place) == 1).all():
@@ -65,7 +76,9 @@ def regular(seconds, values, step):
     return times, found
 
 
-def with_dark_nights(seconds, light, limits):
+def with_dark_nights(
+    seconds: np.ndarray, light: np.ndarray, limits: Limits
+) -> np.ndarray:
     """
     The record with 0 for missing values at night.
 

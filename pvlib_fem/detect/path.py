@@ -38,7 +38,7 @@ class Path:
     cost: float  # −log of the probability, but for a constant
 
 
-def most_probable(day, values, law):
+def most_probable(day: np.ndarray, values: np.ndarray, law: Law) -> Path:
     """
     The level on each day, where it changes seldom and the season comes back.
 
@@ -62,7 +62,7 @@ def most_probable(day, values, law):
     return min(path, other, key=lambda path: path.cost)
 
 
-def usual_columns(day, law):
+def usual_columns(day: np.ndarray, law: Law) -> tuple[np.ndarray, np.ndarray]:
     """A constant, season and trend where the record is long enough, and their sizes."""
     columns, spread = [np.ones(len(day))], [np.inf]
     if np.ptp(day) >= SEASON * YEAR:
@@ -76,7 +76,15 @@ def usual_columns(day, law):
     return np.column_stack(columns), np.array(spread)
 
 
-def settled(day, values, table, spread, usual, law, before=None):
+def settled(
+    day: np.ndarray,
+    values: np.ndarray,
+    table: np.ndarray,
+    spread: np.ndarray,
+    usual: np.ndarray,
+    law: Law,
+    before: np.ndarray | None = None,
+) -> Path:
     """Level and season in turn, until the level is as before."""
     season = 0.0
     for _ in range(ROUNDS):
@@ -89,12 +97,19 @@ def settled(day, values, table, spread, usual, law, before=None):
     return Path(level, usual, noise, cost + season)
 
 
-def scatter(values):
+def scatter(values: np.ndarray) -> float:
     """Scale of Laplace's law, by the changes from day to day."""
     return float(np.median(np.abs(np.diff(values)))) / NEXT
 
 
-def fitted(table, spread, values, start, noise, law):
+def fitted(
+    table: np.ndarray,
+    spread: np.ndarray,
+    values: np.ndarray,
+    start: float,
+    noise: float,
+    law: Law,
+) -> tuple[np.ndarray, float]:
     """
     Least absolute deviations from the columns of a table, and the cost of their sizes.
 
@@ -110,7 +125,9 @@ def fitted(table, spread, values, start, noise, law):
     return table @ found, 0.5 * float(((found / spread) ** 2).sum())
 
 
-def decoded(day, values, noise, law):
+def decoded(
+    day: np.ndarray, values: np.ndarray, noise: float, law: Law
+) -> tuple[np.ndarray, float]:
     """
     Viterbi's path over the levels of a grid, and its cost.
 
@@ -142,7 +159,7 @@ def decoded(day, values, noise, law):
     return law.grid[path], float(total.min())
 
 
-def misfits(values, noise, law):
+def misfits(values: np.ndarray, noise: float, law: Law) -> np.ndarray:
     """−log of the probability of each day by each level of a grid."""
     apart = np.abs(values[:, None] - law.grid)
     apart = np.minimum(apart, law.period - apart)

@@ -1,6 +1,7 @@
 """An irradiance sensor and an anemometer that read more or less than they did."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ from pvlib_fem.detect.series import checked
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.mounts import angles_at
 from pvlib_fem.loop import references
-from pvlib_fem.loop.references import COMPARISONS, SKY, USUAL_WIND
+from pvlib_fem.loop.references import COMPARISONS, SKY, USUAL_WIND, Apart
 from pvlib_fem.quality.clearsky import clear_sky
 from pvlib_fem.record.checks import dates_of
 
@@ -40,22 +41,24 @@ class Columns:
     columns: dict
 
     @property
-    def record(self):
+    def record(self) -> Any:
         return self
 
     @property
-    def dates(self):
+    def dates(self) -> np.ndarray:
         return dates_of(self.index)
 
     @property
-    def searched(self):
+    def searched(self) -> np.ndarray:
         return np.ones(len(self.index), dtype=bool)
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
 
 
-def compared_with(name, values, index, **columns):
+def compared_with(
+    name: str, values: np.ndarray, index: pd.DatetimeIndex, **columns: np.ndarray
+) -> Apart:
     """A sensor compared with the reference of a name; refuse missing columns."""
     comparison = next(one for one in COMPARISONS if one.serves(name))
     found = references.compared(comparison, Columns(index, columns), name, values)
@@ -151,7 +154,7 @@ def irradiance_changes(
     return agreed(by_power, by_sky, found[1])
 
 
-def aged(changes):
+def aged(changes: LevelChanges) -> LevelChanges:
     """The comparison without the plant's own losses."""
     if changes.reference != POWER:
         return changes
@@ -160,7 +163,7 @@ def aged(changes):
     return replace(changes, drift=changes.drift - fades, drift_error=error)
 
 
-def agreed(changes, other, sky):
+def agreed(changes: LevelChanges, other: LevelChanges, sky: Apart) -> LevelChanges:
     """The steps of the first that the other has, too, and the drift of both."""
     drifts = np.array([changes.drift, other.drift])
     weights = np.array([changes.drift_error, other.drift_error]) ** -2.0

@@ -1,5 +1,7 @@
 """Series as detectors take them: checked, with their times in seconds."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -13,7 +15,7 @@ from pvlib_fem.record.checks import (
 )
 
 
-def checked(**series):
+def checked(**series: pd.Series | None) -> Any:
     """The one index of some Series, and their values; what is no Series is refused."""
     given = {name: one for name, one in series.items() if one is not None}
     for name, one in given.items():
@@ -33,7 +35,7 @@ def checked(**series):
     return index, [values.get(name) for name in series]
 
 
-def seconds_of(index):
+def seconds_of(index: pd.DatetimeIndex) -> np.ndarray:
     """Times since the first. [s]"""
     times = instants(index)
     return (times - times[:1]) / np.timedelta64(1, "s")

@@ -9,6 +9,7 @@ from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.detect.clock import GRID, MEMORY, clock_of
 from pvlib_fem.detect.noons import noons
+from pvlib_fem.detect.path import Path
 from pvlib_fem.detect.series import checked
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.mounts import PLANE
@@ -58,7 +59,7 @@ class TimeShifts:
         """Whether the clock is off on each day."""
         return self.minutes.fillna(0.0) != 0.0
 
-    def __str__(self):
+    def __str__(self) -> str:
         if self.minutes.isna().all():
             return f"fewer than {FEWEST} days have light from dark to dark: no clock"
         days = np.append(0, np.flatnonzero(self.minutes.diff().fillna(0.0)))
@@ -158,7 +159,7 @@ def time_shifts(
     return TimeShifts(by_day, jumps, within, middle, usual, path.noise)
 
 
-def sized(path, middle):
+def sized(path: Path, middle: np.ndarray) -> tuple[np.ndarray, float]:
     """How far each day's clock is ahead of the sun's, and what is usual. [min]"""
     left = middle - path.usual - path.level
     clocks, days = np.unique(path.level, return_counts=True)

@@ -89,7 +89,7 @@ def data_shifts(series: pd.Series) -> LevelChanges:
     return result(weeks, new, np.diff(level), "its own season", length=WEEK)
 
 
-def second_best(days, sums):
+def second_best(days: np.ndarray, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first day of each week that is there, and the sum of its second best day."""
     week = days // WEEK
     order = np.lexsort((-sums, week))

@@ -8,6 +8,7 @@ does. Equations are from the original sources unless a note says otherwise.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,7 +25,15 @@ GLASS_TEDLAR = 6032.0  # J/(m² K), Armstrong and Hurley's Table 1
 FREE = 2.5  # W/(m² K) per face, between the 2.1 and 2.9 of their Table 3
 
 
-def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
+def prilliman(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    a: float,
+    b: float,
+    unit_mass: float = 11.1,
+    bias: float = 0.0,
+) -> Any:
     """
     Sandia's model smoothed by Prilliman's moving mean of 20 min, as in pvlib.
 
@@ -59,7 +68,15 @@ def prilliman(poa_global, temp_air, wind_speed, a, b, unit_mass=11.1, bias=0.0):
     return smoothed(steady, wind_speed, unit_mass) + bias
 
 
-def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):
+def veldhuis(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    a: float,
+    b: float,
+    tau: Any,
+    bias: float = 0.0,
+) -> Any:
     """
     Exponential moving average of a steady module temperature, as Veldhuis et al.
 
@@ -103,7 +120,15 @@ def veldhuis(poa_global, temp_air, wind_speed, a, b, tau, bias=0.0):
     return ewm(sapm(poa_global, temp_air, wind_speed, a, b), tau) + bias
 
 
-def armstrong_hurley(poa_global, temp_air, wind_speed, a, b, bias=0.0, **module):
+def armstrong_hurley(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    a: float,
+    b: float,
+    bias: float = 0.0,
+    **module: Any,
+) -> Any:
     """
     Sandia's model, relaxed with Armstrong and Hurley's time constant.
 
@@ -129,7 +154,9 @@ def armstrong_hurley(poa_global, temp_air, wind_speed, a, b, bias=0.0, **module)
     return ewm(steady, np.where(np.isfinite(tau), tau, 1.0)) + bias
 
 
-def armstrong_hurley_tau(wind_speed, capacity=GLASS_TEDLAR, free=FREE):
+def armstrong_hurley_tau(
+    wind_speed: pd.Series, capacity: Any = GLASS_TEDLAR, free: Any = FREE
+) -> Any:
     r"""
     Time constant of a module on a rack from its layers and the wind.
 
@@ -170,7 +197,17 @@ def armstrong_hurley_tau(wind_speed, capacity=GLASS_TEDLAR, free=FREE):
     return capacity / (np.cbrt(forced**3 + free**3) + free)
 
 
-def barry(poa_global, temp_air, wind_speed, longwave_down, u1, u2, u3, tau, bias=0.0):
+def barry(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    longwave_down: Any,
+    u1: float,
+    u2: Any,
+    u3: Any,
+    tau: Any,
+    bias: float = 0.0,
+) -> Any:
     r"""
     Faiman's model with radiation to the sky and smoothed inputs, by Barry et al.
 
@@ -214,7 +251,13 @@ def barry(poa_global, temp_air, wind_speed, longwave_down, u1, u2, u3, tau, bias
     return air + sun / (u1 + u2 * wind) + u3 * deficit + bias
 
 
-def sapm(poa_global, temp_air, wind_speed, a, b):
+def sapm(
+    poa_global: pd.Series,
+    temp_air: pd.Series,
+    wind_speed: pd.Series,
+    a: float,
+    b: float,
+) -> Any:
     return temp_air + poa_global * STEADY_MODELS["sapm"].resistance(wind_speed, a, b)
 
 
@@ -249,7 +292,7 @@ COMPARATORS = {
 }
 
 
-def fitted(comparator, drivers, temp_module, rows) -> dict:
+def fitted(comparator: Any, drivers: Any, temp_module: pd.Series, rows: Any) -> dict:
     """
     Coefficients of a comparator by least squares over some rows.
 
@@ -289,7 +332,7 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
             f"{np.isfinite(measured).sum()} that count; use a longer record"
         )
 
-    def residual(x):
+    def residual(x: Any) -> Any:
         answer = comparator.function(*drivers, **dict(zip(names, x)))
         error = measured - answer.to_numpy()[rows]
         return error[np.isfinite(error)]
@@ -306,7 +349,7 @@ def fitted(comparator, drivers, temp_module, rows) -> dict:
     return dict(zip(names, found.x.tolist()))
 
 
-def marked(rows, index):
+def marked(rows: Any, index: Any) -> Any:
     """A mask of rows as a Series of ones and zeros."""
     marks = pd.Series(0.0, index)
     marks[rows] = 1.0

@@ -1,6 +1,7 @@
 """Compare several models on one record, step by step."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -116,7 +117,7 @@ def compare_models(
         record, out = finest, holdout
         if step is not None:
             record, out = coarser(finest, holdout, float(step))
-        how = dict(method=method, calm_wind=calm_wind, offset=offset)
+        how: dict[str, Any] = dict(method=method, calm_wind=calm_wind, offset=offset)
         case = Case(record, out, notes)
         for name in chosen:
             case.model(name, **how)
@@ -130,11 +131,11 @@ def compare_models(
     return Comparison(table, coefficients, tuple(dict.fromkeys(notes)), method)
 
 
-def names_of(names):
+def names_of(names: Any) -> Any:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def check_names(models, comparators, method):
+def check_names(models: Any, comparators: Any, method: str) -> None:
     if not models and not comparators:
         raise ValueError("there is nothing to compare; name models or comparators")
     for given, known, what in (
@@ -149,7 +150,7 @@ def check_names(models, comparators, method):
             )
 
 
-def coarser(record, holdout, step):
+def coarser(record: Any, holdout: Any, step: Any) -> Any:
     """A record and its held-out rows as means over longer steps."""
     index = record.index
     usual = usual_step(index)
@@ -170,7 +171,7 @@ def coarser(record, holdout, step):
 class Case:
     """Fit and score models on one record at one resolution."""
 
-    def __init__(self, record, holdout, notes):
+    def __init__(self, record: Any, holdout: Any, notes: list) -> None:
         self.record, self.notes = record, notes
         values = [self.record[name] for name in COLUMNS]
         rows = {part: np.asarray(inside(*values)) for part, inside in PARTS.items()}
@@ -181,7 +182,7 @@ class Case:
         self.resolution = usual_step(self.record.index)
         self.rows, self.coefficients = {}, {}
 
-    def model(self, name, method, calm_wind, offset):
+    def model(self, name: str, method: Any, calm_wind: float, offset: Any) -> None:
         """Fit and score every step of one steady model."""
         target, record = thermal_model(name, "ewm"), self.record
         try:
@@ -196,7 +197,7 @@ class Case:
         for step, (model, values) in stages.items():
             self.add(name, step, model.temperature(record.inputs, values), values)
 
-    def other(self, name):
+    def other(self, name: str) -> None:
         """Fit and score a comparator, which has only the last step."""
         try:
             if name == BALANCE:
@@ -220,23 +221,23 @@ class Case:
         else:
             self.add(name, FITTED, answer, values)
 
-    def balance(self):
+    def balance(self) -> None:
         target = thermal_model("faiman", "balance")
         _, stages, _ = stages_of(self.frame, target)
         model, values = stages[FITTED]
         answer = model.temperature(self.record.inputs, values)
         self.add(BALANCE, FITTED, answer, values)
 
-    def failed(self, name, error, steps):
+    def failed(self, name: str, error: Any, steps: Any) -> None:
         self.notes.append(f"{name} at {self.resolution:g} s: {error}")
         for step in steps:
             self.rows[name, step] = self.scored(np.full(len(self.kept), np.nan))
 
-    def add(self, name, step, temperature, values):
+    def add(self, name: str, step: Any, temperature: Any, values: Any) -> None:
         self.rows[name, step] = self.scored(temperature)
         self.coefficients[name, step] = values
 
-    def scored(self, temperature):
+    def scored(self, temperature: Any) -> Any:
         """Scores of a temperature on held-out rows, separately for day and night."""
         reading, row = self.record["temp_module"], {}
         for part, there in self.parts.items():

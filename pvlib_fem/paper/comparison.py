@@ -124,7 +124,7 @@ class Comparison:
             return plotting.plot_resolutions(self, ax, score)
         return plotting.plot_comparison(self, ax, score)
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = []
         for resolution in self.resolutions:
             lines += [f"steps of {resolution:g} s, held-out days, {self.method} [K]"]
@@ -138,11 +138,11 @@ class Comparison:
                 ]
         return "\n".join([*lines[:-1], *(f"note: {note}" for note in self.notes)])
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return self.table.to_html(float_format="{:.2f}".format, na_rep="–")
 
 
-def wide(table, score, rows):
+def wide(table: Any, score: Any, rows: Any) -> Any:
     """One score with a column per model; rows and columns keep their order."""
     found = table.pivot_table(score, rows, "model", sort=False, dropna=False)
     return found.reindex(index=table[rows].unique(), columns=table["model"].unique())

@@ -1,6 +1,7 @@
 """The paper's resistances and wind coefficients, from five-minute averages."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -57,7 +58,7 @@ def averages(
     return frame.resample(interval).mean() if len(frame) else frame
 
 
-def enough(step, rows, at_least, condition, remedy):
+def enough(step: str, rows: int, at_least: int, condition: str, remedy: str) -> None:
     """Refuse a step of the recipe that has too few points."""
     if rows < at_least:
         raise refusal(
@@ -67,7 +68,7 @@ def enough(step, rows, at_least, condition, remedy):
         )
 
 
-def regression(x, y, intercept=True):
+def regression(x: Any, y: Any, intercept: bool = True) -> tuple[float, float]:
     """Slope and intercept of a regression line."""
     if not intercept:
         return float(x @ y / (x @ x)), 0.0
@@ -176,7 +177,7 @@ def r_eq_max(
     return resistance(frame, intercept, offset)
 
 
-def resistance(frame, intercept, offset):
+def resistance(frame: pd.DataFrame, intercept: bool, offset: float) -> Estimate:
     """Slope of over-temperature over irradiance."""
     k, at_zero = regression(frame["poa_global"], frame["over"] - offset, intercept)
     return Estimate(k, "K m²/W", len(frame), offset + at_zero)

@@ -1,5 +1,7 @@
 """The paper's own recipe, step by step, for fits with ``method="paper"``."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -8,9 +10,11 @@ from pvlib_fem.fitting.fit import of_minimum, requests_of
 from pvlib_fem.fitting.result import FemFit
 from pvlib_fem.fitting.stages import last
 from pvlib_fem.paper import estimators as paper
+from pvlib_fem.paper.estimators import Estimate
 from pvlib_fem.paper.timeconstant import time_constant
 from pvlib_fem.record.columns import COLUMNS, DAYLIGHT
 from pvlib_fem.record.filters import night
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.spelling import LEAST_SQUARES, Spelled, argument, refusal
 from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.thermal.steady import STEADY_MODELS
@@ -20,7 +24,7 @@ MODELS = ("ross", "sapm", "faiman", "wm1", "wm2")  # that the paper compares
 OFFSETS = ("night", "calm")  # names of offsets; others are a number [K], or None
 
 
-def refuse_paper(target, fixed, night):
+def refuse_paper(target: ThermalModel, fixed: Any, night: bool) -> None:
     """Refuse models and options that the paper's recipe does not have."""
     name, paper = target.steady_model.name, argument("method", "paper")
     if name not in MODELS:
@@ -37,7 +41,13 @@ def refuse_paper(target, fixed, night):
         raise ValueError("method='paper' is for daytime rows; use night=False")
 
 
-def fit_paper(frame, target, notes, calm_wind, offset):
+def fit_paper(
+    frame: Any,
+    target: ThermalModel,
+    notes: list,
+    calm_wind: float,
+    offset: float | str | None,
+) -> FemFit:
     """Fit a model to a record in memory by the paper's recipe."""
     train, kept = frame.counts, ~frame.out
     stages = paper_stages(target, frame.record, train, kept, calm_wind, offset, notes)
@@ -51,7 +61,15 @@ def fit_paper(frame, target, notes, calm_wind, offset):
     )
 
 
-def paper_stages(target, record, train, not_held_out, calm_wind, offset, notes):
+def paper_stages(
+    target: ThermalModel,
+    record: Record,
+    train: np.ndarray,
+    not_held_out: np.ndarray,
+    calm_wind: float,
+    offset: float | str | None,
+    notes: list,
+) -> dict:
     """Model and coefficients after each step of the paper's recipe."""
     frame = pd.DataFrame({n: record[n] for n in COLUMNS}, record.index)
     everything, rows = (
@@ -77,7 +95,7 @@ def paper_stages(target, record, train, not_held_out, calm_wind, offset, notes):
     memory = {}
     if target.dynamics == "ewm":
         k = calm_line(rows, calm_wind, offset)
-        tau = time_constant(*rows, k.value)
+        tau = time_constant(*[*rows, k.value])
         memory = {"tau": tau.value}
         points["tau"] = tau.points
         notes.append(
@@ -98,7 +116,9 @@ def paper_stages(target, record, train, not_held_out, calm_wind, offset, notes):
     }
 
 
-def over_temperature_offset(offset, everything, daytime, calm_wind, notes):
+def over_temperature_offset(
+    offset: Any, everything: tuple, daytime: Any, calm_wind: Any, notes: list
+) -> float | None:
     """Offset that the regressions subtract from over-temperature [K], or None."""
     if offset == "night" and np.sum(night(*everything)) < paper.CALM_POINTS:
         notes.append(
@@ -109,7 +129,7 @@ def over_temperature_offset(offset, everything, daytime, calm_wind, notes):
         offset = paper.night_bias(*everything).value
         notes.append(f"over-temperature less its mean by night, {offset:.2f} K")
     elif offset == "calm":
-        offset = paper.r_eq_max(*daytime, calm_wind).intercept
+        offset = paper.r_eq_max(*[*daytime, calm_wind]).intercept
         notes.append(f"over-temperature less the calm line's intercept, {offset:.2f} K")
     elif offset is not None and (isinstance(offset, str) or not np.isfinite(offset)):
         raise ValueError(
@@ -119,14 +139,14 @@ def over_temperature_offset(offset, everything, daytime, calm_wind, notes):
     return offset
 
 
-def calm_line(record, calm_wind, offset):
+def calm_line(record: Any, calm_wind: Any, offset: Any) -> Any:
     """The k of calm air; the line goes through the origin if the offset is known."""
     return paper.r_eq_max(
-        *record, calm_wind, intercept=offset is None, offset=offset or 0.0
+        *[*record, calm_wind], intercept=offset is None, offset=offset or 0.0
     )
 
 
-def recipe(model, record, calm_wind=0.5, offset=0.0):
+def recipe(model: str, record: Any, calm_wind: float = 0.5, offset: Any = 0.0) -> dict:
     """
     Coefficients of a model by the paper's recipe, with the Filter step.
 
@@ -159,7 +179,7 @@ def recipe(model, record, calm_wind=0.5, offset=0.0):
         found = {"k": calm_line(record, calm_wind, offset)}
         if model == "wm1":
             k = found["k"].value
-            found["d"] = paper.d(*record, k, offset=offset or 0.0)
+            found["d"] = paper.d(*[*record, k], offset=offset or 0.0)
         else:
             found["k_w"] = paper.k_w(*record, intercept=offset is None)
     else:
@@ -176,7 +196,7 @@ def recipe(model, record, calm_wind=0.5, offset=0.0):
     return found
 
 
-def possible(model, found):
+def possible(model: str, found: dict) -> None:
     """Refuse coefficients that are invalid for the model."""
     try:
         STEADY_MODELS[model].complete({n: e.value for n, e in found.items()})
@@ -188,7 +208,7 @@ def possible(model, found):
         ) from error
 
 
-def standard(model, record):
+def standard(model: str, record: tuple) -> dict:
     """
     Coefficients of a model without the Filter step: one regression of all rows.
 
@@ -212,7 +232,7 @@ def standard(model, record):
     return one_regression(model, frame, intercept=False)
 
 
-def one_regression(model, frame, intercept):
+def one_regression(model: str, frame: pd.DataFrame, intercept: bool) -> Any:
     poa, wind, over = (
         frame[c].to_numpy() for c in ("poa_global", "wind_speed", "over")
     )
@@ -242,7 +262,7 @@ def one_regression(model, frame, intercept):
     }
 
 
-def usual(name, value, points):
+def usual(name: str, value: float, points: int) -> Estimate:
     """Faiman's coefficient, or its default instead of an outlier."""
     row = STEADY_MODELS["faiman"].parameters[name]
     if row.lower <= value <= row.upper:

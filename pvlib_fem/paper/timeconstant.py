@@ -153,7 +153,7 @@ def step_changes(
     return change.assign(wind_speed=bin_)[kept]
 
 
-def check_interval(index, interval):
+def check_interval(index: pd.Index, interval: str) -> None:
     """Refuse an average that is shorter than the record's own step."""
     usual = usual_step(index)
     if usual > pd.Timedelta(interval).total_seconds():
@@ -168,7 +168,7 @@ def check_interval(index, interval):
         )
 
 
-def chosen(table, first):
+def chosen(table: pd.DataFrame, first: int) -> TimeConstant:
     """The last bin up to which tau falls from the ``first``, and the fitted fall."""
     last, tau = first, table["tau"]
     while last + 1 in table.index and tau[last + 1] <= tau[last] + MARGIN:

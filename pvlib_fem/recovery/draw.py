@@ -3,14 +3,24 @@
 import inspect
 import json
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
 from pvlib_fem.effects import EFFECTS, find, several
-from pvlib_fem.effects.courses import COURSES, dates_in_words, weights_of, written
+from pvlib_fem.effects.courses import (
+    COURSES,
+    Course,
+    dates_in_words,
+    weights_of,
+    written,
+)
 from pvlib_fem.effects.effect import Effect
+from pvlib_fem.findings import Finding
+from pvlib_fem.loop.case import Case
+from pvlib_fem.loop.result import Loop
 from pvlib_fem.reasons import Reason, because
 from pvlib_fem.stored import Stored, plain
 
@@ -88,7 +98,7 @@ class Draw:
     way: dict = field(default_factory=dict)  # unit vector of the coefficients
     readable: float = np.inf  # largest size with which the instrument still reads
 
-    def of_size(self, size, predicted, own):
+    def of_size(self, size: float, predicted: float, own: float) -> Injection:
         """The injection of a size."""
         coefficients = {n: rounded(size * part) for n, part in self.way.items()}
         numbers = map(rounded, (size, predicted, own))
@@ -98,22 +108,22 @@ class Draw:
         )
 
     @property
-    def most(self):
+    def most(self) -> float:
         """The largest size that its bounds and its instrument allow."""
         rows = self.effect.rows()
         ends = {n: rows[n].upper if part > 0 else rows[n].lower for n, part in self}
         return min(self.readable, *(ends[name] / part for name, part in self))
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator:
         return ((name, part) for name, part in self.way.items() if part)
 
 
-def rounded(value):
+def rounded(value: float) -> float:
     """Round to six digits: readable, and equal on every computer."""
     return float(f"{value:.6g}")
 
 
-def chosen(case, loop, effects):
+def chosen(case: Case, loop: Loop, effects: list | str | None) -> Any:
     """Effects that can be injected, and for other effects the reason why not."""
     wanted = {effect.name: effect for effect in case.wanted}
     there = {name for f in loop.finding_objects if f.added for name in f.candidates}
@@ -141,13 +151,15 @@ def chosen(case, loop, effects):
     return found, {name: str(why) for name, why in notes.items()}
 
 
-def needs_nothing(make):
+def needs_nothing(make: Any) -> Any:
     """Whether all settings that a scan would find have defaults."""
     rows = inspect.signature(make).parameters.values()
     return all(row.default is not row.empty for row in rows)
 
 
-def drawn(effect, days, side, draws, seed):
+def drawn(
+    effect: Effect, days: np.ndarray, side: int, draws: int, seed: int
+) -> tuple[list, None]:
     """
     Draws of an effect with dates but without directions, or why there is no date.
 
@@ -174,17 +186,17 @@ def drawn(effect, days, side, draws, seed):
     return [Draw(effect.make(**one), number) for number, one in enumerate(dates)], None
 
 
-def generator(effect, seed):
+def generator(effect: Effect, seed: int) -> np.random.Generator:
     """Random numbers of an effect, independent of the other effects."""
     return np.random.default_rng([seed, zlib.crc32(effect.name.encode())])
 
 
-def course_of(effect):
+def course_of(effect: Effect) -> Course:
     """The time profile of a sensor fault."""
     return next(one for one in COURSES if effect.name == f"{effect.channel}_{one.name}")
 
 
-def step(days, side, random):
+def step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | None:
     """A date with enough days on either side."""
     edge = max(side, int(EDGE * len(days)))
     if len(days) <= 2 * edge:
@@ -192,7 +204,7 @@ def step(days, side, random):
     return {"at": written(days[random.integers(edge, len(days) - edge)])}
 
 
-def episode(days, side, random):
+def episode(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
     """A stretch whose length is uniform in its logarithm."""
     most = int(LONGEST * len(days))
     if most <= 2 * side:
@@ -202,7 +214,7 @@ def episode(days, side, random):
     return {"start": written(days[start]), "end": written(days[start + length])}
 
 
-def drift(days, side, random):
+def drift(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
     """A trend from the first day on."""
     return {"since": written(days[0])}
 
@@ -210,7 +222,7 @@ def drift(days, side, random):
 DATES = {"step": step, "episode": episode, "drift": drift}
 
 
-def with_ways(draws, errors, seed):
+def with_ways(draws: list, errors: list, seed: int) -> list:
     """
     The draws with random directions of their coefficients, without duplicates.
 
@@ -238,7 +250,7 @@ def with_ways(draws, errors, seed):
     return found
 
 
-def holds(finding, effect, effects, days):
+def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> bool:
     """Whether a finding holds the true effect; a fault also on about its days."""
     if effect.name not in finding.candidates:
         return False
@@ -249,7 +261,7 @@ def holds(finding, effect, effects, days):
     return same_days(effect, leading, days)
 
 
-def same_days(one, other, days):
+def same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:
     """Whether two changes with one time profile are on mostly the same days."""
     if course_of(one).name == "drift":
         return True

@@ -11,10 +11,11 @@ from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.plant import LEAST
-from pvlib_fem.loop.close import close_loop, searched
+from pvlib_fem.loop.close import Search, close_loop, searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.events import KINDS
 from pvlib_fem.loop.planes import with_given
+from pvlib_fem.loop.result import Loop
 from pvlib_fem.record.columns import PLANT_POWER, plant_power, printable
 from pvlib_fem.recovery.inject import add
 
@@ -137,7 +138,7 @@ class Event:
     power: float  # that is left
     change: np.ndarray  # of the module's temperature [K]
 
-    def row(self, events):
+    def row(self, events: Any) -> Any:
         """What was put in, and whether it is among some events."""
         first, last = self.times[0], self.times[-1]
         shared = [
@@ -161,8 +162,9 @@ class Plant:
     taken: frozenset  # days with events of the record's own
 
     @classmethod
-    def of(cls, search, loop):
-        case, record = search.case, loop.fit.record
+    def of(cls, search: Search, loop: Loop) -> Any:
+        case = search.case
+        record: Any = loop.fit.record
         powers = [*plant_power(record, case.criteria.max_missing)]
         if not powers:
             raise ValueError(
@@ -184,7 +186,14 @@ class Plant:
             record, case.kept, rows, light, tuple(powers), dark, frozenset(taken)
         )
 
-    def drawn(self, name, size, hours, draws, random):
+    def drawn(
+        self,
+        name: str,
+        size: float,
+        hours: Any,
+        draws: Any,
+        random: np.random.Generator,
+    ) -> Any:
         """Events of an effect on days that have room for it."""
         found, used = [], set(self.taken)
         per_hour = max(round(3600.0 / self.record.inputs.step), 1)
@@ -210,7 +219,7 @@ class Plant:
             )
         return sorted(found, key=lambda event: event.rows[0])
 
-    def event(self, name, rows, size, number):
+    def event(self, name: str, rows: Any, size: float, number: Any) -> Any:
         """An event of that size on some rows, or None where it is not possible."""
         share = size / abs(float(self.dark[rows].mean()))
         low, high = HEATS if name == "outage" else LOSES
@@ -227,7 +236,7 @@ class Plant:
             left, change = 1.0, -change
         return Event(name, rows, times, hours, size, left, power, change)
 
-    def put(self, data, event):
+    def put(self, data: pd.DataFrame, event: Any) -> None:
         """Change a frame by an event, in place."""
         labels = {printable(label): label for label in data}
         rows = np.zeros(len(self.record.index), dtype=bool)

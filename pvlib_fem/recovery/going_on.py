@@ -3,14 +3,17 @@
 import hashlib
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
+from pvlib_fem.loop.result import Loop
+from pvlib_fem.recovery.judge import Outcome
 from pvlib_fem.recovery.result import Recovery
 from pvlib_fem.report.page import said_of
 
 
-def resumed(new, path):
+def resumed(new: Recovery, path: Any) -> Recovery:
     """The recovery of a file; ValueError for another record, call or version."""
     there = Recovery.from_json(path)
     for name, words in (("sha256", "record"), ("version", "version of pvlib_fem")):
@@ -30,7 +33,9 @@ def resumed(new, path):
     return there
 
 
-def of_plan(recovery, planned, notes, loop, effects):
+def of_plan(
+    recovery: Recovery, planned: list, notes: dict, loop: Loop, effects: tuple
+) -> Recovery:
     """The recovery with the outcomes of the present plan."""
     keys = {injection.key for injection in planned}
     units = {e.name: {n: r.unit for n, r in e.rows().items()} for e in effects}
@@ -44,20 +49,20 @@ def of_plan(recovery, planned, notes, loop, effects):
     )
 
 
-def of_trials(recovery, planned, why):
+def of_trials(recovery: Any, planned: list, why: Any) -> Any:
     """The recovery with the trials of the present plan, and why others cannot be."""
     trials = tuple(trial for trial in recovery.trials if trial.key in planned)
     count = len(planned)
     return replace(recovery, trials=trials, planned_trials=count, not_scrambled=why)
 
 
-def with_trial(recovery, trial, planned):
+def with_trial(recovery: Recovery, trial: Any, planned: list) -> Any:
     """The recovery with one more trial, in the order of the plan."""
     trials = sorted([*recovery.trials, trial], key=lambda one: planned.index(one.key))
     return replace(recovery, trials=tuple(trials))
 
 
-def with_outcome(recovery, outcome, planned):
+def with_outcome(recovery: Recovery, outcome: Outcome, planned: list) -> Recovery:
     """The recovery with one more outcome, in the order of the plan."""
     order = {injection.key: i for i, injection in enumerate(planned)}
     outcomes = [*recovery.outcomes, outcome]
@@ -65,7 +70,9 @@ def with_outcome(recovery, outcome, planned):
     return replace(recovery, outcomes=tuple(outcomes))
 
 
-def said_all(effects, sizes, draws, seed, model, place, how):
+def said_all(
+    effects: Any, sizes: Any, draws: int, seed: int, model: str, place: dict, how: dict
+) -> dict:
     """The arguments that determine the result, as text."""
     where = None if place["location"] is None else repr(place["location"])
     said = dict(effects=effects, sizes=sizes, draws=draws, seed=seed, model=model)
@@ -79,7 +86,7 @@ def said_all(effects, sizes, draws, seed, model, place, how):
     return {name: said_of(value) for name, value in said.items()}
 
 
-def digest(data):
+def digest(data: pd.DataFrame) -> Any:
     """Sha256 of a frame's times, names and values."""
     found = hashlib.sha256(repr([str(name) for name in data]).encode())
     found.update(pd.util.hash_pandas_object(data).to_numpy("<u8").tobytes())

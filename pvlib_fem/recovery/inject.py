@@ -6,7 +6,9 @@ response of the record's own model. A fault of another sensor changes the column
 sensor, so second sensors, the sky and the weather deviate from it as they would.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,10 +16,12 @@ import pandas as pd
 from pvlib_fem.drivers import completed, needed_for
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects.courses import weights_of
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.quality.clock import Clock
 from pvlib_fem.quality.lag import retimed
 from pvlib_fem.record.columns import printable
 from pvlib_fem.record.inputs import Record
+from pvlib_fem.recovery.draw import Injection
 from pvlib_fem.thermal.model import ThermalModel
 
 
@@ -33,7 +37,7 @@ class Injector:
     own: dict  # the user's own effects, by name
 
     @classmethod
-    def of(cls, search, loop):
+    def of(cls, search: Any, loop: Any) -> "Injector":
         """The injector of a finished search."""
         case = search.case
         own = {e.name: e for e in case.wanted if e.name not in EFFECTS}
@@ -47,12 +51,12 @@ class Injector:
             own,
         )
 
-    def effect(self, injection):
+    def effect(self, injection: Injection) -> Effect:
         """The effect of an injection, with its dates."""
         name = injection.effect
         return self.own.get(name) or find({"name": name, **injection.settings})
 
-    def response(self, injection):
+    def response(self, injection: Injection) -> np.ndarray:
         """Response of the module temperature to an injection. [K]"""
         effect = self.effect(injection)
         record = self.record
@@ -65,14 +69,16 @@ class Injector:
         parts = (injection.coefficients, effect.start)
         return self.added(model, effect.drivers, *parts)
 
-    def own_changes(self):
+    def own_changes(self) -> Any:
         """Module temperature that the record's own faults add. [K]"""
         changes = [effect for effect in self.model.effects if effect.channel]
         drivers = [name for one in self.model.effects for name in one.drivers]
         start = {name: value for one in changes for name, value in one.start.items()}
         return self.added(self.model, drivers, {}, start)
 
-    def added(self, model, drivers, there, absent):
+    def added(
+        self, model: ThermalModel, drivers: Sequence, there: dict, absent: dict
+    ) -> np.ndarray:
         """Difference of a model's temperature between two sets of coefficients. [K]"""
         record = self.record
         # gaps of drivers take the next value, as in the test of a candidate
@@ -92,7 +98,7 @@ class Injector:
             change = np.nan_to_num(retimed(seconds, change, -self.clock.at(seconds)))
         return change
 
-    def into(self, data, injection):
+    def into(self, data: pd.DataFrame, injection: Injection) -> pd.DataFrame:
         """A copy of a frame with the effect added."""
         data, effect = data.copy(), self.effect(injection)
         labels = {printable(label): label for label in data}
@@ -121,7 +127,7 @@ READS = {
 }
 
 
-def reading(record, effect, change, coefficients):
+def reading(record: Record, effect: Effect, change: float, coefficients: dict) -> dict:
     """Readings of a sensor whose fault has this coefficient, by its column."""
     name = READS[effect.channel]
     values, size = record[name], change * weights_of(effect, record.dates)
@@ -135,7 +141,7 @@ def reading(record, effect, change, coefficients):
     return {name: values}
 
 
-def readable(effect, way, days, coefficients):
+def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) -> float:
     """
     The largest size of a fault with which its sensor still reads.
 
@@ -149,13 +155,13 @@ def readable(effect, way, days, coefficients):
     return MOST_LOST * whole / -least if least < 0.0 else np.inf
 
 
-def whole_of(channel, coefficients):
+def whole_of(channel: str, coefficients: dict) -> Any:
     """Reference of a fault that scales its reading; None for other faults."""
     u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
     return {"sensitivity": 1.0, "wind_gain": u1}.get(channel)
 
 
-def add(data, label, rows, values):
+def add(data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray) -> None:
     """Add to some rows of a column, in place."""
     column = data[label].to_numpy(float).copy()
     column[rows] += values

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
+import pandas as pd
 
-from pvlib_fem.findings import Verdict
+from pvlib_fem.effects.effect import Effect
+from pvlib_fem.findings import Finding, Verdict
 from pvlib_fem.loop.close import close_loop
 from pvlib_fem.recovery.draw import Injection, holds
 from pvlib_fem.stored import Stored
@@ -73,7 +75,9 @@ class Outcome:
         return cls(injection, **own, refused=content.text("refused"))
 
 
-def recovered(data, injector, baseline, how, injection):
+def recovered(
+    data: pd.DataFrame, injector: Any, baseline: tuple, how: dict, injection: Injection
+) -> Outcome:
     """
     Add an effect to a record, close the loop, and judge its findings.
 
@@ -94,7 +98,7 @@ def recovered(data, injector, baseline, how, injection):
     return judged(injection, injector.effect(injection), loop, baseline)
 
 
-def judged(injection, effect, loop, baseline):
+def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> Outcome:
     """The outcome of an injection, from the truth and the baseline's findings."""
     before = [f for f in baseline if f.added]
     added = [f for f in loop.finding_objects if f.added]
@@ -124,16 +128,16 @@ def judged(injection, effect, loop, baseline):
     )
 
 
-def same(one, other):
+def same(one: Finding, other: Finding) -> bool:
     """Whether two findings share a candidate."""
     return not {*one.candidates}.isdisjoint(other.candidates)
 
 
-def words(finding):
+def words(finding: Finding) -> str:
     return " | ".join(finding.candidates)
 
 
-def accuracy(finding, truth):
+def accuracy(finding: Finding, truth: dict) -> dict:
     """Ratio, coverage and range of a finding's coefficients, given the true ones."""
     values, errors = finding.coefficients, finding.stderr
     square = sum(value**2 for value in truth.values())

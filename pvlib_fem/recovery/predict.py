@@ -1,18 +1,21 @@
 """Predict the size from which the loop's selection should find an effect."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem.effects.effect import Effect
+from pvlib_fem.loop.case import Case
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.dictionary import Candidate, Changed
 from pvlib_fem.loop.ranking import beyond
 from pvlib_fem.loop.selection import Selection, selected
-from pvlib_fem.loop.steps import Fits
+from pvlib_fem.loop.steps import Fits, Step
 from pvlib_fem.loop.threads import one_blas_thread
 from pvlib_fem.reasons import Reason, because
-from pvlib_fem.recovery.draw import drawn, same_days, with_ways
+from pvlib_fem.recovery.draw import Draw, drawn, same_days, with_ways
 from pvlib_fem.recovery.inject import readable
 
 GROWS = 1.6  # factor from one size to the next, until the effect is selected
@@ -20,7 +23,9 @@ HALVINGS = 4  # bisections between the last size not selected and the first sele
 LEAST = 1.0  # first size, in standard errors
 
 
-def predictions(case, step, draws, seed, effect):
+def predictions(
+    case: Case, step: Step, draws: int, seed: int, effect: Effect
+) -> tuple[list, None]:
     """
     Draws of an effect with the sizes from which each should be found, or why none.
 
@@ -76,7 +81,7 @@ def predictions(case, step, draws, seed, effect):
         return found, None
 
 
-def candidate(design, draw):
+def candidate(design: Design, draw: Draw) -> Candidate:
     """A draw as a candidate of the design."""
     effect = draw.effect
     if effect.channel:
@@ -95,17 +100,17 @@ class Look:
     one: Candidate
 
     @property
-    def seen(self):
+    def seen(self) -> bool:
         """Whether the effect is not collinear with the fitted coefficients."""
         design, size = self.selection.design, len(self.one.columns)
         squares = design.whole([*design.base, *self.one.columns])
         return bool((beyond(squares, size) > 1e-6 * np.diag(squares)[-size:]).all())
 
-    def size(self, draw, least):
+    def size(self, draw: Draw, least: float) -> float:
         """The least size at which the effect is found, or NaN."""
         return threshold(lambda size: self.found(draw, size), least, draw.most)
 
-    def found(self, draw, size):
+    def found(self, draw: Draw, size: float) -> bool:
         """Whether the effect is found at a size."""
         parts = [size * part for part in draw.way.values()]
         design = self.selection.design.adding(dict(zip(self.one.columns, parts)))
@@ -117,12 +122,12 @@ class Look:
         return False
 
 
-def alike(one, other: Effect, days):
+def alike(one: Effect, other: Any, days: np.ndarray) -> Any:
     """Whether two effects of a name are on about the same days, if they have any."""
     return not other.channel or same_days(other, one, days)
 
 
-def threshold(passes, least, most):
+def threshold(passes: Callable, least: float, most: float) -> float:
     """The size from which a test passes; NaN if it fails up to the largest size."""
     size, before = least, least
     while size <= most and not passes(size):

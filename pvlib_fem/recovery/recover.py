@@ -12,14 +12,15 @@ from pvlib.pvsystem import AbstractMount
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers.mounts import plane_of_rows
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.loop.close import searched
+from pvlib_fem.loop.close import Search, searched
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.instead import Instead
 from pvlib_fem.loop.planes import with_given
 from pvlib_fem.loop.progress import counting
+from pvlib_fem.loop.result import Loop
 from pvlib_fem.parallel import spread
 from pvlib_fem.record.columns import ALWAYS
-from pvlib_fem.recovery.draw import chosen
+from pvlib_fem.recovery.draw import Draw, chosen
 from pvlib_fem.recovery.going_on import (
     digest,
     of_plan,
@@ -227,7 +228,14 @@ def recover_effects(
     return result
 
 
-def completed(data, place, transposition, stand_ins, check_units, criteria):
+def completed(
+    data: pd.DataFrame,
+    place: dict,
+    transposition: Any,
+    stand_ins: Any,
+    check_units: bool,
+    criteria: Criteria,
+) -> pd.DataFrame:
     """The record with missing columns made of others, if that is wanted."""
     if not transposition and not stand_ins:
         return data
@@ -237,7 +245,16 @@ def completed(data, place, transposition, stand_ins, check_units, criteria):
     return data.drop(columns=list(data)).assign(**filled.columns)
 
 
-def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False):
+def plan(
+    search: Search,
+    loop: Loop,
+    effects: Any,
+    sizes: Any,
+    draws: int,
+    seed: int,
+    processes: int | None = 1,
+    progress: bool = False,
+) -> tuple[list, dict]:
     """All injections in order, and reasons for effects that cannot be injected."""
     step, found = search.steps[loop.last], []
     if not len(sizes):
@@ -257,11 +274,13 @@ def plan(search, loop, effects, sizes, draws, seed, processes=1, progress=False)
             if why is not None:
                 notes[effect.name] = str(why)
             for draw, *known in looks:
-                found += sized(draw, *known, sizes, notes)
+                found += sized(*[draw, *known, sizes, notes])
     return found, notes
 
 
-def sized(draw, predicted, own, sizes, notes):
+def sized(
+    draw: Draw, predicted: float, own: float, sizes: Sequence | dict, notes: dict
+) -> Any:
     """Injections of a draw with all possible sizes."""
     name, most = draw.effect.name, draw.most
     if isinstance(sizes, Mapping):

@@ -237,24 +237,24 @@ class Recovery:
                 not_scrambled=texts(stored.part("not_scrambled")),
             )
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable("\n".join(lines(self)), "\n")
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         tables = [self.summary] + [self.reliability] * bool(self.trials)
         how: dict[str, Any] = dict(float_format="{:.2f}".format, na_rep="–")
         return "\n".join(table.to_html(**how) for table in tables)
 
 
-def texts(stored: Stored):
+def texts(stored: Stored) -> dict:
     return {name: stored.text(name) for name in stored.content}
 
 
-def by_effect(stored: Stored):
+def by_effect(stored: Stored) -> dict:
     return {name: texts(stored.part(name)) for name in stored.content}
 
 
-def middle_of(multiples, found):
+def middle_of(multiples: np.ndarray, found: np.ndarray) -> tuple[float, float, float]:
     """Lower end, median and upper end of the size at which half are found."""
     x = np.log(multiples)
     places = np.linspace(x.min() - np.log(REACH), x.max() + np.log(REACH), 400)

@@ -6,12 +6,15 @@ that the loop corrected.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.loop.close import Search
+from pvlib_fem.loop.result import Loop
 from pvlib_fem.record.checks import usual_step
 from pvlib_fem.record.columns import ALIASES, ANGLES, GEOMETRY, RENAMED, printable
 from pvlib_fem.recovery.draw import course_of
@@ -35,7 +38,9 @@ class Scrambler:
     holdout: pd.Series | None  # held-out rows that the user chose
 
     @classmethod
-    def of(cls, search, loop, injector, data, holdout):
+    def of(
+        cls, search: Search, loop: Loop, injector: Any, data: pd.DataFrame, holdout: Any
+    ) -> Any:
         """The scrambler of a finished search."""
         record, known = loop.timed(data)
         measured = record[labels_of(record)["temp_module"]]
@@ -51,9 +56,9 @@ class Scrambler:
         )
 
     @property
-    def times(self):
+    def times(self) -> Any:
         """Day of each row, from 0 on, and its time of day [ns]."""
-        index = self.record.index
+        index: Any = self.record.index
         if index.tz is not None:  # without daylight saving time
             offset = index[0].utcoffset()
             index = index.tz_convert("UTC").tz_localize(None) + offset
@@ -62,16 +67,16 @@ class Scrambler:
         return since // DAY, since % DAY
 
     @property
-    def days(self):
+    def days(self) -> Any:
         """Number of days of the record."""
         return int(self.times[0][-1]) + 1
 
     @property
-    def years(self):
+    def years(self) -> Any:
         """Number of whole years of the record; a week may be missing."""
         return int((self.days + WEEK) // YEAR)
 
-    def at(self, days):
+    def at(self, days: np.ndarray) -> Any:
         """Places of rows at the same time of day on other days; -1 without one."""
         first, within = self.times
         own, wanted = first * DAY + within, days * DAY + within
@@ -80,7 +85,7 @@ class Scrambler:
         late = np.abs(own[near] - wanted)
         return np.where(late <= usual_step(self.record.index) * 1e9 / 2, near, -1)
 
-    def kinds(self):
+    def kinds(self) -> Any:
         """The kinds of scrambling that this record allows, and why not others."""
         why = {}
         if not self.drivers:
@@ -89,7 +94,7 @@ class Scrambler:
             why[DATES] = "the record has less than two years"
         return [kind for kind in (DRIVERS, DATES) if kind not in why], why
 
-    def scrambled(self, kind, number, seed):
+    def scrambled(self, kind: Any, number: Any, seed: int) -> Any:
         """
         A scrambled record, and the names of effects that it has lost.
 
@@ -111,7 +116,7 @@ class Scrambler:
             return self.with_dates(random, QUARTER if number % 2 else WEEK)
         return self.with_drivers(number, random)
 
-    def with_drivers(self, number, random):
+    def with_drivers(self, number: Any, random: np.random.Generator) -> Any:
         """Drivers from whole years later, or backwards from day to day."""
         first = self.times[0]
         shift = number // 2 + 1  # every second record is mirrored
@@ -133,7 +138,7 @@ class Scrambler:
                 moved.append(name)
         return record, self.holdout, self.lost_without(moved), words
 
-    def lost_without(self, moved):
+    def lost_without(self, moved: Any) -> Any:
         """Effects whose every possible variant needs a moved column."""
         lost = set()
         for effect in self.tried:
@@ -144,7 +149,7 @@ class Scrambler:
                 lost.add(effect.name)
         return lost
 
-    def with_dates(self, random, length):
+    def with_dates(self, random: np.random.Generator, length: int) -> Any:
         """
         Exchange each week or quarter with that of a random year.
 
@@ -173,14 +178,14 @@ class Scrambler:
         return record, holdout, {one.name for one in changes}, words
 
 
-def labels_of(data):
+def labels_of(data: pd.DataFrame) -> Any:
     """The label of each column, by the package's name."""
     labels = {printable(label): label for label in data}
     others = {**ALIASES, **RENAMED}
     return {new: labels[old] for old, new in others.items() if old in labels} | labels
 
 
-def alike(one, other, angles=False):
+def alike(one: Any, other: Any, angles: bool = False) -> Any:
     """Share of a column's variance that the moved column explains. [-]"""
     known = np.isfinite(one) & np.isfinite(other)
     if known.sum() < 3:

@@ -1,6 +1,10 @@
 """The printout of a recovery."""
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.recovery.trial import CLEARLY, false_names
 
@@ -20,7 +24,7 @@ HEAD = (
 )
 
 
-def lines(recovery):
+def lines(recovery: Any) -> Iterator:
     """Yield the lines of the printout."""
     done, planned = len(recovery.outcomes), recovery.planned
     head = f"{done} injections" + (f" of {planned} planned" if done < planned else "")
@@ -40,7 +44,7 @@ def lines(recovery):
     yield from (f"not put in: {name}: {why}" for name, why in recovery.notes.items())
 
 
-def by_effect(recovery, table):
+def by_effect(recovery: Any, table: pd.DataFrame) -> Iterator:
     """Yield a row for each effect."""
     half, rows = recovery.half, [HEAD]
     for name, part in table.groupby("effect", sort=False):
@@ -64,7 +68,7 @@ def by_effect(recovery, table):
     yield from aligned(rows)
 
 
-def in_scrambled(recovery):
+def in_scrambled(recovery: Any) -> Iterator:
     """Yield lines on false names in scrambled records, and on reliability."""
     trials, rates = recovery.trials, recovery.reliability
     if len(trials) < recovery.planned_trials:
@@ -102,19 +106,19 @@ def in_scrambled(recovery):
     yield from aligned(rows)
 
 
-def interval(count, of, low, high):
+def interval(count: Any, of: str, low: Any, high: Any) -> Any:
     """A share with its interval."""
     return f"{count} of {of} ({low:.0%} to {high:.0%})" if of else "–"
 
 
-def aligned(rows):
+def aligned(rows: list) -> Iterator:
     """Rows of a table, each column as wide as its widest cell."""
     wide = [max(map(len, column)) for column in zip(*rows)]
     for row in rows:
         yield "  ".join(cell.ljust(size) for cell, size in zip(row, wide)).rstrip()
 
 
-def in_all(table):
+def in_all(table: pd.DataFrame) -> Iterator:
     """Yield lines on all injections together."""
     clear = table[table["multiple"] >= CLEARLY - 1e-9]
     wrong = sorted({name for names in table["wrong"] for name in names})
@@ -127,14 +131,14 @@ def in_all(table):
         yield f"refused by the loop: {len(refused)}, first: {refused[0]}"
 
 
-def middle(row):
+def middle(row: pd.Series) -> str:
     """The size at which half are found, with its interval."""
     return f"{row['multiple']:.2f} × ({row['lower']:.2f} to {row['upper']:.2f})"
 
 
-def counted(flags):
+def counted(flags: pd.Series) -> str:
     return f"{int(flags.sum())} of {len(flags)}"
 
 
-def share(value, form):
+def share(value: float, form: str) -> str:
     return form.format(value) if np.isfinite(value) else "–"

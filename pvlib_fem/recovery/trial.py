@@ -1,7 +1,8 @@
 """False names of a loop in scrambled records, and the reliability of names."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -60,7 +61,7 @@ class Trial:
         return cls(kind, content.count("number"), what, lost, named, classes, refused)
 
 
-def trial_of(scrambler, how, seed, kind, number):
+def trial_of(scrambler: Any, how: dict, seed: int, kind: Any, number: Any) -> Any:
     """Scramble a record, close the loop, and count false names."""
     record, holdout, lost, what = scrambler.scrambled(kind, number, seed)
     done = (kind, number, what, tuple(sorted(lost)))
@@ -71,7 +72,7 @@ def trial_of(scrambler, how, seed, kind, number):
     return Trial(*done, *false_of(loop.finding_objects, lost))
 
 
-def false_of(findings, lost):
+def false_of(findings: Sequence, lost: Any) -> Any:
     """Named effects that are lost, and classes of lost effects only."""
     added = [f for f in findings if f.added and {*f.candidates} <= lost]
     named = tuple(f.effect for f in added if f.verdict is Verdict.NAMED)
@@ -79,7 +80,7 @@ def false_of(findings, lost):
     return named, tuple(" | ".join(members) for members in classes)
 
 
-def false_names(trials):
+def false_names(trials: Any) -> Any:
     """Mean number of false names per record, and its 90 % interval."""
     counts, rows = [], []
     for kind in dict.fromkeys(trial.kind for trial in trials):
@@ -92,7 +93,7 @@ def false_names(trials):
     return mean, rate_between(sum(counts), min(rows))
 
 
-def rates(outcomes, trials, baseline):
+def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
     """Completeness and reliability by effect, see :attr:`Recovery.reliability`."""
     named = {f.effect for f in baseline if f.added and f.verdict is Verdict.NAMED}
     done = [trial for trial in trials if not trial.refused]
@@ -118,7 +119,7 @@ def rates(outcomes, trials, baseline):
     return table.astype(kinds | dict.fromkeys(COUNTS, int))
 
 
-def shares(count, of):
+def shares(count: Any, of: Any) -> Any:
     """Number of trials, count, share, and the ends of its interval."""
     if not of:
         return 0, 0, np.nan, np.nan, np.nan

@@ -8,7 +8,7 @@ import pandas as pd
 from pvlib_fem.fit import fit_fem
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.record.columns import printable, with_aliases
-from pvlib_fem.record.inputs import as_record
+from pvlib_fem.record.inputs import Record, as_record
 from pvlib_fem.scores import rmse
 from pvlib_fem.sensors.own import SUNNY, clean, compared, is_sensor, steps_of
 from pvlib_fem.sensors.result import ModuleComparison
@@ -131,7 +131,7 @@ def compare_modules(
     )
 
 
-def shared(record, fits):
+def shared(record: Record, fits: dict) -> dict:
     """RMS residual of each fit in sun, its part common with the others, and its own."""
     residuals = {name: fit.residual.to_numpy() for name, fit in fits.items()}
     rows = np.isfinite(sum(residuals.values())) & (record["poa_global"] > SUNNY)

@@ -1,14 +1,17 @@
 """Errors of single module sensors, compared with the other sensors."""
 
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.effects.courses import number
+from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import Design
 from pvlib_fem.loop.selection import Selection
 from pvlib_fem.quality.screen import screened
 from pvlib_fem.record.columns import same, twin_of
-from pvlib_fem.record.inputs import as_record
+from pvlib_fem.record.inputs import Record, as_record
 from pvlib_fem.statistics.weekly import solve
 
 SUNNY = 200.0  # W/m², above which over-temperatures are compared
@@ -16,17 +19,17 @@ PRESENT = 0.5  # least share of values, relative to the sensor with most values
 FEWEST_ROWS = 100  # in sun
 
 
-def is_sensor(name):
+def is_sensor(name: str) -> bool:
     """Whether a column is a module temperature, by its name."""
     return name == "temp_module" or twin_of(name) == "temp_module"
 
 
-def clean(usual, sensors, criteria):
+def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
     """Plausible values of each sensor, and by name whether and why it is not used."""
     found, notes = {}, {}
     for name, column in sensors.items():
         try:
-            record = as_record(*usual, column)
+            record = as_record(*[*usual, column])
             record, faults = screened(record, criteria.limits, check_units=False)
         except ValueError as error:
             notes[name] = True, str(error).replace("temp_module", name)
@@ -48,7 +51,7 @@ def clean(usual, sensors, criteria):
     return found, notes
 
 
-def compared(record, name, sensors, good):
+def compared(record: Record, name: str, sensors: dict, good: list) -> tuple:
     """
     Over-temperature of a sensor minus its offset, that of the others, and its line.
 
@@ -68,7 +71,9 @@ def compared(record, name, sensors, good):
     return *in_sun, (share, offset)
 
 
-def steps_of(record, sensors, good, criteria):
+def steps_of(
+    record: Record, sensors: dict, good: list, criteria: Criteria
+) -> tuple[dict, dict]:
     """
     Steps of sensors by name, and all sensors with these steps removed.
 
@@ -92,7 +97,7 @@ def steps_of(record, sensors, good, criteria):
         level[first] = np.where(later, before, level[first])
 
 
-def of_either(steps, good):
+def of_either(steps: dict, good: list) -> dict:
     """The steps; with two sensors, the step of one is given to the other, too."""
     mine = [name for name in good if name in steps]
     if len(good) != 2 or len(mine) != 1:
@@ -104,7 +109,13 @@ def of_either(steps, good):
     return steps | {other: {**step, "change": times - 1.0, "stderr": error}}
 
 
-def step_of(over, others, share, dates, criteria):
+def step_of(
+    over: np.ndarray,
+    others: np.ndarray,
+    share: float,
+    dates: np.ndarray,
+    criteria: Criteria,
+) -> dict:
     """Date and size of a step in a sensor's share; empty without one."""
     known = np.isfinite(over)
     if not known.any():

@@ -1,7 +1,8 @@
 """The result of a comparison of module sensors."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -49,14 +50,14 @@ class ModuleComparison:
     fits: Mapping[str, FemFit] = field(repr=False)
     common: pd.DataFrame = field(repr=False)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable("\n".join(lines(self)), "\n")
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return self.table.to_html(float_format="{:.3f}".format, na_rep="–")
 
 
-def lines(comparison):
+def lines(comparison: ModuleComparison) -> Iterator:
     """Yield the lines of the printout."""
     table = comparison.table
     used = table[table["used"]]
@@ -71,6 +72,7 @@ def lines(comparison):
         words += [cell.rjust(size) for cell, size in zip(others, wide[1:])]
         yield "  ".join(words).rstrip()
     yield ""
+    row: Any
     for row in table.itertuples():
         if row.step:
             way = "more" if row.change > 0 else "less"
@@ -95,12 +97,12 @@ def lines(comparison):
             yield f"{row.Index}: {row.note}" + ("" if row.used else " (not used)")
 
 
-def cells(row):
+def cells(row: Any) -> tuple:
     """Cells of a sensor's row of the printout."""
     step = f"{row.change:+.1%} from {row.step}" if row.step else "–"
     errors = (shown(value, ".2f") for value in (row.left, row.common, row.own))
     return row.Index, shown(row.share, ".3f"), shown(row.offset, "+.2f"), step, *errors
 
 
-def shown(value, form):
+def shown(value: float, form: str) -> Any:
     return format(value, form) if np.isfinite(value) else "–"

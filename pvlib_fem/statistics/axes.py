@@ -29,7 +29,7 @@ def month_words(name: str, start: int, end: int) -> str:
     return f"in {one}" if start == end else f"from {one} to {other}"
 
 
-def column_words(name: str, start: str, end: str) -> str:
+def column_words(name: str, start: float | str, end: float | str) -> str:
     """Words for a part of a column's range; missing values are in the last bin."""
     if start == "missing":
         return f"where {name} is missing"

@@ -90,7 +90,7 @@ class ClusterSums:
         """Cache of :meth:`cross_validated`, by the kept columns."""
         return {}
 
-    def cross_validated(self, kept: list) -> float:
+    def cross_validated(self, kept: Any) -> float:
         """Cross-validated mean square of the residual with the kept columns."""
         kept = tuple(kept)
         if kept not in self.validated:  # many candidates share the other columns

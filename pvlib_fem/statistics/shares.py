@@ -1,12 +1,10 @@
 """Intervals of shares and of counts, by Jeffreys' prior."""
 
-from typing import Any
-
 import numpy as np
 from scipy.special import betaincinv, gammaincinv
 
 
-def share_between(count: Any, of: str, tail: float = 0.05) -> Any:
+def share_between(count: int, of: int, tail: float = 0.05) -> tuple[float, float]:
     """
     Ends of the interval of a proportion, by Jeffreys' prior [1]_.
 
@@ -29,7 +27,7 @@ def share_between(count: Any, of: str, tail: float = 0.05) -> Any:
     return float(ends[0]) if count else 0.0, float(ends[1]) if rest else 1.0
 
 
-def rate_between(count: Any, of: str, tail: float = 0.05) -> Any:
+def rate_between(count: int, of: int, tail: float = 0.05) -> tuple[float, float]:
     """
     Ends of the interval of a mean count per record, by Jeffreys' prior.
 

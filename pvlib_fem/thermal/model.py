@@ -1,7 +1,7 @@
 """A thermal model: a steady model, effects, and the dynamics that solve it."""
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -258,7 +258,7 @@ class ThermalModel:
         known = np.all(known, axis=0)
         return inputs.restore(np.where(known, found, np.nan))
 
-    def refuse_without_wind(self, columns: Sequence) -> None:
+    def refuse_without_wind(self, columns: Collection) -> None:
         """Refuse columns without wind if something depends on it."""
         if WIND in columns or WIND not in self.usual:
             return
@@ -380,7 +380,7 @@ class ThermalModel:
         effects = tuple(known(effect, *given) for effect in self.effects)
         return replace(self, effects=effects) if effects else self
 
-    def on(self, rows: int) -> "ThermalModel":
+    def on(self, rows: Any) -> "ThermalModel":
         """The model with the terms of its effects cut to a slice of the record."""
         effects = tuple(effect.on(rows) for effect in self.effects)
         return replace(self, effects=effects) if effects else self

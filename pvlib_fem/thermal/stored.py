@@ -64,7 +64,7 @@ def model_of(stored: Stored, own: Any = ()) -> Any:
     return model, found
 
 
-def effect_of(spec: str, own: list, stored: Stored) -> Effect:
+def effect_of(spec: str | dict, own: list, stored: Stored) -> Effect:
     """The effect that an entry of the file describes."""
     try:
         return find(spec, own)
