@@ -125,19 +125,19 @@ def page(loop, statements, never=(), title=None, gamma=GAMMA):
         ),
         conclusion(loop),
         section("What to do", to_do(statements, gamma)),
-        section("Error by step", errors(loop, gamma)),
+        section("Error by step", errors(loop, gamma), on_errors(loop)),
         section("Energy", in_energy(fit, residuals(loop), gamma)),
         *could_be(loop),
         section("Evidence", evidence(loop, statements) if drawn else NO_ROWS),
         section(DONE, done_to_data(treatment(loop), [*loop.notes, *fit.notes])),
-        section("Unexplained patterns", unexplained(loop)),
-        section("Remaining error by time scale", in_time(loop)),
+        section("Remaining error", remaining(loop)),
+        section("What could not be tested", untestable(loop, never)),
         section("What to measure next", next_measurements(loop)),
-        section("Not testable", untestable(loop, never)),
         section(
             "Annex: coefficients", coefficients(fit, loop.corrections, ranges(loop))
         ),
         section("Annex: ambiguous findings and hints", undecided(loop, statements)),
+        section("Annex: remaining error by time scale", in_time(loop)),
         section("Annex: checks", rules(loop)),
         section("Annex: terms", listed(TERMS)),
         section("Annex: how to reproduce this report", reproduce(loop)),
@@ -160,8 +160,9 @@ def evidence(loop, statements):
 def could_be(loop):
     """How much could still be explained, where that was computed."""
     if (ceiling := loop.known_ceiling) is not None:
-        bar = figures([picture_of_ceiling(ceiling)])  # the conclusion has the numbers
-        yield section("How much could still be explained", bar)
+        words = [paragraph(one) for one in loop.conclusion[2:]]
+        bar = figures([picture_of_ceiling(ceiling)])
+        yield section("How much could still be explained", words, bar)
 
 
 def to_do(statements, gamma):
@@ -267,28 +268,28 @@ def headline(loop):
 
 def conclusion(loop):
     """How good the model was and is, what was found, and what remains."""
-    fit, record = loop.fit, loop.fit.summary
-    days = record.days
-    body = [paragraph(sentence) for sentence in loop.conclusion]
+    error, found = loop.conclusion[:2]
     if loop.weighed and not added(loop):
-        body.append(
-            paragraph(
-                "No effect of the catalogue and no column reduces the error by "
-                f"{loop.criteria.min_gain:.2f} K or more, beyond chance and with a "
-                "possible size."
-            )
+        found += (
+            " No effect of the catalogue and no column reduces the error by "
+            f"{loop.criteria.min_gain:.2f} K or more, beyond chance and with a "
+            "possible size."
         )
+    body = [paragraph(error), paragraph(found)]
     if words := budget.in_time(loop):
         body.append(paragraph(f"Remaining error: {words}."))
-    seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
-    body.append(
-        paragraph(
-            f"{seen}{days} day{'s' * (days > 1)} with rows; model {fit.model}, "
-            f"dynamics {fit.dynamics}. {beginning(loop)}",
-            "soft",
-        )
-    )
     return body
+
+
+def on_errors(loop):
+    """Which days, model and fit the errors are of."""
+    fit, days = loop.fit, loop.fit.summary.days
+    seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
+    return paragraph(
+        f"{seen}{days} day{'s' * (days > 1)} with rows; model {fit.model}, "
+        f"dynamics {fit.dynamics}. {beginning(loop)}",
+        "soft",
+    )
 
 
 def beginning(loop):
@@ -410,25 +411,32 @@ def numbers(finding):
     )
 
 
-def unexplained(loop):
-    """Patterns without a cause, and where they are."""
-    left = loop.unexplained
-    if not left and short(loop):
-        return paragraph("Not looked for: there are too few days to leave any out.")
-    if not left:
-        return paragraph(
-            f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, "
-            "months or the columns of the record."
-        )
-    return listed((lives(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in left)
+def remaining(loop):
+    """Patterns without a cause, days that stand out, and what power shows."""
+    items = [(lives(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in loop.unexplained]
+    items += [
+        (days, f"{words}; the site's log may have the cause")
+        for days, words in budget.dates(loop)
+    ]
+    for name, rows in events.by_kind(loop).items():
+        happened = events.WORDS[name][1]
+        items.append((f"Power shows that {happened}", events.all_of(rows)))
+    if loop.unexplained:
+        return listed(items)
+    words = (
+        f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, months "
+        "or the columns of the record."
+    )
+    if short(loop):
+        words = "Not looked for: there are too few days to leave any out."
+    return [paragraph(words), *([listed(items)] if items else [])]
 
 
 def in_time(loop):
-    """Time scales of the remaining error, days that stand out, and the budget."""
-    body = [paragraph(f"{words}.")] if (words := budget.in_time(loop)) else []
-    if len(loop.episodes):
-        days = "Days that stand out of those around them; the site's log may know why:"
-        body += [paragraph(days), listed(budget.dates(loop, most=None))]
+    """The error budget, all days that stand out, and events."""
+    body = []
+    if len(loop.episodes) > budget.MOST:
+        body.append(listed(budget.dates(loop, most=None)))
     for name, rows in events.by_kind(loop).items():
         said = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
         body += [paragraph(said), event_page(rows)]
@@ -440,7 +448,7 @@ def in_time(loop):
         "they reduce the error of fitting weeks that are held out in turn. Days that "
         "stand out are taken from all weeks, and decide nothing."
     )
-    return [*body, table(head, budget.cells(loop), words)]
+    return [table(head, budget.cells(loop), words), *body]
 
 
 def event_page(rows):
