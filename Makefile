@@ -6,7 +6,7 @@ HUB ?= time-shift-validation-hub
 ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments recovery
+.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers recovery
 .PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
@@ -70,6 +70,10 @@ study: $(VENV)/.installed
 study-instruments: $(VENV)/.installed
 	$(BIN)/python tests/study_instruments.py --gate --table $(VENV)/instruments \
 		--out docs/study_instruments.md
+
+# what it says of records of trackers
+study-trackers: $(VENV)/.installed
+	$(BIN)/python tests/study_trackers.py --out docs/study_trackers.md
 
 # how often the loop's probabilities are right, from the rows of both, and of the oracle
 gate: study study-instruments

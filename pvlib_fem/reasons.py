@@ -21,10 +21,6 @@ class Reason(Enum):
         "{column} is the name of a driver that is computed here; rename the column to "
         "have it tried"
     )
-    ROTATION = (
-        "{column} is the rotation of a tracker whose axis is not described (mount=, "
-        "--axis-azimuth)"
-    )
     LEAK = (
         "{column} is the module temperature itself, or made from it; a second sensor "
         "at the module is a cross-check under the name temp_module_2"

@@ -36,6 +36,7 @@ from study_worlds import (
     NEAR,
     NO_WIND,
     SECOND_GENERATOR,
+    TRACKERS,
     UNKNOWN,
     WHOLE,
 )
@@ -70,6 +71,7 @@ QUICK = {
     LOGGERS: (0, 7),
     "short records": (0, 4, 5, 9),
     NO_WIND: (0, 12, 28),
+    TRACKERS: (0, 31, 49),
 }
 
 
@@ -256,6 +258,27 @@ class Bar:
         return sum(kept), len(kept), sum(kept) >= self.least * len(kept)
 
 
+def stands(row):
+    """Whether the irradiance sensor of a tracker stood still under a clear sky."""
+    return done(row) and row["clear_days"] >= 2
+
+
+def turns(row):
+    return done(row) and "tracker_stuck_sensor" not in row["sizes"]
+
+
+def said_so(row):
+    return len(row["standings"]) == 1
+
+
+def not_said(row):
+    return not row["standings"]
+
+
+def no_misled(row):
+    return not row["class_wrong"]
+
+
 NO_NAME = "no wrong name"
 BARS = (
     Bar("exact null", NO_NAME, done, honest, 0.95),
@@ -293,6 +316,13 @@ BARS = (
     Bar(NO_WIND, NO_NAME, done, honest, 0.95),
     Bar(NO_WIND, "the first finding holds the truth", clear, first, 0.95),
     Bar(NO_WIND, "coefficient within 20 %", has_coefficient, near, 0.95),
+    Bar(TRACKERS, NO_NAME + " in a null", null, honest),
+    Bar(TRACKERS, NO_NAME, done, honest, 0.997),
+    Bar(TRACKERS, "no set without the truth", done, no_misled, 0.97),
+    Bar(TRACKERS, "the first finding holds the truth", clear, first, 0.95),
+    Bar(TRACKERS, "coefficient within 20 %", has_coefficient, near, 0.95),
+    Bar(TRACKERS, "an irradiance sensor that stood still is said", stands, said_so),
+    Bar(TRACKERS, "and of no other", turns, not_said),
     Bar("all", f"error ≤ a refit with the truth + {MARGIN} K", long_enough, close),
     Bar("all", "error on test weeks not above that before", done, no_worse, 0.98),
     Bar("all", f"and nowhere by more than {RISE} K", done, hardly_worse),

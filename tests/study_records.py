@@ -105,13 +105,13 @@ def as_recorded(loop, data):
     return test_error(fit, weeks)
 
 
-def catalogue(loop, data, case, forms):
+def catalogue(loop, data, case, site):
     """The true effects by switch, as terms of the catalogue; without a driver none."""
     record = loop.fit.record
     terms = {}
     for switch in case.sizes:
         if switch in ("shading", "shading_sensor"):
-            windows = list(skyline(forms.obstacles))
+            windows = list(skyline(site.forms.obstacles))
             terms[switch] = within(windows, sensor=switch == "shading_sensor")
         elif switch == "electrical_output":
             rows = (loop.weeks == "fitting").to_numpy()
@@ -127,11 +127,32 @@ def catalogue(loop, data, case, forms):
             continue
         elif switch == "rain" and "relative_humidity" not in case.drop:
             terms[switch] = find({"name": switch, "source": "humidity"})
+        elif switch == "tracker_stuck":
+            terms[switch] = find({"name": switch, **standstill(site.tracker)})
         elif switch in TRUTHS and TRUTHS[switch].effect in EFFECTS:
             terms[switch] = find(TRUTHS[switch].effect)
         elif switch in UNKNOWN and case.neighbour:
             terms[switch] = driver("neighbour", data["neighbour"])
     return terms
+
+
+def standstill(tracker):
+    """The true days and the true plane of a row that stands still."""
+    plane = (float(np.ravel(a)[0]) for a in tracker.plane(tracker.stuck.angle))
+    days = dict(start=tracker.stuck.start, end=tracker.stuck.end)
+    return days | dict(zip(("surface_tilt", "surface_azimuth"), plane))
+
+
+def clear_days(world):
+    """Days without clouds among those on which the irradiance sensor stands still."""
+    how = world.days, world.step, world.start, world.seed
+    sky = simulator.weather(world.site, *how)
+    there = world.site.tracker.stuck.during(sky.index) & (sky["elevation"] > 0)
+    cloud = sky["cloud"][there].groupby(sky.index[there].date).max()
+    return int((cloud < CLOUDLESS).sum())
+
+
+CLOUDLESS = 0.3  # largest share of clouds on a day
 
 
 def judged(world, cases):
@@ -152,7 +173,7 @@ def judged(world, cases):
     for name, off in nulls.items():
         second = world.generator == "fuentes"
         null = Case(SECOND_GENERATOR if second else "physics null", off)
-        if "wind_speed" in cases[0].drop:
+        if "wind_speed" in cases[0].drop or world.site.tracker is not None:
             null = Case(cases[0].family, off, drop=cases[0].drop)
         known[name], row = looked(world, null, next(made))
         rows.append(row)
@@ -190,7 +211,7 @@ def looked(world, case, data, off=None):
         broken = f"{type(error).__name__}: {error}"
         return None, row | {"broken": broken, "first": "broken"}
     row["seconds"] = time.perf_counter() - begin
-    row |= said(loop, case, world) | errors(loop, data, case, off, world.site.forms)
+    row |= said(loop, case, world) | errors(loop, data, case, off, world.site)
     row["told"] = told(loop, world, case, off)
     row["coefficients"] = ratios(row["told"], case)
     return loop, row
@@ -241,6 +262,10 @@ def said(loop, case, world):
         "unexplained_ok": unexplained_ok(loop, case),
         "untestable": tuple(loop.untestable),
         "mentioned": mentioned(loop, case),
+        "clear_days": clear_days(world) if "tracker_stuck_sensor" in case.sizes else 0,
+        "stuck": standstill(world.site.tracker) if world.site.tracker else {},
+        "standings": [vars(one) for one in loop.standings],
+        "standstills": [e.settings for e in loop.fit.effects if e.turns],
         "notes": "; ".join(loop.notes),
         "whys": "; ".join(correction.why for correction in loop.corrections),
     }
@@ -277,11 +302,11 @@ def mentioned(loop, case):
     return set(case.truths) <= {*loop.untestable, *listed}
 
 
-def errors(loop, data, case, off, forms):
+def errors(loop, data, case, off, site):
     """Test-week errors, and how large the effects are. [K]"""
     table = loop.table["rmse_test"]
     before, after = float(table[loop.base]), float(table[loop.last])
-    terms = catalogue(loop, data, case, forms)
+    terms = catalogue(loop, data, case, site)
     best = refit(loop, list(terms.values())) if terms else before
     row = {"before": before, "after": after, "oracle": best}
     if "clock_shift" in case.sizes and off is not None:

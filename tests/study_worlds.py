@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
+import pandas as pd
 import pvlib
 
 from pvlib_fem import simulator
@@ -70,6 +71,8 @@ def module_dirt(world, size):
 
 def sky_share(world, size):
     """Emissivity times view of the sky, over the share of sunlight that is heat."""
+    if world.site.tracker is not None:
+        return math.nan  # which sees more or less of it by the hour
     tilt = math.cos(math.radians(world.site.surface_tilt))
     front, back = EMISSIVITY[:, 0]
     rear = back * (1 - tilt) / 2 if world.site.mounting == "rack" else 0.0
@@ -139,7 +142,9 @@ TRUTHS = {
     "wind_shape": Truth("wind_shape"),
     "incidence_angle": Truth("incidence_angle"),
     "radiative_loss": Truth("radiative_loss", "share", emitted, sizes=SHARES),
+    "tracker_stuck": Truth("tracker_stuck", "share", 1.0, sizes=(1.0,)),
 }
+OF_TRACKERS = ("tracker_stuck",)  # which a fixed plane has not
 
 #: shapes that physics leaves: T⁴ is a season and a gain of temperature
 IN_PHYSICS = {
@@ -196,12 +201,14 @@ class World:
     step: float = 300.0
     start: str = "2023-01-01"
     generator: str = "nodes"
+    described: bool = False  # whether a tracker is described, and not in columns
 
     @property
     def name(self):
         s = self.site
+        kind = s.mounting if s.tracker is None else "tracker"
         return (
-            f"{s.latitude:.0f}°N {s.mounting}, wind {s.wind_mean:.1f}, clear "
+            f"{s.latitude:.0f}°N {kind}, wind {s.wind_mean:.1f}, clear "
             f"{s.clear_share:.2f}, rain {s.rain_days:.2f}, {self.days:g} d at "
             f"{self.step / 60:g} min"
         )
@@ -211,6 +218,13 @@ class World:
         """What a user knows of the site."""
         s = self.site
         location = pvlib.location.Location(s.latitude, s.longitude, tz=s.tz)
+        if s.tracker is not None:
+            names = ("axis_tilt", "axis_azimuth", "max_angle", "gcr", "backtrack")
+            own = {name: getattr(s.tracker, name) for name in names}
+            mount = pvlib.pvsystem.SingleAxisTrackerMount(**own)
+            return dict(location=location) | (
+                {"mount": mount} if self.described else {}
+            )
         return dict(
             location=location,
             surface_tilt=s.surface_tilt,
@@ -349,6 +363,8 @@ def second_generator(count=44):
 def one_effect(weathers=3):
     for j in range(weathers):
         for i, (switch, truth) in enumerate(TRUTHS.items()):
+            if switch in OF_TRACKERS:
+                continue
             seed = SHIFT + 3000 + 100 * j + i
             off = PHYSICS | {switch: 0.0}
             world = World(site(seed, **truth.place), seed, truth.days, truth.step)
@@ -518,6 +534,87 @@ def no_wind(nulls=12, weathers=2):
         yield world, [Case(NO_WIND, PHYSICS | own, own, PHYSICS, **alone)]
 
 
+TRACKERS, ANGLES = "trackers", ("surface_tilt", "surface_azimuth")
+POWER = ("p_dc_per_area",)
+#: effects and faults in worlds of trackers, each in a size that shows
+ON_TRACKERS = dict(
+    sky_radiation=1.0,
+    electrical_output=1.0,
+    rain=1.5,
+    snow=1.0,
+    soiling=2.0,
+    soiling_sensor=2.0,
+    shading=1.0,
+    shading_sensor=1.0,
+    sensitivity_drift=2.0,
+    clock_shift=8.0,
+)
+STANDS = {"tracker_stuck": 1.0}
+STAND_BOTH = STANDS | {"tracker_stuck_sensor": 1.0}
+
+
+def tracking(seed, days=365, **changes):
+    """A site with a single-axis tracker, which stands still for days if that is on."""
+    random = np.random.default_rng([seed, 2031])
+    most = random.uniform(45.0, 60.0)
+    begin, length = random.uniform(20.0, days - 60.0), random.uniform(5.0, 35.0)
+    start, end = (
+        pd.Timestamp(World.start) + pd.Timedelta(days=int(day))
+        for day in (begin, begin + length)
+    )
+    stuck = simulator.Stuck(
+        f"{start:%Y-%m-%d}", f"{end:%Y-%m-%d}", random.uniform(-most, most)
+    )
+    tracker = simulator.Tracker(
+        axis_azimuth=180.0 + random.uniform(-20.0, 20.0),
+        max_angle=most,
+        gcr=random.uniform(0.25, 0.5),
+        backtrack=bool(random.random() < 0.7),
+        stuck=stuck,
+    )
+    return site(seed, **RACK, tracker=tracker, **changes)
+
+
+def trackers(nulls=12, still=12, both=6):
+    """Nulls, effects, faults, unknown causes, and rows that stand still."""
+    count = iter(range(1000))
+
+    def made(sizes=None, off=PHYSICS, on=None, power=False, **world):
+        i = next(count)
+        seed, place = SHIFT + 9800 + i, world.pop("place", {})
+        where = tracking(seed, **place)
+        # every other one is described, and has no columns of its angles; every third
+        # has no power, by which the days of test weeks are known
+        drop = (ANGLES if i % 2 else ()) + (POWER if i % 3 == 2 and not power else ())
+        sizes = sizes or {}
+        on = off | (sizes if on is None else on)
+        case = Case(TRACKERS, on, sizes, off if sizes else None, drop=drop)
+        step = dict(step=600.0) | world
+        return World(where, seed, described=bool(i % 2), **step), [case]
+
+    for _ in range(nulls):
+        yield made()
+    for switch, size in ON_TRACKERS.items():
+        truth = TRUTHS[switch]
+        place = {n: v for n, v in truth.place.items() if n != "mounting"}
+        # an offset of minutes needs rows that are no further apart
+        step = truth.step if switch == "clock_shift" else 600.0
+        world = dict(days=truth.days, place=place, step=step)
+        world["power"] = switch == "electrical_output"
+        yield made({switch: size}, PHYSICS | {switch: 0.0}, **world)
+    for switch in UNDECLARED:
+        size, place = {switch: LARGER.get(switch, 1.0)}, PLACES.get(switch, {})
+        yield made(size, place=place)
+    for _ in range(still):
+        yield made(STANDS)
+    for _ in range(still // 2):
+        sky = {"sky_radiation": 1.0}
+        yield made(STANDS | sky)
+    for _ in range(both):
+        # the record is wrong, and no effect of the catalogue is there
+        yield made({"tracker_stuck_sensor": 1.0}, on=STAND_BOTH)
+
+
 FAMILIES = {
     "exact null": exact_null,
     "physics null": physics_null,
@@ -532,6 +629,7 @@ FAMILIES = {
     LOGGERS: loggers,
     "short records": short,
     NO_WIND: no_wind,
+    TRACKERS: trackers,
 }
 #: of which every world counts, however few of the others do
 WHOLE = ("no catalogue", CLOSED_CAUSES)

@@ -166,6 +166,23 @@ def test_power_agrees_by_the_light_that_the_modules_miss():
     assert finding.verdict == "named"
 
 
+def test_power_shows_the_days_of_test_weeks():
+    """And without it they stay as the fitting weeks have them."""
+    stuck = Stuck("2023-05-31", "2023-06-14", -40.0)
+    data = tracking(stuck, "tracker_stuck", clear_share=0.5)
+    known, unknown = (
+        fem.close_loop(data[columns], location=WHERE)
+        for columns in ([*USUAL, "p_dc_per_area"], USUAL)
+    )
+    weeks = known.weeks[stuck.start : "2023-06-13"]
+    assert (weeks == "test").any() and (weeks == "fitting").any()
+    for loop, right in ((known, True), (unknown, False)):
+        (effect,) = (e for e in loop.fit.effects if e.name == "tracker_stuck")
+        dates = effect.settings["start"], effect.settings["end"]
+        assert (dates == (stuck.start, stuck.end)) == right
+    assert known.table["rmse_test"].iloc[-1] < unknown.table["rmse_test"].iloc[-1]
+
+
 def test_a_sensor_that_reads_less_for_weeks_is_no_standstill(sound):
     data = sound.copy()
     weeks = slice("2023-05-22", "2023-07-10")

@@ -528,24 +528,6 @@ def test_a_column_of_rotations_is_mapped(loop, record, folder):
     assert size_in(out) == pytest.approx(size, rel=1e-6)
 
 
-def test_angles_in_a_file_are_proposed_by_their_names(folder, record):
-    said = call("loop", folder / "named.csv", *LATITUDE, "--guess").output
-    assert "may be surface_tilt, if the modules turn: 'Trk tilt'" in said
-    assert "may be surface_azimuth, if the modules turn: 'Trk azimuth'" in said
-    turn = record.drop(columns=ANGLES).assign(
-        **{"Tracker Angle (deg)": record.index.hour}
-    )
-    turn.tz_localize(None).to_csv(folder / "angle.csv", index_label="time")
-    said = call("loop", folder / "angle.csv", *LATITUDE, "--guess").output
-    assert "may be tracker_theta, if the modules turn" in said
-
-
-def test_a_rotation_without_an_axis_is_no_cause_of_its_own(plain, record):
-    loop = fem.close_loop(plain.assign(tracker_theta=record["surface_tilt"]))
-    assert "axis is not described" in " ".join(loop.notes)
-    assert "driver:tracker_theta" not in {*loop.effects, *loop.ranking.index}
-
-
 @pytest.mark.parametrize(
     "more, words",
     [

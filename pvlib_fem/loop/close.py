@@ -22,6 +22,7 @@ from pvlib_fem.loop.conclude import finding_of, refused
 from pvlib_fem.loop.correct import module_clock
 from pvlib_fem.loop.criteria import Criteria
 from pvlib_fem.loop.design import Design
+from pvlib_fem.loop.edges import by_power
 from pvlib_fem.loop.files import OwnSteps, in_means, on_days
 from pvlib_fem.loop.gather import Evidence
 from pvlib_fem.loop.instead import Instead
@@ -424,6 +425,9 @@ class Search:
             logs = said(references, one, coefficients)
             one = with_outside(selection.design, one, given, case.criteria, logs)
             effect = selection.dated(one, one.first, given)
+            if effect.turns:
+                size = float(one.scores[one.first].estimate[0])
+                effect = by_power(case, effect, size, selection.design.dates)
             spoken = heard(references, one, effect, coefficients)
             finding = finding_of(one, effect, case, selection.least, spoken)
             self.choices[finding.effect] = one

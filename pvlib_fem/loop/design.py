@@ -67,6 +67,9 @@ class Design:
     changing: tuple
     places: dict = field(repr=False)
     noise: tuple = ()  # random effects by which the cells are whitened
+    daily_draws: bool = (
+        False  # whether each day is a draw of the weather, and not a week
+    )
     plain: "Design | None" = field(default=None, repr=False)  # the same without
 
     @classmethod
@@ -187,7 +190,8 @@ class Design:
     @cached_property
     def clusters(self):
         """First day of each week, whose weather is shared; each day where few weeks."""
-        return self.starts if self.has_weeks else np.arange(len(self.dates))
+        weeks = self.has_weeks and not self.daily_draws
+        return self.starts if weeks else np.arange(len(self.dates))
 
     @cached_property
     def starts(self):
@@ -208,6 +212,17 @@ class Design:
     @cached_property
     def total(self):
         return self.weekly.sum(axis=0)
+
+    @cached_property
+    def in_days(self):
+        """The design whose errors come from the spread between days."""
+        found = replace(self, daily_draws=True)
+        vars(found)["daily"] = self.daily
+        return found
+
+    def fit_for(self, effects):
+        """The design for some effects: in days, if one may act in a week alone."""
+        return self.in_days if any(one.turns for one in effects) else self
 
     @cached_property
     def folds(self):

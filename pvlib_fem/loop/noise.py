@@ -77,8 +77,9 @@ def with_outside(design, choice, given, criteria, logs=None):
     for name, one in choice.members.items():
         weight = choice.weights[name] * times[name]
         prior = prior_of(one.effect, criteria.outside)
-        sizes = shares(design, one, given)
-        rest = misfits(design, one, given, choice.scores[name].fall)
+        own = design.fit_for([one.effect])
+        sizes = shares(own, one, given)
+        rest = misfits(own, one, given, choice.scores[name].fall)
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
         mine[name] = weight * (1.0 - prior.odds) * inside
         unknown = prior.alike * inside + (1.0 - prior.alike) * beyond

@@ -237,7 +237,7 @@ class Selection:
 
     def score(self, one, given):
         """What a candidate explains given some columns."""
-        design, own = self.design, one.beyond(given)
+        design, own = self.design.fit_for([one.effect]), one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)
         inner = weekly[:, :-size, :-size]
@@ -248,7 +248,8 @@ class Selection:
         # sizes are those of the refit; whether there is one, of whitened columns
         sure = found
         if self.noise:
-            sure = LeastSquares(self.seen.by_week([*given, *own]), size)
+            seen = self.seen.fit_for([one.effect])
+            sure = LeastSquares(seen.by_week([*given, *own]), size)
         if one.effect.channel:
             # other dates are no placebo of a date: whatever is slow has some
             null, freedom = sure.covariance, sure.freedom
@@ -302,14 +303,14 @@ class Selection:
         compared with the error of the laws: an exact likelihood of so many rows
         would be sure of a law that is not exact (Huggins and Miller, 2023).
         """
-        design = self.design
+        design = self.design.fit_for(one.effect for one in members.values())
         if len(members) == 1:
             return {top.name: 1.0}
         random = np.random.default_rng(0)
         weeks = len(design.clusters)
         draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
         draws = np.vstack([np.ones(weeks), draws]).astype(float)
-        parts = [self.drawn(one, given, draws) for one in members.values()]
+        parts = [drawn_part(design, one, given, draws) for one in members.values()]
         parts = np.maximum(np.array(parts), 0.0)
         most = np.maximum(parts[[*members].index(top.name)], 1e-12)
         shared = np.minimum(parts, most)
@@ -338,17 +339,18 @@ class Selection:
         shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
         return dict(zip(members, shares.tolist()))
 
-    def drawn(self, one, given, draws):
-        """Fall of the mean square by a candidate in draws of weeks, less noise."""
-        design, own = self.design, one.beyond(given)
-        weekly = design.by_week([*given, *own])
-        found = LeastSquares(weekly, len(own))
-        # Takeuchi: what as many columns take of noise that is alike within weeks
-        beside = weekly.sum(axis=0)[1:, 1:]
-        inverse = np.linalg.inv(beside + 1e-9 * np.diag(np.diag(beside)))
-        own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
-        noise = np.trace(own_part @ found.covariance)
-        return (fall(drawn(weekly, draws), len(own)) - noise) / design.count
+
+def drawn_part(design, one, given, draws):
+    """Fall of the mean square by a candidate in draws of weeks, less noise."""
+    own = one.beyond(given)
+    weekly = design.by_week([*given, *own])
+    found = LeastSquares(weekly, len(own))
+    # Takeuchi: what as many columns take of noise that is alike within weeks
+    beside = weekly.sum(axis=0)[1:, 1:]
+    inverse = np.linalg.inv(beside + 1e-9 * np.diag(np.diag(beside)))
+    own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
+    noise = np.trace(own_part @ found.covariance)
+    return (fall(drawn(weekly, draws), len(own)) - noise) / design.count
 
 
 def drawn(weekly, draws):

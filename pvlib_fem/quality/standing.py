@@ -9,8 +9,9 @@ from pvlib.location import Location
 from pvlib_fem.drivers import sun
 from pvlib_fem.effects.courses import dates_in_words, written
 from pvlib_fem.effects.standstill import in_words, rotations
-from pvlib_fem.quality.plane import LOWEST, WHOLE, Sky, at_rows
+from pvlib_fem.quality.plane import WHOLE, Sky, at_rows
 
+LOWEST = 80.0  # ° from the vertical: in winter the sun of high latitudes is no higher
 CLEAR = 0.1  # of a day's irradiance, root mean square, by which a clear day may differ
 ANOTHER = 0.2  # by which it differs from a plane that is not its own
 BETTER = 4.0  # times as much, than one at which it stands

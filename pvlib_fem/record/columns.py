@@ -248,8 +248,6 @@ def usable_drivers(columns, record, most_missing, taken=()):
         reason = unusable(name, column, seen, most_missing)
         if name in taken:
             reason = because(Reason.TAKEN, column=name)
-        if name == ROTATION:  # which a described tracker has taken
-            reason = because(Reason.ROTATION, column=name)
         if name.endswith(ORIGINAL) and name.removesuffix(ORIGINAL) in there:
             reason = because(Reason.ORIGINAL, column=name)
         if reason is None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from pvlib_fem.record.columns import ALIASES, COLUMNS, GEOMETRY, ROTATION, vouches
+from pvlib_fem.record.columns import ALIASES, COLUMNS, GEOMETRY, vouches
 from pvlib_fem.record.units import QUANTITIES
 
 #: column: names that loggers have for it, the surest first
@@ -62,16 +62,6 @@ NOT = re.compile(
     r"(tracker|axis|module|panel|array|surface)[\s_.-]*tilt|tilt[\s_.-]*(angle|deg)|^tilt$",
     re.IGNORECASE,
 )
-OF_MODULES = r"(tracker|trk|module|panel|array|surface)s?[\s_.-]*"
-#: angles of modules that turn, which are proposed and not mapped
-TURNING = {
-    name: re.compile(pattern, re.IGNORECASE)
-    for name, pattern in {
-        "surface_tilt": OF_MODULES + "tilt",
-        "surface_azimuth": OF_MODULES + "azim",
-        ROTATION: r"(tracker|trk)s?[\s_.-]*(angle|rotation|theta|position)",
-    }.items()
-}
 
 
 def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
@@ -134,7 +124,7 @@ def usual_name(column: str) -> Any:
 
 def is_own(column: str) -> bool:
     """Whether a column has a name that the package knows."""
-    return column in (*QUANTITIES, *ALIASES, *GEOMETRY, ROTATION) or vouches(column)
+    return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or vouches(column)
 
 
 def unmapped(columns: dict) -> dict:
@@ -175,9 +165,6 @@ def why_unused(column: str, values: pd.Series, taken: set) -> str:
         return "constant"
     if (step := values.diff().dropna()).min() == step.max() != 0:
         return "a count of the rows"
-    for name, pattern in TURNING.items():
-        if pattern.search(without_unit(column)) and name not in taken:
-            return f"may be {name}, if the modules turn"
     if word := NOT.search(without_unit(column)):
         return f"another quantity, by {word[0].strip('_')!r} in the name"
     if (name := usual_name(column)) in taken:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 import pvlib
+from numpy.typing import ArrayLike
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,13 @@ class Tracker:
         )
         return np.nan_to_num(found["tracker_theta"])
 
+    def plane(self, angle: ArrayLike) -> tuple:
+        """Tilt and azimuth of rows that are rotated by an angle. [°]"""
+        found = pvlib.tracking.calc_surface_orientation(
+            angle, self.axis_tilt, self.axis_azimuth
+        )
+        return found["surface_tilt"], found["surface_azimuth"]
+
 
 def orientation(weather, site, stuck=0.0):
     """
@@ -101,7 +109,4 @@ def orientation(weather, site, stuck=0.0):
     if stuck:
         away = tracker.stuck.angle - angle
         angle = angle + stuck * tracker.stuck.during(weather.index) * away
-    found = pvlib.tracking.calc_surface_orientation(
-        angle, tracker.axis_tilt, tracker.axis_azimuth
-    )
-    return found["surface_tilt"], found["surface_azimuth"]
+    return tracker.plane(angle)

@@ -97,6 +97,7 @@ def standing(
             "shading",
             "modules_covered",
         ),
+        make=standing,
         not_found=Reason.NO_STANDSTILL,
         turns=True,
     )
@@ -151,4 +152,4 @@ def scanned(rest, tangents, columns, weeks, least, *, axis, angles, wide):
 
 
 #: level on all days as a default; a record's orientations have the planes to try
-EFFECT = replace(standing(), make=standing, prepare=of_record)
+EFFECT = replace(standing(), prepare=of_record)
