@@ -1,12 +1,15 @@
 """Daily sums at the minimum of a fit, and the standard errors from them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, ClusterSums
-from pvlib_fem.statistics.lasting import lasting
+from pvlib_fem.statistics.lasting import Lasting, lasting
+from pvlib_fem.thermal.model import ThermalModel
 
 UNKNOWN = 1e-9  # share of the largest eigenvalue below which a direction is unknown
 TIED = 0.1  # component in an unknown direction above which a coefficient is unknown
@@ -22,7 +25,9 @@ class DailySums:
     winds: tuple  # mean and spread of the wind, weighted by irradiance squared [m/s]
 
 
-def errors(target, daily, at_bound, notes):
+def errors(
+    target: ThermalModel, daily: DailySums, at_bound: tuple, notes: list
+) -> dict:
     """Standard errors clustered by day; NaN, with a note, if they are unknown."""
     stderr = {
         **dict.fromkeys(target.parameters, np.nan),
@@ -56,7 +61,7 @@ def errors(target, daily, at_bound, notes):
     return {**stderr, **dict(zip(names, error.tolist()))}
 
 
-def correlation(daily, stderr):
+def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
     """
     Correlations of the fitted coefficients by the jackknife over days.
 
@@ -84,7 +89,7 @@ def correlation(daily, stderr):
     return pd.DataFrame((found + found.T) / 2.0, named, named)
 
 
-def lasting_notes(names, times, lasts):
+def lasting_notes(names: list, times: np.ndarray, lasts: Lasting) -> Iterator:
     """A note on how much the autocorrelation between days enlarges the errors."""
     if not (more := [n for n, many in zip(names, times) if many >= SAID]):
         return
@@ -100,12 +105,12 @@ def lasting_notes(names, times, lasts):
     yield note
 
 
-def undetermined(names):
+def undetermined(names: list) -> str:
     hint = "" if all("." in name for name in names) else " (does wind_speed vary?)"
     return f"the record does not determine {' and '.join(names)}{hint}"
 
 
-def directions(normal):
+def directions(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The pseudo-inverse of a normal matrix, and its unknown directions."""
     size = np.sqrt(np.diag(normal))
     size = np.where(size == 0, 1.0, size)
@@ -116,6 +121,6 @@ def directions(normal):
     return inverse, vectors[:, ~known]
 
 
-def tied_names(names, unknown):
+def tied_names(names: list, unknown: np.ndarray) -> list:
     """Names of coefficients that the record determines only in combination."""
     return [n for n, row in zip(names, np.abs(unknown)) if (row > TIED).any()]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.fit import fit_source
 from pvlib_fem.fitting.frame import Frame
 from pvlib_fem.fitting.holdout import NONE_OUT, days_out
@@ -25,7 +26,9 @@ from pvlib_fem.record.parquet import ParquetRecord, as_source, write_parquet
 from pvlib_fem.record.summary import Summary
 from pvlib_fem.report.fit_page import fit_page
 from pvlib_fem.scores import GAMMA
+from pvlib_fem.statistics.leastsquares import Minimum
 from pvlib_fem.stored import saved
+from pvlib_fem.thermal.model import ThermalModel
 from pvlib_fem.types import FilePath
 
 
@@ -44,10 +47,10 @@ class FileFit(FemFit):
 
     files: Files = field(kw_only=True, repr=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         vars(self).pop("residual")
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> None:
         if name == "residual":
             raise NotHeldError(
                 "the residual of a fit of files is not held in memory; write it with "
@@ -107,11 +110,11 @@ class FileFit(FemFit):
         return saved(fit_page(self.on_means(), title, gamma), path)
 
 
-def own_fields():
+def own_fields() -> list:
     return [one for one in fields(FemFit) if one.name != "residual"]
 
 
-def in_files(data, model) -> ParquetRecord:
+def in_files(data: Any, model: ThermalModel) -> ParquetRecord:
     """A data set as the source of a fit, without wind if the model needs none."""
     source = as_source(data)
     if "wind_speed" in {*source.columns, *source.partial}:
@@ -121,7 +124,12 @@ def in_files(data, model) -> ParquetRecord:
 
 
 def fit_files(
-    source: ParquetRecord, target, holdout, night, limits, check_units
+    source: ParquetRecord,
+    target: ThermalModel,
+    holdout: pd.Series | None,
+    night: bool,
+    limits: Any,
+    check_units: bool,
 ) -> FileFit:
     """Fit a record in files by least squares."""
     screened = screened_for(source, target, limits, check_units)
@@ -129,12 +137,12 @@ def fit_files(
     return fitted(files.without(dates_out(files, holdout, notes)), target, notes)
 
 
-def fitted(files, target, notes) -> FileFit:
+def fitted(files: Files, target: ThermalModel, notes: list) -> FileFit:
     """Fit a record in files on the days that are not held out."""
     return fit_source(InFiles(files), target, notes)
 
 
-def dates_out(files, holdout, notes):
+def dates_out(files: Files, holdout: pd.Series | None, notes: list) -> np.ndarray:
     """Dates of the held-out days: the given ones, or the default."""
     if holdout is None:
         out = files.dates[days_out(files.dates, files.rows)]
@@ -145,7 +153,7 @@ def dates_out(files, holdout, notes):
     return out
 
 
-def given_days(holdout):
+def given_days(holdout: pd.Series) -> np.ndarray:
     """Dates of the held-out days that a user chose."""
     wrong = not isinstance(holdout, pd.Series) or holdout.dtype != bool
     if wrong or not isinstance(holdout.index, pd.DatetimeIndex):
@@ -175,25 +183,25 @@ class InFiles:
     kind = FileFit
 
     @property
-    def count(self):
+    def count(self) -> Any:
         """How many rows are fitted."""
         return self.files.count
 
     @property
-    def night(self):
+    def night(self) -> bool:
         return self.files.night
 
     @property
-    def step(self):
+    def step(self) -> Any:
         """Usual time between rows. [s]"""
         return self.files.step
 
     @property
-    def wind(self):
+    def wind(self) -> Any:
         """Mean wind speed of the record. [m/s]"""
         return self.files.wind
 
-    def begun(self, target):
+    def begun(self, target: ThermalModel) -> dict:
         """Start of each step's search: the minimum on means, or the default start."""
         means, out = self.files.means, np.isin(self.files.means.dates, self.files.out)
         rows = np.array(counted(means.inputs.columns, self.night))
@@ -208,13 +216,15 @@ class InFiles:
             for name, *_ in planned(target)
         }
 
-    def minima(self, steps, starts, final):
+    def minima(
+        self, steps: list, starts: dict, final: bool
+    ) -> tuple[dict, Minimum, dict]:
         """Models and coefficients of some steps, the last minimum, and the starts."""
         found = minima(self.files, steps, starts, flatness(steps, final))
         stages = {n: (model, natural(model, found[n][1])[0]) for n, model, *_ in steps}
         return stages, found[steps[-1][0]][0], starts
 
-    def ended(self, requests, last, names):
+    def ended(self, requests: dict, last: str, names: tuple) -> tuple[DailySums, dict]:
         """Daily sums of the last step, and the attributes of a result from the rows."""
         files, means = self.files, self.files.means
         table, daily = files.ends(requests, last, names)
@@ -229,6 +239,6 @@ class InFiles:
             files=files,
         )
 
-    def notes(self, target):
+    def notes(self, target: ThermalModel) -> list:
         """Notes on results that come from means instead of rows."""
         return means_note(target, self.files)

@@ -1,5 +1,7 @@
 """Fit a model by least squares to a source of rows, in memory or in files."""
 
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.fitting.daily import errors
@@ -7,9 +9,11 @@ from pvlib_fem.fitting.memory import memory_notes
 from pvlib_fem.fitting.result import FemFit, of_rows
 from pvlib_fem.fitting.rows import EvalRequest
 from pvlib_fem.fitting.stages import last, public, stages_of
+from pvlib_fem.record.inputs import Record
+from pvlib_fem.thermal.model import ThermalModel
 
 
-def fit_source(source, target, notes):
+def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
     """
     Fit a model to a source of rows by least squares.
 
@@ -45,7 +49,7 @@ def fit_source(source, target, notes):
     )
 
 
-def requests_of(stages):
+def requests_of(stages: dict) -> tuple[dict, str]:
     """Requests to a source for the models of some steps, and the last step's name."""
     final = list(stages)[-1]
     models = {
@@ -55,13 +59,22 @@ def requests_of(stages):
     return models, final
 
 
-def finished(target, record, temperature, parts, minimum, **how):
+def finished(
+    target: ThermalModel,
+    record: Record,
+    temperature: np.ndarray,
+    parts: tuple,
+    minimum: tuple,
+    **how: Any,
+) -> FemFit:
     """The result of a fit in memory, from its last temperature and minimum."""
     own = of_rows(record, temperature, *parts)
     return FemFit(**of_minimum(target, *minimum), **own, **how)
 
 
-def of_minimum(target, found, stderr, at_bound, converged):
+def of_minimum(
+    target: ThermalModel, found: dict, stderr: dict, at_bound: tuple, converged: bool
+) -> dict:
     """The attributes of a result that come from the last minimum."""
     coefficients = public(target, found)
     return dict(

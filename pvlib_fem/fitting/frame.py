@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from pvlib_fem.fitting.daily import DailySums
 from pvlib_fem.fitting.holdout import held_out
 from pvlib_fem.fitting.result import FemFit, of_rows
 from pvlib_fem.fitting.rows import Rows
@@ -14,7 +17,9 @@ from pvlib_fem.quality.screen import screened
 from pvlib_fem.quality.units import oddities
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.filters import counted
-from pvlib_fem.record.inputs import as_record
+from pvlib_fem.record.inputs import Record, as_record
+from pvlib_fem.statistics.leastsquares import Minimum
+from pvlib_fem.thermal.model import ThermalModel
 
 ROUGHER = 1e-5  # relative fall of the cost that ends a search on a part of the rows
 
@@ -30,21 +35,25 @@ class Frame(Rows):
     kind = FemFit
 
     @classmethod
-    def of(cls, record, counts, out, night=False):
+    def of(
+        cls, record: Record, counts: np.ndarray, out: np.ndarray, night: bool = False
+    ) -> Any:
         """The source of a record, by masks of rows that count and are held out."""
         return cls(record, counts & ~out, test=counts & out, out=out, night=night)
 
     @cached_property
-    def kept(self):
+    def kept(self) -> dict:
         """Masks of the rows, by purpose."""
         complete = np.isfinite(sum(self.record[name] for name in COLUMNS)) & ~self.out
         return {"train": self.counts, "test": self.test, "complete": complete}
 
-    def begun(self, target):
+    def begun(self, target: ThermalModel) -> dict:
         """Start of the first step's search."""
         return {name: row.start for name, row in target.parameters.items()}
 
-    def minima(self, steps, start, final):
+    def minima(
+        self, steps: list, start: dict, final: bool
+    ) -> tuple[dict, Minimum, dict]:
         """
         Models and coefficients of some steps, the last minimum, and the next start.
 
@@ -66,18 +75,18 @@ class Frame(Rows):
             stages[name] = (model, natural(model, start)[0])
         return stages, minimum, start
 
-    def thin(self, which):
+    def thin(self, which: str) -> Any:
         """A part of the rows that count for a purpose; None if they are few."""
         return Rows(self.record, self.kept[which]).thinned()
 
-    def known(self, model):
+    def known(self, model: ThermalModel) -> "Frame":
         """This source, completed by the drivers of a model's effects."""
         if not model.effects:
             return self
         inputs = model.with_drivers(self.record.inputs)
         return replace(self, record=replace(self.record, inputs=inputs), divided={})
 
-    def ended(self, requests, last, names):
+    def ended(self, requests: dict, last: str, names: tuple) -> tuple[DailySums, dict]:
         """Daily sums of the last step, and the attributes of a result from the rows."""
         whole, temperature = (
             self.known(requests[last].model),
@@ -87,12 +96,20 @@ class Frame(Rows):
         own = of_rows(whole.record, temperature, self.counts, self.test, self.out)
         return daily, {**own, "scores": table}
 
-    def notes(self, target):
+    def notes(self, target: ThermalModel) -> list:
         """Notes on results that do not come from the rows: none."""
         return []
 
 
-def as_frame(columns, drivers, target, holdout, night, limits, check_units):
+def as_frame(
+    columns: list,
+    drivers: dict,
+    target: ThermalModel,
+    holdout: pd.Series | None,
+    night: bool,
+    limits: Any,
+    check_units: bool,
+) -> tuple[Frame, list]:
     """A user's columns as the source of a fit, and notes on them."""
     record, faults = screened(as_record(*columns, **drivers), limits, check_units)
     counts = counted(record.inputs.columns, night)

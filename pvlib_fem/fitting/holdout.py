@@ -1,13 +1,17 @@
 """The days that are held out of a fit."""
 
 import numpy as np
+import pandas as pd
 
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.statistics.clusters import calendar_weeks
 
 NONE_OUT = "no row that counts is held out: test scores are NaN"
 
 
-def held_out(record, filtered, holdout, notes):
+def held_out(
+    record: Record, filtered: np.ndarray, holdout: pd.Series | None, notes: list
+) -> np.ndarray:
     """Mask of the held-out rows: the given ones, or the default."""
     if holdout is not None:
         out = record.rows(holdout)
@@ -19,7 +23,7 @@ def held_out(record, filtered, holdout, notes):
     return out
 
 
-def days_out(dates, rows):
+def days_out(dates: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Mask of the days held out by default, by their dates and rows that count."""
     weekend = (dates + 3) % 7 >= 5  # 1970-01-01 was a Thursday
     weeks = calendar_weeks(dates)

@@ -1,7 +1,7 @@
 """Transpose a record of horizontal irradiance to the plane of the module."""
 
 from dataclasses import dataclass, replace
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
 import pandas as pd
@@ -146,12 +146,14 @@ class InPlane:
     place: dict
     transposition: str
 
-    def __call__(self, columns, index):
+    def __call__(self, columns: Any, index: Any) -> Any:
         light = {n: within(n, columns[n]) for n in ("ghi", *PARTS) if n in columns}
         return in_plane(light, index, self.place, self.transposition).to_numpy()
 
 
-def files_in_plane(source, place, transposition, limits=None):
+def files_in_plane(
+    source: Any, place: Any, transposition: Any, limits: Any = None
+) -> Any:
     """
     Files with ``poa_global``, which is transposed block by block.
 
@@ -197,14 +199,14 @@ def files_in_plane(source, place, transposition, limits=None):
 
 
 def with_plane(
-    columns,
-    index,
-    place,
-    transposition,
-    limits=None,
-    check_units=True,
-    check_clock=True,
-):
+    columns: Any,
+    index: Any,
+    place: Any,
+    transposition: Any,
+    limits: Any = None,
+    check_units: bool = True,
+    check_clock: bool = True,
+) -> Any:
     """
     Columns with ``poa_global``, transposed from ``ghi`` if it is missing, and notes.
 
@@ -248,14 +250,14 @@ def with_plane(
     )
 
 
-def refuse_clock(faults):
+def refuse_clock(faults: Any) -> None:
     """Refuse times that do not agree with the solar position."""
     if faults:
         why = "; ".join(faults[name] for name in sorted(faults))
         raise ValueError(f"ghi cannot be transposed: {why}")
 
 
-def again(columns, index, place, transposition):
+def again(columns: dict, index: pd.Index, place: dict, transposition: str) -> dict:
     """Columns with ``poa_global`` for further data, transposed as in the fit."""
     if not transposition or LIGHT in columns:
         return columns
@@ -270,7 +272,7 @@ def again(columns, index, place, transposition):
     return {**columns, LIGHT: in_plane(light, index, place, transposition)}
 
 
-def within(name, column):
+def within(name: str, column: Any) -> Any:
     """A column with NaN instead of impossible values."""
     low, high, _ = possible(name)
     known = (column >= low) & (column <= high)
@@ -279,7 +281,7 @@ def within(name, column):
     return np.where(known, column, np.nan)
 
 
-def cleaned(name, columns, limits, check_units):
+def cleaned(name: str, columns: Any, limits: Any, check_units: bool) -> Any:
     """A column of irradiance without implausible values, and notes on these."""
     if name not in numeric(columns):
         raise ValueError(f"{name} is not numeric, or infinite; give it as numbers")
@@ -300,7 +302,7 @@ def cleaned(name, columns, limits, check_units):
     return found.cleaned[called], [line.replace(called, name, 1) for line in lines]
 
 
-def words_of(columns, transposition):
+def words_of(columns: Any, transposition: Any) -> Any:
     """Description of the transposition."""
     split = "measured dni and dhi" if is_split(columns) else "Erbs' correlation"
     return (

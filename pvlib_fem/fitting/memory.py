@@ -1,12 +1,14 @@
 """The time constant of a model: its search coordinate, and notes on its accuracy."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.stats import t as student
 
 from pvlib_fem.spelling import Spelled, refusal
-from pvlib_fem.thermal.model import MEMORY
+from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 FAINT = 20.0  # time constants after which the past has no visible weight
 FADED = 300.0  # time constants after which the weight of the past is almost no float
@@ -20,12 +22,12 @@ class AsItIs:
 
     lower: float
 
-    def to_search(self, value):
+    def to_search(self, value: float) -> float:
         return value
 
     from_search = to_search
 
-    def slope(self, value):
+    def slope(self, value: float) -> float:
         return 1.0
 
 
@@ -43,20 +45,20 @@ class Lag:
     step: float  # of the record, in the unit of the time constant or capacity
     lower: float
 
-    def to_search(self, memory):
+    def to_search(self, memory: float) -> float:
         """Mean age of a time constant or capacity."""
         return self.step / np.expm1(min(self.step / memory, FADED))
 
-    def from_search(self, age):
+    def from_search(self, age: float) -> float:
         """Time constant or capacity of a mean age."""
         return self.step / np.log1p(self.step / age)
 
-    def slope(self, age):
+    def slope(self, age: float) -> float:
         """Slope of the time constant or capacity by the age."""
         return self.from_search(age) ** 2 / (age * (age + self.step))
 
 
-def lag(model, coefficients, step, wind):
+def lag(model: ThermalModel, coefficients: dict, step: float, wind: float) -> Lag:
     """Search coordinate of a dynamic model's time constant. [s, m/s]"""
     ((name, row),) = MEMORY[model.dynamics].items()
     if name == "capacity":  # its time constant is capacity times resistance
@@ -74,7 +76,14 @@ def lag(model, coefficients, step, wind):
     return Lag(step, max(row.lower, step / FAINT))
 
 
-def memory_notes(source, model, coefficients, stderr, at_bound, days):
+def memory_notes(
+    source: Any,
+    model: ThermalModel,
+    coefficients: dict,
+    stderr: dict,
+    at_bound: tuple,
+    days: int,
+) -> Iterator:
     """Notes if the record's step does not determine the fitted time constant."""
     known = [n for n in MEMORY[model.dynamics] if n not in model.held]
     if not known:

@@ -1,7 +1,9 @@
 """A record in files as the source of a fit: each pass solves several models."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,10 +15,11 @@ from pvlib_fem.fitting.seen import BlockRows, Gaps, by_day, even, rows_that_coun
 from pvlib_fem.quality.streamed import Screened, screened_blocks
 from pvlib_fem.record.columns import COLUMNS
 from pvlib_fem.record.inputs import Inputs, Record
+from pvlib_fem.record.parquet import ParquetRecord
 from pvlib_fem.record.resampling import Sums
 from pvlib_fem.record.summary import Summary, digest_of
 from pvlib_fem.thermal.compiled import AT_ONCE, fast
-from pvlib_fem.thermal.model import BLOCK, blocks
+from pvlib_fem.thermal.model import BLOCK, ThermalModel, blocks
 from pvlib_fem.thermal.response import Past
 
 PRESENT = 0.5  # share of the rows of a longer step that must not be missing
@@ -39,16 +42,16 @@ class Files(Source):
     out: np.ndarray = field(default_factory=lambda: np.zeros(0, int))  # dates held out
 
     @property
-    def clean(self):
+    def clean(self) -> Any:
         return self.screened.record
 
     @property
-    def step(self):
+    def step(self) -> Any:
         """Usual time between rows. [s]"""
         return self.screened.look.step
 
     @cached_property
-    def summary(self):
+    def summary(self) -> "FileSummary":
         """Size, times and gaps of the record."""
         look, source = self.screened.look, self.clean.source
         first, last = map(source.at, look.ends)
@@ -70,33 +73,33 @@ class Files(Source):
         vars(found)["record"] = self.clean
         return found
 
-    def without(self, dates):
+    def without(self, dates: np.ndarray) -> "Files":
         """This source with some days held out."""
         return replace(self, out=np.unique(dates))
 
     @cached_property
-    def fitted(self):
+    def fitted(self) -> np.ndarray:
         """Mask of the days that are not held out."""
         return ~np.isin(self.dates, self.out)
 
     @property
-    def count(self):
+    def count(self) -> Any:
         """How many rows are fitted."""
         return int(self.rows[self.fitted].sum())
 
     @property
-    def winds(self):
+    def winds(self) -> Any:
         """Mean and spread of the wind over sunny fitted rows. [m/s]"""
         total, wind, squares = self.light[self.fitted].sum(axis=0)
         total = max(total, np.finfo(float).tiny)
         mean = wind / total
         return float(mean), float(np.sqrt(max(squares / total - mean**2, 0.0)))
 
-    def past(self, model):
+    def past(self, model: ThermalModel) -> Past:
         """The state before the first row of the record."""
         return Past(self.usual[self.drivers if model.drivers else ()])
 
-    def parts(self, requests):
+    def parts(self, requests: Any) -> Any:
         """The record in parts of its blocks; see :meth:`Source.parts`."""
         pasts = {key: self.past(one.model) for key, one in requests.items()}
         bases = Bases(self, requests.values())
@@ -113,25 +116,25 @@ class Files(Source):
                 yield Part(here["temp_module"], dates[piece], counts), given
 
     @property
-    def at_once(self):
+    def at_once(self) -> int:
         """Rows that are solved at a time."""
         return AT_ONCE if fast(len(self.clean), ()) else BLOCK
 
-    def quick(self, model):
+    def quick(self, model: Any) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
         return fast(len(self.clean), model.effects)
 
-    def held_out(self, dates):
+    def held_out(self, dates: np.ndarray) -> np.ndarray:
         """Mask of held-out rows, by their dates."""
         return self.days_out[dates - self.dates[0]]
 
     @cached_property
-    def days_out(self):
+    def days_out(self) -> np.ndarray:
         """Whether each day from the first to the last is held out."""
         days = np.arange(self.dates[0], self.dates[-1] + 1)
         return np.isin(days, self.out)
 
-    def residuals(self, model, coefficients):
+    def residuals(self, model: ThermalModel, coefficients: dict) -> Iterator:
         """Times and residual of all rows, block by block."""
         request, past = EvalRequest(model, coefficients), self.past(model)
         bases = Bases(self, [request])
@@ -145,7 +148,7 @@ class Files(Source):
                 found.append(temperature_of(known, given, self.quick(known)))
             yield block.index, block["temp_module"] - np.concatenate(found)
 
-    def inputs(self, requests):
+    def inputs(self, requests: Iterable) -> Iterator:
         """First row and inputs of all blocks, without times if nothing needs them."""
         sparse = all(seen.steps is not None for seen in self.seen.values())
         if not sparse or any(one.model.effects for one in requests):
@@ -158,7 +161,7 @@ class Files(Source):
             steps = self.seen[start].steps_of(rows)
             yield start, Inputs(columns, steps, unit, pd.RangeIndex(rows), True)
 
-    def kept(self, start, rows):
+    def kept(self, start: int, rows: int) -> tuple[dict, np.ndarray]:
         """Masks of the rows of a block by purpose, and their dates."""
         complete, counts, dates = self.seen[start].on(rows)
         fitted = ~self.held_out(dates)
@@ -169,15 +172,17 @@ class Files(Source):
 class FileSummary(Summary):
     """A summary that computes its hash on access."""
 
+    record: Any
+
     @cached_property
-    def sha256(self):
+    def sha256(self) -> str:
         return digest_of(self.columns, self.record.blocks)
 
 
 class Bases:
     """The temperature of the base model, continued from part to part."""
 
-    def __init__(self, files, requests):
+    def __init__(self, files: Files, requests: Iterable) -> None:
         models = (one.model for one in requests)
         needing = [model for model in models if is_modelled(model.effect_drivers)]
         self.model = needing[0] if needing else None
@@ -185,7 +190,7 @@ class Bases:
             self.plain = replace(self.model, effects=(), base=None)
             self.past = files.past(self.plain)
 
-    def added_to(self, inputs):
+    def added_to(self, inputs: Inputs) -> Inputs:
         """The inputs, completed by the columns of the base model."""
         if self.model is None:
             return inputs
@@ -194,7 +199,12 @@ class Bases:
         return self.model.based(inputs, found)
 
 
-def screened_for(source, target, limits=None, check_units=True):
+def screened_for(
+    source: ParquetRecord,
+    target: ThermalModel,
+    limits: Any = None,
+    check_units: bool = True,
+) -> Screened:
     """
     The screened record of a fit in files.
 
@@ -209,7 +219,7 @@ def screened_for(source, target, limits=None, check_units=True):
     return screened_blocks(source, target.drivers, limits, check_units)
 
 
-def first_pass(screened, target, night):
+def first_pass(screened: Any, target: ThermalModel, night: bool) -> Files:
     """A screened record in files with statistics from one more pass."""
     drivers = tuple(target.drivers)
     usual = screened.look.step if len(screened.record) > 1 else MEANS
@@ -252,7 +262,7 @@ def first_pass(screened, target, night):
     )
 
 
-def refuse_memory(target):
+def refuse_memory(target: ThermalModel) -> None:
     """Refuse effects whose terms use the hours around a row."""
     for effect in target.effects:
         if "elapsed" in effect.drivers:

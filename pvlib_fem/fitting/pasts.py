@@ -1,6 +1,8 @@
 """Lagged drivers of a record that is read block by block."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +16,9 @@ from pvlib_fem.drivers import (
 from pvlib_fem.record.alongside import Alongside
 from pvlib_fem.record.checks import datetime_steps
 from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.parquet import Block
 from pvlib_fem.record.trailing import Trailing
+from pvlib_fem.thermal.model import ThermalModel
 
 MEANS = 60.0  # s, shortest step of a record whose rows are all held
 FORGOTTEN = 20.0  # time constants after which the weight is below a millionth
@@ -29,17 +33,17 @@ class Held:
     columns: list = field(default_factory=list)
 
     @classmethod
-    def of(cls, drivers, usual):
+    def of(cls, drivers: list, usual: float) -> Any:
         """The columns that lagged drivers need; none if the usual step is shorter."""
         return cls(tuple(behind(of_means(drivers))) if usual >= MEANS else ())
 
-    def add(self, block):
+    def add(self, block: Block) -> None:
         """Add the rows of a block."""
         if self.names:
             self.index.append(block.index)
             self.columns.append([block[name] for name in self.names])
 
-    def inputs(self):
+    def inputs(self) -> Inputs | None:
         """The columns of all rows; None if no columns are held."""
         if not self.names:
             return None
@@ -49,7 +53,7 @@ class Held:
         return Inputs(columns, steps, unit, index, True)
 
 
-def with_a_past(inputs, drivers):
+def with_a_past(inputs: Inputs, drivers: list) -> Iterator:
     """Lagged drivers: short ones from the rows, long ones from ``inputs``."""
     names = remembered(drivers)
     if short := [name for name in names if short_memory(name)]:
@@ -60,12 +64,12 @@ def with_a_past(inputs, drivers):
         yield Alongside.of(completed(inputs, long), long, made_of)
 
 
-def of_means(drivers):
+def of_means(drivers: list) -> list:
     """Lagged drivers with a memory so long that means of short steps suffice."""
     return [name for name in remembered(drivers) if not short_memory(name)]
 
 
-def means_note(target, files):
+def means_note(target: ThermalModel, files: Any) -> list:
     """A note on lagged drivers that are computed from means instead of rows."""
     if files.step >= MEANS or not of_means(target.effect_drivers):
         return []

@@ -1,7 +1,7 @@
 """The result of a fit."""
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
@@ -465,7 +465,7 @@ class FemFit:
         """
         return saved(fit_page(self, title, gamma), path)
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return brief(self)
 
     def to_json(self, path: FilePath | None = None, **cell: float) -> str:
@@ -573,11 +573,11 @@ class FemFit:
         vars(fit)["correlation"] = correlation_of(content, fit.stderr)
         return fit
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable("\n".join(report(self)), "\n")
 
 
-def correlation_of(content, stderr):
+def correlation_of(content: Stored, stderr: dict) -> pd.DataFrame:
     """The correlations of a part of a file; ValueError if they are not valid."""
     rows = content.part("correlation")
     found = {name: rows.numbers(name) for name in rows.content}
@@ -600,12 +600,18 @@ def correlation_of(content, stderr):
     return table
 
 
-def out_of(record, counts, holdout):
+def out_of(record: Record, counts: np.ndarray, holdout: pd.Series | None) -> np.ndarray:
     """Mask of the held-out rows: the given ones, or the default."""
     return held_out(record, counts, holdout, [])
 
 
-def of_rows(record, temperature, train, test, out):
+def of_rows(
+    record: Record,
+    temperature: np.ndarray,
+    train: np.ndarray,
+    test: np.ndarray,
+    out: np.ndarray,
+) -> dict:
     """The attributes of a result from rows in memory and their temperature."""
     residual = record["temp_module"] - temperature
     return dict(
@@ -617,7 +623,7 @@ def of_rows(record, temperature, train, test, out):
     )
 
 
-def report(fit):
+def report(fit: Any) -> Iterator:
     """Yield the lines of the printed report."""
     record = fit.summary
     days = f"{fit.train_days} day{'s' * (fit.train_days != 1)}"

@@ -1,10 +1,12 @@
 """Sources of rows for a fit: a model is solved on them block by block."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem.fitting.daily import DailySums
@@ -32,25 +34,33 @@ class Answer:
     dates: np.ndarray  # day of each row, from 1970-01-01
     whole: np.ndarray  # temperature of all rows
 
-    def columns(self, names):
+    def columns(self, names: Sequence) -> Any:
         """Some of the slopes, then the residual."""
         slopes = (self.slopes[name] for name in names)
         rows = len(self.measured)
         columns = (np.broadcast_to(slope, rows) for slope in slopes)
         return [*columns, self.measured - self.temperature]
 
-    def products(self, names):
+    def products(self, names: list) -> np.ndarray:
         """Sums of products of some of the slopes and the residual over all rows."""
         return products(self.columns(names))
 
-    def by_day(self, names, into=None):
+    def by_day(
+        self, names: tuple, into: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Dates and daily sums of products; ``into`` takes the temperature."""
         if into is not None:
             into[:] = self.whole
         return products_by_day(self.columns(names), self.dates)
 
 
-def answer_of(temperature, slopes, counts, measured, dates):
+def answer_of(
+    temperature: np.ndarray,
+    slopes: dict,
+    counts: np.ndarray,
+    measured: np.ndarray,
+    dates: np.ndarray,
+) -> Answer:
     """The answer on the rows that count, from that on all rows of a block."""
     rows = np.flatnonzero(counts)
     slopes = {n: s[rows] if np.ndim(s) else s for n, s in slopes.items()}
@@ -67,19 +77,23 @@ class Compiled:
     measured: np.ndarray  # of all rows of the block
     dates: np.ndarray  # of all rows of the block
 
-    def summed(self, names, firsts=(), into=None):
+    def summed(
+        self, names: Sequence, firsts: np.ndarray | tuple = (), into: Any = None
+    ) -> np.ndarray:
         """Products over parts that start at 0 and ``firsts``; ``into``: temperature."""
         edges = np.array([0, *firsts, len(self.counts)], dtype=np.int64)
         seen = self.counts, self.measured
-        total = answered(self.model, *self.given, seen, edges, into)
+        total = answered(*[self.model, *self.given, seen, edges, into])
         parameters = list(self.model.parameters)
         kept = [*(parameters.index(name) for name in names), -1]
         return total[:, kept][:, :, kept]
 
-    def products(self, names):
+    def products(self, names: list) -> np.ndarray:
         return self.summed(names).sum(axis=0)
 
-    def by_day(self, names, into=None):
+    def by_day(
+        self, names: tuple, into: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         rows = np.flatnonzero(self.counts)
         dates = self.dates[rows]
         first, _ = starts(dates)
@@ -105,7 +119,9 @@ class Part:
     dates: np.ndarray
     counts: Mapping  # masks of the rows, by purpose
 
-    def answered(self, model, given, which, quick):
+    def answered(
+        self, model: ThermalModel, given: tuple, which: str, quick: bool
+    ) -> Any:
         """Temperature and slopes of a model on the rows that count."""
         counts = self.counts[which]
         if quick:
@@ -121,16 +137,25 @@ class Source:
     record, ``winds`` of the fitted rows, :meth:`quick` and :meth:`parts`.
     """
 
-    count: int
-    step: float
-    wind: float
-    winds: tuple
+    if TYPE_CHECKING:
 
-    def quick(self, model):
+        @property
+        def count(self) -> int: ...
+
+        @property
+        def step(self) -> float: ...
+
+        @property
+        def wind(self) -> float: ...
+
+        @property
+        def winds(self) -> Any: ...
+
+    def quick(self, model: ThermalModel) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
         raise NotImplementedError
 
-    def parts(self, requests):
+    def parts(self, requests: Any) -> Any:
         """
         Consecutive parts of the rows, with the input of each requested model.
 
@@ -146,7 +171,7 @@ class Source:
         """
         raise NotImplementedError
 
-    def sums(self, requests, names):
+    def sums(self, requests: Any, names: dict) -> Any:
         """:class:`Normal` of several models by some of their coefficients each."""
         total = {key: np.zeros((len(names[key]) + 1,) * 2) for key in requests}
         for part, given in self.parts(requests):
@@ -157,7 +182,13 @@ class Source:
                 total[key] += answer.products(names[key])
         return {key: Normal.of(found) for key, found in total.items()}
 
-    def ends(self, requests, last, names, temperature=None):
+    def ends(
+        self,
+        requests: Any,
+        last: str,
+        names: tuple,
+        temperature: np.ndarray | None = None,
+    ) -> tuple[pd.DataFrame, DailySums]:
         """
         Scores of several models, and daily sums of one of them.
 
@@ -197,12 +228,15 @@ class Source:
         return scores.scored(tallies), DailySums(names, sums, self.winds)
 
 
-def temperature_of(model, given, quick, counts=None):
+def temperature_of(
+    model: Any, given: Any, quick: bool | None, counts: Any = None
+) -> np.ndarray:
     """Temperature of a part, continued from the part before. [°C]"""
     if not quick:
         return model.answer(*given, wanted=False)[0]
     found = np.zeros(len(given[0].index))
-    answered(model, *given, None if counts is None else (counts, np.nan), into=found)
+    seen = None if counts is None else (counts, np.nan)
+    answered(*[model, *given, seen], into=found)
     return found
 
 
@@ -215,22 +249,22 @@ class Rows(Source):
     divided: dict = field(default_factory=dict, repr=False)  # by the size of a part
 
     @cached_property
-    def count(self):
+    def count(self) -> Any:
         """How many rows count."""
         return int(np.count_nonzero(self.counts))
 
     @cached_property
-    def step(self):
+    def step(self) -> Any:
         """Usual time between rows. [s]"""
         return self.record.inputs.step
 
     @property
-    def wind(self):
+    def wind(self) -> Any:
         """Mean wind speed of the record. [m/s]"""
         return self.record.inputs.mean("wind_speed")
 
     @cached_property
-    def winds(self):
+    def winds(self) -> Any:
         """Mean and spread of the wind over sunny rows that count. [m/s]"""
         wind = self.record["wind_speed"][self.counts]
         weight = self.record["poa_global"][self.counts] ** 2
@@ -240,15 +274,15 @@ class Rows(Source):
         return float(mean), float(np.sqrt((weight * (wind - mean) ** 2).sum() / total))
 
     @property
-    def kept(self):
+    def kept(self) -> dict:
         """Masks of the rows, by purpose."""
         return {"train": self.counts}
 
-    def quick(self, model):
+    def quick(self, model: Any) -> Any:
         """Whether the compiled loops can solve a model with known terms."""
         return fast(len(self.record.index), model.effects)
 
-    def parts(self, requests):
+    def parts(self, requests: Any) -> Any:
         """The record in blocks; see :meth:`Source.parts`."""
         inputs, dates, kept = self.record.inputs, self.record.dates, self.kept
         pasts = {key: one.model.past(inputs) for key, one in requests.items()}
@@ -269,7 +303,7 @@ class Rows(Source):
             counts = {which: rows[block] for which, rows in kept.items()}
             yield Part(part["temp_module"], dates[block], counts), given
 
-    def thinned(self):
+    def thinned(self) -> Any:
         """
         Every eighth block, for the start of a search; None if there are few.
 
@@ -286,7 +320,7 @@ class Rows(Source):
         inputs = self.record.inputs.taken(some)
         return Rows(replace(self.record, inputs=inputs), counts)
 
-    def in_blocks(self, size):
+    def in_blocks(self, size: int) -> list:
         """The blocks of a size with their inputs, cached for all passes."""
         if size not in self.divided:
             places = blocks(len(self.record.index), size)
@@ -294,16 +328,24 @@ class Rows(Source):
         return self.divided[size]
 
 
-def known_effects(models):
+def known_effects(models: dict) -> bool:
     return any(model.effects for model in models.values())
 
 
-def normal_sums(model, coefficients, source, names) -> Normal:
+def normal_sums(
+    model: ThermalModel, coefficients: dict, source: Rows, names: list
+) -> Normal:
     """Sums of products of slopes and residual, from one pass over a source."""
     return source.sums({"": EvalRequest(model, coefficients)}, {"": names})[""]
 
 
-def daily_sums(model, coefficients, source, at_bound, into=None) -> DailySums:
+def daily_sums(
+    model: ThermalModel,
+    coefficients: dict,
+    source: Rows,
+    at_bound: tuple,
+    into: np.ndarray | None = None,
+) -> DailySums:
     """
     Daily sums at a minimum, from one pass over a source.
 

@@ -1,24 +1,27 @@
 """Least squares of one thermal model on some rows of a record."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem.effects.effect import tabled
-from pvlib_fem.fitting.memory import AsItIs, lag
+from pvlib_fem.fitting.memory import AsItIs, Lag, lag
+from pvlib_fem.record.inputs import Record
 from pvlib_fem.spelling import FIXED, Spelled, did_you_mean, refusal
 from pvlib_fem.statistics.leastsquares import descent
-from pvlib_fem.thermal.model import MEMORY
+from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 TURNS = 3  # searches at most, if the bounds depend on the minimum
 
 
-def holding(model, fixed):
+def holding(model: ThermalModel, fixed: Mapping) -> ThermalModel:
     """The model with held coefficients; ValueError if one is unknown or impossible."""
     return replace(model, held=possible(model, fixed))
 
 
-def possible(model, fixed):
+def possible(model: ThermalModel, fixed: Mapping) -> dict:
     """The coefficients to hold, checked by name and range."""
     constants = model.steady_model.constants
     rows = {**model.parameters, **constants}
@@ -50,7 +53,9 @@ def possible(model, fixed):
     return held
 
 
-def searching(model, source, start, biased, flat):
+def searching(
+    model: ThermalModel, source: Any, start: dict, biased: bool, flat: float
+) -> Any:
     """
     Least squares of one stage, in search coordinates.
 
@@ -64,7 +69,7 @@ def searching(model, source, start, biased, flat):
     places = [list(model.parameters).index(name) for name in names]
     views = [view(model, source, start, name) for name in names]
 
-    def searched(x):
+    def searched(x: np.ndarray) -> Any:
         values = (one.from_search(value) for one, value in zip(views, x.tolist()))
         return {**start, **dict(zip(names, values))}
 
@@ -97,7 +102,7 @@ def searching(model, source, start, biased, flat):
     return minimum, found
 
 
-def view(model, source, start, name):
+def view(model: ThermalModel, source: Any, start: dict, name: str) -> AsItIs | Lag:
     """Search coordinate and lower bound of a coefficient."""
     lower = max(model.parameters[name].lower, least(model, name))
     if name not in MEMORY[model.dynamics]:
@@ -105,7 +110,7 @@ def view(model, source, start, name):
     return lag(model, natural(model, start)[0], source.step, source.wind)
 
 
-def least(model, name):
+def least(model: ThermalModel, name: str) -> float:
     """Lower bound of a coefficient, given a held share of it."""
     return max(
         (
@@ -117,17 +122,17 @@ def least(model, name):
     )
 
 
-def tables(effects, record):
+def tables(effects: tuple, record: Record) -> tuple:
     """The effects, with linear ones replaced by their slopes on a record."""
     return tuple(tabled(effect, record.inputs.columns) for effect in effects)
 
 
-def with_tables(model, record):
+def with_tables(model: ThermalModel, record: Record) -> ThermalModel:
     """The model, with linear effects replaced by their slopes on a record."""
     return replace(model, effects=tables(model.effects, record))
 
 
-def natural(model, searched):
+def natural(model: ThermalModel, searched: dict) -> Any:
     """Coefficients from those with shares, and the Jacobian of that map."""
     names = list(model.parameters)
     values = {**{name: searched[name] for name in names}, **held(model)}
@@ -141,7 +146,7 @@ def natural(model, searched):
     return {**values, **model.constants}, chain
 
 
-def as_searched(model, coefficients):
+def as_searched(model: ThermalModel, coefficients: dict) -> dict:
     """Coefficients with shares of others as the search varies them."""
     return {
         name: coefficients[name] / (coefficients[row.share_of] if row.share_of else 1.0)
@@ -149,6 +154,6 @@ def as_searched(model, coefficients):
     }
 
 
-def held(model):
+def held(model: ThermalModel) -> dict:
     """Held coefficients of a model, without its constants."""
     return {n: value for n, value in model.held.items() if n in model.parameters}

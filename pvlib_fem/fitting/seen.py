@@ -2,11 +2,14 @@
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem.quality.look import count_steps, median
 from pvlib_fem.record.filters import counted
+from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.parquet import Block
 from pvlib_fem.relaxation import across
 
 OTHERS = 0.02  # largest share of unusual steps in a block that is stored sparsely
@@ -23,7 +26,9 @@ class BlockRows:
     steps: tuple | None  # usual step, places and values of others; None if too many
 
     @classmethod
-    def of(cls, complete, counts, dates, steps):
+    def of(
+        cls, complete: np.ndarray, counts: np.ndarray, dates: np.ndarray, steps: Any
+    ) -> Any:
         edges = np.flatnonzero(np.diff(dates)) + 1
         days, rows = dates[[0, *edges]], np.diff([0, *edges, len(dates)])
         usual = float(np.median(steps))
@@ -33,7 +38,7 @@ class BlockRows:
             sparse = usual, others, steps[others] if len(others) else others
         return cls(np.packbits(complete), np.packbits(counts), days, rows, sparse)
 
-    def steps_of(self, rows):
+    def steps_of(self, rows: int) -> float | np.ndarray:
         """Steps of the rows, or one even step."""
         usual, others, values = self.steps
         if not len(others):
@@ -42,7 +47,7 @@ class BlockRows:
         steps[others] = values
         return steps
 
-    def on(self, rows):
+    def on(self, rows: int) -> tuple:
         """Masks of complete rows and of rows that count, and the dates of the rows."""
         bits = (np.unpackbits(b, count=rows) for b in (self.complete, self.counts))
         return *(b.view(bool) for b in bits), np.repeat(self.days, self.rows)
@@ -56,7 +61,7 @@ class Gaps:
     since: float = 0.0
     begun: bool = False
 
-    def add(self, columns, steps):
+    def add(self, columns: list, steps: np.ndarray) -> None:
         there = np.flatnonzero(np.isfinite(sum(columns)))
         if not len(there):
             self.since += steps.sum()
@@ -68,11 +73,11 @@ class Gaps:
         self.begun = True
 
     @property
-    def usual(self):
+    def usual(self) -> float:
         return median(self.steps) if self.steps else 0.0
 
 
-def rows_that_count(block, night, drivers):
+def rows_that_count(block: Block, night: bool, drivers: tuple) -> np.ndarray:
     """Mask of the rows whose residual counts."""
     rows = np.array(counted(block.inputs.columns, night))
     for name in drivers:
@@ -80,7 +85,13 @@ def rows_that_count(block, night, drivers):
     return rows
 
 
-def by_day(table, dates, rows, light, wind):
+def by_day(
+    table: dict,
+    dates: np.ndarray,
+    rows: np.ndarray,
+    light: np.ndarray,
+    wind: np.ndarray,
+) -> None:
     """Add rows that count, and sums of their irradiance and wind, to daily totals."""
     place, size = dates - dates[0], int(dates[-1] - dates[0]) + 1
     there = np.bincount(place, minlength=size)
@@ -92,7 +103,7 @@ def by_day(table, dates, rows, light, wind):
         table[date] = table.get(date, 0.0) + found[:, day]
 
 
-def even(block):
+def even(block: Block) -> Inputs:
     """A block's inputs; equal steps become one number."""
     steps = block.inputs.steps.astype(float)
     if block.start == 0 and len(steps) > 1:

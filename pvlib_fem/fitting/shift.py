@@ -24,25 +24,25 @@ class Minimum:
     step: float  # [s]
 
     @property
-    def steady(self):
+    def steady(self) -> list:
         return [n for n in self.names if n in self.model.steady_model.parameters]
 
     @property
-    def memory(self):
+    def memory(self) -> list:
         return [n for n in self.names if n in MEMORY[self.model.dynamics]]
 
-    def at(self, names):
+    def at(self, names: list) -> list:
         """Places of some coefficients in a solution."""
         return [self.names.index(name) for name in names]
 
     @property
-    def units(self):
+    def units(self) -> Any:
         """Names and units of the table."""
         units = {name: self.model.parameters[name].unit for name in self.names}
         return ({R_EQ: "K m²/W"} if self.steady else {}) | units
 
 
-def moved(minimum, shift):
+def moved(minimum: Minimum, shift: np.ndarray) -> Any:
     """
     Numbers of the table by shifts along the tangents, their slopes, and the gain.
 
@@ -66,7 +66,9 @@ def moved(minimum, shift):
     return value, slopes, gain
 
 
-def resistances(minimum, values, winds):
+def resistances(
+    minimum: Minimum, values: np.ndarray, winds: np.ndarray | tuple
+) -> tuple[np.ndarray, np.ndarray]:
     """Resistance of the steady model at some winds, and a row of slopes for each."""
     law, winds = minimum.model.steady_model, np.asarray(winds)
     own = {name: minimum.coefficients[name] for name in law.coefficients}
@@ -76,7 +78,7 @@ def resistances(minimum, values, winds):
     return law.resistance(winds, **own), np.stack(columns, axis=1)
 
 
-def in_resistance(minimum, shift):
+def in_resistance(minimum: Minimum, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
     Coefficients of the steady model by a shift, and their slopes by it.
 
@@ -104,7 +106,9 @@ def in_resistance(minimum, shift):
     return np.full(size, np.nan), np.full((size, size), np.nan)
 
 
-def in_age(minimum, name, shift, gain):
+def in_age(
+    minimum: Minimum, name: str, shift: float, gain: float
+) -> tuple[float, float]:
     """
     Mean age of the past in a sample, and its slope by the shift of the time constant.
 
@@ -121,11 +125,13 @@ def in_age(minimum, name, shift, gain):
     return grown - minimum.lag.step, grown * by_shift
 
 
-def gain_of_age(name, gain):
+def gain_of_age(name: str, gain: float) -> float:
     return gain if name == "capacity" else 1.0
 
 
-def in_time(minimum, age, error, low, high, gain):
+def in_time(
+    minimum: Minimum, age: float, error: float, low: float, high: float, gain: float
+) -> Any:
     """The time constant of an age, with its error and an interval from 0 on."""
     (name,), seen = minimum.memory, minimum.lag
     own = gain_of_age(name, gain)

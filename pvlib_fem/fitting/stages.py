@@ -1,16 +1,18 @@
 """The steps of a fit, from the steady model to the last effect."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
-from pvlib_fem.fitting.rows import EvalRequest
+from pvlib_fem.fitting.rows import EvalRequest, Rows
 from pvlib_fem.fitting.search import searching
-from pvlib_fem.statistics.leastsquares import FLAT, minima_of
-from pvlib_fem.thermal.model import INSTANT
+from pvlib_fem.statistics.leastsquares import FLAT, Minimum, minima_of
+from pvlib_fem.thermal.model import INSTANT, ThermalModel
 
 ROUGH = 1e-8  # relative decrease of the cost at which all steps but the last end
 
 
-def needed(step, rows, parameters):
+def needed(step: str, rows: int, parameters: int) -> None:
     if rows <= parameters:
         raise ValueError(
             f"{step} needs more than {parameters} rows and has {rows}: training "
@@ -19,7 +21,7 @@ def needed(step, rows, parameters):
         )
 
 
-def planned(target):
+def planned(target: ThermalModel) -> list:
     """The steps of a fit: name, model, purpose of the rows, and whether with a bias."""
     plain = replace(target, effects=())
     steady = replace(plain, dynamics="steady")
@@ -35,12 +37,12 @@ def planned(target):
     return steps
 
 
-def planned_effects(target):
+def planned_effects(target: ThermalModel) -> list:
     """The steps of a fit that add an effect."""
     return [step for step in planned(target) if step[1].effects]
 
 
-def stages_of(source, target):
+def stages_of(source: Any, target: ThermalModel) -> tuple[ThermalModel, dict, Minimum]:
     """
     The model with its base, the steps to it, and the last minimum.
 
@@ -57,20 +59,22 @@ def stages_of(source, target):
     if not more:
         return target, stages, minimum
 
-    def fit(based):
+    def fit(based: ThermalModel) -> tuple[dict, Minimum, dict]:
         return source.minima(planned_effects(based), starts, final=True)
 
     target, (added, minimum, _) = with_effects(target, stages, fit)
     return target, stages | added, minimum
 
 
-def flatness(steps, final):
+def flatness(steps: list, final: bool) -> dict:
     """Relative decrease of the cost at which each step ends; smallest for the last."""
     last_step = steps[-1][0] if final else None
     return {name: FLAT if name == last_step else ROUGH for name, *_ in steps}
 
 
-def with_effects(target, stages, fit):
+def with_effects(
+    target: ThermalModel, stages: dict, fit: Callable
+) -> tuple[ThermalModel, tuple]:
     """
     The model with its base, and the result of ``fit`` for it.
 
@@ -84,7 +88,7 @@ def with_effects(target, stages, fit):
     return own, found if own is target else fit(own)
 
 
-def minima(source, steps, starts, flat):
+def minima(source: Any, steps: list, starts: dict, flat: dict) -> dict:
     """
     Minima and searched coefficients of steps that share their passes.
 
@@ -102,7 +106,7 @@ def minima(source, steps, starts, flat):
         for name, model, _, biased in steps
     }
 
-    def sums(points):
+    def sums(points: dict) -> Any:
         requests = {
             name: EvalRequest(models[name][0], coefficients, models[name][1])
             for name, (coefficients, _) in points.items()
@@ -112,18 +116,20 @@ def minima(source, steps, starts, flat):
     return minima_of(searches, sums)
 
 
-def minimise(model, source, start, biased, flat):
+def minimise(
+    model: ThermalModel, source: Rows, start: dict, biased: bool, flat: float
+) -> tuple[Minimum, dict]:
     """Least squares of one stage on the rows of a source."""
     steps = [("", model, "train", biased)]
     return minima(source, steps, {"": start}, {"": flat})[""]
 
 
-def last(stages):
+def last(stages: dict) -> tuple[ThermalModel, dict]:
     """Model and coefficients of the last step."""
     return list(stages.values())[-1]
 
 
-def public(model, coefficients):
+def public(model: ThermalModel, coefficients: dict) -> dict:
     """Coefficients that unpack into the temperature function of the dynamics."""
     constants = [name for name in model.constants if name in model.held]
     names = [*model.parameters, *constants]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -43,7 +44,7 @@ class StandIn:
     offset: float = 0.0
     every: float = 0.0
 
-    def into(self, columns):
+    def into(self, columns: Any) -> Any:
         """Columns with the gaps of the usual column filled from the other."""
         if self.column not in columns:
             return columns
@@ -53,12 +54,12 @@ class StandIn:
         found = other if known is None else known.where(known.notna(), other)
         return {**columns, self.usual: found}
 
-    def content(self):
+    def content(self) -> Any:
         """The attributes, for a file."""
         return asdict(self)
 
 
-def between(column, every):
+def between(column: Any, every: Any) -> Any:
     """A column, interpolated between values that are usually ``every`` s apart."""
     known = column.dropna()
     if not every or len(known) < 2:
@@ -71,12 +72,12 @@ def between(column, every):
     return column.where(column.notna(), pd.Series(values, column.index).where(inside))
 
 
-def seconds_of(index):
+def seconds_of(index: Any) -> Any:
     """Times as seconds."""
     return index.as_unit("ns").asi8 / 1e9
 
 
-def spacing(column):
+def spacing(column: Any) -> Any:
     """Usual time between values, if it exceeds the step of the rows; else 0. [s]"""
     known = column.dropna().index
     if len(known) < 2:
@@ -143,7 +144,7 @@ def fill_record(
     return data
 
 
-def chosen(names):
+def chosen(names: Any) -> dict:
     """The column that stands in for each usual one."""
     found: dict[str, str] = {}
     for name in several(names):
@@ -161,7 +162,7 @@ def chosen(names):
     return found
 
 
-def with_stand_ins(columns, names, limits=None):
+def with_stand_ins(columns: Any, names: Any, limits: Any = None) -> Any:
     """
     Columns with gaps filled from others, the stand-ins, and notes.
 
@@ -196,7 +197,7 @@ def with_stand_ins(columns, names, limits=None):
     return columns, tuple(found), tuple(notes)
 
 
-def refuse_unlike(known, other):
+def refuse_unlike(known: Any, other: Any) -> None:
     """Refuse a column that is in another unit, or no air temperature."""
     slope = float(np.polyfit(known, other, 1)[0])
     if not ALIKE[0] < slope < ALIKE[1]:
@@ -206,7 +207,7 @@ def refuse_unlike(known, other):
         )
 
 
-def cleaned(column, name, usual, limits):
+def cleaned(column: Any, name: str, usual: Any, limits: Any) -> Any:
     """A column without implausible values, and notes on these."""
     found = screen_record(pd.DataFrame({usual: column}), limits)
     lines = [line for line in found.notes if line.startswith(usual)]
@@ -215,7 +216,7 @@ def cleaned(column, name, usual, limits):
     ]
 
 
-def level_of(columns, usual, name):
+def level_of(columns: Any, usual: Any, name: str) -> Any:
     """The stand-in of a column, the number of rows it fills, and a note."""
     other, known = columns[name], columns.get(usual)
     every = spacing(other)

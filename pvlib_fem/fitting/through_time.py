@@ -1,5 +1,7 @@
 """Coefficients per month or any other period, from the daily sums of a fit."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
@@ -9,14 +11,14 @@ from pvlib_fem.fitting.daily import directions, tied_names
 from pvlib_fem.fitting.memory import lag
 from pvlib_fem.fitting.shift import R_EQ, Minimum, in_time, moved
 from pvlib_fem.statistics.clusters import FEWEST_DAYS, days_left_out, submatrices
-from pvlib_fem.thermal.model import MEMORY
+from pvlib_fem.thermal.model import MEMORY, ThermalModel
 
 LEVEL = 0.95  # of the intervals
 NUMBERS = ("value", "stderr", "lower", "upper")
 DAY = pd.Timedelta(days=1)
 
 
-def through_time(fit, freq, coefficients):
+def through_time(fit: Any, freq: str, coefficients: Any) -> pd.DataFrame:
     """The table of :meth:`FemFit.through_time`."""
     minimum = minimum_of(fit, coefficients)
     zone = fit.record.index.tz
@@ -28,14 +30,14 @@ def through_time(fit, freq, coefficients):
     # in the order of the fit, not sorted by name
     index = pd.MultiIndex(
         levels=[names, starts],
-        codes=np.indices((len(names), len(starts))).reshape(2, -1),
+        codes=[*np.indices((len(names), len(starts))).reshape(2, -1)],
         names=["coefficient", "start"],
     )
     rows = [found[name] for name in names for _, found in parts]
     return pd.DataFrame(rows, index)
 
 
-def minimum_of(fit, coefficients):
+def minimum_of(fit: Any, coefficients: dict | None) -> Minimum:
     """The minimum of a fit with daily sums, and the coefficients that vary."""
     if fit.daily is None:
         why = "was read from a file, which holds none"
@@ -57,7 +59,7 @@ def minimum_of(fit, coefficients):
     )
 
 
-def names_of(model, fitted, wanted):
+def names_of(model: ThermalModel, fitted: tuple, wanted: Any) -> list:
     """The coefficients that vary: by default those of the model without effects."""
     if wanted is None:
         own = [*model.steady_model.parameters, *MEMORY[model.dynamics], "bias"]
@@ -78,7 +80,7 @@ def names_of(model, fitted, wanted):
     return names
 
 
-def periods(dates, freq, zone):
+def periods(dates: np.ndarray, freq: str, zone: Any) -> Any:
     """Start of each period from the first day to the last, and places of its days."""
     first = pd.Timestamp(2001, 1, 1)
     try:
@@ -98,10 +100,11 @@ def periods(dates, freq, zone):
     for start, part in places.resample(offset, closed="left", label="left"):
         # a clock change may skip or repeat midnight
         there = dict(ambiguous=True, nonexistent="shift_forward")
-        yield start.tz_localize(zone, **there) if zone else start, part.to_numpy()
+        begin: Any = start
+        yield begin.tz_localize(zone, **there) if zone else begin, part.to_numpy()
 
 
-def in_period(minimum, days):
+def in_period(minimum: Minimum, days: np.ndarray) -> dict:
     """Each coefficient from the days of a period, or why it is not known."""
     units = minimum.units
     numbers, tied = np.full((4, len(units)), np.nan), []
@@ -118,7 +121,7 @@ def in_period(minimum, days):
     }
 
 
-def reason(minimum, days, tied, numbers):
+def reason(minimum: Minimum, days: int, tied: Any, numbers: np.ndarray) -> str:
     """Why a number is NaN; empty if none is."""
     value, error, *_ = numbers
     if days < FEWEST_DAYS:
@@ -132,7 +135,7 @@ def reason(minimum, days, tied, numbers):
     return ""
 
 
-def estimates(minimum, days):
+def estimates(minimum: Any, days: np.ndarray) -> tuple[np.ndarray, list]:
     """Values, errors and intervals of a period, and the undetermined names."""
     shift, covariance, clusters, tied = solution(minimum, days)
     value, slopes, gain = moved(minimum, shift)
@@ -141,12 +144,14 @@ def estimates(minimum, days):
     numbers = np.stack([value, error, value - reach, value + reach])
     for name in minimum.memory:
         place = list(minimum.units).index(name)
-        numbers[:, place] = in_time(minimum, *numbers[:, place], gain)
+        numbers[:, place] = in_time(*[minimum, *numbers[:, place], gain])
     lost = np.array([name in tied for name in minimum.units])
     return np.where(lost, np.nan, numbers), tied
 
 
-def solution(minimum, days):
+def solution(
+    minimum: Minimum, days: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, int, list]:
     """Shifts from the fit's minimum, their covariance (CR3), and unknown names."""
     kept = [minimum.daily.names.index(name) for name in minimum.names]
     daily = minimum.daily.sums.on(days)

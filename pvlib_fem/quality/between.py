@@ -1,10 +1,13 @@
 """Columns that say nothing between times further apart than the record's rows."""
 
+from collections.abc import Iterator
 from itertools import product
+from typing import Any
 
 import numpy as np
 
 from pvlib_fem.quality.values import resolution
+from pvlib_fem.record.inputs import Inputs
 
 COLUMNS = (
     "poa_global",
@@ -21,7 +24,7 @@ MOST = 20.0 * 86400.0  # s of a record that are looked at
 SHARE = 0.99  # of the rows that follow the ends of their period
 
 
-def between(inputs):
+def between(inputs: Inputs) -> Iterator:
     """Report columns whose values are further apart than the rows, a sentence each."""
     step = inputs.step
     if not step > 0:
@@ -39,7 +42,7 @@ def between(inputs):
             )
 
 
-def filled(values, seconds, step, periods):
+def filled(values: np.ndarray, seconds: np.ndarray, step: float, periods: list) -> Any:
     """How a column is filled between values a period apart, in words, and which one."""
     there = np.isfinite(values)
     values, seconds = values[there], seconds[there]
@@ -66,17 +69,19 @@ def filled(values, seconds, step, periods):
     return None
 
 
-def kept(values, seconds, knots):
+def kept(values: np.ndarray, seconds: np.ndarray, knots: np.ndarray) -> np.ndarray:
     """Values that stay from each knot to the next."""
     return values[knots][np.searchsorted(knots, np.arange(len(values)), "right") - 1]
 
 
-def straight(values, seconds, knots):
+def straight(values: np.ndarray, seconds: np.ndarray, knots: np.ndarray) -> np.ndarray:
     """Values on straight lines from each knot to the next."""
     return np.interp(seconds, seconds[knots], values[knots])
 
 
-def ends_of_periods(seconds, ends, step, period):
+def ends_of_periods(
+    seconds: np.ndarray, ends: np.ndarray, step: float, period: float
+) -> np.ndarray:
     """Rows at which a period ends: where within it most changes, or bends."""
     phase = np.rint(seconds % period / step).astype(int)
     first = np.argmax(np.bincount(phase, ends)) * step

@@ -6,8 +6,10 @@ sun asks (`clock`), a driver in another unit (`units`).
 """
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
+from pvlib.location import Location
 
 from pvlib_fem.quality.clock import Clock, clock_shift
 from pvlib_fem.quality.limits import POSSIBLE, Limits
@@ -16,6 +18,7 @@ from pvlib_fem.quality.screening import stuck
 from pvlib_fem.quality.stray import refuse_stray
 from pvlib_fem.quality.stuck import refuse_frozen, stuck_line
 from pvlib_fem.quality.units import doubtful, in_step, module_lag
+from pvlib_fem.record.inputs import Record
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +53,12 @@ class Health:
         return (*self.faults.values(), *self.unchecked)
 
 
-def unusable(frozen):
+def unusable(frozen: dict) -> np.ndarray:
     """Rows in which one of the four sensors is stuck."""
     return np.any([frozen[name] for name in POSSIBLE], axis=0)
 
 
-def frozen_in(record, limits):
+def frozen_in(record: Record, limits: Limits) -> dict:
     """Rows of stuck sensors whose drivers change, by one clock."""
     frozen = stuck(record, limits)
     # their drivers are known without the module's column, which may be off by hours
@@ -67,13 +70,13 @@ def frozen_in(record, limits):
 
 
 def check(
-    record,
-    location=None,
-    surface_tilt=None,
-    surface_azimuth=None,
-    limits=None,
-    light=None,
-    mount=None,
+    record: Record,
+    location: Location | None = None,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
+    limits: Limits | None = None,
+    light: Any = None,
+    mount: Any = None,
 ) -> Health:
     """
     Find faults of sensors and loggers in a measured record.

@@ -12,7 +12,7 @@ FLAT = (0.0, 180.0)  # where the angles are not known: the season is taken out a
 
 
 def clear_sky(
-    poa_global,
+    poa_global: np.ndarray,
     index: pd.DatetimeIndex,
     location: Location,
     angles: tuple | None = None,
@@ -66,7 +66,7 @@ def clear_sky(
     return found
 
 
-def shape_left(poa, modelled, day):
+def shape_left(poa: np.ndarray, modelled: np.ndarray, day: np.ndarray) -> np.ndarray:
     """What one factor leaves between the ordered values of each day, of its mean."""
     one, other = (values[np.lexsort((values, day))] for values in (poa, modelled))
     # sorted by day, too

@@ -8,16 +8,18 @@ the module answers is free, as long as it is a sum of decays that all begin at o
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import median_abs_deviation, norm, t as student, theilslopes
 
 from pvlib_fem.quality.hours import day_of, hours_of, listed, offsets, side_of
-from pvlib_fem.quality.lag import lag, retimed
+from pvlib_fem.quality.lag import Lag, lag, retimed
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.quality.onset import DAY, HOUR, daily_sums, measured_blocks, plain
+from pvlib_fem.quality.onset import DAY, HOUR, Sums, daily_sums, measured_blocks, plain
 from pvlib_fem.record.checks import usual_step
+from pvlib_fem.record.inputs import Record
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +49,7 @@ class Clock:
     def fault(self) -> bool:
         return bool(self.faults)
 
-    def at(self, seconds):
+    def at(self, seconds: np.ndarray) -> np.ndarray:
         """How late the clock is, of what its faults say; 0 if it has none. [s]"""
         late = np.zeros(len(seconds))
         if {"clock_shift", "clock_drift"} & set(self.faults):
@@ -56,7 +58,7 @@ class Clock:
             late += self.drift * (np.asarray(seconds) - self.middle) / DAY
         return late + offsets(self.hours, seconds)
 
-    def corrected(self, seconds, values):
+    def corrected(self, seconds: np.ndarray, values: np.ndarray) -> Any:
         """
         A column of the module's logger by the clock of the irradiance.
 
@@ -79,7 +81,9 @@ class Clock:
         return retimed(seconds, values, self.at(seconds))
 
 
-def clock_shift(record, skip=None, limits=None) -> Clock:
+def clock_shift(
+    record: Record, skip: np.ndarray | None = None, limits: Limits | None = None
+) -> Clock:
     """
     How late ``temp_module`` is written against ``poa_global``, by causality.
 
@@ -149,7 +153,7 @@ def clock_shift(record, skip=None, limits=None) -> Clock:
     return judge(record.index[0], seconds, sums, blocks, changes, limits, far)
 
 
-def by_hours(origin, found):
+def by_hours(origin: pd.Timestamp, found: Lag) -> Clock:
     """The clock where the step in which an answer begins changes."""
     (_, first), *rest = found.hours
     hours = ((-np.inf, first), *rest)
@@ -164,7 +168,7 @@ def by_hours(origin, found):
     )
 
 
-def by_rows(found):
+def by_rows(found: Any) -> Clock:
     """The clock as far as whole steps tell."""
     if not found.late:
         return Clock(late=0.0, stderr=0.0, limit=found.step)
@@ -177,11 +181,11 @@ def by_rows(found):
     return Clock(found.late, 0.0, faults=faults, why=line, limit=found.step)
 
 
-def unknown(reason):
+def unknown(reason: str) -> Clock:
     return Clock(why=f"the module's clock was not checked: {reason}")
 
 
-def jumps_between(sums, blocks, limits):
+def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
     """Days at which the clock moved by an hour, and by what. [s]"""
     shape, found = plain(sums.step), []
     for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
@@ -198,7 +202,15 @@ def jumps_between(sums, blocks, limits):
     return found
 
 
-def judge(origin, seconds, sums, blocks, changes, limits, far=0.0):
+def judge(
+    origin: pd.Timestamp,
+    seconds: np.ndarray,
+    sums: Sums,
+    blocks: list,
+    changes: list,
+    limits: Limits,
+    far: float = 0.0,
+) -> Clock:
     """The line through the blocks, hours apart, and what is wrong with it."""
     hours = hours_of(blocks, changes)
     blocks, middle = pd.DataFrame(blocks), float(seconds[-1] / 2)
@@ -244,7 +256,7 @@ def judge(origin, seconds, sums, blocks, changes, limits, far=0.0):
     )
 
 
-def line(x, y, stderr, limits):
+def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tuple:
     """Mean and slope of blocks with their errors, their centre, and how many more."""
     if len(x) > 3:  # blocks that are out of line by an accident do not count
         off = y - theilslopes(y, x).slope * x
@@ -267,11 +279,11 @@ def line(x, y, stderr, limits):
     return mean, error, slope, slope_error, centre, rest
 
 
-def left_open(stderr, limit):
+def left_open(stderr: float, limit: float) -> float:
     """Error of a clock with what a row's place in its step leaves open. [s]"""
     return np.hypot(stderr, limit / np.sqrt(12.0))
 
 
-def sure(rest, limits):
+def sure(rest: int, limits: Limits) -> float:
     """Standard errors that are three of a long record, by what was left over."""
     return student.ppf(norm.cdf(limits.sure), max(rest, 2))

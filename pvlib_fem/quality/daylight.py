@@ -1,13 +1,16 @@
 """A file whose clock jumps, by daylight saving or by a hand, brought to one clock."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
 
 from pvlib_fem.quality.hours import listed, offsets, span
 from pvlib_fem.quality.limits import Limits
-from pvlib_fem.quality.noon import solar_noon_shift, universal
+from pvlib_fem.quality.noon import SolarNoon, solar_noon_shift, universal
 from pvlib_fem.quality.onset import DAY
 from pvlib_fem.quality.zones import plain, transitions, zone_offsets, zones_around
 
@@ -39,20 +42,20 @@ class Daylight:
             return "file_dst+file_jump" if self.jumps else "file_dst"
         return "file_jump"
 
-    def corrected(self, data):
+    def corrected(self, data: pd.DataFrame) -> Any:
         """A Series or DataFrame of the file by one clock, without lost rows."""
         return data[self.kept].set_axis(self.index)
 
 
 def daylight_saving(
-    poa_global,
-    index,
-    noon,
-    location,
-    surface_tilt=None,
-    surface_azimuth=None,
-    limits=None,
-    mount=None,
+    poa_global: np.ndarray,
+    index: pd.DatetimeIndex,
+    noon: SolarNoon,
+    location: Location,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
+    limits: Limits | None = None,
+    mount: Any = None,
 ) -> Daylight:
     """
     Bring a file whose clock jumps to one clock, its standard time.
@@ -139,18 +142,18 @@ def daylight_saving(
 REMEDY = "set the times to one clock, such as standard time"
 
 
-def as_it_is(index, reason, noon):
+def as_it_is(index: pd.DatetimeIndex, reason: str, noon: SolarNoon) -> Daylight:
     kept = np.ones(len(index), dtype=bool)
     return Daylight("", reason, index, kept, left=noon.jumps)
 
 
-def better(then, now):
+def better(then: SolarNoon, now: SolarNoon) -> bool:
     """Whether fewer jumps remain, and the light is nearer to the sun."""
     near = root_mean_square(then.days) < root_mean_square(now.days)
     return len(then.jumps) < len(now.jumps) and near
 
 
-def evidence_of(noon, now, lost):
+def evidence_of(noon: SolarNoon, now: SolarNoon, lost: int) -> str:
     """What the corrected times gain and lose, in words."""
     before, after = (root_mean_square(found.days) / 60 for found in (noon, now))
     line = (
@@ -167,11 +170,11 @@ def evidence_of(noon, now, lost):
     return line
 
 
-def root_mean_square(days):
+def root_mean_square(days: pd.Series) -> float:
     return float(np.sqrt(np.mean(days.to_numpy() ** 2)))
 
 
-def untold(index, noon):
+def untold(index: pd.DatetimeIndex, noon: SolarNoon) -> str:
     """Why no zone is tried; "" if zones are tried."""
     if not noon.jumps:
         return "no jump of the light was found: nothing is to be corrected"
@@ -184,7 +187,9 @@ def untold(index, noon):
     return ""
 
 
-def zone_of(index, noon, location, limits):
+def zone_of(
+    index: pd.DatetimeIndex, noon: SolarNoon, location: Location, limits: Limits
+) -> tuple[str, str]:
     """The zone that explains two jumps or more, or "" and what speaks against one."""
     own = str(location.tz)
     if due := list(transitions(index, own)):
@@ -198,11 +203,11 @@ def zone_of(index, noon, location, limits):
     return "", ""
 
 
-def against(due, zone, noon, limits):
+def against(due: list, zone: str, noon: SolarNoon, limits: Any) -> str:
     """What speaks against a zone whose clock moves on these dates; "" if nothing."""
     left, found = list(due), 0
     for (_, by), within in zip(noon.jumps, noon.within):
-        for transition in [t for t in left if same(t, by, *within, limits)][:1]:
+        for transition in [t for t in left if same(*[t, by, *within, limits])][:1]:
             left.remove(transition)
             found += 1
     if found < 2:
@@ -213,7 +218,9 @@ def against(due, zone, noon, limits):
     return ""
 
 
-def by_segments(index, noon):
+def by_segments(
+    index: pd.DatetimeIndex, noon: SolarNoon
+) -> tuple[pd.DatetimeIndex, np.ndarray]:
     """Times with each stretch between two jumps moved as a whole, and sure rows."""
     seconds = (index - index[0]).total_seconds().to_numpy()
     kept = np.ones(len(index), dtype=bool)
@@ -224,7 +231,7 @@ def by_segments(index, noon):
     return index[kept] - pd.to_timedelta(late, unit="s"), kept
 
 
-def of_segments(noon, most=4):
+def of_segments(noon: SolarNoon, most: int = 4) -> str:
     """How far each stretch was off, in words."""
     parts, hours = [], noon.hours
     days = [day.date() for day, _ in noon.jumps]
@@ -240,12 +247,18 @@ def of_segments(noon, most=4):
     return ", ".join(parts)
 
 
-def changes(due, most=4):
+def changes(due: Sequence, most: int = 4) -> str:
     """The changes of a zone's clock in words."""
     return listed(due) if len(due) <= most else f"{len(due)} changes {span(due)}"
 
 
-def same(transition, by, earliest, latest, limits):
+def same(
+    transition: tuple,
+    by: float,
+    earliest: pd.Timestamp,
+    latest: pd.Timestamp,
+    limits: Limits,
+) -> Any:
     """
     Whether a jump may be this transition.
 
@@ -258,7 +271,7 @@ def same(transition, by, earliest, latest, limits):
     return abs(by - due) < limits.sun_slack and first <= time.normalize() <= last
 
 
-def visible(time, days, limits):
+def visible(time: pd.Timestamp, days: pd.Series, limits: Limits) -> bool:
     """Whether enough days on both sides of a time would have shown a jump."""
     day, side = pd.DatetimeIndex([plain(d) for d in days.index]), limits.noon_side
     at = int(day.searchsorted(time))
@@ -268,7 +281,9 @@ def visible(time, days, limits):
     return around[-1] - around[0] <= pd.Timedelta(days=4 * side)
 
 
-def standard_index(index, zone):
+def standard_index(
+    index: pd.DatetimeIndex, zone: str
+) -> tuple[pd.DatetimeIndex, np.ndarray]:
     """Wall times of a zone as standard time, and which rows have one."""
     wall = index.tz_localize(None)
     first = ~wall.duplicated()  # of an hour that comes twice, summer time is first
@@ -281,7 +296,7 @@ def standard_index(index, zone):
     return times if index.tz is None else times.tz_localize(index.tz), kept
 
 
-def standard_zone(index):
+def standard_zone(index: pd.DatetimeIndex) -> Any:
     """The fixed zone of the same standard time."""
     hours = zone_offsets(index.tz_convert("UTC"), str(index.tz)).min() / 3600
     return f"Etc/GMT{-hours:+.0f}" if hours == round(hours) else "that of standard time"

@@ -1,12 +1,15 @@
 """Days, offsets and words of a clock that is off."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.quality.onset import DAY
 
 
-def hours_of(blocks, changes):
+def hours_of(blocks: list, changes: list) -> tuple:
     """From when on [s] the clock is by how many hours [s] off its standard time."""
     if not changes:
         return ()
@@ -27,12 +30,12 @@ def hours_of(blocks, changes):
     return tuple((start, late - standard) for start, late in hours)
 
 
-def side_of(late):
+def side_of(late: float) -> Any:
     """Say on which side of correct times the timestamps of a clock are."""
     return "ahead of" if late > 0 else "behind"
 
 
-def offsets(hours, seconds):
+def offsets(hours: tuple, seconds: np.ndarray | pd.Series) -> np.ndarray:
     """How far the clock is off at times from the record's start. [s]"""
     late = np.zeros(len(seconds))
     for start, offset in hours:
@@ -40,19 +43,19 @@ def offsets(hours, seconds):
     return late
 
 
-def day_of(origin, seconds):
+def day_of(origin: pd.Timestamp, seconds: float | np.ndarray) -> pd.Timestamp:
     """The day that begins nearest to a time."""
     return days_of(origin, [seconds])[0]
 
 
-def days_of(origin, seconds):
+def days_of(origin: pd.Timestamp, seconds: list | np.ndarray) -> pd.DatetimeIndex:
     """The days that begin nearest to some times."""
     # of whole seconds, which reach further than the nanoseconds of a number
     half_on = np.round(np.asarray(seconds, dtype=float) + DAY / 2).astype("m8[s]")
     return (origin + pd.TimedeltaIndex(half_on)).normalize()
 
 
-def listed(jumps, most=4):
+def listed(jumps: Any, most: int = 4) -> str:
     """Sizes of jumps and their dates in words; of many the first, last and number."""
     if len(jumps) <= most:
         return ", ".join(f"{by / 60:+.0f} min on {day.date()}" for day, by in jumps)
@@ -61,5 +64,5 @@ def listed(jumps, most=4):
     return f"{ends} min {len(jumps)} times {span(jumps)}"
 
 
-def span(jumps):
+def span(jumps: Sequence) -> str:
     return f"from {jumps[0][0].date()} to {jumps[-1][0].date()}"

@@ -3,10 +3,13 @@
 import numpy as np
 import pandas as pd
 
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import HOUR
 
 
-def jumps_of(day, middle, limits, apart=False):
+def jumps_of(
+    day: np.ndarray, middle: np.ndarray, limits: Limits, apart: bool = False
+) -> list:
     """
     Days at which the middle of the light moves for good, or for some days.
 
@@ -35,7 +38,7 @@ def jumps_of(day, middle, limits, apart=False):
     return [widened(jump, day, middle, limits) for jump in sized if jump["by"]]
 
 
-def moves(middle, side):
+def moves(middle: np.ndarray, side: int) -> np.ndarray:
     """From the median of the days before each to that of the days after. [s]"""
     days = pd.Series(np.append(middle, np.nan))
     before = days.shift().rolling(side, min_periods=1).median()
@@ -43,14 +46,16 @@ def moves(middle, side):
     return (after - before).to_numpy()
 
 
-def together(one, other, limits):
+def together(one: dict, other: dict, limits: Limits) -> bool:
     """Whether two days see one jump; there and back within days are two."""
     near = other["day"] - one["day"] <= limits.noon_side
     near |= other["at"] - one["at"] == 1  # the days on either side of a gap
     return near and np.sign(one["by"]) == np.sign(other["by"])
 
 
-def jump_at(i, day, middle, limits, apart):
+def jump_at(
+    i: int, day: np.ndarray, middle: np.ndarray, limits: Limits, apart: bool
+) -> dict | None:
     """A jump before the i-th day, or None."""
     first, last = max(i - limits.noon_side, 0), i + limits.noon_side
     around = day[first:last]
@@ -63,7 +68,7 @@ def jump_at(i, day, middle, limits, apart):
     return dict(day=int(day[i]), before=int(day[i - 1]), at=i, by=by, rough=rough)
 
 
-def change(before, after):
+def change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
     """From one median to the other, its error, and how uneven both sides are. [s]"""
     sides = before, after
     centres = [np.median(side) for side in sides]
@@ -73,7 +78,7 @@ def change(before, after):
     return centres[1] - centres[0], error, sum(o.mean() for o in off)
 
 
-def evenest(group, limits):
+def evenest(group: list, limits: Limits) -> dict:
     """The jump with the most even sides, and the days that it may be on."""
     best = min(group, key=lambda jump: jump["rough"])
     # where noise has exponential tails, e times less likely for each mean deviation
@@ -82,7 +87,9 @@ def evenest(group, limits):
     return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))
 
 
-def size(day, middle, first, at, end, limits):
+def size(
+    day: np.ndarray, middle: np.ndarray, first: int, at: int, end: int, limits: Limits
+) -> float:
     """A jump's whole hours; else its minutes, if it holds for long; else 0. [s]"""
     side = limits.noon_side
     by, _, _ = change(
@@ -101,7 +108,7 @@ def size(day, middle, first, at, end, limits):
     return whole_hours(by, limits) or 60.0 * round(by / 60)
 
 
-def widened(jump, day, middle, limits):
+def widened(jump: dict, day: np.ndarray, middle: np.ndarray, limits: Limits) -> dict:
     """The jump with adjacent days by neither clock, such as the day of setting."""
     at, side, far = jump["at"], limits.noon_side, abs(jump["by"]) / 4
     before, after = (
@@ -117,7 +124,7 @@ def widened(jump, day, middle, limits):
     return jump | dict(within=(int(day[first - 1]) + 1, int(day[last])))
 
 
-def whole_hours(by, limits):
+def whole_hours(by: float, limits: Limits) -> float:
     """The whole hours that a move is near to, or 0. [s]"""
     hours = HOUR * round(by / HOUR)
     return float(hours) if abs(by - hours) < limits.sure * limits.noon_error else 0.0

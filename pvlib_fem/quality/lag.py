@@ -6,15 +6,19 @@ those of irradiance, as a sum of decays that begin there; the air is by the cloc
 irradiance. The lag that leaves least is the module's, if that holds day after day.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.optimize import nnls
 from scipy.stats import norm, t as student
 
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.onset import DAY, HOUR, decays, night
 from pvlib_fem.record.columns import is_power, twin_of
+from pvlib_fem.record.inputs import Columns
 
 ANSWER = 3 * HOUR  # s, in which a module's answer is over
 
@@ -33,7 +37,9 @@ class Lag:
     hours: tuple = ()  # (from here on [s], late by that [s]), where that changes
 
 
-def lag(seconds, poa, air, module, limits) -> Lag | None:
+def lag(
+    seconds: np.ndarray, poa: Any, air: np.ndarray, module: np.ndarray, limits: Limits
+) -> Lag | None:
     """
     By how many steps a module is late against irradiance, up to half a day.
 
@@ -74,16 +80,18 @@ def lag(seconds, poa, air, module, limits) -> Lag | None:
     return replace(found, hours=hours if len(hours) > 1 else ())
 
 
-def retimed(seconds, values, late):
+def retimed(
+    seconds: np.ndarray, values: np.ndarray, late: float | np.ndarray
+) -> np.ndarray:
     """What was written so much later, at each time; NaN beyond the ends. [s]"""
     return np.interp(seconds + late, seconds, values, left=np.nan, right=np.nan)
 
 
-def follows(poa_global, *columns):
+def follows(poa_global: np.ndarray, *columns: np.ndarray) -> np.ndarray:
     """The column whose changes follow those of irradiance best."""
     change = np.diff(poa_global)
 
-    def likeness(column):
+    def likeness(column: np.ndarray) -> float | np.ndarray:
         other = np.diff(column)
         both = np.isfinite(change) & np.isfinite(other)
         return change[both] @ other[both] / np.sqrt(other[both] @ other[both] + 1e-12)
@@ -91,7 +99,7 @@ def follows(poa_global, *columns):
     return max(columns, key=likeness)
 
 
-def by_module_logger(columns, retime):
+def by_module_logger(columns: dict | Columns, retime: Callable) -> dict:
     """
     Columns that the module's logger wrote, by the clock of the irradiance.
 
@@ -124,7 +132,7 @@ def by_module_logger(columns, retime):
     return moved
 
 
-def grid(seconds, columns, step, count):
+def grid(seconds: np.ndarray, columns: tuple, step: float, count: int) -> Iterator:
     """Means of columns over even steps of whole days; NaN on days without rows."""
     row = np.round(seconds / step - 1e-6).astype(np.int64)
     number = row // count
@@ -138,7 +146,7 @@ def grid(seconds, columns, step, count):
         yield np.divide(total, many, out=np.full(size, np.nan), where=many > 0)
 
 
-def changes(values):
+def changes(values: np.ndarray) -> np.ndarray:
     """Changes from row to row; 0 next to a missing value."""
     change = np.diff(values, prepend=values[:1])
     return np.where(np.isfinite(change), change, 0.0)
@@ -147,7 +155,14 @@ def changes(values):
 class Products:
     """Products of the changes of irradiance, air and module, lag by lag."""
 
-    def __init__(self, poa, air, module, count, length):
+    def __init__(
+        self,
+        poa: np.ndarray,
+        air: np.ndarray,
+        module: np.ndarray,
+        count: int,
+        length: int,
+    ) -> None:
         self.poa, self.air, self.module = poa, air, module
         self.count, self.length, self.reach = count, length, count // 2
         self.cross = {}  # by the lag
@@ -155,44 +170,44 @@ class Products:
         self.own = np.array([self.whole(poa, poa, j) for j in range(length)])
         self.of_air = np.array([self.whole(poa, air, j) for j in range(length)])
 
-    def part(self, first, end):
+    def part(self, first: int, end: int) -> "Products":
         """The products of some days."""
         rows = slice(first * self.count, end * self.count)
         columns = (self.poa[rows], self.air[rows], self.module[rows])
         return Products(*columns, self.count, self.length)
 
     @property
-    def told(self):
+    def told(self) -> bool:
         """Whether there is anything to tell."""
         return self.seen.sum() > 1 and self.own[0] > 0
 
-    def whole(self, one, other, lag):
+    def whole(self, one: np.ndarray, other: np.ndarray, lag: int) -> float:
         """One with the other so many rows later, in all."""
         end = len(one)
         if lag < 0:
             return other[: end + lag] @ one[-lag:]
         return one[: end - lag] @ other[lag:]
 
-    def later(self, lag):
+    def later(self, lag: int) -> float:
         """Irradiance with the module so many rows later, once for all its answers."""
         if lag not in self.cross:
             self.cross[lag] = self.whole(self.poa, self.module, lag)
         return self.cross[lag]
 
-    def of(self, one, other, lag=0):
+    def of(self, one: np.ndarray, other: np.ndarray, lag: int = 0) -> Any:
         """Products for each day of the first column."""
         later = np.zeros_like(other)
         end = len(other)
         later[max(-lag, 0) : end - max(lag, 0)] = other[max(lag, 0) : end + min(lag, 0)]
         return (one * later).reshape(-1, self.count).sum(axis=1)
 
-    def at(self, lag):
+    def at(self, lag: int) -> tuple[np.ndarray, float]:
         """What an answer from a lag on has to tell: with irradiance, and by itself."""
         told = np.array([self.later(j) for j in range(lag, lag + self.length)])
         square = self.module @ self.module + self.air @ self.air
         return told - self.of_air, square - 2 * self.whole(self.air, self.module, lag)
 
-    def left(self, lag, answer):
+    def left(self, lag: int, answer: np.ndarray) -> np.ndarray:
         """Daily residual of a response that begins at a lag."""
         own = np.correlate(answer, answer, "full")[len(answer) - 1 :].copy()
         own[1:] *= 2
@@ -205,14 +220,14 @@ class Products:
         return left
 
 
-def weighed(sums, step, limits):
+def weighed(sums: Products, step: float, limits: Limits) -> Lag:
     """The lag that leaves least, and how sure it is that it leaves less than none."""
     lags = np.arange(sums.length)
     normal = sums.own[np.abs(lags[:, None] - lags)]
     shapes = decays(lags, step, 0.0)
     root = np.linalg.cholesky(stable(shapes.T @ normal @ shapes))
 
-    def answer(lag):
+    def answer(lag: int) -> tuple[np.ndarray, float]:
         """The response that begins at a lag, and its residual."""
         target, square = sums.at(lag)
         right = np.linalg.solve(root, shapes.T @ target)
@@ -245,7 +260,7 @@ def weighed(sums, step, limits):
     return Lag(late, step, sure, share, float(left), best, tried[best][0])
 
 
-def hours_by_days(sums, found, limits):
+def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
     """From which day on the module is how many rows late; one pair if it is so always.
 
     Stretches are of months, since a few weeks of one sky may be an accident.
@@ -273,5 +288,5 @@ def hours_by_days(sums, found, limits):
     return hours
 
 
-def stable(square):
+def stable(square: np.ndarray) -> np.ndarray:
     return square + 1e-10 * max(np.trace(square), 1e-30) * np.eye(len(square))

@@ -196,7 +196,7 @@ class Limits:
     shortest_night: float = 10800.0
     stray_gap: float = 31622400.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
             if not value > 0:

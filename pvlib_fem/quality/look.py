@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +11,9 @@ from pvlib_fem.quality.outliers import few, jumps
 from pvlib_fem.quality.stray import refuse_gap
 from pvlib_fem.quality.stuck import DRIVERS, STILL, Standing, whole_run
 from pvlib_fem.record.checks import datetime_steps
-from pvlib_fem.record.clean import NONE, covered
+from pvlib_fem.record.clean import NONE, CleanRecord, covered
 from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.parquet import Block, ParquetRecord
 from pvlib_fem.record.ranges import NO_CODE, as_codes, possible
 
 SOME = 1 << 20  # rows from which the usual values of a column are taken
@@ -34,11 +36,11 @@ class Column:
     tail: tuple = ()  # the last values that are there, with their rows and times
     standing: Standing | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.name in (*STILL, *DRIVERS):
             self.standing = Standing(self.name, self.limits, self.unit)
 
-    def add(self, values, start, times):
+    def add(self, values: np.ndarray, start: int, times: np.ndarray) -> np.ndarray:
         """Look at the next rows; what stands for a value of them comes back."""
         low, high = np.fmin.reduce(values), np.fmax.reduce(values)
         self.missing += (lacking := int(np.isnan(values).sum()))
@@ -69,12 +71,19 @@ class Column:
             self.standing.add(still, start, times)
         return held
 
-    def note(self, kind, rows, values, start, times):
+    def note(
+        self,
+        kind: str,
+        rows: np.ndarray,
+        values: np.ndarray,
+        start: int,
+        times: np.ndarray,
+    ) -> None:
         if len(rows):
             part = rows + start, times[rows], values[rows]
             self.odd.setdefault(kind, []).append(part)
 
-    def of(self, kind):
+    def of(self, kind: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Rows, times and values of one kind of fault."""
         parts = self.odd.get(kind, [])
         if not parts:
@@ -83,7 +92,7 @@ class Column:
         rows, first = np.unique(rows.astype(int), return_index=True)
         return rows, times[first], values[first]
 
-    def spikes(self, values, start, times):
+    def spikes(self, values: np.ndarray, start: int, times: np.ndarray) -> None:
         """Values that jump and return, some perhaps in the blocks before."""
         rows = np.arange(start, start + len(values))
         new = values, rows, times
@@ -108,13 +117,15 @@ class Column:
         self.tail = tuple(part[-self.limits.few_rows - 1 :] for part in both)
 
     @property
-    def never_moves(self):
+    def never_moves(self) -> bool:
         """Whether it has one value only, whatever is missing."""
         if self.name == "poa_global":
             return max(self.low, 0.0) == max(self.high, 0.0)
         return self.low == self.high
 
-    def beyond(self, clean, sample, factor, fewest):
+    def beyond(
+        self, clean: CleanRecord, sample: np.ndarray, factor: float, fewest: int
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """
         Rows of one or two values that are ``factor`` times as large as all else.
 
@@ -147,7 +158,7 @@ class Column:
         return rows, times, values
 
 
-def without(values, rows):
+def without(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     values = np.array(values)
     values[rows] = np.nan
     return values
@@ -169,7 +180,7 @@ class Look:
     days: set = field(default_factory=set)
 
     @classmethod
-    def of(cls, clean, limits):
+    def of(cls, clean: CleanRecord, limits: Limits) -> Any:
         """What a pass over a record shows."""
         look = None
         for block in clean.blocks():
@@ -180,7 +191,7 @@ class Look:
             look.add(block, limits)
         return look
 
-    def add(self, block, limits):
+    def add(self, block: Block, limits: Limits) -> None:
         times, steps = block.times, block.inputs.steps
         self.ends = (*self.ends[:1], times[-1]) if self.ends else (times[0], times[-1])
         long = np.flatnonzero(steps * self.unit > limits.stray_gap)
@@ -196,17 +207,17 @@ class Look:
         self.rows += len(block)
 
     @property
-    def step(self):
+    def step(self) -> Any:
         """Median step. [s]"""
         return round(median(self.steps) * self.unit, 9)  # in µs 240 s are 3e-14 more
 
-    def refuse_gaps(self, limits, source):
+    def refuse_gaps(self, limits: Limits, source: ParquetRecord) -> None:
         """Refuse rows that are years from all others."""
         for row, *ends in self.gaps:
             start, before, after = map(source.at, (self.ends[0], *ends))
             refuse_gap(row, self.rows, start, before, after, limits)
 
-    def sampled(self, clean):
+    def sampled(self, clean: CleanRecord) -> Inputs:
         """Every so many rows of a record, as they are screened so far."""
         if self.taken is None:
             times, kept = zip(*self.sample)
@@ -228,11 +239,11 @@ class Look:
             self.taken = clean, inputs.having(columns) if columns else inputs
         return self.taken[1]
 
-    def forget(self):
+    def forget(self) -> None:
         """Let go of those rows, which what follows would keep."""
         self.sample, self.taken = [], None
 
-    def standing(self, rests):
+    def standing(self, rests: dict) -> dict:
         """Long repetitions of each column, by where its sensor rests."""
         found = {}
         for name, column in self.columns.items():
@@ -241,11 +252,11 @@ class Look:
             if not column.never_moves:
                 found[name] = column.standing.runs(rests[name])
             elif name in POSSIBLE:  # another may be a number that stands for all
-                found[name] = whole_run(column.low, self.rows, *self.ends, self.unit)
+                found[name] = whole_run(*[column.low, self.rows, *self.ends, self.unit])
         return found
 
 
-def count_steps(counts, steps):
+def count_steps(counts: dict, steps: np.ndarray) -> None:
     """Add how often each of some steps is there."""
     if not len(steps):
         return
@@ -256,7 +267,7 @@ def count_steps(counts, steps):
         counts[int(step)] += int(number)
 
 
-def median(counts):
+def median(counts: dict) -> float:
     """Median of values by how often they are there; NaN without any."""
     if not counts:
         return np.nan

@@ -1,9 +1,12 @@
 """Irradiance at times of night at which the nights around are dark."""
 
 import numpy as np
+import pandas as pd
 
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.outliers import slots
 from pvlib_fem.record.checks import dates_of
+from pvlib_fem.record.clean import CleanRecord
 
 #: at the equator, and anywhere in winter, the day ends within that from noon [days]
 HALF_DAY = 0.25
@@ -23,19 +26,19 @@ class Nights:
     limits : Limits
     """
 
-    def __init__(self, ends, limits):
+    def __init__(self, ends: pd.DatetimeIndex, limits: Limits) -> None:
         self.limits = limits
         self.parts = round(86400.0 / limits.sun_slack)
         self.first, last = dates_of(ends)
         days = int(last) - int(self.first) + 1
         self.known, self.lit, self.sum = (np.zeros((days, self.parts)) for _ in "abc")
 
-    def places(self, index):
+    def places(self, index: pd.DatetimeIndex) -> np.ndarray:
         """Day and time of day of each row, as one number."""
         day, part = slots(index, self.limits)
         return (day - self.first) * self.parts + part
 
-    def add(self, index, poa):
+    def add(self, index: pd.DatetimeIndex, poa: np.ndarray) -> None:
         """Look at the next rows."""
         there = np.isfinite(poa)
         place, poa = self.places(index)[there], poa[there]
@@ -44,7 +47,7 @@ class Nights:
             found = np.bincount(place, weight, table.size)
             table += found.reshape(table.shape)
 
-    def dark(self):
+    def dark(self) -> np.ndarray:
         """Whether light is an accident then, by that number."""
         known, lit = beside(self.known), beside(self.lit)
         there = known > 0
@@ -54,7 +57,7 @@ class Nights:
         seldom &= share(lit, there, self.limits.day_side) < 0.5
         return (seldom & self.far_from_noon()).ravel()
 
-    def far_from_noon(self):
+    def far_from_noon(self) -> np.ndarray:
         """Whether a time of a day is more than a quarter of a day from its noon."""
         mean = self.sum / np.maximum(self.known, 1.0)
         part = (np.arange(self.parts) + 0.5) / self.parts
@@ -64,19 +67,19 @@ class Nights:
         return far > HALF_DAY + 1.0 / self.parts
 
 
-def beside(table):
+def beside(table: np.ndarray) -> np.ndarray:
     """Sums of a time of day and of the adjacent ones."""
     flat = np.cumsum(np.pad(table.ravel(), (NEAR + 1, NEAR)))
     return (flat[2 * NEAR + 1 :] - flat[: -2 * NEAR - 1]).reshape(table.shape)
 
 
-def around(table, side):
+def around(table: np.ndarray, side: int) -> np.ndarray:
     """Sums over some days before and after, and the day itself."""
     whole = np.cumsum(np.pad(table, ((side + 1, side), (0, 0))), axis=0)
     return whole[2 * side + 1 :] - whole[: -2 * side - 1]
 
 
-def share(lit, there, side):
+def share(lit: np.ndarray, there: np.ndarray, side: int) -> np.ndarray:
     """Share of lit ones of the days around, each without itself; NaN of few."""
     number = around(there.astype(float), side) - there
     many = around(lit.astype(float), side) - lit
@@ -85,7 +88,9 @@ def share(lit, there, side):
     )
 
 
-def light_by_night(clean, ends, step, limits):
+def light_by_night(
+    clean: CleanRecord, ends: pd.DatetimeIndex, step: float, limits: Limits
+) -> list:
     """
     Rows of light by night, each with its time and value, of a record's blocks.
 

@@ -1,10 +1,12 @@
 """Is the whole file late? The middle of each day's light against the sun's."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pvlib
+from pvlib.location import Location
 
 from pvlib_fem.drivers import standard_time
 from pvlib_fem.drivers.mounts import orientation
@@ -34,13 +36,13 @@ class SolarNoon:
 
 
 def solar_noon_shift(
-    poa_global,
-    index,
-    location=None,
-    surface_tilt=None,
-    surface_azimuth=None,
-    limits=None,
-    mount=None,
+    poa_global: np.ndarray,
+    index: pd.DatetimeIndex,
+    location: Location | None = None,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
+    limits: Limits | None = None,
+    mount: Any = None,
 ) -> SolarNoon:
     """
     How late a whole file is, by the middle of each day's light.
@@ -117,7 +119,9 @@ def solar_noon_shift(
     return SolarNoon(late, days, jumps, faults, why, within, unsure, hours)
 
 
-def levels(when, middle, changes, limits):
+def levels(
+    when: np.ndarray, middle: np.ndarray, changes: list, limits: Limits
+) -> tuple:
     """From when on [s] the clock is how far [s] off where it is least wrong."""
     if not changes:
         return ()
@@ -131,7 +135,7 @@ def levels(when, middle, changes, limits):
     return tuple(zip(starts, np.where(small, 0.0, late)))
 
 
-def noon_faults(late, jumps, step, limits):
+def noon_faults(late: float, jumps: tuple, step: float, limits: Limits) -> dict:
     faults = {}
     if abs(late) > limits.sun_slack + step / 2:
         faults["file_shift"] = (
@@ -156,7 +160,7 @@ def noon_faults(late, jumps, step, limits):
     return faults
 
 
-def with_nights(seconds, poa, limits):
+def with_nights(seconds: np.ndarray, poa: np.ndarray, limits: Limits) -> np.ndarray:
     """Irradiance with 0 before and after each day, in a file without nights."""
     whole = np.floor(seconds / DAY)  # twice as fast as // and %
     deep = np.abs(seconds - whole * DAY - DAY / 2) > (DAY - limits.shortest_night) / 2
@@ -172,7 +176,9 @@ def with_nights(seconds, poa, limits):
     return np.where(outside & np.isnan(poa) & (last[day] >= 0), 0.0, poa)
 
 
-def middles(seconds, poa, step, limits):
+def middles(
+    seconds: np.ndarray, poa: np.ndarray, step: float, limits: Limits
+) -> tuple[np.ndarray, np.ndarray]:
     """Days that are whole, and the middle of the light of each. [s of its day]"""
     if not len(lit := np.flatnonzero(poa > limits.light)):
         return np.zeros(0, dtype=int), np.zeros(0)
@@ -192,7 +198,7 @@ def middles(seconds, poa, step, limits):
     return of_lit[whole], ((rise + fall) / 2 - of_lit * DAY)[whole]
 
 
-def longest(day, seconds, limits):
+def longest(day: np.ndarray, seconds: np.ndarray, limits: Limits) -> np.ndarray:
     """Lit rows of the longest part of each day's light, of those a night apart."""
     new = np.diff(seconds) > limits.shortest_night
     new |= np.diff(day) > 0
@@ -205,7 +211,9 @@ def longest(day, seconds, limits):
     return np.isin(part, order[last])
 
 
-def edge(seconds, poa, lit, way, limits):
+def edge(
+    seconds: np.ndarray, poa: np.ndarray, lit: np.ndarray, way: int, limits: Limits
+) -> np.ndarray:
     """When light begins or ends, between a lit row and the adjacent dark one. [s]"""
     dark = np.clip(lit + way, 0, len(poa) - 1)
     change, rest = poa[lit] - poa[dark], poa[lit] - limits.light
@@ -214,14 +222,21 @@ def edge(seconds, poa, lit, way, limits):
     return seconds[lit] + part * (seconds[dark] - seconds[lit])
 
 
-def universal(time, location):
+def universal(time: pd.Timestamp, location: Location) -> pd.Timestamp:
     """A time in UTC; without a zone, it is standard time at the location."""
     if time.tz is not None:
         return time.tz_convert("UTC").tz_localize(None)
     return standard_time(pd.DatetimeIndex([time]), location)[0].tz_localize(None)
 
 
-def due(origin, days, location, plane, limits, start):
+def due(
+    origin: pd.Timestamp,
+    days: np.ndarray,
+    location: Location,
+    plane: tuple,
+    limits: Limits,
+    start: pd.Timestamp,
+) -> np.ndarray:
     """
     The middle of the light that a half-clear sky gives on those days. [s]
 

@@ -1,7 +1,9 @@
 """When a module begins to answer the sun, lag by lag, from two columns of changes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
@@ -29,23 +31,25 @@ class Sums:
     day: float  # rows of a day are whole, so it may be off by a part of one [s]
     number: np.ndarray  # of each day that has rows, in the calendar
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.own)
 
     @property
-    def reach(self):
+    def reach(self) -> int:
         return self.own.shape[1] - 1
 
-    def later(self, lag, count, days=slice(None)):
+    def later(self, lag: int, count: int, days: Any = slice(None)) -> np.ndarray:
         """Daily products at ``count`` lags from ``lag`` on."""
         return self.cross[days, self.reach + lag : self.reach + lag + count]
 
-    def begin(self, day):
+    def begin(self, day: int | np.ndarray) -> float | np.ndarray:
         """When a day begins, from the record's first row. [s]"""
         return self.start + self.number[day] * self.day
 
 
-def daily_sums(seconds, base, poa, module, limits):
+def daily_sums(
+    seconds: np.ndarray, base: float, poa: np.ndarray, module: np.ndarray, limits: Any
+) -> Sums:
     """Daily products of rows a minute apart or more; days end in the dark."""
     # short steps are taken together: the mean of what came in, the end of the answer
     gather = max(1, round(FINEST / base))
@@ -57,7 +61,7 @@ def daily_sums(seconds, base, poa, module, limits):
     number, place = np.unique(row // (count * gather), return_inverse=True)
     place = place * count * gather + row % (count * gather)
 
-    def fold(values):
+    def fold(values: np.ndarray) -> np.ndarray:
         table = np.full(len(number) * count * gather, np.nan)
         table[place] = values
         return table.reshape(-1, gather)
@@ -78,7 +82,7 @@ def daily_sums(seconds, base, poa, module, limits):
     return Sums(own, cross, step, -front * base, count * step, number)
 
 
-def night(seconds, poa):
+def night(seconds: np.ndarray, poa: np.ndarray) -> float:
     """The dark half a day before the record's mean noon, at or before its start. [s]"""
     part = (np.asarray(seconds) / 600.0).astype(int) % 144
     sun = np.bincount(part, np.where(np.isnan(poa), 0.0, poa), 144)
@@ -87,7 +91,7 @@ def night(seconds, poa):
     return round((noon - DAY / 2) % DAY / 600.0) * 600.0 - DAY
 
 
-def changes(values, step, apart):
+def changes(values: np.ndarray, step: float, apart: np.ndarray) -> np.ndarray:
     """Changes from row to row, less their hour's mean; 0 next to a NaN or a gap."""
     change = np.diff(values, prepend=values[:1])
     change[~np.isfinite(change)] = 0.0
@@ -95,31 +99,31 @@ def changes(values, step, apart):
     return change - uniform_filter1d(change, round(FADE / step), mode="constant")
 
 
-def decays(lags, step, onset):
+def decays(lags: np.ndarray, step: float, onset: float) -> np.ndarray:
     """Change per row after a step of irradiance, of each decay: lags × decays."""
     return between(np.append(lags, lags[-1] + 1) * step - onset)
 
 
-def between(since):
+def between(since: np.ndarray) -> np.ndarray:
     """Change of each decay from one time since a step of irradiance to the next."""
     answer = response(since[:, None])
     return answer[1:] - answer[:-1]
 
 
-def response(since):
+def response(since: np.ndarray) -> np.ndarray:
     """Of a decay, seen by the sensor, to a step at 0."""
     since = np.maximum(since, 0.0)
     own, seen = np.exp(-since / DECAYS), np.exp(-since / SENSOR)
     return 1.0 - (DECAYS * own - SENSOR * seen) / (DECAYS - SENSOR)
 
 
-def plain(step):
+def plain(step: float) -> np.ndarray:
     """The answer of a usual module, to look for. [-]"""
     lags = np.arange(1 + round(1800 / step))
     return decays(lags, step, 0.0)[:, 1:3].mean(axis=1)
 
 
-def measured_blocks(sums, changes, limits):
+def measured_blocks(sums: Sums, changes: list, limits: Any) -> list:
     """Blocks of some days, eight of them if they can; none across a change."""
     length = np.clip(len(sums) / limits.block_number, FEWEST_DAYS, limits.longest_block)
     blocks = []
@@ -131,7 +135,7 @@ def measured_blocks(sums, changes, limits):
     return [block for block in blocks if block is not None]
 
 
-def measure(sums, days, limits):
+def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     """Onset in some days together, or None where clouds do not show it."""
     own, cross = sums.own[days].sum(axis=0), sums.cross[days].sum(axis=0)
     shape = plain(sums.step)
@@ -148,7 +152,7 @@ def measure(sums, days, limits):
     normal, cross = own[np.abs(lags[:, None] - lags)], cross[sums.reach + lags]
     edges = np.append(lags, lags[-1] + 1) * sums.step
 
-    def weigh(onset):
+    def weigh(onset: float) -> tuple[np.ndarray, float]:
         """Weights of the decays, none below 0, and the misfit but a constant."""
         shapes = between(edges - onset)
         square = shapes.T @ normal @ shapes
@@ -172,7 +176,7 @@ def measure(sums, days, limits):
     return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
 
 
-def least(misfit, near, step):
+def least(misfit: Callable, near: float, step: float) -> float:
     """Where a function of time is least: on a grid, then between its neighbours."""
     width = max(step / 2, 60.0)
     grid = near + width * np.arange(-8, 9)
@@ -181,7 +185,14 @@ def least(misfit, near, step):
     return minimize_scalar(misfit, bounds=bounds, method="bounded", options=options).x
 
 
-def error(sums, days, lags, onset, weights, normal):
+def error(
+    sums: Sums,
+    days: np.ndarray,
+    lags: np.ndarray,
+    onset: float,
+    weights: np.ndarray,
+    normal: np.ndarray,
+) -> tuple[float, np.ndarray]:
     """Standard error of the onset, from the contribution of each day."""
     step, small = sums.step, 0.01 * sums.step
     used = decays(lags, step, onset)[:, weights > 0]
@@ -201,7 +212,7 @@ def error(sums, days, lags, onset, weights, normal):
     return np.sqrt(spread) / told.sum(), told
 
 
-def quadratic(own, one, other):
+def quadratic(own: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Daily ``one · R · other``, with R the Toeplitz matrix of its lags."""
     lags = np.correlate(one, other, "full")
     middle = len(one) - 1

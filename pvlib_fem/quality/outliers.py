@@ -1,13 +1,16 @@
 """What a column cannot have measured, seen from the column alone."""
 
-import numpy as np
+from typing import Any
 
-from pvlib_fem.quality.limits import FASTEST
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality.limits import FASTEST, Limits
 from pvlib_fem.record.checks import dates_of
 from pvlib_fem.record.ranges import possible
 
 
-def apart(codes, rest, limits):
+def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
     """Codes in a column of unknown range that are no values."""
     if not len(rest):
         return codes
@@ -18,13 +21,13 @@ def apart(codes, rest, limits):
     return codes[above | below]
 
 
-def few(values, limits):
+def few(values: np.ndarray, limits: Limits) -> bool:
     """Whether a column has so few different values that it is a switch."""
     some = values[:: max(1, len(values) // 20_000)]
     return len(np.unique(some)) < limits.few_values
 
 
-def out_of_range(name, values):
+def out_of_range(name: str, values: np.ndarray) -> np.ndarray:
     """Rows of values that no sensor can have measured."""
     bounds = possible(name)
     if bounds is None:
@@ -32,7 +35,7 @@ def out_of_range(name, values):
     return outside(values, *bounds[:2])
 
 
-def outside(values, low, high):
+def outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
     """Rows of values below the one or above the other."""
     # of most columns the two ends tell, in a fraction of the time
     if len(values) and np.fmin.reduce(values) >= low and np.fmax.reduce(values) <= high:
@@ -40,7 +43,7 @@ def outside(values, low, high):
     return (values < low) | (values > high)
 
 
-def slots(index, limits):
+def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarray]:
     """Number of each row's day, and of its part of the day."""
     local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
     day = local.astype("M8[D]")
@@ -48,7 +51,7 @@ def slots(index, limits):
     return day.astype("i8"), (seconds // limits.sun_slack).astype(int)
 
 
-def is_light(usual, day, slot, limits):
+def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
     """
     Whether some parts of days are light on the days around.
 
@@ -70,7 +73,7 @@ ENDS = {
 }
 
 
-def range_ends(name, values, index, limits):
+def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -> list:
     """
     Values beyond which a column does not go, since its sensor's range ends there.
 
@@ -97,7 +100,14 @@ def range_ends(name, values, index, limits):
     return found
 
 
-def at_end(name, values, seconds, ends, limits, since=-np.inf):
+def at_end(
+    name: str,
+    values: np.ndarray,
+    seconds: np.ndarray,
+    ends: list,
+    limits: Limits,
+    since: float = -np.inf,
+) -> np.ndarray:
     """
     Rows of values at such ends, and rows that the module remembers them in.
 
@@ -111,7 +121,7 @@ def at_end(name, values, seconds, ends, limits, since=-np.inf):
     return seconds - last <= limits.still_time
 
 
-def most_jump(name, time, limits):
+def most_jump(name: str, time: np.ndarray, limits: Limits) -> np.ndarray:
     """Change there and back within a time that may be, half of it there."""
     most = limits.spike + FASTEST[name] * time / 2.0
     if name == "temp_air":
@@ -120,7 +130,9 @@ def most_jump(name, time, limits):
     return most
 
 
-def jumps(name, values, seconds, limits):
+def jumps(
+    name: str, values: np.ndarray, seconds: np.ndarray, limits: Limits
+) -> np.ndarray:
     """
     Rows that lie on one side of those before and after by more than can be.
 

@@ -1,6 +1,7 @@
 """The plane of an irradiance sensor, from its clearest days."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -38,7 +39,7 @@ class Plane:
     days: int  # clear days of which they are
 
     @property
-    def angles(self):
+    def angles(self) -> dict:
         """Both by their names."""
         names = ("surface_tilt", "surface_azimuth")
         return {name: getattr(self, name) for name in names}
@@ -50,10 +51,10 @@ class Plane:
         return bool((np.abs(apart) > SURE * np.array(self.errors)).any())
 
     @property
-    def errors(self):
+    def errors(self) -> Any:
         return self.tilt_error, self.azimuth_error
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"tilt {self.surface_tilt:.0f} ± {self.tilt_error:.0f}°, azimuth "
             f"{self.surface_azimuth:.0f} ± {self.azimuth_error:.0f}° clockwise from "
@@ -62,7 +63,10 @@ class Plane:
 
 
 def plane_of(
-    poa_global, index: pd.DatetimeIndex, location: Location, late: float = 0.0
+    poa_global: np.ndarray | pd.Series,
+    index: pd.DatetimeIndex,
+    location: Location,
+    late: float = 0.0,
 ) -> Plane | None:
     """
     Tilt and azimuth that the irradiance of clear days has.
@@ -122,7 +126,13 @@ def plane_of(
     return Plane(tilt, turn % 360.0, errors[0], errors[1], int(sky.day.max()) + 1)
 
 
-def fixed_rather(angles, poa_global, index, location, late=0.0):
+def fixed_rather(
+    angles: Any,
+    poa_global: Any,
+    index: pd.DatetimeIndex,
+    location: Location,
+    late: float = 0.0,
+) -> Any:
     """
     The fixed plane that the light of clear days has, rather than one that moves.
 
@@ -148,12 +158,19 @@ def fixed_rather(angles, poa_global, index, location, late=0.0):
     return (best[0], best[1] % 360.0) if fixed < CLEARLY * moving else None
 
 
-def at_rows(angles, rows):
+def at_rows(angles: tuple, rows: np.ndarray) -> tuple[float, float]:
     """Angles at some rows; numbers are the same in all."""
     return tuple(a if np.ndim(a) == 0 else np.asarray(a)[rows] for a in angles)
 
 
-def clear_days(poa_global, index, location, late, months, share=CLEAREST):
+def clear_days(
+    poa_global: np.ndarray | pd.Series,
+    index: pd.DatetimeIndex,
+    location: Any,
+    late: float,
+    months: np.ndarray,
+    share: float = CLEAREST,
+) -> "tuple[np.ndarray, Sky] | None":
     """Rows of the days with most light of each month, and a clear sky; or None."""
     poa = np.asarray(poa_global, dtype=float)
     place = sun(index - pd.Timedelta(seconds=late), location)
@@ -165,16 +182,24 @@ def clear_days(poa_global, index, location, late, months, share=CLEAREST):
         return None
     rows = np.flatnonzero(light & np.isin(there, days))
     of_rows = (column[rows] for column in (poa, zenith, azimuth, there))
-    return rows, Sky.of(*of_rows, location)
+    return rows, Sky.of(*[*of_rows, location])
 
 
-def turned(angles):
+def turned(angles: np.ndarray) -> np.ndarray:
     """Differences of tilt and azimuth, the short way round."""
     tilt, turn = angles.T
     return np.array([tilt, (turn + 180.0) % 360.0 - 180.0]).T
 
 
-def clearest(poa, zenith, up, light, there, months, share):
+def clearest(
+    poa: np.ndarray,
+    zenith: np.ndarray,
+    up: np.ndarray,
+    light: np.ndarray,
+    there: np.ndarray,
+    months: np.ndarray,
+    share: float,
+) -> np.ndarray | None:
     """The days of each month with most light for the sun's elevation, or None."""
     frame = pd.DataFrame(
         {
@@ -212,7 +237,14 @@ class Sky:
     scale: np.ndarray  # number of each row's scale
 
     @classmethod
-    def of(cls, poa, zenith, azimuth, day, location):
+    def of(
+        cls,
+        poa: np.ndarray,
+        zenith: np.ndarray,
+        azimuth: np.ndarray,
+        day: np.ndarray,
+        location: Location,
+    ) -> "Sky":
         """The clear sky of some rows."""
         air = pvlib.atmosphere.get_relative_airmass(zenith)
         pressure = pvlib.atmosphere.alt2pres(location.altitude)
@@ -230,11 +262,11 @@ class Sky:
             day,
         )
 
-    def scaled_by(self, groups):
+    def scaled_by(self, groups: np.ndarray) -> "Sky":
         """The clear sky with a scale for each group of rows."""
         return replace(self, scale=np.unique(groups, return_inverse=True)[1])
 
-    def plane(self):
+    def plane(self) -> tuple[np.ndarray, np.ndarray, float]:
         """The angles, their errors, and the relative residual of the irradiance."""
         best = self.best()
         sky = self.rows(np.isin(self.day, self.nearest(best)))
@@ -245,11 +277,11 @@ class Sky:
         errors = np.sqrt((GROUPS - 1) / GROUPS * (apart**2).sum(axis=0))
         return found, errors, np.sqrt(np.mean(sky.left(found) ** 2))
 
-    def rows(self, kept):
+    def rows(self, kept: np.ndarray) -> Any:
         """The clear sky of some rows."""
         return Sky(*(column[kept] for column in vars(self).values()))
 
-    def on_plane(self, angles):
+    def on_plane(self, angles: np.ndarray | tuple) -> np.ndarray:
         """The irradiance of the clear sky on a plane, or on one for each row. [W/m²]"""
         tilt, turn = (np.radians(angle) for angle in angles)
         ahead = np.cos(self.zenith) * np.cos(tilt) + np.sin(self.zenith) * np.sin(
@@ -260,14 +292,14 @@ class Sky:
         lit = around * ahead / np.cos(self.zenith) + (1.0 - around) * view
         return self.beam * ahead + self.sky * lit + self.ground * (1.0 - view)
 
-    def left(self, angles):
+    def left(self, angles: np.ndarray | tuple) -> np.ndarray:
         """What a plane leaves of each row, as a share of the mean irradiance."""
         modelled = self.on_plane(angles)
         squares = np.bincount(self.scale, modelled**2)
         times = np.bincount(self.scale, modelled * self.poa) / np.maximum(squares, 1e-9)
         return (self.poa - times[self.scale] * modelled) / self.poa.mean()
 
-    def search(self, start):
+    def search(self, start: np.ndarray | tuple) -> np.ndarray:
         """The angles that leave least, from some on. [°]"""
         found = least_squares(
             self.left,
@@ -279,27 +311,27 @@ class Sky:
         )
         return found.x
 
-    def best(self):
+    def best(self) -> np.ndarray:
         """The angles that leave least of all."""
         starts = sorted(STARTS, key=lambda one: float(np.abs(self.left(one)).mean()))
         ends = [self.search(start) for start in starts[:3]]
         return min(ends, key=lambda one: float(np.abs(self.left(one)).mean()))
 
-    def by_day(self, angles):
+    def by_day(self, angles: np.ndarray) -> np.ndarray:
         """The mean square that a plane leaves of each day."""
         left = self.left(angles)
         return np.bincount(self.day, left**2) / np.bincount(self.day)
 
-    def least_left(self, angles):
+    def least_left(self, angles: Any) -> Any:
         """The root mean square that a plane leaves of the days that fit it best."""
         return float(np.sqrt(np.sort(self.by_day(angles))[: self.most].mean()))
 
-    def nearest(self, angles):
+    def nearest(self, angles: np.ndarray) -> np.ndarray:
         """Days whose shape is that of a clear sky in the plane."""
         by_day = self.by_day(angles)
         return np.argsort(by_day, kind="stable")[: self.most]
 
     @property
-    def most(self):
+    def most(self) -> int:
         """Number of days that are kept."""
         return max(int(KEPT * (self.day.max() + 1)), 20)

@@ -1,6 +1,7 @@
 """The screening of a record in memory, the same for all that takes one."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +23,7 @@ class Faults:
     masks: dict = field(default_factory=dict)  # kind to column to rows
     clipped: int = 0  # rows of a little negative irradiance by night
 
-    def of(self, name, besides=()):
+    def of(self, name: str, besides: tuple = ()) -> np.ndarray:
         """Rows in which a column is at fault."""
         rows = np.zeros(len(self.record.index), dtype=bool)
         for kind, columns in self.masks.items():
@@ -31,13 +32,13 @@ class Faults:
         return rows
 
     @property
-    def impossible(self):
+    def impossible(self) -> dict:
         """Rows of each column that were not measured, those that repeat aside."""
         found = {name: self.of(name, ("stuck",)) for name in self.record.inputs.columns}
         return {name: int(np.count_nonzero(rows)) for name, rows in found.items()}
 
     @property
-    def counts(self):
+    def counts(self) -> Any:
         """A row for each column and kind."""
         rows = []
         for kind, columns in self.masks.items():
@@ -48,11 +49,11 @@ class Faults:
         return pd.DataFrame(rows, columns=["column", "kind", "rows", "first", "value"])
 
     @property
-    def notes(self):
+    def notes(self) -> tuple:
         """The findings in sentences."""
         return tuple(map(sentence, self.counts.itertuples()))
 
-    def and_in(self, rows, other):
+    def and_in(self, rows: np.ndarray, other: "Faults") -> "Faults":
         """The faults with those of temp_module in some rows from another."""
         name, masks = "temp_module", {}
         for kind in KINDS:
@@ -67,7 +68,9 @@ class Faults:
         return replace(self, record=other.record, masks=masks)
 
 
-def screened(record, limits=None, check_units=True):
+def screened(
+    record: Record, limits: Limits | None = None, check_units: bool = True
+) -> tuple[Record, Faults]:
     """
     A record without what was not measured, and what that is.
 
@@ -101,7 +104,13 @@ def screened(record, limits=None, check_units=True):
     return less(record, found, clipped)
 
 
-def alone(record, limits, check_units=True, names=None, late=False):
+def alone(
+    record: Record,
+    limits: Limits,
+    check_units: bool = True,
+    names: tuple | None = None,
+    late: bool = False,
+) -> tuple[Record, Faults]:
     """
     Screen all but stuck sensors, which need other columns.
 
@@ -111,7 +120,13 @@ def alone(record, limits, check_units=True, names=None, late=False):
     return less(record, *by_columns(record, limits, check_units, names, late))
 
 
-def by_columns(record, limits, check_units=True, names=None, late=False):
+def by_columns(
+    record: Record,
+    limits: Limits,
+    check_units: bool = True,
+    names: tuple | None = None,
+    late: bool = False,
+) -> tuple[Screener, int]:
     """What the rules find that look at one column, and rows of offset by night."""
     found = screener(record, limits, names)
     found.fills()
@@ -124,13 +139,13 @@ def by_columns(record, limits, check_units=True, names=None, late=False):
     return found, clipped
 
 
-def screener(record, limits, names=None):
+def screener(record: Record, limits: Limits, names: tuple | None = None) -> Screener:
     """The screening of a record in memory, before any rule."""
     clean = CleanRecord(FrameRecord(record.inputs), tuple(record.inputs.columns))
     return Screener.of(clean, limits, names)
 
 
-def less(record, found, clipped):
+def less(record: Record, found: Screener, clipped: int) -> tuple[Record, Faults]:
     """A record without what was found, and that."""
     faults = Faults(record, found.masks(), clipped)
     holes = {name: faults.of(name) for name in found.clean.holes}
@@ -176,7 +191,7 @@ class Screening:
         found = np.any([mask.to_numpy() for mask in self.masks.values()], axis=0)
         return pd.DataFrame(found, self.cleaned.index, self.cleaned.columns)
 
-    def __str__(self):
+    def __str__(self) -> str:
         rows = f"{len(self.cleaned):,} rows"
         if not self.notes:
             return f"{rows}: nothing at fault was found"
@@ -261,7 +276,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
     return Screening(masks, counts, (*found.notes, *odd), cleaned, found.clipped)
 
 
-def of_frame(data):
+def of_frame(data: pd.DataFrame) -> tuple[Record, dict]:
     """The numeric columns of a frame as a record, and what the frame calls them."""
     columns = with_aliases(data, ())
     own = {printable(label): label for label in data}

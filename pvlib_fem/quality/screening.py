@@ -1,7 +1,9 @@
 """The screening of a record block by block, whether it is in memory or in files."""
 
 from collections import Counter, namedtuple
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,6 +39,7 @@ from pvlib_fem.record.clean import (
     united,
 )
 from pvlib_fem.record.columns import GEOMETRY, ROTATION
+from pvlib_fem.record.inputs import Inputs, Record
 from pvlib_fem.record.ranges import possible
 from pvlib_fem.record.units import of_any_unit
 
@@ -59,7 +62,7 @@ KINDS = {
 }
 
 
-def sentence(row):
+def sentence(row: Any) -> str:
     """What was found in one column, in one line."""
     low, high, unit = possible(row.column) or (0, 0, "")
     what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
@@ -67,7 +70,7 @@ def sentence(row):
     return f"{row.column} {what} {many} {row.first}: not used"
 
 
-def empty_error(row):
+def empty_error(row: "Found") -> Any:
     """The error of a column in which nothing but one kind of fault was found."""
     return ValueError(
         f"{row.column} holds nothing but the fill value {row.value:g}, from "
@@ -75,7 +78,9 @@ def empty_error(row):
     )
 
 
-def refuse_share(name, share, value, time, limits):
+def refuse_share(
+    name: str, share: float, value: float, time: pd.Timestamp, limits: Limits
+) -> None:
     """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
     if share > limits.most_impossible:
         low, high, unit = possible(name)
@@ -98,12 +103,14 @@ class Screener:
     first: dict = field(default_factory=dict)  # time and value of the first of them
 
     @classmethod
-    def of(cls, clean, limits, asked=None):
+    def of(
+        cls, clean: CleanRecord, limits: Limits, asked: tuple | None = None
+    ) -> "Screener":
         """The screening of a record, before any rule; of some columns or of all."""
         look = Look.of(clean, limits)
         return cls(clean, limits, clean.names if asked is None else asked, look)
 
-    def rules(self):
+    def rules(self) -> int:
         """Every other rule that looks at one column; rows of offset by night."""
         sample, clipped = self.sampled(), 0
         self.doubts = doubtful(sample.columns, self.limits)
@@ -120,11 +127,11 @@ class Screener:
             self.light_by_night()
         return clipped
 
-    def sampled(self):
+    def sampled(self) -> Inputs:
         """Some rows of the record, as it is screened so far."""
         return self.look.sampled(self.clean)
 
-    def judged(self):
+    def judged(self) -> Inputs:
         """Rows without values that no unit explains; they identify the units."""
         sample, lost = self.sampled(), {}
         numbers = np.arange(len(sample.index)) * self.look.every
@@ -135,20 +142,29 @@ class Screener:
                 lost[name] = rows
         return sample.having(sample.columns.put(np.nan, lost)) if lost else sample
 
-    def ruled(self):
+    def ruled(self) -> Iterator:
         """Columns that the rules check."""
         for name, one in self.look.columns.items():
             if name in self.asked and name not in self.doubts and name not in PLACED:
                 yield name, one
 
-    def note(self, kind, name, rows, times, values):
+    def note(
+        self,
+        kind: str,
+        name: str,
+        rows: np.ndarray,
+        times: np.ndarray,
+        values: np.ndarray,
+    ) -> None:
         """Take rows of one kind out of a column, with what is said of the first."""
         if len(rows):
             at = int(np.argmin(rows))
             time = self.clean.source.at(times[at])
             self.take(kind, name, spans(np.sort(rows)), time, values[at])
 
-    def take(self, kind, name, rows, time, value):
+    def take(
+        self, kind: str, name: str, rows: np.ndarray, time: pd.Timestamp, value: float
+    ) -> None:
         before = self.found.setdefault(kind, {}).get(name)
         if before is None or rows[0, 0] < before[0, 0]:
             self.first[kind, name] = time, float(value)
@@ -156,11 +172,11 @@ class Screener:
         self.found[kind][name] = both
         self.clean = self.clean.lacking({name: rows})
 
-    def look_again(self):
+    def look_again(self) -> None:
         """The look at the remaining values, if a rule removed some that others see."""
         self.look = Look.of(self.clean, self.limits)
 
-    def refuse_nothing(self, needed):
+    def refuse_nothing(self, needed: tuple) -> dict:
         """Refuse a column without a value."""
         at, rows = self.clean.source.at, self.look.rows
         missing = {name: one.missing for name, one in self.look.columns.items()}
@@ -172,7 +188,7 @@ class Screener:
             )
         return missing
 
-    def fills(self):
+    def fills(self) -> None:
         """Values that stand for none: codes, and what repeats far beyond all else."""
         limits, again = self.limits, False
         sample = self.sampled()
@@ -198,13 +214,13 @@ class Screener:
         if again:
             self.look_again()
 
-    def refuse_empty(self):
+    def refuse_empty(self) -> None:
         """Refuse one of the four columns without any remaining value."""
         for row in self.told():
             if row.column in POSSIBLE and not self.look.columns[row.column].known:
                 raise empty_error(row)
 
-    def negative_by_day(self):
+    def negative_by_day(self) -> int:
         """Take negative irradiance by day out; rows of it by night come back."""
         if not self.look.columns["poa_global"].least < 0:
             return 0
@@ -227,7 +243,7 @@ class Screener:
         beyond = self.look.columns["poa_global"].of("out of range")[2]
         return sum(below) - rows - int((beyond < 0).sum())
 
-    def light_by_night(self):
+    def light_by_night(self) -> None:
         """Take irradiance out that is there at night, where other nights are dark."""
         ends = pd.DatetimeIndex([*map(self.clean.source.at, self.look.ends)])
         parts = light_by_night(self.clean, ends, self.look.step, self.limits)
@@ -235,7 +251,7 @@ class Screener:
             self.note("light by night", "poa_global", *map(np.concatenate, zip(*parts)))
             self.look_again()
 
-    def light(self):
+    def light(self) -> set:
         """Parts of days that are light on the days around, as numbers."""
         sums, counts, negative = Counter(), Counter(), set()
         for block in self.clean.blocks(("poa_global",)):
@@ -253,10 +269,10 @@ class Screener:
         mean = [sums[k] / counts[k] if counts[k] else np.nan for k in keys.tolist()]
         days = [keys // PARTS, keys % PARTS]
         usual = pd.Series(mean, days).unstack()  # noqa: PD010  of an index
-        light = is_light(usual, *days, self.limits)
+        light = is_light(usual, days[0], days[1], self.limits)
         return set(keys[light].tolist()) & negative
 
-    def ends(self):
+    def ends(self) -> None:
         """Take out the end of a sensor's range; the offset of a night is 0."""
         again = False
         sample = self.sampled()
@@ -278,7 +294,7 @@ class Screener:
             self.look_again()
         self.clean = self.clean.clipped()
 
-    def refuse_impossible(self):
+    def refuse_impossible(self) -> None:
         """Refuse a record of which too much cannot be, or is negative by day."""
         for name in POSSIBLE:
             kinds = "out of range", "negative by day"
@@ -293,7 +309,7 @@ class Screener:
             time, value = self.first[first, name]
             refuse_share(name, share, value, time, self.limits)
 
-    def standing(self, refuse=True):
+    def standing(self, refuse: bool = True) -> None:
         """Take out stuck values, or refuse a sensor that is always stuck."""
         clean, columns = self.clean, self.look.columns
         sample = self.sampled()
@@ -319,7 +335,7 @@ class Screener:
             calm = becalmed(clean, self.look.step, rest, self.limits)
             self.note("stuck", "wind_speed", *calm)
 
-    def told(self):
+    def told(self) -> Iterator:
         """What was found, in the order of kinds and columns."""
         for kind in KINDS:
             for name in self.clean.names:
@@ -327,7 +343,7 @@ class Screener:
                     rows = size(self.found[kind][name])
                     yield Found(name, kind, rows, *self.first[kind, name])
 
-    def masks(self):
+    def masks(self) -> dict:
         """Booleans of all rows, by kind and column."""
         rows = len(self.clean)
         return {
@@ -341,7 +357,7 @@ class Screener:
         }
 
 
-def stuck(record, limits=None) -> dict[str, np.ndarray]:
+def stuck(record: Record, limits: Limits | None = None) -> dict[str, np.ndarray]:
     """
     Rows in which a sensor is stuck while its driver changes.
 

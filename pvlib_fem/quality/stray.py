@@ -1,11 +1,14 @@
 """Rows whose time is years from all others."""
 
+from typing import Any
+
 import numpy as np
 
+from pvlib_fem.quality.limits import Limits
 from pvlib_fem.record.checks import instants
 
 
-def refuse_stray(index, limits):
+def refuse_stray(index: Any, limits: Any) -> None:
     """Refuse rows that are years from all others: their time is not theirs."""
     gap = np.timedelta64(int(limits.stray_gap), "s")  # in ns too long a gap overflows
     times = instants(index)
@@ -15,7 +18,9 @@ def refuse_stray(index, limits):
         refuse_gap(at, len(index), index[0], index[at - 1], index[at], limits)
 
 
-def refuse_gap(at, total, start, before, after, limits):
+def refuse_gap(
+    at: Any, total: Any, start: Any, before: Any, after: Any, limits: Limits
+) -> None:
     """Refuse the rows on one side of a gap before row ``at``, if they are few."""
     early = at <= total / 2
     rows = at if early else total - at

@@ -1,7 +1,9 @@
 """A record in files without what was not measured."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from pvlib_fem.quality.limits import Limits
 from pvlib_fem.quality.look import Look
@@ -9,6 +11,7 @@ from pvlib_fem.quality.screening import Screener, sentence
 from pvlib_fem.quality.units import oddities, refuse_doubtful, refuse_units
 from pvlib_fem.record.clean import CleanRecord
 from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem.record.parquet import ParquetRecord
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +26,13 @@ class Screened:
     clipped: int = 0
 
     @property
-    def notes(self):
+    def notes(self) -> tuple:
         found = map(sentence, self.found)
-        return (*self.record.source.notes, *found, *self.odd)
+        source: Any = self.record.source  # of files, which have notes
+        return (*source.notes, *found, *self.odd)
 
     @property
-    def impossible(self):
+    def impossible(self) -> dict:
         """Rows of each column that were not measured, those that repeat aside."""
         counts = Counter()
         for one in self.found:
@@ -36,7 +40,13 @@ class Screened:
         return {name: counts[name] for name in self.record.names}
 
 
-def screened_blocks(source, drivers=(), limits=None, check_units=True, needed=None):
+def screened_blocks(
+    source: ParquetRecord,
+    drivers: Sequence = (),
+    limits: Limits | None = None,
+    check_units: bool = True,
+    needed: Any = None,
+) -> Screened:
     """
     A record in files without what was not measured, from few passes over them.
 

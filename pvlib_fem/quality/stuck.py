@@ -1,14 +1,20 @@
 """A sensor that is stuck while its driver changes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.quality.limits import POSSIBLE, Limits
 from pvlib_fem.quality.values import never_moves
 from pvlib_fem.record.clean import (
+    CleanRecord,
     covered,
 )
+from pvlib_fem.record.inputs import Record
+from pvlib_fem.record.parquet import Block
 from pvlib_fem.relaxation import relax
 from pvlib_fem.spelling import argument, refusal
 
@@ -24,12 +30,12 @@ class Runs:
     time: np.ndarray  # from the first to the last row [s]
     odd: np.ndarray  # whether the column's own changes make it far too long
 
-    def some(self, kept):
+    def some(self, kept: np.ndarray) -> "Runs":
         """Some of them."""
         return Runs(*(getattr(self, part.name)[kept] for part in fields(self)))
 
     @property
-    def spans(self):
+    def spans(self) -> np.ndarray:
         """First row of each, and the one after its last."""
         return np.column_stack([self.first, self.last + 1])
 
@@ -51,21 +57,22 @@ class Standing:
     found: list = field(default_factory=list)
     open: tuple | None = None  # the last one, which may go on
 
-    def add(self, values, start, times):
+    def add(self, values: Any, start: int, times: np.ndarray) -> "Standing":
         """Look at the next rows, the first of which is row ``start``."""
         if not len(values):
             return self
         edges = np.flatnonzero(values[1:] != values[:-1]) + 1
         edges = np.concatenate(([0], edges, [len(values)]))
         goes_on = self.open is not None and self.open[0] == values[0]
-        self.rows += np.count_nonzero(np.isfinite(values))
-        self.changes += np.count_nonzero(np.isfinite(values[edges[:-1]])) - goes_on
+        self.rows += int(np.count_nonzero(np.isfinite(values)))
+        begun = np.isfinite(values[edges[:-1]])
+        self.changes += int(np.count_nonzero(begun)) - int(goes_on)
         many = np.flatnonzero(np.diff(edges) > self.limits.few_rows)
         # the first may go on from the rows before, and the last in those that follow
         many = np.union1d(many, [0, len(edges) - 2])
         first, last = edges[many], edges[many + 1] - 1
         runs = [values[first], first + start, last + start, times[first], times[last]]
-        if goes_on:
+        if goes_on and self.open is not None:
             runs[1][0], runs[3][0] = self.open[1], self.open[3]
         else:
             self.close()
@@ -73,17 +80,24 @@ class Standing:
         self.keep(*(part[:-1] for part in runs))
         return self
 
-    def close(self):
+    def close(self) -> None:
         if self.open is not None:
             self.keep(*(np.array([one]) for one in self.open))
 
-    def keep(self, value, first, last, begin, end):
+    def keep(
+        self,
+        value: np.ndarray,
+        first: np.ndarray,
+        last: np.ndarray,
+        begin: np.ndarray,
+        end: np.ndarray,
+    ) -> None:
         time = (end - begin) * self.unit
         long = (last - first >= self.limits.few_rows) & (time > self.limits.still_time)
         if long.any():
             self.found.append([x[long] for x in (value, first, last, begin, time)])
 
-    def runs(self, rest):
+    def runs(self, rest: float) -> Runs:
         """All of them, after the last row, and which are odd for the column."""
         self.close()
         self.open = None
@@ -95,10 +109,11 @@ class Standing:
         resting = at_rest(self.name, value, rest)
         rows = self.rows - (last - first + 1)[resting].sum()
         changes = self.changes - np.count_nonzero(resting)
-        return Runs(*parts, last - first > most_kept(rows, changes, self.limits))
+        long = last - first > most_kept(rows, changes, self.limits)
+        return Runs(*[*parts, long])
 
 
-def most_kept(rows, changes, limits):
+def most_kept(rows: int, changes: Any, limits: Limits) -> Any:
     """
     Rows in which a value may repeat the one before it by chance.
 
@@ -109,14 +124,14 @@ def most_kept(rows, changes, limits):
     return np.log(limits.still_chance) / np.log1p(-changes / rows)
 
 
-def whole_run(value, rows, first, last, unit=1.0):
+def whole_run(value: float, rows: int, first: int, last: int, unit: float = 1.0) -> Any:
     """The one repetition of a column that never moves, with its first and last time."""
     ends = np.array([0]), np.array([rows - 1]), np.array([first])
     time = np.array([(last - first) * unit])
     return Runs(np.array([value]), *ends, time, np.array([True]))
 
 
-def rest_of(name, values, limits):
+def rest_of(name: str, values: np.ndarray, limits: Limits) -> float:
     """
     Value at which a column's sensor rests; NaN of one that does not.
 
@@ -140,18 +155,18 @@ def rest_of(name, values, limits):
     return way * float(rest)
 
 
-def longest_run(rows):
+def longest_run(rows: np.ndarray) -> int:
     """How many rows follow each other at most."""
     edges = np.flatnonzero(np.diff(rows, prepend=False, append=False))
     return int(np.diff(edges)[::2].max(initial=0))
 
 
-def at_rest(name, values, rest):
+def at_rest(name: str, values: np.ndarray, rest: float) -> np.ndarray:
     """Whether values are where the column's sensor rests."""
     return values >= rest if name == "relative_humidity" else values <= rest
 
 
-def seen_by(name, columns):
+def seen_by(name: str, columns: dict) -> np.ndarray:
     """A column, or what two of them make: over-temperature, and where it is warm."""
     if name in columns:
         return columns[name]
@@ -159,12 +174,14 @@ def seen_by(name, columns):
     return over if name == "over" else np.maximum(over, 0.0)
 
 
-def too_long(runs, limits):
+def too_long(runs: Runs, limits: Limits) -> np.ndarray:
     """Repetitions that are odd for the column, or last while others move for days."""
     return runs.odd | (runs.time > limits.calm)
 
 
-def still_irradiance(runs, extent, steps, limits):
+def still_irradiance(
+    runs: Runs, extent: Callable, steps: dict, limits: Limits
+) -> np.ndarray:
     night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
     # a late clock has the sun at night; frost cools a module, and snow keeps it warm
     warm = extent("warmth", limits.farthest_clock) > limits.warmed
@@ -172,12 +189,14 @@ def still_irradiance(runs, extent, steps, limits):
     return (extent("over") > limits.warmed) & (~night | warm)
 
 
-def still_air(runs, extent, steps, limits):
+def still_air(runs: Runs, extent: Callable, steps: dict, limits: Limits) -> np.ndarray:
     moved = extent("temp_module") > limits.warmed
     return moved & (runs.time > limits.still_air)
 
 
-def still_module(runs, extent, steps, limits):
+def still_module(
+    runs: Runs, extent: Callable, steps: dict, limits: Limits
+) -> np.ndarray:
     of_sun = extent("felt") > limits.bright
     of_air = extent("temp_air") > limits.temp_slack + 2 * sum(steps.values())
     of_air &= runs.time > limits.still_air
@@ -204,7 +223,7 @@ DRIVERS = {
 }
 
 
-def still_driver(name, runs, rest, limits):
+def still_driver(name: str, runs: Runs, rest: float, limits: Limits) -> np.ndarray:
     """Repetitions that none of the others explains."""
     longest = limits.calm if name == "wind_speed" else np.inf
     resting = at_rest(name, runs.value, rest)
@@ -224,7 +243,7 @@ SEEN_BY = {
 }
 
 
-def frozen(clean, standing, rests, limits):
+def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> dict:
     """
     Spans of rows in which a sensor is stuck, by column.
 
@@ -271,7 +290,7 @@ class Extents:
     since: float = 0.0
 
     @classmethod
-    def of(cls, clean, standing, limits):
+    def of(cls, clean: CleanRecord, standing: dict, limits: Limits) -> "Extents":
         """The extents over a record, from one pass."""
         steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
         found = cls(standing, limits, steps)
@@ -284,7 +303,7 @@ class Extents:
         found.steps = {n: s if s < np.inf else 0.0 for n, s in found.steps.items()}
         return found
 
-    def add(self, block):
+    def add(self, block: Block) -> None:
         columns = dict(block.inputs.columns)
         others = {other for _, other, _ in self.bounds}
         if "felt" in others:
@@ -304,7 +323,7 @@ class Extents:
                     merge(self.bounds[name, other, margin], i, columns[other][rows])
 
     @staticmethod
-    def rows(block, count, runs, i, margin):
+    def rows(block: Block, count: np.ndarray, runs: Runs, i: Any, margin: float) -> Any:
         """Rows of a block that lie in the i-th repetition, within a margin."""
         first = max(runs.first[i] - block.start, 0)
         last = min(runs.last[i] + 1 - block.start, len(block))
@@ -315,7 +334,7 @@ class Extents:
             return slice(first + np.searchsorted(seconds, margin), first + end)
         return slice(first, last)
 
-    def as_felt(self, block):
+    def as_felt(self, block: Block) -> np.ndarray:
         """Irradiance as the module feels it, carried on from the blocks before."""
         poa, steps = block["poa_global"], block.inputs.steps.astype(float)
         there = np.flatnonzero(np.isfinite(poa))
@@ -329,7 +348,7 @@ class Extents:
         self.felt = felt[there[-1]]
         return felt
 
-    def resolve(self, name, values):
+    def resolve(self, name: str, values: np.ndarray) -> None:
         """Smallest change of a column so far."""
         change = np.abs(np.diff(values, prepend=self.before.get(name, np.nan)))
         self.before[name] = values[-1]
@@ -337,10 +356,10 @@ class Extents:
         if len(change):
             self.steps[name] = min(self.steps[name], float(change.min()))
 
-    def taker(self, name):
+    def taker(self, name: str) -> Callable:
         """What tells the extent of another column in repetitions of one."""
 
-        def extent(other, margin=0.0):
+        def extent(other: str, margin: float = 0.0) -> np.ndarray:
             key = name, other, "farthest_clock" if margin else ""
             low, high, _ = self.bounds[key]
             return np.nan_to_num(high - low)
@@ -348,7 +367,7 @@ class Extents:
         return extent
 
 
-def merge(bounds, i, values):
+def merge(bounds: np.ndarray, i: Any, values: np.ndarray) -> None:
     """
     Take further values into the least and largest of the i-th repetition.
 
@@ -360,13 +379,13 @@ def merge(bounds, i, values):
     bounds[:, i] = np.fmin.reduce(before), np.fmax.reduce(before), values[-1]
 
 
-def may_rest(wind, rest, usual, limits):
+def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> bool:
     """Whether so many rows are at one value, or below, that a calm may be too long."""
     _, counts = np.unique(wind[wind <= rest], return_counts=True)
     return counts.max(initial=0) * usual > limits.calm
 
 
-def becalmed(clean, usual, rest, limits):
+def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> list:
     """
     Rows of wind at rest for longer than a calm lasts, with their times and values.
 
@@ -396,7 +415,7 @@ def becalmed(clean, usual, rest, limits):
     return [np.concatenate(part) for part in zip(*parts)]
 
 
-def refuse_frozen(record, frozen):
+def refuse_frozen(record: Record, frozen: dict) -> None:
     """Refuse a record in which a sensor never moves, so that no row can be used."""
     whole = [
         name for name in frozen if frozen[name].any() and never_moves(record[name])
@@ -405,7 +424,7 @@ def refuse_frozen(record, frozen):
         raise frozen_error(whole[0], [whole_line(record, name) for name in whole])
 
 
-def frozen_error(name, lines):
+def frozen_error(name: str, lines: list) -> Any:
     """The error of sensors that never move, of which ``name`` is one."""
     words = (
         f"{'; '.join(lines)}, so no row is left; look at sensor and logger, or name "
@@ -415,14 +434,14 @@ def frozen_error(name, lines):
     return refusal(words, *(calm if name == "wind_speed" else ()))
 
 
-def stuck_line(record, frozen):
+def stuck_line(record: Record, frozen: dict) -> str:
     """The stuck sensor, since when and at which value, in one line."""
     lines = [one_line(record, name, rows) for name, rows in frozen.items()]
     lines = "; ".join(filter(None, lines))
     return f"{lines}: they are not used; look at sensor and logger"
 
 
-def one_line(record, name, rows):
+def one_line(record: Record, name: str, rows: np.ndarray) -> str:
     """The line of one column, or nothing if it moves."""
     values = record[name]
     if not rows.any():
@@ -436,7 +455,7 @@ def one_line(record, name, rows):
     )
 
 
-def whole_line(record, name):
+def whole_line(record: Record, name: str) -> Any:
     """The line of a column that never moves."""
     values = record[name]
     seen = np.flatnonzero(np.isfinite(values))
@@ -444,7 +463,9 @@ def whole_line(record, name):
     return standing_line(name, values[seen[0]], first, last)
 
 
-def standing_line(name, value, first, last):
+def standing_line(
+    name: str, value: float, first: pd.Timestamp, last: pd.Timestamp
+) -> str:
     return (
         f"{name} stands still at {value:g} for the whole record, from {first} to {last}"
     )

@@ -24,7 +24,12 @@ class TwinClock:
     line: str = ""  # what is wrong with it; "" where nothing is
 
 
-def twin_clock(poa_global, other, index, limits=None) -> TwinClock:
+def twin_clock(
+    poa_global: np.ndarray,
+    other: np.ndarray,
+    index: pd.DatetimeIndex,
+    limits: Limits | None = None,
+) -> TwinClock:
     """
     By how much one irradiance is ahead of another, by the middle of their light.
 

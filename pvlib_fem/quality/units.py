@@ -1,13 +1,16 @@
 """Columns in another unit, or not what their name says."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.quality.between import between
 from pvlib_fem.quality.hours import side_of
-from pvlib_fem.quality.lag import lag, retimed
+from pvlib_fem.quality.lag import Lag, lag, retimed
 from pvlib_fem.quality.limits import (
     EFFICIENCY,
     GAIN,
@@ -16,7 +19,8 @@ from pvlib_fem.quality.limits import (
 )
 from pvlib_fem.quality.onset import HOUR
 from pvlib_fem.quality.values import FEW
-from pvlib_fem.record.ranges import RANGES, range_of
+from pvlib_fem.record.inputs import Columns, Inputs
+from pvlib_fem.record.ranges import RANGES, Range, range_of
 from pvlib_fem.record.units import (
     AMOUNTS,
     UNITS,
@@ -38,7 +42,7 @@ ENOUGH = 20_000  # rows that tell units
 DIM, BRIGHT = 500.0, 1500.0
 
 
-def doubtful(columns, limits=None) -> dict[str, str]:
+def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
     """
     Drivers that look to be in another unit, or not what their name says.
 
@@ -82,18 +86,20 @@ def doubtful(columns, limits=None) -> dict[str, str]:
     return found
 
 
-def refuse_doubtful(columns, limits=None):
+def refuse_doubtful(columns: Columns, limits: Limits | None = None) -> None:
     """Refuse drivers that look to be in another unit."""
     if found := doubtful(columns, limits):
         lines = [f"{name} {reason}" for name, reason in found.items()]
         raise refusal("; ".join(lines), "; if the unit is right, give ", UNCHECKED)
 
 
-def often(odd, limits):
+def often(odd: np.ndarray, limits: Limits) -> bool:
     return np.mean(odd) > limits.few_share
 
 
-def unit_of_driver(name, values, limits=None):
+def unit_of_driver(
+    name: str, values: np.ndarray | pd.Series, limits: Limits | None = None
+) -> str:
     """The unit in which a driver looks to be, by its values; "" if in its own."""
     limits, values = limits or Limits(), np.asarray(values, float)
     seen, known = values[np.isfinite(values)], range_of(name)
@@ -107,7 +113,7 @@ def unit_of_driver(name, values, limits=None):
     return ""
 
 
-def options_of(column, name, values):
+def options_of(column: Any, name: str, values: Any) -> Any:
     """Options that read a column of a file as what it looks like, in its unit."""
     known = usual_name_of(name) is not None
     named = named_unit(name, str(column)) if known else None
@@ -117,7 +123,7 @@ def options_of(column, name, values):
     return options + ["--unit", f"{name}={unit}"] * bool(unit and not own)
 
 
-def humidity_doubt(seen, known, limits):
+def humidity_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if unit := unit_of_driver("relative_humidity", seen, limits):
         return (
             f"is {seen.max():.2g} at most, a fraction; multiply it by 100 for % "
@@ -128,7 +134,7 @@ def humidity_doubt(seen, known, limits):
     return ""
 
 
-def longwave_doubt(seen, known, limits):
+def longwave_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     odd = (seen < known.least) | (seen > known.most)
     if often(odd, limits):
         return (
@@ -140,7 +146,7 @@ def longwave_doubt(seen, known, limits):
     return ""
 
 
-def direction_doubt(seen, known, limits):
+def direction_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if unit := unit_of_driver("wind_direction", seen, limits):
         return (
             f"is {seen.max():.2g} at most, radians; multiply it by 57.3 for ° "
@@ -151,25 +157,25 @@ def direction_doubt(seen, known, limits):
     return ""
 
 
-def rain_doubt(seen, known, limits):
+def rain_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if (seen < known.least).any():
         return f"is {seen.min():.3g} at least; a counter needs its resets taken out"
     return ""
 
 
-def snow_doubt(seen, known, limits):
+def snow_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if often(seen < known.least, limits):
         return f"is {seen.min():.3g} at least; set the zero of the gauge"
     return ""
 
 
-def kelvin_doubt(seen, known, limits):
+def kelvin_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if np.median(seen) > known.most:
         return f"has a median of {np.median(seen):.0f}, kelvin; subtract 273.15"
     return ""
 
 
-def power_doubt(power, poa, limits):
+def power_doubt(power: np.ndarray, poa: np.ndarray, limits: Limits) -> str:
     """What is odd of power by irradiance, in the sun."""
     sunny = (poa > limits.sunny) & np.isfinite(power)
     if not sunny.any():
@@ -223,14 +229,14 @@ class Signs:
 KNOWN = WeakKeyDictionary()
 
 
-def signs(inputs):
+def signs(inputs: Inputs) -> Signs:
     """The signs of a record, or None where it is too short or dark for any."""
     if inputs not in KNOWN:
         KNOWN[inputs] = signs_of(inputs)
     return KNOWN[inputs]
 
 
-def signs_of(inputs):
+def signs_of(inputs: Inputs) -> Signs | None:
     """The signs, from the columns; of a long record from some rows."""
     some = slice(None, None, max(1, len(inputs.index) // ENOUGH))
     few = inputs.columns.taken(some)
@@ -244,12 +250,15 @@ def signs_of(inputs):
     dark = seen & (poa < 0.02 * bright)
     ratio = over[sunny] / poa[sunny]
     windy = np.isfinite(wind[sunny]) & (ratio > 0)
+    cold, usual, hot = np.nanpercentile(air, [1, 50, 99])
     return Signs(
         bright,
         slope_of(over[sunny], poa[sunny]),
         float(np.median(over[sunny])),
         np.median(over[dark]) if dark.sum() >= 20 else np.nan,
-        *np.nanpercentile(air, [1, 50, 99]),
+        cold,
+        usual,
+        hot,
         np.nanpercentile(wind, 95) if np.isfinite(wind).any() else 0.0,
         np.nanmean(wind) if np.isfinite(wind).any() else 0.0,
         -slope_of(np.log(ratio[windy]), wind[sunny][windy]),
@@ -267,7 +276,7 @@ class Suspicion:
     unit: str = ""  # that can be converted
     why: str = ""
 
-    def error(self):
+    def error(self) -> Any:
         """The error that refuses the record."""
         way_round = f"; if {self.right} right, give "
         words = spelled(self.what, ". ", self.remedy, way_round, UNCHECKED)
@@ -278,7 +287,7 @@ class Suspicion:
         return ForeignUnit(words, self.columns, self.unit, self.why)
 
 
-def foreign(unit, why, *columns):
+def foreign(unit: str, why: str, *columns: str) -> Suspicion:
     """The suspicion that columns are in another unit."""
     options = " ".join(f"--unit {name}={unit}" for name in columns)
     it, look = ("them", "look") if len(columns) > 1 else ("it", "looks")
@@ -291,7 +300,9 @@ def foreign(unit, why, *columns):
     )
 
 
-def refuse_units(inputs, limits=None, late=False):
+def refuse_units(
+    inputs: Inputs, limits: Limits | None = None, late: bool = False
+) -> None:
     """
     Refuse a column that looks to be in another unit, or not what its name says.
 
@@ -306,7 +317,7 @@ def refuse_units(inputs, limits=None, late=False):
         raise (odd or of_hours(off)).error()
 
 
-def suspected(inputs, found, limits):
+def suspected(inputs: Inputs, found: Signs | None, limits: Limits) -> tuple:
     """What looks wrong by one clock, and how far the module's is off for that."""
     if not (odd := found and suspicion(inputs, found, limits)):
         return None, None
@@ -317,7 +328,7 @@ def suspected(inputs, found, limits):
     return found and suspicion(retimed_inputs, found, limits), off
 
 
-def of_hours(off):
+def of_hours(off: Any) -> Suspicion:
     """The suspicion that the module's clock is off by hours."""
     hours = f"{abs(off.late) / HOUR:.3g} h"
     fix = "Subtract" if off.late > 0 else "Add"
@@ -330,20 +341,20 @@ def of_hours(off):
     )
 
 
-def module_lag(inputs, limits):
+def module_lag(inputs: Any, limits: Any) -> Lag | None:
     """By how many steps the module's clock is off, or None where it is not."""
     columns = (inputs[name] for name in ("poa_global", "temp_air", "temp_module"))
-    found = lag(inputs.seconds, *columns, limits)
+    found = lag(*[inputs.seconds, *columns, limits])
     return found if found and found.late else None
 
 
-def in_step(inputs, off):
+def in_step(inputs: Inputs, off: Lag) -> Inputs:
     """The inputs with the module by the clock of the irradiance."""
     module = retimed(inputs.seconds, inputs["temp_module"], off.late)
     return inputs.having({"temp_module": module})
 
 
-def same(one, other):
+def same(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two columns are copies of each other, as far as both are there."""
     for some in (slice(FEW), slice(None)):  # of most records a few rows tell
         both = np.isfinite(one[some]) & np.isfinite(other[some])
@@ -352,7 +363,7 @@ def same(one, other):
     return bool(both.any())
 
 
-def suspicion(inputs, found, limits):
+def suspicion(inputs: Inputs, found: Signs, limits: Limits) -> Suspicion | None:
     """What the signs of a record say of a copy, swapped columns or another unit."""
     bright, slope, night, hot = found.bright, found.slope, found.night, found.hot
     air, module = inputs["temp_air"], inputs["temp_module"]
@@ -405,7 +416,7 @@ def suspicion(inputs, found, limits):
     return None
 
 
-def of_light(inputs, bright, slope):
+def of_light(inputs: Inputs, bright: float, slope: float) -> Suspicion:
     """The suspicion that irradiance is in another unit, or an amount of each step."""
     why = (
         f"its largest values are {bright:.0f}, and for each of them the module gains "
@@ -437,18 +448,18 @@ class Reading:
     unit: str
     twice: bool  # whether it was converted from that unit twice, or is in it still
 
-    def of(self, values):
+    def of(self, values: np.ndarray) -> np.ndarray:
         """The column as it would be in °C."""
         factor, offset = UNITS["temperature"][self.unit]
         return (values - offset) / factor if self.twice else factor * values + offset
 
-    def __str__(self):
+    def __str__(self) -> str:
         if self.twice:
             return f"{self.name} may have been converted from {self.unit} twice"
         return f"{self.name} may be in {self.unit}"
 
     @property
-    def undone(self):
+    def undone(self) -> Spelled:
         """What to do if it is so."""
         if self.twice:
             return Spelled(*2 * [f"Undo one conversion of {self.name}"])
@@ -466,7 +477,7 @@ READINGS = [
 ]
 
 
-def believable(found):
+def believable(found: Any) -> bool:
     """Whether the signs of a record are those of air and a module in °C."""
     low, most = RANGES["temp_air"].low, RANGES["temp_air"].most
     least, steepest = GAIN
@@ -477,7 +488,7 @@ def believable(found):
     )
 
 
-def of_difference(inputs, night):
+def of_difference(inputs: Inputs, night: Any) -> Suspicion:
     """
     The suspicion of two temperatures that are too far apart by night.
 
@@ -509,7 +520,9 @@ def of_difference(inputs, night):
     )
 
 
-def oddities(inputs, limits=None, absent=()):
+def oddities(
+    inputs: Inputs, limits: Limits | None = None, absent: tuple = ()
+) -> Iterator:
     """
     What looks odd in the columns but may be so, a sentence each.
 
@@ -555,7 +568,7 @@ def oddities(inputs, limits=None, absent=()):
         )
 
 
-def slope_of(y, x):
+def slope_of(y: np.ndarray, x: np.ndarray) -> Any:
     """Slope of the regression line, 0 where there is none."""
     if len(x) < 20 or np.ptp(x) == 0:
         return 0.0

@@ -5,14 +5,14 @@ import numpy as np
 FEW = 1000  # rows, which identify most columns
 
 
-def resolution(values):
+def resolution(values: np.ndarray) -> float:
     """Smallest change of a column; 0 of one that never changes."""
     change = np.abs(np.diff(values))
     change = change[change > 1e-9]
     return float(change.min()) if len(change) else 0.0
 
 
-def never_moves(values):
+def never_moves(values: np.ndarray) -> bool:
     """Whether a column has one value only, whatever is missing."""
     for some in (values[:FEW], values):  # of most columns a few rows tell
         seen = some[np.isfinite(some)]

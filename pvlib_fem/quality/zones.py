@@ -1,17 +1,20 @@
 """Zones by the dates on which their clocks move."""
 
+from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 from zoneinfo import TZPATH
 
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
 
 TABLE = "zone1970.tab"  # of the tz database: a zone's own place, among others
 
 
-def transitions(index, zone):
+def transitions(index: pd.DatetimeIndex, zone: str) -> Iterator:
     """Times, in standard time, at which a zone's clock moves in a record. [s]"""
     ends = plain(index[0]), plain(index[-1])
     # the ends are not in universal time, which is less than a day from theirs
@@ -20,7 +23,7 @@ def transitions(index, zone):
         ends[0].floor("D") - day, ends[1] + 2 * day, freq="D", tz="UTC"
     )
     offset = zone_offsets(days, zone)
-    for at in np.flatnonzero(np.diff(offset)):
+    for at in np.flatnonzero(np.diff(offset)).tolist():
         hours = days[at] + pd.to_timedelta(np.arange(25), unit="h")
         hour = int(np.argmax(zone_offsets(hours, zone) != offset[at]))
         time = plain(hours[hour]) + pd.Timedelta(seconds=float(offset.min()))
@@ -28,17 +31,19 @@ def transitions(index, zone):
             yield time, float(offset[at + 1] - offset[at])
 
 
-def zone_offsets(utc, zone):
+def zone_offsets(utc: pd.DatetimeIndex, zone: str) -> np.ndarray:
     """A zone's clock less universal time. [s]"""
     local = utc.tz_convert(zone).tz_localize(None)
     return (local - utc.tz_localize(None)).total_seconds().to_numpy()
 
 
-def plain(time):
+def plain(time: Any) -> Any:
     return time.tz_localize(None)
 
 
-def zones_around(location, time, offset):
+def zones_around(
+    location: Location, time: pd.Timestamp, offset: float | pd.Index
+) -> Iterator:
     """Zones of a standard time that move their clocks, the nearest place first."""
     year = pd.date_range(f"{time.year}-01-01", periods=12, freq="MS", tz="UTC")
     near = sorted(places().items(), key=lambda item: distance(location, item[1]))
@@ -49,7 +54,7 @@ def zones_around(location, time, offset):
 
 
 @cache
-def places():
+def places() -> dict:
     """Latitude and longitude of each zone's own place, in degrees."""
     found = {}
     for line in table().splitlines():
@@ -60,7 +65,7 @@ def places():
     return found
 
 
-def table():
+def table() -> str:
     """The table of places, of the system or of the package tzdata; or none."""
     for folder in TZPATH:
         if (path := Path(folder) / TABLE).is_file():
@@ -71,14 +76,14 @@ def table():
         return ""
 
 
-def degrees(text, whole):
+def degrees(text: str, whole: int) -> float:
     """±DDMM or ±DDDMMSS as degrees."""
     sign, digits = (-1 if text[0] == "-" else 1), text[1:]
     minutes = float(digits[whole : whole + 2]) + float(digits[whole + 2 :] or 0) / 60
     return sign * (float(digits[:whole]) + minutes / 60)
 
 
-def distance(location, place):
+def distance(location: Location, place: tuple) -> float:
     """Of two places, in radians."""
     (a, b), (c, d) = np.radians([(location.latitude, location.longitude), place])
     cosine = np.sin(a) * np.sin(c) + np.cos(a) * np.cos(c) * np.cos(b - d)
