@@ -21,6 +21,7 @@ from pvlib_fem.plotting.look import (
 TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
 MOST_TICKS = 9
 FILLED = 2000  # points of the irradiance in the background
+LEAST = 0.1  # K, ends of an axis of contributions at least
 LOWER = 0.28  # share of the height for the residual
 
 
@@ -122,6 +123,8 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
         size = np.sqrt(np.nanmean(values**2))
         words = f"{label(name)}, rms {size:.2f} K"
         ax.plot(day.hours, day.of(values), label=words, **look)
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, -LEAST), max(high, LEAST))  # no scale of what is nothing
     ax.set_ylabel("added by the effect [K]")
     day.dressed(ax)
     if len(parts.columns):

@@ -152,7 +152,7 @@ def evidence(loop, statements):
     return [
         figures(drawn) if drawn else [],
         [paragraph(f"{one.text}: {one.note}") for one in found if one.note],
-        Heading("The error of the model, before and after", "h3"),
+        Heading("The error of the model", "h3"),
         figures(pictures(loop)),
     ]
 
