@@ -238,6 +238,28 @@ def test_a_tracker_whose_light_is_horizontal_is_noted():
     assert re.search("not of the stated plane: it has .* tilt [0-9]° and", said)
 
 
+@pytest.fixture(scope="module")
+def faultless():
+    how = dict(days=365, step=900.0, start="2023-01-01", seed=4)
+    data = simulator.record(SITE, simulator.PHYSICS, **how)
+    return data[[*COLUMNS, "relative_humidity", "wind_direction"]]
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"gcr": 0.5}, {"max_angle": 45.0}, {"backtrack": False}, {"axis": 10.0}]
+)
+def test_a_tracker_that_is_described_wrongly_is_no_false_effect(faultless, wrong):
+    off = wrong.pop("axis", 0.0)
+    mount = replace(MOUNT, axis_azimuth=180.0 + off, **wrong)
+    assert fem.close_loop(faultless, location=WHERE, mount=mount).effects == []
+
+
+def test_an_axis_that_is_30_degrees_off_contradicts_the_light(faultless):
+    mount = replace(MOUNT, axis_azimuth=150.0)
+    loop = fem.close_loop(faultless, location=WHERE, mount=mount)
+    assert "not of the stated plane" in str(loop.untestable["incidence_angle"])
+
+
 def test_rows_without_angles_by_day_do_not_count_for_effects_of_the_plane(record):
     lacks = record.copy()
     lacks.loc["2023-04-03":"2023-04-12", "surface_tilt"] = np.nan
@@ -392,6 +414,24 @@ def test_horizontal_irradiance_is_transposed_row_by_row(record, plain):
     columns = weather.assign(**{name: plane[name] for name in ANGLES})
     by_columns = fem.transpose_record(columns, WHERE, transposition="haydavies")
     pd.testing.assert_series_equal(by_columns["poa_global"], by_mount)
+
+
+def test_a_loop_of_horizontal_irradiance_predicts_on_the_tracker(tmp_path):
+    data = fem.datasets.synthetic(days=60, step=900, start="2023-05-01")
+    place = Location(35.0, -106.0, tz="Etc/GMT+7")
+    plane = geometry(data.index, place, mount=MOUNT)
+    level = data[["ghi", *COLUMNS[1:]]]
+    moving = level.assign(**{name: plane[name] for name in ANGLES})
+    answers = []
+    for what, how in ((level, {"mount": MOUNT}), (moving, {})):
+        loop = fem.close_loop(what, location=place, transposition="perez", **how)
+        loop.to_json(tmp_path / "loop.json")
+        again = fem.Loop.from_json(tmp_path / "loop.json")
+        pd.testing.assert_series_equal(again.predict(what), loop.predict(what))
+        answers.append(loop.predict(what))
+    pd.testing.assert_series_equal(*answers)
+    with pytest.raises(ValueError, match="transposition needs the plane"):
+        fem.close_loop(level, location=place, transposition="perez")
 
 
 def test_a_ranking_and_a_recovery_know_the_tracker(record, plain):

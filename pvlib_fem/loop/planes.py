@@ -34,7 +34,7 @@ def plane_of_columns(data, site):
         The record without these columns.
     dict
         The site: with the angles of a fixed plane, or, of one that moves, a
-        :class:`~pvlib_fem.drivers.mounts.ByColumns`.
+        :class:`~pvlib_fem.drivers.planes.ByColumns`.
 
     Raises
     ------
