@@ -266,13 +266,13 @@ if data is not None:
     plt.show()
 
 # %%
-# *Mean residual by wind direction before and after, and by hour and month after.* The
-# model explains the direction in part. Two patterns remain: a line along the morning,
-# which follows the sunrise through the year, and noons of winter that are too warm. The
-# module's irradiance comes later than the sensor's, or its hours have another stamp.
-# The file states neither tilt nor azimuth. The loop estimates both from clear days, and
-# then tests no obstacle. There is no humidity and no longwave irradiance, so that the
-# sky follows from clouds alone.
+# *Mean residual by wind direction before and after, and by hour and month of each year
+# after.* The model explains the direction in part. Two patterns remain: a line along
+# the morning, which follows the sunrise through the year, and noons of winter that are
+# too warm. The module's irradiance comes later than the sensor's, or its hours have
+# another stamp. The file states neither tilt nor azimuth. The loop estimates both from
+# clear days, and then tests no obstacle. There is no humidity and no longwave
+# irradiance, so that the sky follows from clouds alone.
 #
 # No log of the site is published. So the record shows that something changed, when, by
 # how much, and that it was not the irradiance sensor. Its cause is to be found in the

@@ -241,11 +241,11 @@ if data is not None:
     plt.show()
 
 # %%
-# *Residual by date, and by hour and month.* It is 2 K in summer and 3 to 7 K in winter,
-# much of it on single days, as with snow on the modules; the file has no snow depth.
-# Mornings are colder and forenoons of summer warmer than modelled, as where irradiance
-# at sensor and module differ. Tilt and azimuth are not stated, and the clock of the
-# file leaves the sun's position open.
+# *Residual by date, and by hour and month of each year.* It is 2 K in summer and 3 to 7
+# K in winter, much of it on single days, as with snow on the modules; the file has no
+# snow depth. Mornings are colder and forenoons of summer warmer than modelled, as where
+# irradiance at sensor and module differ. Tilt and azimuth are not stated, and the clock
+# of the file leaves the sun's position open.
 #
 # No log of the site is published, so nobody can say when the pyranometer was cleaned,
 # exchanged or calibrated. Four columns together show that ``poa_global`` drifts, and
