@@ -103,7 +103,7 @@ class Check:
             content.text("unit"),
         )
 
-    def __str__(self):
+    def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
         rule = f" ({self.criterion})" if self.criterion else ""
         side = "at most" if self.most else "at least"
@@ -171,7 +171,7 @@ class Witness:
             unit=content.text("unit"),
         )
 
-    def __str__(self):
+    def __str__(self) -> str:
         unit = self.unit.replace("-", "%").replace("/year", " a year")
         times = 100.0 if "%" in unit else 1.0
         size, error, needed = (
@@ -339,7 +339,7 @@ class Finding:
             members={n: Member.stored(members.part(n)) for n in members.content},
         )
 
-    def __str__(self):
+    def __str__(self) -> str:
         head = f"{' | '.join(self.candidates)}: {self.verdict.words}, {self.gain:.2f} K"
         shares = [f"probabilities: {self.shares}"] if self.shares else []
         parts = [self.why, *shares, *self.checks, *self.witnesses]
@@ -409,7 +409,7 @@ class Correction:
             applied=content.flag("applied"),
         )
 
-    def __str__(self):
+    def __str__(self) -> str:
         words = "corrected" if self.applied else "not corrected"
         error = f"{self.before:.2f} → {self.after:.2f} {self.unit}"
         head = f"{self.fault}: {words}, {error}"

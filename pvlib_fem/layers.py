@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 
@@ -43,7 +44,7 @@ class Layer:
     area: float = 1.0
     is_film: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.thickness < 0:
             raise ValueError(f"{self.name}: thickness = {self.thickness} is negative")
         for name in ("conductivity", "density", "heat_capacity", "area"):
@@ -126,7 +127,7 @@ def stack(front: Iterable[Layer], back: Iterable[Layer]) -> pd.DataFrame:
     return pd.DataFrame(rows).set_index("layer")
 
 
-def row(name, r, c, mass):
+def row(name: Any, r: Any, c: Any, mass: Any) -> Any:
     return {"layer": name, "mass": mass, "r": r, "c": c, "tau": r * c}
 
 
@@ -158,10 +159,10 @@ def glass_tedlar(
     """
     area, frame_area = 1.6, 0.296
 
-    def film(name, thickness):
+    def film(name: Any, thickness: Any) -> Any:
         return Layer(name, thickness, 0.023, 1.23, 1000.0, area, is_film=True)
 
-    def aluminium(name):
+    def aluminium(name: Any) -> Any:
         return Layer(name, frame, 237.0, 2700.0, 900.0, frame_area)
 
     cells = Layer("cells", 0.1e-3, 148.0, 2330.0, 677.0, area)

@@ -12,7 +12,7 @@ from pvlib_fem.drivers import sun
 from pvlib_fem.effects import EffectLike, find, several
 from pvlib_fem.record.columns import GEOMETRY
 from pvlib_fem.relaxation import ewm
-from pvlib_fem.stored import opened
+from pvlib_fem.stored import Stored, opened
 from pvlib_fem.thermal.model import ThermalModel, thermal_model
 from pvlib_fem.thermal.stored import model_of
 from pvlib_fem.thermal.temperature import TAU, fem_temperature, refuse_dynamic
@@ -160,7 +160,7 @@ class DynamicCellTemperature:
             **options,
         )
 
-    def __call__(self, mc):
+    def __call__(self, mc: Any) -> None:
         """Assign ``mc.results.cell_temperature``, as ModelChain expects."""
         poa = irradiance(mc.results)
         weather = mc.results.weather
@@ -255,7 +255,7 @@ class DynamicCellTemperature:
                 )
 
 
-def fit_in(stored):
+def fit_in(stored: Stored) -> Stored:
     """The fit in a file of a fit or a loop."""
     fit = stored.part("fit") if stored["format"] == LOOP else stored
     if unknown := {*fit.numbers("cell")} - {*CELL}:
@@ -266,7 +266,7 @@ def fit_in(stored):
     return fit
 
 
-def irradiance(results):
+def irradiance(results: Any) -> list:
     """Plane-of-array irradiance of each array, or effective irradiance without it."""
     total, effective = results.total_irrad, results.effective_irradiance
     if not isinstance(effective, tuple):
@@ -279,7 +279,7 @@ def irradiance(results):
     ]
 
 
-def aligned(name, series, index):
+def aligned(name: Any, series: Any, index: Any) -> Any:
     """The rows of a driver at the times of the run."""
     if (series.index.tz is None) != (index.tz is None):
         raise ValueError(

@@ -1,10 +1,14 @@
 """Run tasks in processes; results and their order do not depend on the number."""
 
+from collections.abc import Callable, Iterator
+
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 
-def spread(function, tasks, processes=None, shared=()):
+def spread(
+    function: Callable, tasks: list, processes: int | None = None, shared: tuple = ()
+) -> Iterator:
     """
     Yield the result of a function for each task, in the order of the tasks.
 

@@ -226,19 +226,21 @@ def fit_power(
     return fitted(poa, temp, given, days_of(inputs.index))
 
 
-def days_of(index):
+def days_of(index: Any) -> pd.Index:
     """Time since 1970-01-01 by the record's own clock. [days]"""
     return (index.tz_localize(None) - pd.Timestamp(0)) / pd.Timedelta("1D")
 
 
-def seasonal(day):
+def seasonal(day: np.ndarray) -> np.ndarray:
     """One and two cycles a year, as columns."""
     angle = 2.0 * np.pi * day / YEAR
     cycles = [wave(n * angle) for n in (1, 2) for wave in (np.cos, np.sin)]
     return np.stack(cycles, axis=-1)
 
 
-def fitted(poa, temp, power, day):
+def fitted(
+    poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: pd.Index
+) -> PowerRelation:
     """The relation of arrays."""
     day = np.asarray(day, dtype=float)
     rows = (poa > BRIGHT) & (power > 0.0) & np.isfinite(temp + power)
@@ -252,7 +254,7 @@ def fitted(poa, temp, power, day):
     return Search.of(poa[rows], temp[rows], power[rows], day[rows]).run(limit)
 
 
-def limit_of(power):
+def limit_of(power: np.ndarray) -> float:
     """The power at which rows pile up, with almost none above; infinite without one."""
     values = np.sort(power)
     starts = values * (1.0 - AT_LIMIT)
@@ -283,7 +285,9 @@ class Search:
     daily: float  # rows per day; rows of one day are not independent
 
     @classmethod
-    def of(cls, poa, temp, power, day):
+    def of(
+        cls, poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: np.ndarray
+    ) -> "Search":
         first, last = day.min(), day.max()
         years = (last - first) / YEAR
         knots = np.linspace(first, last, int(np.ceil(years)) + 1 if years >= 1 else 1)
@@ -293,7 +297,7 @@ class Search:
         ratio = np.log(power / poa)
         return cls(poa, temp - 25.0, power, ratio, table, knots, daily)
 
-    def run(self, limit):
+    def run(self, limit: float) -> PowerRelation:
         """The relation that most rows follow, found from the shortest half of them."""
         known, gamma, own = np.zeros(self.table.shape[1]), GAMMA, 0.0
         rest = self.log_residual(known, gamma, own)
@@ -325,17 +329,25 @@ class Search:
             float(spread),
         )
 
-    def log_residual(self, known, gamma, own):
+    def log_residual(self, known: np.ndarray, gamma: float, own: float) -> np.ndarray:
         """Logarithm of measured over expected power."""
         warm = np.log(np.maximum(1.0 + gamma * self.warm, 0.1))
         return self.ratio - self.table @ known - warm - np.log1p(-own / self.light)
 
-    def is_free(self, rest, limit):
+    def is_free(self, rest: np.ndarray, limit: float) -> np.ndarray:
         """Mask of rows with measured and expected power below the limit."""
         most = np.maximum(self.power, self.power * np.exp(-rest))
         return most < (1.0 - AT_LIMIT) * limit
 
-    def step(self, rest, weight, spread, known, gamma, own):
+    def step(
+        self,
+        rest: np.ndarray,
+        weight: np.ndarray,
+        spread: float,
+        known: np.ndarray,
+        gamma: float,
+        own: float,
+    ) -> np.ndarray:
         """Step of weighted least squares with the prior."""
         columns = np.column_stack(
             [
@@ -357,7 +369,7 @@ class Search:
         return np.linalg.solve(whole, columns.T @ (weight * rest) - prior @ away)
 
 
-def densest(values):
+def densest(values: np.ndarray) -> float:
     """Median of the shortest interval with half of the values."""
     values = np.sort(values)
     half = len(values) // 2

@@ -5,10 +5,11 @@ import math
 import os
 import secrets
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ VERSION = 4  # of the format; it changes when a key changes
 
 
 @contextmanager
-def replacing(path):
+def replacing(path: Any) -> Iterator:
     """
     Write to a temporary file in the same folder and rename it at the end.
 
@@ -47,7 +48,7 @@ def replacing(path):
         whole.unlink(missing_ok=True)
 
 
-def saved(text, path):
+def saved(text: str, path: Any) -> str:
     """Return the text, and write it to a path if given, equal on every system."""
     if path is not None:
         with (
@@ -58,7 +59,7 @@ def saved(text, path):
     return text
 
 
-def written(kind, content, path=None):
+def written(kind: str, content: dict, path: Any = None) -> str:
     """Return a result as JSON, and write it to a path if given."""
     content = stamped(kind, content)
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
@@ -66,12 +67,12 @@ def written(kind, content, path=None):
     return text
 
 
-def stamped(kind, content):
+def stamped(kind: str, content: dict) -> dict:
     """The content of a file of a kind, with format and version."""
     return plain({"format": kind, "version": VERSION, **content})
 
 
-def plain(content):
+def plain(content: Any) -> Any:
     """Content in types of JSON: null for NaN, "inf" for infinity."""
     if isinstance(content, Mapping):
         return {str(key): plain(value) for key, value in content.items()}
@@ -85,7 +86,7 @@ def plain(content):
 
 
 @contextmanager
-def opened(path, kinds):
+def opened(path: Any, kinds: Sequence) -> Iterator:
     """
     Open the content of a file that has one of the formats ``kinds``.
 
@@ -108,13 +109,13 @@ def opened(path, kinds):
         ) from error
 
 
-def content_of(path, kinds):
+def content_of(path: Path, kinds: Sequence) -> dict:
     """The JSON object of a file, checked by format and version."""
 
-    def refused(constant):
+    def refused(constant: Any) -> None:
         raise ValueError(f"{path} holds {constant}, which is no number of JSON")
 
-    def once(pairs):
+    def once(pairs: list) -> dict:
         names = [name for name, _ in pairs]
         if twice := {name for name in names if names.count(name) > 1}:
             raise ValueError(f"{path} holds {min(twice)} twice in one object")
@@ -153,12 +154,12 @@ class Stored:
     file: str
     place: str = ""
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: str) -> Any:
         if key not in self.content:
             raise ValueError(f"{self.file} has no {self.place}{key}")
         return self.content[key]
 
-    def of(self, key, kind, words):
+    def of(self, key: str, kind: Any, words: str) -> Any:
         """The value of a key, checked by type."""
         value = self[key]
         # True is an int of Python, and no number
@@ -169,25 +170,25 @@ class Stored:
             )
         return value
 
-    def part(self, key):
+    def part(self, key: str) -> "Stored":
         return Stored(self.of(key, dict, "an object"), self.file, f"{self.place}{key}.")
 
-    def parts(self, key):
+    def parts(self, key: str) -> list:
         """The parts of a list of objects."""
         listed = {str(i): value for i, value in enumerate(self.of(key, list, "a list"))}
         inside = Stored(listed, self.file, f"{self.place}{key}.")
         return [inside.part(i) for i in listed]
 
-    def text(self, key):
+    def text(self, key: str) -> str:
         return self.of(key, str, "a text")
 
-    def texts(self, key):
+    def texts(self, key: str) -> tuple:
         return tuple(map(str, self.of(key, list, "a list")))
 
-    def flag(self, key):
+    def flag(self, key: str) -> bool:
         return self.of(key, bool, "true or false")
 
-    def count(self, key):
+    def count(self, key: str) -> int:
         value = self.of(key, int, "a whole number")
         if value < 0:
             raise ValueError(
@@ -195,18 +196,18 @@ class Stored:
             )
         return value
 
-    def number(self, key, unknown=False):
+    def number(self, key: str, unknown: bool = False) -> float:
         """A finite number; with ``unknown``, NaN or infinity are allowed, too."""
         if unknown and (self[key] is None or self[key] in ("inf", "-inf")):
             return math.nan if self[key] is None else float(self[key])
         return self.of(key, int | float, "a number")
 
-    def numbers(self, key, unknown=False):
+    def numbers(self, key: str, unknown: bool = False) -> dict:
         """Numbers by name."""
         inside = self.part(key)
         return {name: inside.number(name, unknown) for name in inside.content}
 
-    def pairs(self, key):
+    def pairs(self, key: str) -> dict:
         """Pairs of numbers by name."""
         inside, found = self.part(key), {}
         for name in inside.content:

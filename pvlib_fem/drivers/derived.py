@@ -6,7 +6,9 @@ keyword-only arguments are constants that a user can set.
 """
 
 import inspect
+from collections.abc import Callable, Sequence
 from functools import lru_cache
+from typing import Any
 
 from pvlib_fem.drivers.memory import HOUR, day, day_angle, elapsed, past, stored
 from pvlib_fem.drivers.plant import frost_past_day, of_column
@@ -39,6 +41,7 @@ from pvlib_fem.drivers.water import (
 )
 from pvlib_fem.drivers.wind import wind_east, wind_north
 from pvlib_fem.record.columns import GEOMETRY, PLANT_POWER
+from pvlib_fem.record.inputs import Inputs
 
 #: name: (columns that it needs, function of these and the times)
 DERIVED = {
@@ -130,14 +133,14 @@ class Driver(str):
     'days_since_rain(cleaning=6, within=24)'
     """
 
-    def __new__(cls, name, **settings):
+    def __new__(cls, name: Any, **settings: Any) -> Any:
         given = ", ".join(f"{key}={value:g}" for key, value in settings.items())
-        driver = super().__new__(cls, f"{name}({given})" if given else name)
+        driver: Any = super().__new__(cls, f"{name}({given})" if given else name)
         driver.name, driver.settings = name, settings
         return driver
 
 
-def constants(name):
+def constants(name: str) -> dict:
     """Constants of a driver and of the drivers that it needs, with their values."""
     found = dict(getattr(name, "settings", {}))
     if (name := getattr(name, "name", name)) not in DERIVED:
@@ -148,19 +151,19 @@ def constants(name):
     return {**own_constants(compute), **found}
 
 
-def own_constants(function, besides=()):
+def own_constants(function: Callable, besides: Any = ()) -> dict:
     """Keyword-only arguments of a function, with their defaults."""
     taken = after_the_star(function)
     return {name: value for name, value in taken.items() if name not in besides}
 
 
 @lru_cache(maxsize=256)  # a signature takes as long as a short column
-def after_the_star(function):
+def after_the_star(function: Callable) -> dict:
     taken = inspect.signature(function).parameters.values()
     return {p.name: p.default for p in taken if p.kind is p.KEYWORD_ONLY}
 
 
-def with_constants(name, settings):
+def with_constants(name: str, settings: dict) -> str:
     """A driver with its own constants among some settings."""
     own = {key: value for key, value in settings.items() if key in constants(name)}
     if not own:
@@ -169,7 +172,7 @@ def with_constants(name, settings):
     return Driver(getattr(name, "name", name), **own)
 
 
-def made_of(name):
+def made_of(name: str) -> tuple[list, Callable, dict]:
     """Columns, function and constants of a derived driver."""
     settings = getattr(name, "settings", {})
     needs, compute = DERIVED[getattr(name, "name", name)]
@@ -178,7 +181,7 @@ def made_of(name):
     return needs, compute, own
 
 
-def is_derived(name):
+def is_derived(name: str) -> bool:
     return getattr(name, "name", name) in DERIVED
 
 
@@ -195,7 +198,7 @@ SHORT = {"wetness": "drying"}
 THROUGHOUT = ("days_since_rain", "frost_past_day", "power_off_dc", "power_off_ac")
 
 
-def remembered(names):
+def remembered(names: Sequence) -> list:
     """Drivers among these, or needed by them, that depend on other rows."""
     found = []
     for name in filter(is_derived, names):
@@ -205,7 +208,7 @@ def remembered(names):
     return found
 
 
-def behind(names):
+def behind(names: Sequence) -> list:
     """Underived columns that drivers need, each once."""
     columns = []
     for name in names:
@@ -214,28 +217,28 @@ def behind(names):
     return columns
 
 
-def short_memory(name):
+def short_memory(name: str) -> float | None:
     """Time constant of a driver with a memory of hours; None for others. [s]"""
     constant = SHORT.get(getattr(name, "name", name))
     return constants(name)[constant] if constant else None
 
 
-def lost_without(name):
+def lost_without(name: str) -> tuple:
     """Columns without which a row has no value of a derived driver."""
     return () if getattr(name, "name", name) in THROUGHOUT else tuple(behind([name]))
 
 
-def is_modelled(names):
+def is_modelled(names: list) -> bool:
     """Whether any driver depends on a result of the model without effects."""
     return not {*MODELLED}.isdisjoint(behind(names))
 
 
-def needed_for(names):
+def needed_for(names: Sequence) -> list:
     """Measured columns that drivers need in addition to the usual three."""
     return [name for name in behind(names) if name not in (*USUAL, *MODELLED)]
 
 
-def completed(inputs, names):
+def completed(inputs: Inputs, names: Sequence) -> Inputs:
     """The inputs, completed by derived drivers and the columns that they need."""
     for name in names:
         if is_derived(name) and name not in inputs.columns:

@@ -2,6 +2,7 @@
 
 from dataclasses import fields
 from numbers import Real
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -45,7 +46,13 @@ LEVEL = 0.02  # horizontal part of a normal, below which a plane is level
 AHEAD = 0.2  # of the mean normal, from which a plane faces one side more than another
 
 
-def geometry(index, location=None, surface_tilt=None, surface_azimuth=None, mount=None):
+def geometry(
+    index: Any,
+    location: Location | None = None,
+    surface_tilt: float | None = None,
+    surface_azimuth: float | None = None,
+    mount: Any = None,
+) -> dict:
     """Columns of solar position and module plane, as far as they are known."""
     columns = {}
     if location is not None:
@@ -61,7 +68,9 @@ def geometry(index, location=None, surface_tilt=None, surface_azimuth=None, moun
     return columns
 
 
-def orientation(mount, index, location, own=None):
+def orientation(
+    mount: Any, index: pd.DatetimeIndex, location: Location, own: Any = None
+) -> Any:
     """
     Angles of a plane that moves, horizontal by night where it has none. [°]
 
@@ -92,7 +101,7 @@ def orientation(mount, index, location, own=None):
     return by_night({n: found[n] for n in ANGLES if n in found}, zenith)
 
 
-def by_night(angles, solar_zenith):
+def by_night(angles: Any, solar_zenith: np.ndarray | pd.Series) -> Any:
     """Angles, of a level plane where they are missing by night. [°]"""
     night, found = np.asarray(solar_zenith) > 90.0, {}
     for name, values in angles.items():
@@ -101,7 +110,7 @@ def by_night(angles, solar_zenith):
     return found
 
 
-def angles_at(index, place, late=0.0):
+def angles_at(index: pd.DatetimeIndex, place: dict, late: float = 0.0) -> Any:
     """
     Tilt and azimuth of a place at some times: numbers, arrays, or None if unknown.
 
@@ -118,7 +127,7 @@ def angles_at(index, place, late=0.0):
     return tuple(angles.values())
 
 
-def is_known(place):
+def is_known(place: dict) -> bool:
     """Whether solar position and plane are known."""
     moving = place["mount"]
     columns = moving.columns if isinstance(moving, ByColumns) else moving and ANGLES
@@ -127,7 +136,12 @@ def is_known(place):
     )
 
 
-def checked_place(location, surface_tilt=None, surface_azimuth=None, mount=None):
+def checked_place(
+    location: Location | None,
+    surface_tilt: Any = None,
+    surface_azimuth: Any = None,
+    mount: Any = None,
+) -> dict:
     """
     The arguments of a place as a dict; ValueError if one is invalid.
 
@@ -161,7 +175,7 @@ def checked_place(location, surface_tilt=None, surface_azimuth=None, mount=None)
     return {"location": location, **angles, "mount": mount}
 
 
-def plane_of_rows(data, place):
+def plane_of_rows(data: Any, place: dict) -> dict:
     """A place with the angles of a record's rows, if it has these columns."""
     own = {printable(label): label for label in data if printable(label) in ANGLES}
     if not own:
@@ -174,7 +188,7 @@ def plane_of_rows(data, place):
     return {**place, **dict.fromkeys(columns), "mount": mount}
 
 
-def check_number(name, value):
+def check_number(name: str, value: float) -> None:
     """Refuse an angle that is no number, or none of its range."""
     if not isinstance(value, Real) or not np.isfinite(value):
         what = repr(value) if np.ndim(value) == 0 else f"a {type(value).__name__}"
@@ -188,7 +202,7 @@ def check_number(name, value):
         raise ValueError(f"{name} is {value:g}°; it is from {low:g} to {high:g}°")
 
 
-def checked_column(name, column):
+def checked_column(name: Any, column: Any) -> Any:
     """The angles of a column as floats; ValueError if one is out of its range."""
     values, (low, high) = column.astype(float), RANGES[name]
     if (off := (values < low) | (values > high)).any():
@@ -202,7 +216,7 @@ def checked_column(name, column):
     return values
 
 
-def by_series(series):
+def by_series(series: Any) -> Any:
     """A plane by Series of angles at the same times."""
     first, *others = series.values()
     if not isinstance(first.index, pd.DatetimeIndex) or any(
@@ -217,7 +231,7 @@ def by_series(series):
     )
 
 
-def check_mount(mount, location):
+def check_mount(mount: Any, location: Location) -> None:
     """Refuse what is no tracker of pvlib, and one of which the sun is not known."""
     if not isinstance(mount, (SingleAxisTrackerMount, ByColumns)):
         raise ValueError(
@@ -230,15 +244,17 @@ def check_mount(mount, location):
         return
     for name, (low, high) in TRACKER.items():
         # rotations to either side may differ
+        value: Any
         for value in np.ravel(getattr(mount, name)):
             least = -high if name == "max_angle" and np.ndim(mount.max_angle) else low
-            if not (isinstance(value, Real) and least <= value <= high):
+            real = isinstance(value, Real)
+            if not (real and least <= value <= high):
                 raise ValueError(
                     f"mount.{name} is {value}; it is from {least:g} to {high:g}"
                 )
 
 
-def axis_of(place):
+def axis_of(place: dict) -> Any:
     """
     Azimuth of the axis about which a plane turns, None if it turns about none.
 
@@ -266,7 +282,7 @@ def axis_of(place):
     return float((azimuth + 180.0 * turned) % 360.0)
 
 
-def mount_content(mount):
+def mount_content(mount: Any) -> Any:
     """A mount for a file."""
     if mount is None or mount == BY_COLUMNS:
         return mount
@@ -275,14 +291,14 @@ def mount_content(mount):
     return {f.name: getattr(mount, f.name) for f in fields(mount)}
 
 
-def without_rows(place):
+def without_rows(place: dict) -> dict:
     """A place without the angles of a record's rows, which each record has."""
     if not isinstance(place["mount"], ByColumns):
         return place
     return {**place, "mount": place["mount"].described or BY_COLUMNS}
 
 
-def mount_from(content):
+def mount_from(content: Any) -> Any:
     """The mount of a part of a file."""
     if content is None or content == BY_COLUMNS:
         return content

@@ -1,6 +1,7 @@
 """The angles of a plane that moves, by the rows of a record."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,11 +31,11 @@ class ByColumns:
     columns: dict
     described: SingleAxisTrackerMount | None = None
 
-    def get_orientation(self, solar_zenith, solar_azimuth):
+    def get_orientation(self, solar_zenith: Any, solar_azimuth: np.ndarray) -> Any:
         """The angles at the times of a Series, as of any mount of pvlib."""
         return self.at(solar_zenith.index)
 
-    def at(self, index):
+    def at(self, index: pd.DatetimeIndex) -> Any:
         """
         The angles at other times: of a row its own, between rows interpolated.
 
@@ -59,7 +60,7 @@ class ByColumns:
         return found
 
 
-def between(columns, before, after, share):
+def between(columns: Any, before: Any, after: Any, share: Any) -> Any:
     """Angles part of the way from some rows to others, the shorter way round."""
     size = len(next(iter(columns.values())))
     others = {TILT: np.full(size, 90.0), AZIMUTH: np.zeros(size)}
@@ -71,7 +72,7 @@ def between(columns, before, after, share):
     return {n: np.where(same, v[before], angles[n]) for n, v in columns.items()}
 
 
-def normals(tilt, azimuth):
+def normals(tilt: Any, azimuth: Any) -> Any:
     """Normals of planes by their angles [°]: components to north, to east and up."""
     tilt, turn = np.radians(tilt), np.radians(azimuth)
     return np.array(
@@ -79,13 +80,13 @@ def normals(tilt, azimuth):
     )
 
 
-def angles_of(north, east, up):
+def angles_of(north: Any, east: Any, up: Any) -> Any:
     """Tilt and azimuth of a normal of any length. [°]"""
     tilt = np.degrees(np.arctan2(np.hypot(north, east), up))
     return tilt, np.degrees(np.arctan2(east, north)) % 360.0
 
 
-def by_rotation(data, mount):
+def by_rotation(data: Any, mount: Any) -> Any:
     """A described tracker at the rotations of a record, None without that column."""
     own = [label for label in data if printable(label) == ROTATION]
     if not own or not isinstance(mount, SingleAxisTrackerMount):
@@ -100,13 +101,13 @@ def by_rotation(data, mount):
     return ByColumns(data.index, rotated(theta.to_numpy(), mount), mount)
 
 
-def rotated(theta, mount):
+def rotated(theta: Any, mount: Any) -> Any:
     """Tilt and azimuth of a tracker at some rotations. [°]"""
     with np.errstate(invalid="ignore"):
         found = calc_surface_orientation(theta, mount.axis_tilt, mount.axis_azimuth)
     return {name: np.asarray(found[name], dtype=float) for name in ANGLES}
 
 
-def code(value):
+def code(value: Any) -> Any:
     """The remedy where a number may stand for a missing value."""
     return f"a code for missing values has to be missing (--missing {value:g})"

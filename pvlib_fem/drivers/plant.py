@@ -1,11 +1,14 @@
 """Irradiance on modules and sensor, as shown by a plant's power."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem.drivers.memory import dated
-from pvlib_fem.power import days_of, fitted
+from pvlib_fem.power import PowerRelation, days_of, fitted
 from pvlib_fem.record.columns import known_values
+from pvlib_fem.record.inputs import Inputs
 
 LEAST = 50.0  # W/m², least irradiance for a comparison with power
 NONE = 0.02  # of the usual power per irradiance; less counts as no power
@@ -19,14 +22,22 @@ BEFORE = "24h"  # time before an hour in which frost counts
 PAUSE = 3.0 * 86400.0  # s without light or values that end a stretch
 
 
-def frost_past_day(temp_air, inputs):
+def frost_past_day(temp_air: np.ndarray, inputs: Inputs) -> np.ndarray:
     """Whether snow may lie on the module: air below 2.4 °C within the past day. [-]"""
     times = pd.to_timedelta(inputs.seconds, unit="s")
     coldest = pd.Series(temp_air, times).rolling(BEFORE).min().to_numpy()
     return np.where(np.isnan(temp_air), np.nan, coldest < FROST)
 
 
-def power_off(poa_global, temp_air, frost_past_day, power, inputs, *, scale=np.nan):
+def power_off(
+    poa_global: np.ndarray,
+    temp_air: np.ndarray,
+    frost_past_day: np.ndarray,
+    power: np.ndarray,
+    inputs: Inputs,
+    *,
+    scale: float = np.nan,
+) -> np.ndarray:
     """
     Whether a plant gives no power, for another reason than snow. [-]
 
@@ -53,7 +64,7 @@ def power_off(poa_global, temp_air, frost_past_day, power, inputs, *, scale=np.n
     return np.where(known & np.isfinite(temp_air), off, np.nan)
 
 
-def usual_scale(poa_global, power):
+def usual_scale(poa_global: np.ndarray, power: np.ndarray) -> float:
     """Upper quartile of power per irradiance of bright rows."""
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = (power / poa_global)[poa_global > 2.0 * LEAST]
@@ -61,14 +72,26 @@ def usual_scale(poa_global, power):
     return float(np.quantile(ratio, 0.75)) if len(ratio) else np.inf
 
 
-def light_shown(relation, poa_global, temp_module, power, day):
+def light_shown(
+    relation: PowerRelation,
+    poa_global: np.ndarray,
+    temp_module: np.ndarray,
+    power: np.ndarray,
+    day: pd.Index,
+) -> np.ndarray:
     """Irradiance by power; at the power limit at least that of the sensor. [W/m²]"""
     shown = relation.light(power, temp_module, day)
     at_limit = power >= (1.0 - NONE) * relation.limit
     return np.where(at_limit, np.fmax(shown, poa_global), shown)
 
 
-def lights(poa_global, temp_base, power, inputs, relation):
+def lights(
+    poa_global: np.ndarray,
+    temp_base: np.ndarray,
+    power: np.ndarray,
+    inputs: Inputs,
+    relation: PowerRelation | None,
+) -> tuple[np.ndarray, np.ndarray]:
     """
     Irradiance by the sensor and by power; equal where they agree. [W/m²]
 
@@ -87,13 +110,13 @@ def lights(poa_global, temp_base, power, inputs, relation):
     )
 
 
-def agree(seen, shown, spread):
+def agree(seen: np.ndarray, shown: np.ndarray, spread: float) -> np.ndarray:
     """Whether irradiances by the sensor and by power agree."""
     most = max(MISSING, SPREADS * spread) * np.fmax(seen, shown)
     return np.abs(shown - seen) <= np.maximum(most, LEAST)
 
 
-def lost(seen, shown):
+def lost(seen: np.ndarray, shown: np.ndarray) -> np.ndarray:
     r"""
     Irradiance that modules lose, if power shows less than the sensor. [W/m²]
 
@@ -103,7 +126,15 @@ def lost(seen, shown):
     return np.where(shown >= seen, 0.0, seen * (1.0 - left))
 
 
-def light_lost(poa_global, temp_base, power, power_off, inputs, *, relation=None):
+def light_lost(
+    poa_global: np.ndarray,
+    temp_base: np.ndarray,
+    power: np.ndarray,
+    power_off: np.ndarray,
+    inputs: Inputs,
+    *,
+    relation: PowerRelation | None = None,
+) -> np.ndarray:
     r"""
     Irradiance that covered modules lose, by their power. [W/m²]
 
@@ -115,15 +146,29 @@ def light_lost(poa_global, temp_base, power, power_off, inputs, *, relation=None
     return lost(seen, shown) * (1.0 - power_off)
 
 
-def light_unseen(poa_global, temp_base, power, inputs, *, relation=None):
+def light_unseen(
+    poa_global: np.ndarray,
+    temp_base: np.ndarray,
+    power: np.ndarray,
+    inputs: Inputs,
+    *,
+    relation: PowerRelation | None = None,
+) -> np.ndarray:
     """Irradiance by power minus that of the sensor, if positive. [W/m²]"""
     seen, shown = lights(poa_global, temp_base, power, inputs, relation)
     return np.maximum(shown - seen, 0.0)
 
 
 def light_unused(
-    poa_global, temp_base, frost_past_day, power, power_off, inputs, *, relation=None
-):
+    poa_global: np.ndarray,
+    temp_base: np.ndarray,
+    frost_past_day: np.ndarray,
+    power: np.ndarray,
+    power_off: np.ndarray,
+    inputs: Inputs,
+    *,
+    relation: PowerRelation | None = None,
+) -> np.ndarray:
     """
     Irradiance that is not converted to power, for example by curtailment. [W/m²]
 
@@ -133,7 +178,7 @@ def light_unused(
     return np.maximum(seen - shown, 0.0) * (1.0 - power_off) * (1.0 - frost_past_day)
 
 
-def of_column(power):
+def of_column(power: Any) -> Any:
     """The drivers that are computed from a column of power, by name."""
     kind = power.removeprefix("power")  # _dc or _ac
     usual = ("poa_global", "temp_base")

@@ -1,5 +1,7 @@
 """The longwave deficit of the sky, measured or estimated."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from pvlib.clearsky import haurwitz
@@ -7,23 +9,26 @@ from pvlib.clearsky import haurwitz
 from pvlib_fem.drivers.memory import HOUR, smoothed
 from pvlib_fem.drivers.solar import SOLAR_CONSTANT
 from pvlib_fem.drivers.water import saturation
+from pvlib_fem.record.inputs import Inputs
 
 STEFAN_BOLTZMANN = 5.670374419e-8  # W/(m² K⁴), CODATA 2018
 ZERO_CELSIUS = 273.15  # K
 LOW_SUN = 5.0  # ° of elevation below which irradiance does not show clouds
 
 
-def black_body(temp_air):
+def black_body(temp_air: np.ndarray) -> np.ndarray:
     """Longwave of a black body at air temperature. [W/m²]"""
     return STEFAN_BOLTZMANN * (temp_air + ZERO_CELSIUS) ** 4
 
 
-def sky_deficit(longwave_down, temp_air, inputs):
+def sky_deficit(
+    longwave_down: np.ndarray, temp_air: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """Longwave of a black body at air temperature minus that of the sky. [W/m²]"""
     return black_body(temp_air) - longwave_down
 
 
-def moist_emissivity(relative_humidity, temp_air):
+def moist_emissivity(relative_humidity: np.ndarray, temp_air: np.ndarray) -> np.ndarray:
     """
     Emissivity of the clear sky, from vapour pressure at the ground [1]_. [-]
 
@@ -38,7 +43,9 @@ def moist_emissivity(relative_humidity, temp_air):
     return 1.0 - (1.0 + water) * np.exp(-np.sqrt(1.2 + 3.0 * water))
 
 
-def sky_deficit_moist(relative_humidity, temp_air, inputs):
+def sky_deficit_moist(
+    relative_humidity: np.ndarray, temp_air: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """
     :func:`sky_deficit` of a clear sky, from humidity. [W/m²]
 
@@ -48,7 +55,13 @@ def sky_deficit_moist(relative_humidity, temp_air, inputs):
     return (1.0 - emissivity) * black_body(temp_air)
 
 
-def sky_deficit_humid(sky_deficit_moist, cloud_share, inputs, *, cloud_base=0.84):
+def sky_deficit_humid(
+    sky_deficit_moist: np.ndarray,
+    cloud_share: np.ndarray,
+    inputs: Inputs,
+    *,
+    cloud_base: float = 0.84,
+) -> np.ndarray:
     """
     :func:`sky_deficit` from humidity and the clouds of the day. [W/m²]
 
@@ -57,7 +70,9 @@ def sky_deficit_humid(sky_deficit_moist, cloud_share, inputs, *, cloud_base=0.84
     return (1.0 - cloud_base * cloud_share) * sky_deficit_moist
 
 
-def sky_deficit_clouds(sky_deficit_air, cloud_share, inputs, *, cloud_base=0.84):
+def sky_deficit_clouds(
+    sky_deficit_air: Any, cloud_share: Any, inputs: Inputs, *, cloud_base: float = 0.84
+) -> Any:
     """
     :func:`sky_deficit` from air temperature and the clouds of the day. [W/m²]
 
@@ -66,7 +81,7 @@ def sky_deficit_clouds(sky_deficit_air, cloud_share, inputs, *, cloud_base=0.84)
     return (1.0 - cloud_base * cloud_share) * sky_deficit_air
 
 
-def sky_deficit_air(temp_air, inputs):
+def sky_deficit_air(temp_air: np.ndarray, inputs: Inputs) -> np.ndarray:
     """
     :func:`sky_deficit` of a clear sky, from air temperature alone [1]_. [W/m²]
 
@@ -79,7 +94,13 @@ def sky_deficit_air(temp_air, inputs):
     return (1.0 - emissivity) * black_body(temp_air)
 
 
-def cloud_share(clearness, solar_zenith, inputs, *, cloud_memory=3.0):
+def cloud_share(
+    clearness: np.ndarray,
+    solar_zenith: np.ndarray,
+    inputs: Inputs,
+    *,
+    cloud_memory: float = 3.0,
+) -> np.ndarray:
     """
     Share of the sky under cloud, carried from each day through the night. [-]
 

@@ -1,11 +1,14 @@
 """The solar position, and irradiance on a plane."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from pvlib import irradiance
 from pvlib.location import Location
 
 from pvlib_fem.drivers.memory import HOUR, backwards
+from pvlib_fem.record.inputs import Inputs
 from pvlib_fem.relaxation import relax
 
 SOLAR_CONSTANT = 1361.0  # W/m²
@@ -72,22 +75,28 @@ def sun(
     )
 
 
-def standard_time(index, location):
+def standard_time(index: pd.DatetimeIndex, location: Location) -> pd.DatetimeIndex:
     """Times without a zone as the local standard time of a location."""
     offset = pd.Timedelta(hours=round(location.longitude / 15.0))
     if str(location.tz) != "UTC":
-        january = pd.Timestamp(index[0].year, 1, 1, tz=location.tz)
+        january: Any = pd.Timestamp(index[0].year, 1, 1, tz=location.tz)
         offset = january.utcoffset() - january.dst()
     return (index - offset).tz_localize("UTC")
 
 
-def aoi_projection(solar_zenith, solar_azimuth, surface_tilt, surface_azimuth, inputs):
+def aoi_projection(
+    solar_zenith: np.ndarray,
+    solar_azimuth: np.ndarray,
+    surface_tilt: np.ndarray,
+    surface_azimuth: np.ndarray,
+    inputs: Inputs,
+) -> np.ndarray:
     """Cosine of the angle of incidence, negative behind the module. [-]"""
     plane = surface_tilt, surface_azimuth
     return irradiance.aoi_projection(*plane, solar_zenith, solar_azimuth)
 
 
-def diffuse_share(clearness):
+def diffuse_share(clearness: np.ndarray) -> np.ndarray:
     """
     Diffuse fraction of global irradiance, by clearness [1]_. [-]
 
@@ -106,7 +115,13 @@ def diffuse_share(clearness):
 DIFFUSE = diffuse_share(np.linspace(0.0, 1.0, 2**HALVINGS + 1))
 
 
-def clearness(poa_global, solar_zenith, surface_tilt, aoi_projection, inputs):
+def clearness(
+    poa_global: np.ndarray,
+    solar_zenith: np.ndarray,
+    surface_tilt: np.ndarray,
+    aoi_projection: np.ndarray,
+    inputs: Inputs,
+) -> np.ndarray:
     """
     Share of extraterrestrial irradiance that arrives, 0 at night. [-]
 
@@ -131,7 +146,13 @@ def clearness(poa_global, solar_zenith, surface_tilt, aoi_projection, inputs):
     return found
 
 
-def on_plane(clearness, solar_zenith, solar_azimuth, surface_tilt, surface_azimuth):
+def on_plane(
+    clearness: np.ndarray,
+    solar_zenith: np.ndarray,
+    solar_azimuth: np.ndarray,
+    surface_tilt: float,
+    surface_azimuth: float,
+) -> np.ndarray:
     """Irradiance of a sky in any plane, as :func:`clearness` has it. [W/m²]"""
     up = np.maximum(np.cos(np.radians(solar_zenith)), 0.0)
     plane = surface_tilt, surface_azimuth
@@ -143,23 +164,30 @@ def on_plane(clearness, solar_zenith, solar_azimuth, surface_tilt, surface_azimu
     return SOLAR_CONSTANT * clearness * np.where(up > 0.0, light, 0.0)
 
 
-def beam(poa_global, clearness, aoi_projection, inputs):
+def beam(
+    poa_global: np.ndarray,
+    clearness: np.ndarray,
+    aoi_projection: np.ndarray,
+    inputs: Inputs,
+) -> np.ndarray:
     """Beam irradiance in the plane of the module, by :func:`clearness`. [W/m²]"""
     direct = clearness * (1.0 - diffuse_share(clearness)) * SOLAR_CONSTANT
     return np.minimum(direct * np.maximum(aoi_projection, 0.0), poa_global)
 
 
-def sun_north(solar_azimuth, inputs):
+def sun_north(solar_azimuth: np.ndarray, inputs: Inputs) -> np.ndarray:
     """Northward component of the direction to the sun on the horizon. [-]"""
     return np.cos(np.radians(solar_azimuth))
 
 
-def sun_east(solar_azimuth, inputs):
+def sun_east(solar_azimuth: np.ndarray, inputs: Inputs) -> np.ndarray:
     """Eastward component of the direction to the sun on the horizon. [-]"""
     return np.sin(np.radians(solar_azimuth))
 
 
-def beam_clear(solar_zenith, aoi_projection, inputs):
+def beam_clear(
+    solar_zenith: np.ndarray, aoi_projection: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """
     Beam in the plane under a clear sky [1]_. [W/m²]
 
@@ -173,7 +201,13 @@ def beam_clear(solar_zenith, aoi_projection, inputs):
     return clear * np.maximum(aoi_projection, 0.0)
 
 
-def beam_around(beam, beam_clear, elapsed, inputs=None, seen=1.0):
+def beam_around(
+    beam: np.ndarray,
+    beam_clear: np.ndarray,
+    elapsed: np.ndarray,
+    inputs: Inputs | None = None,
+    seen: float = 1.0,
+) -> np.ndarray:
     """
     Beam in the plane, expected from the hours before and after. [W/m²]
 
@@ -188,23 +222,25 @@ def beam_around(beam, beam_clear, elapsed, inputs=None, seen=1.0):
     return beam_clear * np.minimum(there / np.maximum(whole, 1.0), 1.0)
 
 
-def ghi_estimated(clearness, solar_zenith, inputs):
+def ghi_estimated(
+    clearness: np.ndarray, solar_zenith: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """Global horizontal irradiance, by :func:`clearness`. [W/m²]"""
     up = np.maximum(np.cos(np.radians(solar_zenith)), 0.0)
     return SOLAR_CONSTANT * clearness * up
 
 
 def beam_by_tilt(
-    beam,
-    aoi_projection,
-    solar_zenith,
-    solar_azimuth,
-    surface_tilt,
-    surface_azimuth,
-    inputs,
+    beam: np.ndarray,
+    aoi_projection: np.ndarray,
+    solar_zenith: np.ndarray,
+    solar_azimuth: np.ndarray,
+    surface_tilt: np.ndarray,
+    surface_azimuth: np.ndarray,
+    inputs: Inputs,
     *,
-    axis_azimuth=None,
-):
+    axis_azimuth: Any = None,
+) -> np.ndarray:
     """
     Additional beam on a plane that is one degree steeper. [W/(m² °)]
 
@@ -224,14 +260,14 @@ def beam_by_tilt(
 
 
 def beam_by_azimuth(
-    beam,
-    aoi_projection,
-    solar_zenith,
-    solar_azimuth,
-    surface_tilt,
-    surface_azimuth,
-    inputs,
-):
+    beam: np.ndarray,
+    aoi_projection: np.ndarray,
+    solar_zenith: np.ndarray,
+    solar_azimuth: np.ndarray,
+    surface_tilt: np.ndarray,
+    surface_azimuth: np.ndarray,
+    inputs: Inputs,
+) -> np.ndarray:
     """Additional beam on a plane turned clockwise by one degree. [W/(m² °)]"""
     around = np.radians(solar_azimuth - surface_azimuth)
     slope = np.sin(np.radians(solar_zenith)) * np.sin(np.radians(surface_tilt))

@@ -1,5 +1,7 @@
 """Irradiance in the plane of the module from horizontal irradiance."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from pvlib import atmosphere, irradiance
@@ -16,7 +18,7 @@ PLACE = Spelled(
 )
 
 
-def check_transposition(name, place):
+def check_transposition(name: str, place: dict) -> None:
     """Refuse an unknown model of the sky, or an incomplete place."""
     if name not in TRANSPOSITIONS:
         raise ValueError(
@@ -26,7 +28,7 @@ def check_transposition(name, place):
         raise refusal("a transposition needs the plane of the module: give ", PLACE)
 
 
-def in_plane(columns, index, place, transposition):
+def in_plane(columns: Any, index: Any, place: dict, transposition: Any) -> Any:
     """
     Irradiance in the plane of the module from global horizontal irradiance. [W/m²]
 
@@ -90,6 +92,6 @@ def in_plane(columns, index, place, transposition):
     return total.where(known).rename("poa_global")
 
 
-def is_split(columns):
+def is_split(columns: Any) -> Any:
     """Whether the columns have both beam and diffuse irradiance."""
     return all(name in columns for name in PARTS)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pvlib_fem.drivers.memory import HOUR, smoothed
+from pvlib_fem.record.inputs import Inputs
 
 MAGNUS = 17.62, 243.12  # constants of vapour pressure over water: -, °C
 #: latent loss per hPa relative to all other loss: Lewis's 1.5 for one wet face, divided
@@ -12,12 +13,14 @@ NEWTON = 6  # steps, to an error far below a thousandth: the balance is convex
 SOAKED = 5.0  # the module is fully wet if the smoothed rain times this exceeds 1
 
 
-def saturation(celsius):
+def saturation(celsius: np.ndarray) -> np.ndarray:
     """Saturation vapour pressure over water, by Magnus. [hPa]"""
     return 6.112 * np.exp(MAGNUS[0] * celsius / (MAGNUS[1] + celsius))
 
 
-def wetness(precipitation, inputs, *, drying=1800.0):
+def wetness(
+    precipitation: np.ndarray, inputs: Inputs, *, drying: float = 1800.0
+) -> np.ndarray:
     """
     Share of a module that is wet: 1 in rain, and drying after it. [-]
 
@@ -27,7 +30,13 @@ def wetness(precipitation, inputs, *, drying=1800.0):
     return np.minimum(1.0, SOAKED * smoothed(falling, inputs, drying))
 
 
-def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
+def film_vapour(
+    wetness: np.ndarray,
+    relative_humidity: np.ndarray,
+    temp_air: np.ndarray,
+    temp_base: np.ndarray,
+    inputs: Inputs | None,
+) -> np.ndarray:
     """
     Excess vapour pressure of a wet module over the air, times wetness. [hPa]
 
@@ -45,7 +54,14 @@ def film_vapour(wetness, relative_humidity, temp_air, temp_base, inputs):
     return wetness * np.maximum(saturation(wet) - air, 0.0)
 
 
-def days_since_rain(precipitation, inputs, *, cleaning=1.0, within=3.0, dirtiest=60.0):
+def days_since_rain(
+    precipitation: np.ndarray,
+    inputs: Inputs,
+    *,
+    cleaning: float = 1.0,
+    within: float = 3.0,
+    dirtiest: float = 60.0,
+) -> np.ndarray:
     """
     Time since rain cleaned the module, or the record began [1]_ [2]_. [days]
 
@@ -72,7 +88,14 @@ def days_since_rain(precipitation, inputs, *, cleaning=1.0, within=3.0, dirtiest
     return np.minimum((seconds - last) / 86400.0, dirtiest)
 
 
-def snow_cover(snow_depth, temp_air, poa_global, inputs, *, snowfall=0.5):
+def snow_cover(
+    snow_depth: np.ndarray,
+    temp_air: np.ndarray,
+    poa_global: np.ndarray,
+    inputs: Inputs,
+    *,
+    snowfall: float = 0.5,
+) -> np.ndarray:
     """
     Whether snow lies on the module, from snow depth on the ground [1]_. [-]
 
@@ -100,8 +123,15 @@ def snow_cover(snow_depth, temp_air, poa_global, inputs, *, snowfall=0.5):
 
 
 def snow_left(
-    snow_cover, snow_depth, temp_air, poa_global, inputs, *, lying=1.0, sliding=10.0
-):
+    snow_cover: np.ndarray,
+    snow_depth: np.ndarray,
+    temp_air: np.ndarray,
+    poa_global: np.ndarray,
+    inputs: Inputs,
+    *,
+    lying: float = 1.0,
+    sliding: float = 10.0,
+) -> np.ndarray:
     """
     Part of the module under remaining snow where ``snow_cover`` is 0. [-]
 
@@ -127,6 +157,6 @@ def snow_left(
     return (1.0 - snow_cover) * left * (snow_depth > lying)
 
 
-def may_slide(temp_air, poa_global):
+def may_slide(temp_air: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
     """Whether snow can slide off a module at this air temperature and irradiance."""
     return temp_air > poa_global / -80.0

@@ -2,12 +2,18 @@
 
 import numpy as np
 
+from pvlib_fem.record.inputs import Inputs
 
-def wind_north(wind_speed, wind_direction, inputs):
+
+def wind_north(
+    wind_speed: np.ndarray, wind_direction: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """Component of the wind from the north. [m/s]"""
     return wind_speed * np.cos(np.radians(wind_direction))
 
 
-def wind_east(wind_speed, wind_direction, inputs):
+def wind_east(
+    wind_speed: np.ndarray, wind_direction: np.ndarray, inputs: Inputs
+) -> np.ndarray:
     """Component of the wind from the east. [m/s]"""
     return wind_speed * np.sin(np.radians(wind_direction))

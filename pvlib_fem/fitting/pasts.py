@@ -56,8 +56,9 @@ class Held:
 def with_a_past(inputs: Inputs, drivers: list) -> Iterator:
     """Lagged drivers: short ones from the rows, long ones from ``inputs``."""
     names = remembered(drivers)
-    if short := [name for name in names if short_memory(name)]:
-        reach = FORGOTTEN * max(map(short_memory, short))
+    memories = {name: short_memory(name) or 0.0 for name in names}
+    if short := [name for name, memory in memories.items() if memory]:
+        reach = FORGOTTEN * max(memories[name] for name in short)
         yield Trailing(tuple(short), tuple(behind(short)), completed, reach)
     if long := of_means(drivers):
         made_of = {name: lost_without(name) for name in long}
