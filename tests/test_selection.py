@@ -13,13 +13,14 @@ from pvlib_fem.findings import OUTSIDE
 from pvlib_fem.loop.design import Design, independent
 from pvlib_fem.loop.dictionary import Candidate, Changed, Scan, dated, first_days
 from pvlib_fem.loop.noise import (
+    misfits,
     random_effects,
     shares,
     with_outside,
 )
 from pvlib_fem.loop.selection import Choice, Selection, existence
 from pvlib_fem.statistics.tables import Table
-from pvlib_fem.statistics.weekly import LeastSquares, alike, held_out
+from pvlib_fem.statistics.weekly import LeastSquares, alike, held_out, products
 
 START = 19_358  # 2023-01-01
 CRITERIA = Criteria()
@@ -239,6 +240,67 @@ def test_what_stands_for_an_unknown_schedule_is_outside():
     share, _ = shares(made, one, [*made.base])[0]  # by hour and month
     assert share < 0.3
     assert choice.probabilities[OUTSIDE] > 0.5
+
+
+@pytest.mark.parametrize("hours_of_day", [(0, 24), (20, 24)])
+def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
+    """An offset of 50 days; heat of the evenings of these days is no offset."""
+    random, (days, hours) = np.random.default_rng(5), clock(300)
+    first, last = hours_of_day
+    there = (days >= 100) & (days < 150) & (hours >= first) & (hours < last)
+    size = 24.0 / (last - first)  # as much in the mean of a day
+    rest = size * there + noise(random, len(days))
+    changing = [CHANGES["module_offset_episode"]]
+    columns = {"one": random.normal(size=len(days))}
+    made = replace(design(rest, columns, days, hours), changing=tuple(changing))
+    selection = Selection(made, CRITERIA)
+    (one,) = selection.candidates([1])
+    score = selection.score(one, [1])
+    assert score.probability > 0.95
+    (misfit,) = misfits(made, one, [1], score.fall)
+    choice = selection.weighed(Choice(one, score), [])
+    outside = with_outside(made, choice, [1], CRITERIA).probabilities[OUTSIDE]
+    if hours_of_day == (0, 24):
+        assert misfit < 0.3 and outside < 0.1
+    else:
+        assert misfit > 1.0 and outside > 0.9
+
+
+@pytest.mark.parametrize("treated", [3, 6, 50])
+def test_few_weeks_of_a_change_have_the_noise_of_all_weeks(treated):
+    """A hundred weeks of noise; its variance is known, and their own is a poor one."""
+    own, both = [], []
+    for seed in range(200):
+        random = np.random.default_rng(seed)
+        weeks, rows = 100, 20
+        column = np.repeat(np.arange(weeks) < treated, rows).astype(float)
+        cells = np.column_stack(
+            [random.normal(size=weeks * rows), np.ones(weeks * rows)]
+        )
+        cells = np.column_stack([cells, column])
+        ends = np.arange(0, weeks * rows + 1, rows)
+        found = LeastSquares(products(cells, np.ones(weeks * rows), ends), 1)
+        variance, freedom = found.by_all_weeks()
+        own.append(float(found.covariance[0, 0]))
+        both.append(float(variance[0, 0]))
+    true = 1.0 / (rows * treated * (1.0 - treated / weeks))
+    assert np.mean(both) == pytest.approx(true, rel=0.15)
+    assert freedom > found.freedom
+    assert np.std(both) < (0.6 if treated < 10 else 1.0) * np.std(own)
+
+
+def test_noise_that_lasts_for_weeks_makes_a_change_less_sure():
+    random, weeks, rows = np.random.default_rng(0), 100, 20
+    slow = noise(random, weeks, 0.6)
+    column = np.repeat(np.arange(weeks) < 6, rows).astype(float)
+    sizes = []
+    for level in (slow, random.permutation(slow)):
+        rest = np.repeat(level, rows) + random.normal(size=weeks * rows)
+        cells = np.column_stack([rest, np.ones(weeks * rows), column])
+        ends = np.arange(0, weeks * rows + 1, rows)
+        found = LeastSquares(products(cells, np.ones(weeks * rows), ends), 1)
+        sizes.append(float(found.by_all_weeks()[0][0, 0]))
+    assert sizes[0] > 1.5 * sizes[1]
 
 
 def test_the_placebo_of_white_noise_is_its_textbook_error():

@@ -15,7 +15,7 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects.instruments import OF_NO_COEFFICIENT
 from pvlib_fem.findings import OUTSIDE
 from pvlib_fem.record.columns import COLUMNS, GEOMETRY
-from pvlib_fem.statistics.axes import CLOCK, sorted_by
+from pvlib_fem.statistics.axes import CLOCK, Axis, sorted_by
 from pvlib_fem.statistics.tables import Table, joined, largest
 from pvlib_fem.statistics.weekly import LeastSquares, products
 
@@ -79,7 +79,7 @@ def with_outside(design, choice, given, criteria, logs=None):
         prior = prior_of(one.effect, criteria.outside)
         own = design.fit_for([one.effect])
         sizes = shares(own, one, given)
-        rest = misfits(own, one, given, choice.scores[name].fall)
+        rest = misfits(own, one, given, choice.fall)
         inside, beyond = likelihoods(sizes, rest, criteria.law_error)
         mine[name] = weight * (1.0 - prior.odds) * inside
         unknown = prior.alike * inside + (1.0 - prior.alike) * beyond
@@ -107,23 +107,46 @@ def shares(design, one, given):
 
 def misfits(design, one, given, fall):
     """
-    What a law leaves along its own drivers, over what it explains.
+    What a law leaves along its own drivers, over what the best law explains.
 
-    Roots of mean squares, along the measured drivers and along its own columns. A law
-    leaves no more than its relative error; an unknown cause that follows the same
-    drivers in another shape leaves as much as it explains.
+    Roots of mean squares, along the measured drivers and along its own columns; of a
+    change, along the hours of the day. A law leaves no more than its relative error; an
+    unknown cause that follows the same drivers in another shape leaves as much as it
+    explains.
     """
-    mine = own_columns(one.effect)
-    if not mine or one.effect.channel or one.effect.confounder or not fall > 0.0:
+    if not fall > 0.0 or one.effect.confounder:
         return []
-    axes = [axis for axis in design.axes if axis.column in mine]
-    axes += [sorted_by("", design.cells[:, place]) for place in one.columns]
     rest = design.left_by([*given, *one.beyond(given)])
-    weeks = design.rows, design.weeks
-    made = [Table.of((axis,), rest, *weeks) for axis in axes if axis is not None]
+    if one.effect.channel:
+        found = [of_hours(design, one, rest)]
+    else:
+        mine = own_columns(one.effect)
+        axes = [axis for axis in design.axes if axis.column in mine]
+        if mine:
+            axes += [sorted_by("", design.cells[:, place]) for place in one.columns]
+        weeks = design.rows, design.weeks
+        found = [Table.of((axis,), rest, *weeks) for axis in axes if axis is not None]
     # by a standard error less: no more than is sure
-    sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in made]
+    sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in found]
     return [float(np.sqrt(variance / fall)) for variance in sure]
+
+
+def of_hours(design, one, rest):
+    """
+    The table by hour of what a change leaves, on days with more and with less of it.
+
+    A sensor that has changed deviates by its law at every hour. Heat that comes and
+    goes with a season does so at its own hours. What an hour has on all days is not of
+    the change.
+    """
+    (hour,) = (axis for axis in design.axes if axis.name == "hour")
+    sums = np.bincount(hour.bins, rest * design.rows)
+    means = sums / np.maximum(np.bincount(hour.bins, design.rows), 1.0)
+    (column,) = one.columns
+    weight = design.weight(column)
+    much = (weight > weight @ design.rows / design.count).astype(int)
+    side = Axis("change", much, ((0, 0), (1, 1)))
+    return Table.of((hour, side), rest - means[hour.bins], design.rows, design.weeks)
 
 
 def own_columns(effect):

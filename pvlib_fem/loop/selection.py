@@ -252,7 +252,7 @@ class Selection:
             sure = LeastSquares(seen.by_week([*given, *own]), size)
         if one.effect.channel:
             # other dates are no placebo of a date: whatever is slow has some
-            null, freedom = sure.covariance, sure.freedom
+            null, freedom = sure.by_all_weeks()
         else:
             null, freedom = self.seen.placebo(given, own, sure)
         rows, null = list(rows_of(one, design)), null / unit

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 RIDGE = 1e-9  # of a column's square: an undetermined coefficient stays 0
+SOME = 1e-9  # of the square of a column in the largest week, to count as present
 MOST_MEMORY = 0.9  # autocorrelation of weeks above which it looks like a trend
 
 
@@ -61,11 +62,7 @@ class LeastSquares:
         # collinear columns shift together
         plain = steady((weeks - 1) / weeks * shifts.T @ shifts)
         along = shifts @ np.linalg.solve(plain, self.estimate)
-        memory = 0.0
-        if weeks > 3 and along @ along > 0:
-            memory = float(along[1:] @ along[:-1] / (along @ along))
-        memory = min(max(memory, 0.0), MOST_MEMORY)
-        return plain * (1.0 + memory) / (1.0 - memory)
+        return plain * lasting(along)
 
     @cached_property
     def freedom(self):
@@ -79,6 +76,54 @@ class LeastSquares:
         weights = np.maximum(weights, 0.0)
         many = weights.sum() ** 2 / max((weights**2).sum(), 1e-300)
         return max(many - 1.0, 1.0)
+
+    def by_all_weeks(self):
+        """
+        Variance of a single tested column with the noise of all weeks, and its freedom.
+
+        A change that lasts for a few weeks has few scores of its own, and their spread
+        is a poor estimate of the noise ("few treated clusters": Conley and Taber,
+        2011). Noise of the same kind gives each week's score a variance in proportion
+        to the square of the column in that week. So every week in which the column
+        differs from what the others explain estimates the noise. The two estimates
+        are averaged by their freedom, as those of similar samples are (Smyth, 2004).
+
+        Returns
+        -------
+        covariance : array
+            Of one by one.
+        freedom : float
+
+        References
+        ----------
+        .. [1] T. G. Conley and C. R. Taber, "Inference with difference in differences
+           with a small number of policy changes", Review of Economics and Statistics
+           93, 113-125, 2011. :doi:`10.1162/REST_a_00049`
+        .. [2] G. K. Smyth, "Linear models and empirical Bayes methods for assessing
+           differential expression in microarray experiments", Statistical Applications
+           in Genetics and Molecular Biology 3, 3, 2004. :doi:`10.2202/1544-6115.1027`
+        """
+        squares = steady(self.whole[1:, 1:])
+        explained = np.linalg.solve(squares[:-1, :-1], squares[:-1, -1])
+        mix = np.append(-explained, 1.0)
+        square = np.einsum("i,wij,j->w", mix, self.weekly[:, 1:, 1:], mix)
+        scores = self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
+        known = square > SOME * square.max()
+        along = (scores @ mix)[known] / np.sqrt(square[known])
+        many = max(len(along) - 1.0, 1.0)
+        pooled = along @ along / many / square.sum() * lasting(along)
+        few = self.freedom
+        both = (many * pooled + few * self.covariance) / (many + few)
+        return both, many + few
+
+
+def lasting(scores):
+    """Factor of a variance of means for the memory of scores of successive weeks."""
+    memory, power = 0.0, scores @ scores
+    if len(scores) > 3 and power > 0:
+        memory = float(scores[1:] @ scores[:-1] / power)
+    memory = min(max(memory, 0.0), MOST_MEMORY)
+    return (1.0 + memory) / (1.0 - memory)
 
 
 def solve(whole):
