@@ -187,7 +187,8 @@ def files_in_plane(
     for block in source.blocks(["ghi"]):
         sums.add(block.index, {"ghi": within("ghi", block["ghi"])})
     means = sums.inputs()
-    horizontal = (means.columns["ghi"], means.index, place["location"], 0.0, 180.0)
+    times = pd.DatetimeIndex(means.index)
+    horizontal = (means.columns["ghi"], times, place["location"], 0.0, 180.0)
     refuse_clock(solar_noon_shift(*horizontal, limits).faults)
     rest = {n: c for n, c in source.columns.items() if n not in ("ghi", *PARTS)}
     return replace(

@@ -1,6 +1,8 @@
 """Days on which irradiance is that of a plane that stands, while a record's turns."""
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -51,7 +53,7 @@ class Standing:
     after: float
 
     @classmethod
-    def stored(cls, content):
+    def stored(cls, content: Any) -> Any:
         """The days of a part of a file."""
         dates = {name: content.text(name) for name in ("start", "end")}
         sizes = ("surface_tilt", "surface_azimuth", "before", "after")
@@ -60,11 +62,11 @@ class Standing:
         return cls(**dates, **numbers, between=between, days=days)
 
     @property
-    def when(self):
+    def when(self) -> Any:
         """Its days in words."""
         return dates_in_words({**asdict(self), "between": self.between})
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (
             f"from {self.when} the irradiance sensor stood still "
             f"{in_words(self.surface_tilt, self.surface_azimuth)}, while the record "
@@ -73,7 +75,7 @@ class Standing:
             f"that one {self.after:.0%}; effects of the plane have its angles"
         )
 
-    def rows(self, index):
+    def rows(self, index: pd.DatetimeIndex) -> Any:
         """Rows of some times on its days."""
         local = index.tz_localize(None)
         first, last = pd.Timestamp(self.start), pd.Timestamp(self.end)
@@ -81,7 +83,7 @@ class Standing:
 
 
 def standing_of(
-    poa_global,
+    poa_global: Any,
     index: pd.DatetimeIndex,
     location: Location,
     angles: tuple,
@@ -144,7 +146,7 @@ def standing_of(
     )
 
 
-def left_by_day(sky, plane):
+def left_by_day(sky: Any, plane: Any) -> Any:
     """What a clear sky in a plane leaves of each day, as a share. [-]"""
     modelled = sky.on_plane(plane)
     whole, square, both = (
@@ -155,7 +157,7 @@ def left_by_day(sky, plane):
     return np.sqrt(np.maximum(left, 0.0) / np.maximum(whole, 1e-9))
 
 
-def runs(days, stands, moves, at):
+def runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:
     """Groups of days that stand in one plane, and the clear days that move around."""
     some: list[int] = []
     last = days[0] - 1
@@ -174,7 +176,16 @@ def runs(days, stands, moves, at):
             some = [*some, i]
 
 
-def described(sky, axis, days, some, at, moving, last, after):
+def described(
+    sky: Any,
+    axis: Any,
+    days: Any,
+    some: Any,
+    at: Any,
+    moving: Any,
+    last: Any,
+    after: Any,
+) -> Any:
     """The days, and the plane that leaves least of them."""
     there = np.isin(sky.day, some)
     part = sky.rows(there)

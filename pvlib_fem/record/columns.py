@@ -3,11 +3,13 @@
 import re
 import unicodedata
 import warnings
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.spelling import Spelled, refusal
 
 #: what every record needs
@@ -69,7 +71,7 @@ REAR = "poa_rear"  # light on the other side, and no second sensor of the front
 TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 
 
-def twin_of(name):
+def twin_of(name: str) -> Any:
     """The usual column of which one is a second sensor, by its name, or None."""
     found = TWIN.fullmatch(str(name))
     own = name in (*COLUMNS, REAR)
@@ -78,18 +80,18 @@ def twin_of(name):
     return "poa_global" if found[1] == "poa" else found[1]
 
 
-def is_power(name):
+def is_power(name: str) -> bool:
     """Whether a column is power, by its name."""
     return POWER.fullmatch(str(name)) is not None and not str(name).endswith(ORIGINAL)
 
 
-def known_values(name, values, poa_global):
+def known_values(name: str, values: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
     """Known rows of a column: missing power without light is 0."""
     known = np.isfinite(values)
     return known | (poa_global <= DAYLIGHT) if name in PLANT_POWER else known
 
 
-def plant_power(record, most):
+def plant_power(record: Any, most: float) -> dict:
     """Columns of a plant's power that are there by day, which effects may follow."""
     found, light = {}, record["poa_global"] > DAYLIGHT
     for name in PLANT_POWER:
@@ -101,22 +103,22 @@ def plant_power(record, most):
     return found
 
 
-def vouches(name):
+def vouches(name: str) -> bool:
     """Whether a column sees what an instrument should, and drives nothing itself."""
     return twin_of(name) is not None or (is_power(name) and name != "p_dc_per_area")
 
 
-def printable(text, kept=""):
+def printable(text: Any, kept: str = "") -> str:
     """Text, such as a column's name, that a terminal or a page only shows."""
     return "".join("�" if steers(c) and c not in kept else c for c in str(text))
 
 
-def steers(sign):
+def steers(sign: str) -> bool:
     """Whether a sign is none to be read: control, direction, half of a pair."""
     return unicodedata.category(sign) in ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
-def with_aliases(data, needed=COLUMNS):
+def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
     """Columns of a frame by the package's names, with those that are needed."""
     if not isinstance(data, pd.DataFrame):
         raise ValueError(
@@ -137,14 +139,14 @@ def with_aliases(data, needed=COLUMNS):
     return columns
 
 
-def of_horizontal(missing, columns):
+def of_horizontal(missing: list, columns: dict) -> Iterator:
     """What a refusal adds where light in the plane can be made of horizontal one."""
     if "poa_global" in missing and "ghi" in columns:
         yield "; to make poa_global of ghi, "
         yield TRANSPOSED
 
 
-def of_others(missing, columns):
+def of_others(missing: list, columns: dict) -> Iterator:
     """What a refusal adds where missing columns can be made of others."""
     yield from of_horizontal(missing, columns)
     for name in missing:
@@ -154,12 +156,12 @@ def of_others(missing, columns):
             yield filled_from(others[0])
 
 
-def filled_from(name):
+def filled_from(name: str) -> Any:
     """The step by which a second source stands in for the usual one, as text."""
     return Spelled(f"fill_record(data, {name!r})", f"--stand-in {name}")
 
 
-def renamed(names):
+def renamed(names: dict | pd.Index | set) -> Any:
     """
     Names that some columns should have now, to those that they have, with a warning.
 
@@ -178,19 +180,19 @@ def renamed(names):
     return found
 
 
-def in_new_names(columns):
+def in_new_names(columns: dict) -> dict:
     """Columns, or what else is known by column, with those by an old name renamed."""
     new = {old: new for new, old in renamed(columns).items()}
     return {new.get(name, name): value for name, value in columns.items()}
 
 
-def by_own_names(columns):
+def by_own_names(columns: dict) -> Any:
     """Columns by the package's names, where they are given by another of pvlib's."""
     renamed = in_new_names(columns)
     return {ALIASES.get(name, name): column for name, column in renamed.items()}
 
 
-def as_numbers(column):
+def as_numbers(column: pd.Series) -> pd.Series:
     """A column of objects as numbers, if all of them are; others as they are."""
     if column.dtype != object:
         return column
@@ -200,7 +202,7 @@ def as_numbers(column):
         return column
 
 
-def of_several(columns):
+def of_several(columns: dict | pd.Index) -> tuple:
     """What a refusal adds where there are module sensors, and none is the usual one."""
     sensors = [name for name in columns if twin_of(name) == "temp_module"]
     if "temp_module" in columns or len(sensors) < 2:
@@ -208,7 +210,7 @@ def of_several(columns):
     return f". Of {len(sensors)} module sensors give one as temp_module, or ", COMPARED
 
 
-def numeric(columns):
+def numeric(columns: dict) -> dict:
     """Columns that hold numbers, and no infinity."""
     found = {
         name: column.astype(float)
@@ -218,7 +220,9 @@ def numeric(columns):
     return {n: c for n, c in found.items() if not np.isinf(c.to_numpy()).any()}
 
 
-def usable_drivers(columns, record, most_missing, taken=()):
+def usable_drivers(
+    columns: dict, record: Any, most_missing: float, taken: tuple = ()
+) -> tuple[dict, dict]:
     """
     Numeric columns that say something of their own, and why others do not.
 
@@ -258,7 +262,7 @@ def usable_drivers(columns, record, most_missing, taken=()):
     return used, refused
 
 
-def unusable(name, column, seen, most_missing):
+def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because | None:
     """Why a column can be no driver, if it cannot."""
     if not pd.api.types.is_numeric_dtype(column):
         return because(Reason.NOT_NUMERIC, column=name)
@@ -284,13 +288,13 @@ def unusable(name, column, seen, most_missing):
     return None
 
 
-def same(one, other):
+def same(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether one column is another, but for a factor and an offset."""
     some = slice(None, None, max(1, len(one) // FEW))
     return alike(one[some], other[some]) and alike(one, other)
 
 
-def alike(one, other):
+def alike(one: np.ndarray, other: np.ndarray) -> bool:
     both = np.isfinite(one) & np.isfinite(other)
     x, y = one[both], other[both]
     if both.sum() < 3 or x.std() == 0 or y.std() == 0:

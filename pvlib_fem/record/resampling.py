@@ -8,13 +8,13 @@ import pandas as pd
 
 from pvlib_fem.record.checks import instants, usual_step
 from pvlib_fem.record.columns import ANGLES, GEOMETRY, ROTATION
-from pvlib_fem.record.inputs import Inputs
+from pvlib_fem.record.inputs import Columns, Inputs, Record
 
 #: where a plane stands at the end of a step: of east and west there is no mean
 AT_END = (*GEOMETRY[2:], ROTATION)
 
 
-def coarse(record, step=300.0, present=0.5):
+def coarse(record: Record, step: float = 300.0, present: float = 0.5) -> Record:
     """
     The record in means over longer steps, or as it is where they are long enough.
 
@@ -47,7 +47,7 @@ class Sums:
     sums: dict = field(default_factory=dict)  # column to sums and counts
     ends: dict = field(default_factory=dict)  # column to values at the ends of steps
 
-    def add(self, index, columns):
+    def add(self, index: pd.DatetimeIndex, columns: dict | Columns) -> None:
         """Add rows, each block of them later than those before."""
         at = instants(index)
         if self.day is None:
@@ -73,13 +73,20 @@ class Sums:
             else:
                 self.put((name, ""), values, *places, size)
 
-    def places(self, number):
+    def places(self, number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First row of each step, whose rows follow each other, and its place."""
         first = np.flatnonzero(np.diff(number, prepend=number[0] - 1))
         at = number[first] - self.first
         return first, at + (at < 0)
 
-    def put(self, key, values, first, at, size):
+    def put(
+        self,
+        key: tuple,
+        values: np.ndarray,
+        first: np.ndarray,
+        at: np.ndarray,
+        size: int,
+    ) -> None:
         """Add values of one column at the places of their steps."""
         sums, counts = self.sums.get(key, (np.zeros(0), np.zeros(0)))
         sums, counts = grown(sums, size), grown(counts, size)
@@ -94,7 +101,7 @@ class Sums:
         sums[part] += np.bincount(at - at[0], np.add.reduceat(values, first))
         self.sums[key] = sums, counts
 
-    def end(self, name, values, first, at, size):
+    def end(self, name: str, values: Any, first: Any, at: Any, size: int) -> None:
         """Take the last value of one column in each step."""
         last = np.append(first[1:], len(values)) - 1
         ends = self.ends.get(name, np.zeros(0))
@@ -102,12 +109,12 @@ class Sums:
         ends[at] = values[last]
         self.ends[name] = ends
 
-    def means(self, key):
+    def means(self, key: tuple) -> np.ndarray:
         sums, counts = (part[: len(self.there)][self.there] for part in self.sums[key])
         enough = counts >= max(1.0, self.least)
         return np.where(enough, sums / np.maximum(counts, 1), np.nan)
 
-    def inputs(self):
+    def inputs(self) -> Inputs:
         """The means as columns on the times at which their steps end."""
         columns = {}
         for name, part in self.sums:
@@ -129,7 +136,7 @@ class Sums:
         return Inputs(columns, steps, self.step, index, True)
 
 
-def grown(values, size):
+def grown(values: np.ndarray, size: int) -> np.ndarray:
     """An array with room for more."""
     if size <= len(values):
         return values
@@ -137,7 +144,9 @@ def grown(values, size):
     return np.concatenate([values, np.zeros(more, values.dtype)])
 
 
-def covered(masks, record, other):
+def covered(
+    masks: tuple, record: Record, other: Record
+) -> list | tuple[np.ndarray, np.ndarray]:
     """Rows of the coarse record in whose step each of some masks holds for any row."""
     if other is record:
         return masks
