@@ -254,6 +254,7 @@ def test_a_sensor_that_stands_with_the_modules_is_seen_by_its_light(
     one = loop.statements.iloc[0]
     assert (one["cause"], one["device"]) == ("sensor_stuck", "tracker")
     assert "west" in one["text"] and found.start in one["text"]
+    assert one["text"].endswith("the plane that the record describes")
     assert "1 irradiance sensor that stood still" in " ".join(str(loop).split())
     assert "stood still" in loop.report()
     # effects of the plane have the angles at which it stood, on its days only
@@ -265,6 +266,15 @@ def test_a_sensor_that_stands_with_the_modules_is_seen_by_its_light(
     again = fem.Loop.from_json(tmp_path / "loop.json")
     assert again.standings == loop.standings
     assert again.statements["text"].iloc[0] == one["text"]
+
+
+def test_modules_that_go_on_are_said_not_to_stand_with_the_sensor():
+    stuck = Stuck("2023-07-03", "2023-07-17", 30.0)
+    data = tracking(stuck, "tracker_stuck_sensor", clear_share=0.6)
+    loop = fem.close_loop(data[USUAL], location=WHERE)
+    one = loop.statements.iloc[0]
+    assert one["cause"] == "sensor_stuck"
+    assert one["text"].endswith("while the modules went on or stood elsewhere")
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from pvlib_fem.statements.statement import Statement
 
 PATTERN = "unexplained pattern"
 DAYS = "days that stand out"
+HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
 STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
 #: what a statement has of its first clause
 SIZE = ("value", "error", "low", "high", "unit", "since", "until")
@@ -61,7 +62,7 @@ def statements_of(loop, energies):
     causes.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
     return [
         *clocks,
-        *map(standing_statement, loop.standings),
+        *(standing_statement(one, loop.episodes) for one in loop.standings),
         *causes,
         *event_statements(loop),
         *map(pattern_statement, loop.unexplained),
@@ -225,22 +226,34 @@ def event_statements(loop):
         )
 
 
-def standing_statement(standing):
+def standing_statement(standing, episodes):
     """Days on which the irradiance sensor does not turn as a statement."""
     where = in_words(standing.surface_tilt, standing.surface_azimuth)
+    alone = apart_on(standing, episodes) > HALF
+    modules = ", while the modules went on or stood elsewhere" if alone else ""
     return Statement(
         cause=STUCK,
         device="tracker",
         verdict="corrected",
         text=(
             f"From {standing.when} the irradiance sensor stood still {where}, and did "
-            "not follow the plane that the record describes"
+            f"not follow the plane that the record describes{modules}"
         ),
         action="Check the drive of the tracker that the irradiance sensor is on",
         certainty=f"{APPLIED} ({standing.days} clear days show it)",
         since=standing.start,
         until=written(number(standing.end) - 1),
     )
+
+
+def apart_on(standing, episodes):
+    """Share of the days of a standstill on which the modules stand out."""
+    first, last = number(standing.start), number(standing.end)
+    some = (
+        min(number(row["end"]) + 1, last) - max(number(row["start"]), first)
+        for row in episodes.to_dict("records")
+    )
+    return sum(max(days, 0.0) for days in some) / (last - first)
 
 
 def date_statements(loop):
