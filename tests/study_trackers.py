@@ -147,6 +147,8 @@ def main():
     parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
     given = parser.parse_args()
     begin = time.perf_counter()
+    how = ["git", "rev-parse", "--short", "HEAD"]
+    version = subprocess.run(how, capture_output=True, text=True, check=True).stdout
     if given.read:
         table = pd.read_pickle(given.read)
     else:
@@ -154,8 +156,6 @@ def main():
         table.attrs["seconds"] = time.perf_counter() - begin
     if given.table:
         table.to_pickle(given.table)
-    how = ["git", "rev-parse", "--short", "HEAD"]
-    version = subprocess.run(how, capture_output=True, text=True, check=True).stdout
     seconds = table.attrs.get("seconds", 0.0)
     text = "\n".join(page(table, seconds, given.shift, version.strip())) + "\n"
     if given.out:
