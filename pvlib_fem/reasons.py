@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any
 
 
 class Reason(Enum):
@@ -97,7 +98,7 @@ class Reason(Enum):
 class Names(tuple):
     """Names, joined by the format's own words."""
 
-    def __format__(self, words):
+    def __format__(self, words: str) -> str:
         return (words or ", ").join(map(str, self))
 
 
@@ -120,11 +121,11 @@ class Because:
     also: tuple = ()
 
     @property
-    def all(self):
+    def all(self) -> tuple:
         """It and the further ones."""
         return (self, *(one for more in self.also for one in more.all))
 
-    def content(self):
+    def content(self) -> list:
         """The reason for a file."""
         return [
             {"reason": one.reason.name, **one.values, "words": one.sentence()}
@@ -132,7 +133,7 @@ class Because:
         ]
 
     @classmethod
-    def stored(cls, contents):
+    def stored(cls, contents: list) -> "Because":
         """Read a reason from :meth:`content`."""
         unknown = {None: float("nan"), "inf": float("inf"), "-inf": -float("inf")}
         reasons = []
@@ -146,17 +147,17 @@ class Because:
             reasons.append(because(Reason[one["reason"]], **values))
         return together(reasons)
 
-    def __hash__(self):
+    def __hash__(self) -> int:
         return hash(str(self))
 
-    def sentence(self):
+    def sentence(self) -> str:
         return self.reason.value.format(**self.values)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return "; ".join(one.sentence() for one in self.all)
 
 
-def because(reason, /, **values):
+def because(reason: Reason, /, **values: Any) -> Any:
     """A reason by its numbers; a list of names becomes one that formats itself."""
     for name, value in values.items():
         if isinstance(value, (list, tuple)):
@@ -164,7 +165,7 @@ def because(reason, /, **values):
     return Because(reason, values)
 
 
-def together(reasons):
+def together(reasons: list) -> Because:
     """Several reasons as one."""
     first, *others = reasons
     return Because(first.reason, first.values, (*first.also, *others))

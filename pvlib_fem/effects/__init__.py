@@ -102,7 +102,7 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
     return known[name].made(**settings)
 
 
-def several(effects):
+def several(effects: Any) -> list:
     """One or more effects, or their names, as a list."""
     one = isinstance(effects, (str, Mapping, Effect))
     return [effects] if one else list(effects)

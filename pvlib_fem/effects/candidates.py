@@ -1,16 +1,28 @@
 """The effects that can be tested on a record, and user columns as effects."""
 
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import pandas as pd
+
 from pvlib_fem.drivers import behind, needed_for
 from pvlib_fem.effects import EFFECTS, find, several
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.effects.own import of_column
-from pvlib_fem.reasons import Reason, because, together
+from pvlib_fem.reasons import Because, Reason, because, together
 
 MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
 #: arguments that a user gives instead of these columns
 SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
 
 
-def candidates(drivers, refused, effects, there=(), absent=()):
+def candidates(
+    drivers: dict,
+    refused: dict,
+    effects: Any,
+    there: Iterable = (),
+    absent: Sequence = (),
+) -> tuple[list, dict]:
     """
     Effects whose drivers are there, and for other effects the reasons they are not.
 
@@ -36,7 +48,7 @@ def candidates(drivers, refused, effects, there=(), absent=()):
     return testable, notes
 
 
-def about_axis(effects, axis_azimuth):
+def about_axis(effects: list, axis_azimuth: Any) -> list:
     """Effects of a plane that turns about an axis with this azimuth; None if fixed."""
     if axis_azimuth is None:
         return [*effects]
@@ -48,7 +60,7 @@ def about_axis(effects, axis_azimuth):
     ]
 
 
-def turning(effects, axis_azimuth):
+def turning(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
     """
     Effects about an axis, as :func:`about_axis` has them, and of others why not.
 
@@ -60,13 +72,13 @@ def turning(effects, axis_azimuth):
     return about_axis(left, axis_azimuth), notes
 
 
-def missing_columns(effect, drivers, absent):
+def missing_columns(effect: Effect, drivers: dict, absent: Any) -> list:
     """Columns that an effect needs and a record does not have."""
     usual = [name for name in behind(effect.drivers) if name in absent]
     return usual + [n for n in needed_for(effect.drivers) if n not in drivers]
 
 
-def why_not(effect, drivers, refused, absent):
+def why_not(effect: Effect, drivers: dict, refused: dict, absent: Any) -> Because:
     """Why an effect cannot be tested."""
     missing = missing_columns(effect, drivers, absent)
     why = list(dict.fromkeys(refused[name] for name in missing if name in refused))
@@ -81,11 +93,11 @@ def why_not(effect, drivers, refused, absent):
     return together(why)
 
 
-def measured_for(effect):
+def measured_for(effect: Effect) -> list:
     """Columns that any variant of an effect needs."""
     return [n for variant in effect.forms for n in needed_for(variant.drivers)]
 
 
-def driver(name, column):
+def driver(name: str, column: pd.Series) -> Effect:
     """A user's column as an effect: heat proportional to it."""
     return of_column(name, float(column.mean()), MOST_HEAT / float(column.std()))

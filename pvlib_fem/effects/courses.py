@@ -8,6 +8,7 @@ time profile (its *course*). Each course is defined once and applies to every ch
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ from pvlib_fem.effects.effect import Effect, Parameter, Terms
 YEAR = 365.2425  # days
 
 
-def number(date):
+def number(date: str) -> float:
     """Days of a date since 1970-01-01."""
     try:
         return (pd.Timestamp(date) - pd.Timestamp(0)) / pd.Timedelta("1D")
@@ -26,18 +27,18 @@ def number(date):
         raise ValueError(words) from error
 
 
-def written(day):
+def written(day: float) -> str:
     """The date of a number of days since 1970-01-01."""
     return f"{pd.Timestamp(0) + pd.Timedelta(days=int(day)):%Y-%m-%d}"
 
 
-def step(at, between=None):
+def step(at: str, between: Any = None) -> Callable:
     """From a date on. ``between`` is the interval of possible dates."""
     first = number(at)
     return lambda day: (day >= first).astype(float)
 
 
-def episode(start, end, between=None):
+def episode(start: str, end: str, between: Any = None) -> Callable:
     """From a date until another date, which is the first day after it."""
     first, last = number(start), number(end)
     if not first < last:
@@ -45,7 +46,7 @@ def episode(start, end, between=None):
     return lambda day: ((day >= first) & (day < last)).astype(float)
 
 
-def drift(since=None):
+def drift(since: str | None = None) -> Callable:
     """A linear increase, by 1 per year."""
     first = None if since is None else number(since)
     return lambda day: (day - (day[0] if first is None else first)) / YEAR
@@ -61,11 +62,11 @@ class Course:
     unit: str = ""
     most: float = 1.0  # factor of the channel's bounds
 
-    def name_of(self, channel):
+    def name_of(self, channel: Effect) -> str:
         """The name of a channel's change with this profile."""
         return f"{channel.name}_{self.name}"
 
-    def missing(self, dates):
+    def missing(self, dates: Mapping) -> list:
         """Names of required dates that are not given."""
         taken = inspect.signature(self.weight).parameters.values()
         return [p.name for p in taken if p.default is p.empty and p.name not in dates]
@@ -87,11 +88,11 @@ class ScaledTerms:
     dates: Mapping
 
     @property
-    def __doc__(self):
+    def __doc__(self) -> str | None:  # type: ignore[override]  # that of each channel
         return self.channel.terms.__doc__
 
     @property
-    def __signature__(self):
+    def __signature__(self) -> Any:
         """Signature of the channel's terms, with the day and the course's size."""
         own = inspect.signature(self.channel.terms).parameters.values()
         size = {next(iter(self.channel.parameters)): self.course.size}
@@ -100,7 +101,7 @@ class ScaledTerms:
             [day, *(p.replace(name=size.get(p.name, p.name)) for p in own)]
         )
 
-    def __call__(self, day, *drivers, **given):
+    def __call__(self, day: pd.Index, *drivers: np.ndarray, **given: float) -> Terms:
         if missing := self.course.missing(self.dates):
             name = self.course.name_of(self.channel)
             raise ValueError(
@@ -120,10 +121,10 @@ class DatedChange:
     course: Course
 
     @property
-    def __signature__(self):
+    def __signature__(self) -> Any:
         return inspect.signature(self.course.weight)
 
-    def __call__(self, **dates):
+    def __call__(self, **dates: str) -> Effect:
         if not self.course.missing(dates):
             self.course.weight(**dates)  # refuses invalid dates
         return replace(
@@ -135,7 +136,7 @@ class DatedChange:
             scanned_from=None,
         )
 
-    def undated(self):
+    def undated(self) -> Effect:
         """The effect without dates, as in the registry; a search finds the dates."""
         channel, course = self.channel, self.course
         (row,), name = channel.parameters.values(), course.name_of(channel)
@@ -154,7 +155,7 @@ class DatedChange:
         )
 
 
-def dates_in_words(dates):
+def dates_in_words(dates: Mapping) -> str:
     """Dates of a change in words."""
     if "end" in dates:
         words = f"{dates['start']} until {dates['end']}"
@@ -164,7 +165,7 @@ def dates_in_words(dates):
     return words + (f" ({low} to {high})" if low != high else "")
 
 
-def weights_of(effect, days):
+def weights_of(effect: Any, days: np.ndarray) -> np.ndarray:
     """Weight of each day, from 1970-01-01, of an effect along a course."""
     middle = np.asarray(days) + 0.5
     if effect.channel:
@@ -172,24 +173,24 @@ def weights_of(effect, days):
     return episode(effect.settings["start"], effect.settings["end"])(middle)
 
 
-def is_dated(effect):
+def is_dated(effect: Effect) -> bool:
     """Whether an effect acts from a date on, or until one."""
     return bool(effect.channel) or "start" in effect.settings
 
 
-def course_of(effect):
+def course_of(effect: Any) -> str:
     """How a fault comes and goes: ``"step"``, ``"drift"``, ``"episode"`` or ``""``."""
     if effect.channel:
         return effect.terms.course.name
     return "episode" if is_dated(effect) else ""
 
 
-def is_drift(effect):
+def is_drift(effect: Effect) -> bool:
     """Whether an effect's time profile is a trend."""
     return course_of(effect) == "drift"
 
 
-def interval(effect):
+def interval(effect: Any) -> Any:
     """Days between which a change began; None for a trend over the whole record."""
     dates = effect.settings
     begin = dates.get("at") or dates.get("start")
@@ -198,6 +199,6 @@ def interval(effect):
     return tuple(number(day) for day in dates.get("between") or (begin, begin))
 
 
-def along_all(channel):
+def along_all(channel: Any) -> Any:
     """The effects of a channel with every time profile."""
     return tuple(DatedChange(channel, course).undated() for course in COURSES)

@@ -13,6 +13,7 @@ import numpy as np
 from pvlib_fem.drivers import constants, own_constants, with_constants
 from pvlib_fem.reasons import Reason
 from pvlib_fem.record.columns import in_new_names
+from pvlib_fem.record.inputs import Columns
 from pvlib_fem.spelling import did_you_mean
 
 SOME = 5000  # rows of a record on which linearity is tested
@@ -83,12 +84,14 @@ class Terms:
         return Terms(*(c[rows] if np.ndim(c) else c for c in columns))
 
 
-def is_there(column):
+def is_there(column: float | np.ndarray) -> bool:
     """Whether a column of terms is anything but the number 0."""
     return np.ndim(column) > 0 or column != 0.0
 
 
-def added(own, more, times):
+def added(
+    own: float | np.ndarray, more: float | np.ndarray, times: float
+) -> float | np.ndarray:
     """A column of terms plus ``times`` another; fast if one is the number 0."""
     if not is_there(more):
         return own
@@ -317,20 +320,20 @@ class LinearisedEffect:
     effect: Effect
     units: Mapping  # slope of the terms by parameter
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Callable | tuple[str, str]:
         return getattr(self.effect, name)
 
-    def at(self, columns, coefficients):
+    def at(self, columns: Columns, coefficients: dict) -> Terms:
         """Terms with these coefficients, from the slopes."""
         whole = Terms()
         for name, row in self.effect.rows().items():
             whole = whole.plus(self.units[name], coefficients[name] - row.start)
         return whole
 
-    def slopes(self, columns, coefficients):
+    def slopes(self, columns: Columns, coefficients: dict) -> Mapping:
         return self.units
 
-    def on(self, rows):
+    def on(self, rows: Any) -> "LinearisedEffect":
         """The effect on a slice of the rows."""
         return LinearisedEffect(
             self.effect, {n: unit.part(rows) for n, unit in self.units.items()}
@@ -345,22 +348,27 @@ class FixedTerms:
     terms: Terms
     units: Mapping
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Callable | tuple:
         return getattr(self.effect, name)
 
-    def at(self, columns, coefficients):
+    def at(self, columns: Columns, coefficients: dict) -> Terms:
         return self.terms
 
-    def slopes(self, columns, coefficients):
+    def slopes(self, columns: Columns, coefficients: dict) -> Mapping:
         return self.units
 
-    def on(self, rows):
+    def on(self, rows: Any) -> "FixedTerms":
         """The effect on a slice of the rows."""
         units = {name: unit.part(rows) for name, unit in self.units.items()}
         return FixedTerms(self.effect, self.terms.part(rows), units)
 
 
-def known(effect, columns, coefficients, wanted=True):
+def known(
+    effect: Effect | FixedTerms | LinearisedEffect,
+    columns: Columns,
+    coefficients: dict,
+    wanted: bool = True,
+) -> FixedTerms | LinearisedEffect:
     """The effect with its terms on columns, and their slopes if ``wanted``."""
     if isinstance(effect, (LinearisedEffect, FixedTerms)):
         return effect
@@ -368,7 +376,7 @@ def known(effect, columns, coefficients, wanted=True):
     return FixedTerms(effect, effect.at(columns, coefficients), slopes)
 
 
-def tabled(effect, columns):
+def tabled(effect: Effect, columns: Columns) -> Any:
     """The effect by its slopes on these columns; a nonlinear one as it is."""
     if isinstance(effect, LinearisedEffect):
         return effect
@@ -394,7 +402,7 @@ def tabled(effect, columns):
     return known if effect.at(columns, inside).part(some).is_near(by_slopes) else effect
 
 
-def deciding(effects):
+def deciding(effects: list) -> list:
     """Measurements that would distinguish some effects from their alternatives."""
     words = dict.fromkeys(e.decided_by for e in effects if e.decided_by)
     return list(words) or ["a driver of its own"]

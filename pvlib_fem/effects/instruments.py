@@ -11,7 +11,7 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def sensitivity(poa_global, *, change):
+def sensitivity(poa_global: np.ndarray, *, change: float) -> Terms:
     r"""
     Irradiance that the module receives in addition to the sensor's reading [1]_.
 
@@ -30,7 +30,7 @@ def sensitivity(poa_global, *, change):
     return Terms(heat=change * poa_global)
 
 
-def mounting(loss_base, *, change):
+def mounting(loss_base: np.ndarray, *, change: float) -> Terms:
     r"""
     Additional loss of a module, as a share of the former loss [1]_.
 
@@ -52,7 +52,7 @@ def mounting(loss_base, *, change):
     return Terms(loss=change * loss_base)
 
 
-def contact(temp_air, *, change):
+def contact(temp_air: np.ndarray, *, change: float) -> Terms:
     r"""
     Share of the over-temperature that a sensor reads in addition [1]_.
 
@@ -71,7 +71,7 @@ def contact(temp_air, *, change):
     return Terms(gain=change + 0.0 * temp_air)
 
 
-def wind_gain(wind_speed, *, change):
+def wind_gain(wind_speed: np.ndarray, *, change: float) -> Terms:
     r"""
     Additional loss per m/s of measured wind.
 
@@ -86,7 +86,7 @@ def wind_gain(wind_speed, *, change):
     return Terms(loss=change * wind_speed)
 
 
-def wind_stall(wind_speed, *, change, below=1.5):
+def wind_stall(wind_speed: np.ndarray, *, change: float, below: float = 1.5) -> Terms:
     r"""
     Loss by wind in which an anemometer no longer turns.
 
@@ -100,7 +100,7 @@ def wind_stall(wind_speed, *, change, below=1.5):
     return Terms(loss=change * np.maximum(below - wind_speed, 0.0))
 
 
-def air_offset(air_base, *, change):
+def air_offset(air_base: np.ndarray, *, change: float) -> Terms:
     r"""
     Air that is warmer than its thermometer reads, compared with before.
 
@@ -115,7 +115,9 @@ def air_offset(air_base, *, change):
     return Terms(heat=change * air_base)
 
 
-def air_shelter(poa_global, air_base, *, change):
+def air_shelter(
+    poa_global: np.ndarray, air_base: np.ndarray, *, change: float
+) -> Terms:
     r"""
     Air temperature that is measured too warm in sun, compared with before.
 
@@ -130,7 +132,7 @@ def air_shelter(poa_global, air_base, *, change):
     return Terms(heat=-change * poa_global / 1000.0 * air_base)
 
 
-def module_offset(temp_air, *, change):
+def module_offset(temp_air: np.ndarray, *, change: float) -> Terms:
     r"""
     Offset of the module's thermometer, for example by a new sensor or logger card.
 

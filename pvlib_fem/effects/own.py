@@ -2,18 +2,20 @@
 
 from functools import partial
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 #: the same sunlight in other planes: no independent cause
 IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
 
 
-def follows(values, *, heat, mean):
+def follows(values: np.ndarray, *, heat: float, mean: float) -> Terms:
     """Heat per unit of the column above its mean."""
     return Terms(heat=heat * (values - mean))
 
 
-def of_column(column, mean, most):
+def of_column(column: str, mean: float, most: float) -> Effect:
     """
     The effect of a column.
 

@@ -2,15 +2,20 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
+
+import numpy as np
 
 from pvlib_fem.drivers import Driver, constants
+from pvlib_fem.effects.effect import Effect
 from pvlib_fem.power import PowerRelation, fitted
 from pvlib_fem.record.columns import PLANT_POWER
+from pvlib_fem.record.inputs import Columns
 
 USED = ("poa_global", "temp_base")
 
 
-def by_power(effect, *columns):
+def by_power(effect: Any, *columns: Any) -> Any:
     """
     The forms of an effect by the available column of power, the best first.
 
@@ -28,7 +33,7 @@ def by_power(effect, *columns):
     return tuple(form(effect, power, columns) for power in PLANT_POWER)
 
 
-def form(effect, power, columns):
+def form(effect: Any, power: Any, columns: Any) -> Any:
     """The form of one column of power."""
     kind = power.removeprefix("power")
     names = tuple(n if n in USED else f"{n}{kind}" for n in columns)
@@ -42,7 +47,7 @@ def form(effect, power, columns):
     )
 
 
-def of_relation(effect, relation=None):
+def of_relation(effect: Effect, relation: PowerRelation | None = None) -> Effect:
     """The effect with a known relation of :mod:`pvlib_fem.power`."""
     if relation is None:
         return effect
@@ -62,7 +67,7 @@ def of_relation(effect, relation=None):
     )
 
 
-def of_record(effect, columns, rows):
+def of_record(effect: Any, columns: Columns, rows: np.ndarray) -> Effect:
     """The effect by the relation of a record's own rows."""
     used = [columns[name][rows] for name in (*USED, effect.source, "day")]
     return of_relation(effect, fitted(*used))

@@ -6,8 +6,10 @@ starts with the best rectangle. It then adds or cuts the best further rectangle 
 as that reduces the error enough.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +27,16 @@ MOST_WINDOWS = 8  # largest number of rectangles
 TURNS = 20  # largest number of moves of the edges
 
 
-def find_windows(rest, tangent, basis, sun, weeks, sign, least, rows=None):
+def find_windows(
+    rest: np.ndarray,
+    tangent: np.ndarray,
+    basis: np.ndarray,
+    sun: tuple,
+    weeks: np.ndarray,
+    sign: float,
+    least: float,
+    rows: int | None = None,
+) -> tuple[float, tuple]:
     """
     Windows of the sky in which the beam to the module, or to its sensor, is blocked.
 
@@ -99,7 +110,14 @@ class Sky:
     size: tuple  # of a cell in elevation and azimuth [°]
 
     @classmethod
-    def of(cls, rest, tangent, basis, azimuth, elevation):
+    def of(
+        cls,
+        rest: np.ndarray,
+        tangent: np.ndarray,
+        basis: np.ndarray,
+        azimuth: np.ndarray,
+        elevation: np.ndarray,
+    ) -> "Sky":
         """The sums of some rows by solar position."""
         up, across = size = CELL
         origin = darkest(azimuth, tangent, across)
@@ -114,15 +132,17 @@ class Sky:
         return cls(np.array(sums), place, origin, size)
 
     @property
-    def squares(self):
+    def squares(self) -> np.ndarray:
         return self.sums[1]
 
-    def share(self, mask):
+    def share(self, mask: np.ndarray) -> float:
         """Share of the beam that is blocked in a part of the sky."""
         product, square, *known = self.sums[:, mask].sum(axis=1)
         return float(share_of(product, square, np.sum(np.square(known))))
 
-    def step(self, mask, cut, weigh):
+    def step(
+        self, mask: np.ndarray, cut: bool, weigh: Callable
+    ) -> tuple[np.ndarray, float]:
         """The mask with the best rectangle added or cut, and its gain."""
         some = mask if cut else ~mask
         seen = (self.squares > 0) & some
@@ -142,10 +162,12 @@ class Sky:
         new[low:high, start:end] = not cut
         return new, gain
 
-    def starts(self, total, there, weigh, ends):
+    def starts(
+        self, total: np.ndarray, there: np.ndarray, weigh: Callable, ends: Any
+    ) -> Iterator:
         """Blocks of the sky with the largest gains."""
         steps = [max(1, round(wide / cell)) for wide, cell in zip(BLOCK, self.size)]
-        first = [np.arange(*end, step) for end, step in zip(ends, steps)]
+        first = [np.arange(*[*end, step]) for end, step in zip(ends, steps)]
         low, start = (edges.ravel() for edges in np.meshgrid(*first, indexing="ij"))
         high = np.minimum(low + steps[0], ends[0][1])
         end = np.minimum(start + steps[1], ends[1][1])
@@ -155,7 +177,7 @@ class Sky:
             if gains[i] > 0:
                 yield int(low[i]), int(high[i]), int(start[i]), int(end[i])
 
-    def edges(self, mask):
+    def edges(self, mask: np.ndarray) -> Iterator:
         """Windows of a mask: runs of azimuth over the elevations that share them."""
         up, across = self.size
         open_runs = {}
@@ -169,7 +191,7 @@ class Sky:
             open_runs |= dict.fromkeys(runs - set(open_runs), row)
 
 
-def darkest(azimuth, tangent, across):
+def darkest(azimuth: np.ndarray, tangent: np.ndarray, across: float) -> float:
     """Azimuth in the middle of the longest range without sun. [°]"""
     cells = int(np.ceil(360.0 / across))
     light = np.bincount((azimuth % 360.0 // across).astype(int), tangent**2, cells)
@@ -178,18 +200,24 @@ def darkest(azimuth, tangent, across):
     return float(longest[len(longest) // 2] % cells * across)
 
 
-def totals(sums):
+def totals(sums: np.ndarray) -> np.ndarray:
     """Sums over all cells before each edge."""
     return np.pad(sums, [(0, 0), (1, 0), (1, 0)]).cumsum(axis=1).cumsum(axis=2)
 
 
-def box(total, low, high, start, end):
+def box(
+    total: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+) -> np.ndarray:
     """Sums over rectangles of cells."""
     above = total[:, high, end] - total[:, high, start]
     return above - total[:, low, end] + total[:, low, start]
 
 
-def share_of(product, square, known):
+def share_of(product: np.ndarray, square: np.ndarray, known: np.ndarray) -> np.ndarray:
     """Share of the beam blocked in parts of the sky, given all fitted coefficients."""
     left = square - known
     return np.divide(
@@ -197,13 +225,17 @@ def share_of(product, square, known):
     )
 
 
-def gain_of(product, square, known, sign, most):
+def gain_of(
+    product: np.ndarray, square: np.ndarray, known: np.ndarray, sign: float, most: float
+) -> np.ndarray:
     """Decrease of the sum of squares by parts of the sky; 0 if impossible."""
     share = share_of(product, square, known)
     return np.where((sign * share > 0) & (sign * share < most), share * product, 0.0)
 
 
-def climb(total, there, weigh, window, ends):
+def climb(
+    total: np.ndarray, there: np.ndarray, weigh: Callable, window: tuple, ends: list
+) -> tuple[tuple, float]:
     """Move pairs of edges of a rectangle while its gain grows."""
     gain, stays = 0.0, 0
     for turn in range(TURNS):
@@ -225,7 +257,7 @@ def climb(total, there, weigh, window, ends):
     return window, gain
 
 
-def of_pairs(strip, there, weigh):
+def of_pairs(strip: np.ndarray, there: np.ndarray, weigh: Callable) -> np.ndarray:
     """Gains of the mask with each part of a strip, by its first and last edge."""
     end = strip + there[:, None]
     product, square = (end[i] - strip[i][:, None] for i in (0, 1))
@@ -235,7 +267,7 @@ def of_pairs(strip, there, weigh):
     return np.triu(weigh(product, square, squares - 2.0 * also.T @ known), 1)
 
 
-def orthonormal(columns, rows=slice(None)):
+def orthonormal(columns: list, rows: Any = slice(None)) -> np.ndarray:
     """Some rows of an orthonormal basis of the span of columns."""
     # from the small matrix of their products, in one pass over the rows
     total = products(columns)
@@ -249,7 +281,13 @@ def orthonormal(columns, rows=slice(None)):
     return ((turns[:, kept] / np.sqrt(squares[kept])).T @ some).T
 
 
-def certainty(rest, column, known, weeks, few=False):
+def certainty(
+    rest: np.ndarray,
+    column: Any,
+    known: np.ndarray,
+    weeks: np.ndarray,
+    few: bool = False,
+) -> Any:
     """
     Ratio of a share to its standard error, from the spread between weeks.
 

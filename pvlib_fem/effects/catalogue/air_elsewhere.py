@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(sky_deficit, *, share, per_kelvin=5.4):
+def terms(sky_deficit: np.ndarray, *, share: float, per_kelvin: float = 5.4) -> Terms:
     r"""
     Air that is nearer to the sky's temperature than the measured air [1]_.
 

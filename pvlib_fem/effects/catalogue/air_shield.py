@@ -5,7 +5,9 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(poa_global, wind_speed, *, warm, calm=1.2):
+def terms(
+    poa_global: np.ndarray, wind_speed: np.ndarray, *, warm: float, calm: float = 1.2
+) -> Terms:
     r"""
     Air that is measured too warm in sun and calm [1]_.
 

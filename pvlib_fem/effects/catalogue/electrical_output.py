@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ BRIGHT = 300.0  # W/m², above which power determines the efficiency
 USED = ("poa_global", "temp_base", "p_dc_per_area")
 
 
-def terms(p_dc_per_area, *, share):
+def terms(p_dc_per_area: np.ndarray, *, share: float) -> Terms:
     r"""
     Heat that leaves as electricity, and remains when power is curtailed [1]_.
 
@@ -33,16 +34,16 @@ def terms(p_dc_per_area, *, share):
 
 
 def curtailed(
-    poa_global,
-    temp_base,
-    p_dc_per_area,
-    snow_cover=0.0,
+    poa_global: np.ndarray,
+    temp_base: Any,
+    p_dc_per_area: np.ndarray,
+    snow_cover: float | np.ndarray = 0.0,
     *,
-    share,
-    efficiency,
-    gamma=GAMMA,
-    missing=MISSING,
-):
+    share: float,
+    efficiency: float,
+    gamma: float = GAMMA,
+    missing: float = MISSING,
+) -> Terms:
     r"""
     Heat by curtailed power alone.
 
@@ -62,7 +63,7 @@ def curtailed(
     return Terms(heat=share * np.where(deficit > missing * expected, deficit, 0.0))
 
 
-def unused(light_unused_dc, *, share):
+def unused(light_unused_dc: np.ndarray, *, share: float) -> Terms:
     r"""
     Heat by missing power, relative to a plant's own relation of power to irradiance.
 
@@ -75,7 +76,12 @@ def unused(light_unused_dc, *, share):
     return Terms(heat=share * light_unused_dc)
 
 
-def below(efficiency=None, snow=False, gamma=GAMMA, missing=MISSING):
+def below(
+    efficiency: float | None = None,
+    snow: bool = False,
+    gamma: float = GAMMA,
+    missing: float = MISSING,
+) -> Effect:
     """
     The effect of power below the expected power of a module of this efficiency. [-]
 
@@ -84,7 +90,7 @@ def below(efficiency=None, snow=False, gamma=GAMMA, missing=MISSING):
     coefficient of power [1/K]; if more than the share ``missing`` is missing, power
     counts as curtailed.
     """
-    own = {"gamma": gamma, "missing": missing}
+    own: dict[str, Any] = {"gamma": gamma, "missing": missing}
     if efficiency is None:
         return replace(EFFECT, settings=own, prepare=partial(of_record, **own))
     return replace(
@@ -96,7 +102,9 @@ def below(efficiency=None, snow=False, gamma=GAMMA, missing=MISSING):
     )
 
 
-def of_record(columns, rows, gamma=GAMMA, missing=MISSING):
+def of_record(
+    columns: Any, rows: np.ndarray, gamma: float = GAMMA, missing: float = MISSING
+) -> Effect:
     """The effect with the efficiency of a record's uncurtailed rows."""
     poa, module, power = (columns[name][rows] for name in USED)
     bright = (poa > BRIGHT) & np.isfinite(module + power)

@@ -5,7 +5,7 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(beam, aoi_projection, *, b0):
+def terms(beam: np.ndarray, aoi_projection: np.ndarray, *, b0: float) -> Terms:
     r"""
     Beam reflected in addition to the reflection at normal incidence [1]_.
 

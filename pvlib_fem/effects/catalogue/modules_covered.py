@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.effects.plant import by_power
 
 
-def terms(light_lost_dc, *, share):
+def terms(light_lost_dc: np.ndarray, *, share: float) -> Terms:
     r"""
     Irradiance that the sensor measures and covered modules do not receive [1]_.
 

@@ -5,7 +5,9 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(temp_base, temp_air, wind_speed, *, free):
+def terms(
+    temp_base: np.ndarray, temp_air: np.ndarray, wind_speed: np.ndarray, *, free: float
+) -> Terms:
     r"""
     Loss that grows with over-temperature in calm air [1]_.
 

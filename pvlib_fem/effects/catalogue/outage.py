@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.effects.plant import by_power
 
 
-def terms(poa_global, power_off_dc, *, share):
+def terms(poa_global: np.ndarray, power_off_dc: np.ndarray, *, share: float) -> Terms:
     r"""
     Heat that would leave as electricity, while a plant gives no power [1]_.
 

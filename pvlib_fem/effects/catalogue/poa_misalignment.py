@@ -1,9 +1,17 @@
 """An irradiance sensor in another plane than the module."""
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(beam_by_tilt, beam_by_azimuth, *, tilt, azimuth):
+def terms(
+    beam_by_tilt: np.ndarray,
+    beam_by_azimuth: np.ndarray,
+    *,
+    tilt: float,
+    azimuth: float,
+) -> Terms:
     r"""
     Difference of beam irradiance between the module and a misaligned sensor [1]_.
 

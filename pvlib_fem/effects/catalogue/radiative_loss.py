@@ -1,12 +1,14 @@
 """Longwave exchange, which grows with the fourth power of temperature."""
 
+import numpy as np
+
 from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 USUAL = 298.15  # K, temperature at which the steady model already includes it
 
 
-def terms(temp_base, temp_air, *, share):
+def terms(temp_base: np.ndarray, temp_air: np.ndarray, *, share: float) -> Terms:
     r"""
     Loss by longwave exchange with surroundings at air temperature, above 25 °C [1]_.
 

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(wetness, *, film):
+def terms(wetness: np.ndarray, *, film: float) -> Terms:
     r"""
     Loss by evaporation, modelled as an additional loss to the air [1]_.
 
@@ -22,7 +24,7 @@ def terms(wetness, *, film):
     return Terms(loss=film * wetness)
 
 
-def evaporation(film_vapour, *, film):
+def evaporation(film_vapour: np.ndarray, *, film: float) -> Terms:
     r"""
     Loss by evaporation from vapour pressure, for records with humidity.
 

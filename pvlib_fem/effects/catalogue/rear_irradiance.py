@@ -1,11 +1,14 @@
 """Irradiance on the rear side of the module, measured or from the ground."""
 
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
 
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(ghi_estimated, *, share):
+def terms(ghi_estimated: np.ndarray, *, share: float) -> Terms:
     r"""
     Heat by irradiance that the ground reflects to the rear side [1]_.
 
@@ -24,7 +27,7 @@ def terms(ghi_estimated, *, share):
     return Terms(heat=share * ghi_estimated)
 
 
-def from_rear(poa_rear, *, bifaciality):
+def from_rear(poa_rear: Any, *, bifaciality: Any) -> Any:
     r"""
     Heat by irradiance measured on the rear side [2]_.
 

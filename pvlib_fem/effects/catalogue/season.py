@@ -5,7 +5,9 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(poa_global, day_angle, *, winter, spring):
+def terms(
+    poa_global: np.ndarray, day_angle: np.ndarray, *, winter: float, spring: float
+) -> Terms:
     r"""
     Share of irradiance that varies with the season [1]_.
 

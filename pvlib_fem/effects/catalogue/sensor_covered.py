@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 from pvlib_fem.effects.plant import by_power
 
 
-def terms(light_unseen_dc, *, share):
+def terms(light_unseen_dc: np.ndarray, *, share: float) -> Terms:
     r"""
     Irradiance that heats the modules and that a covered sensor does not measure [1]_.
 

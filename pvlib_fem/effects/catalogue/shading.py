@@ -1,7 +1,9 @@
 """An obstacle between the sun and the module, or its irradiance sensor."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +14,14 @@ from pvlib_fem.effects.windows import find_windows, orthonormal
 FAINT = 1e-3  # of the largest response to a clear sky; below it there is no sun
 
 
-def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
+def terms(
+    beam: np.ndarray,
+    solar_azimuth: np.ndarray,
+    solar_zenith: np.ndarray,
+    *,
+    share: float,
+    windows: tuple,
+) -> Terms:
     r"""
     Beam that a module loses while the sun is in one of some windows of the sky [1]_.
 
@@ -31,7 +40,16 @@ def terms(beam, solar_azimuth, solar_zenith, *, share, windows):
     return Terms(heat=-share * beam * within_any(windows, solar_azimuth, solar_zenith))
 
 
-def unseen(beam, beam_clear, elapsed, solar_azimuth, solar_zenith, *, share, windows):
+def unseen(
+    beam: Any,
+    beam_clear: Any,
+    elapsed: Any,
+    solar_azimuth: np.ndarray,
+    solar_zenith: np.ndarray,
+    *,
+    share: float,
+    windows: Any,
+) -> Any:
     r"""
     Beam that a shaded irradiance sensor does not measure and the module receives.
 
@@ -49,7 +67,9 @@ def unseen(beam, beam_clear, elapsed, solar_azimuth, solar_zenith, *, share, win
     return Terms(heat=-share * expected * inside)
 
 
-def within_any(windows, solar_azimuth, solar_zenith):
+def within_any(
+    windows: tuple, solar_azimuth: np.ndarray, solar_zenith: np.ndarray
+) -> Any:
     """Mask of rows with the sun in one of the windows."""
     inside = np.zeros(np.shape(solar_azimuth), dtype=bool)
     for start, end, low, high in windows:
@@ -60,7 +80,7 @@ def within_any(windows, solar_azimuth, solar_zenith):
     return inside
 
 
-def within(windows, sensor=False):
+def within(windows: Sequence, sensor: bool = False) -> Effect:
     """
     The effect of an obstacle that covers some windows of the sky.
 
@@ -107,7 +127,9 @@ def within(windows, sensor=False):
     )
 
 
-def scan(rest, tangents, columns, weeks, least):
+def scan(
+    rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
+) -> Any:
     """
     Find windows of the sky in which the residual is proportional to the beam.
 
@@ -153,20 +175,20 @@ def scan(rest, tangents, columns, weeks, least):
 
 
 def everywhere(
-    beam,
-    beam_around,
-    beam_clear,
-    sun_north,
-    sun_east,
-    solar_zenith,
+    beam: np.ndarray,
+    beam_around: np.ndarray,
+    beam_clear: np.ndarray,
+    sun_north: np.ndarray,
+    sun_east: np.ndarray,
+    solar_zenith: np.ndarray,
     *,
-    share,
-    unseen,
-    clear,
-    north,
-    east,
-    up,
-):
+    share: float,
+    unseen: float,
+    clear: float,
+    north: float,
+    east: float,
+    up: float,
+) -> Terms:
     """Loss of all beam, estimated and expected, and the solar position."""
     place = clear + north * sun_north + east * sun_east + up * (90.0 - solar_zenith)
     return Terms(heat=beam_clear * place - share * beam - unseen * beam_around)

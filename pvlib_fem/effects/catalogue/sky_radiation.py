@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(sky_deficit, *, share):
+def terms(sky_deficit: np.ndarray, *, share: float) -> Terms:
     r"""
     Radiative heat loss to the sky, expressed as equivalent irradiance [1]_.
 

@@ -1,9 +1,18 @@
 """Snow that covers the module."""
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(poa_global, snow_cover, snow_left, *, share, stays):
+def terms(
+    poa_global: np.ndarray,
+    snow_cover: np.ndarray,
+    snow_left: np.ndarray,
+    *,
+    share: float,
+    stays: float,
+) -> Terms:
     r"""
     Irradiance that the sensor measures and a snow-covered module does not get [1]_.
 

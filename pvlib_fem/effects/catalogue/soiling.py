@@ -9,7 +9,9 @@ from pvlib_fem.drivers import Driver
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(poa_global, days_since_rain, *, per_day):
+def terms(
+    poa_global: np.ndarray, days_since_rain: np.ndarray, *, per_day: float
+) -> Terms:
     r"""
     Irradiance lost by soiling of the sensor, minus that lost by the module's [1]_.
 
@@ -32,7 +34,9 @@ def terms(poa_global, days_since_rain, *, per_day):
     return Terms(heat=per_day * days_since_rain * poa_global)
 
 
-def cleaned(cleaning=1.0, within=3.0, dirtiest=60.0):
+def cleaned(
+    cleaning: float = 1.0, within: float = 3.0, dirtiest: float = 60.0
+) -> Effect:
     """
     The effect of soiling that ``cleaning`` mm of rain ``within`` hours wash off.
 
@@ -42,13 +46,17 @@ def cleaned(cleaning=1.0, within=3.0, dirtiest=60.0):
     return replace(EFFECT, scan=None, scanned_from=None, make=None).made(**given)
 
 
-def every_rain(poa_global, *days, even, **per_day):
+def every_rain(
+    poa_global: np.ndarray, *days: np.ndarray, even: float, **per_day: float
+) -> Terms:
     """Constant soiling, and soiling since each of the rains that may clean."""
     gathered = sum(map(mul, days, per_day.values()))
     return Terms(heat=poa_global * (even + gathered))
 
 
-def scan(rest, tangents, columns, weeks, least):
+def scan(
+    rest: np.ndarray, tangents: dict, columns: dict, weeks: np.ndarray, least: float
+) -> Effect:
     """The effect with the rain threshold whose soiling fits the residual best."""
     even = tangents["soiling.even"]
     gathered = [tangents[f"soiling.per_day_{i}"] for i in range(len(RAINS))]

@@ -1,9 +1,11 @@
 """A gain error of the module's sensor, or a loss that grows with temperature."""
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(temp_air, *, gain):
+def terms(temp_air: np.ndarray, *, gain: float) -> Terms:
     r"""
     Error of the reading that is proportional to air temperature [1]_.
 

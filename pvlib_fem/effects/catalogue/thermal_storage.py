@@ -1,9 +1,19 @@
 """A second, slower mass: a roof, the ground, a frame."""
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(poa_stored_1h, poa_stored_3h, air_stored, *, hour, three_hours, air):
+def terms(
+    poa_stored_1h: np.ndarray,
+    poa_stored_3h: np.ndarray,
+    air_stored: np.ndarray,
+    *,
+    hour: float,
+    three_hours: float,
+    air: float,
+) -> Terms:
     r"""
     Heat that a slow mass stores in the morning and releases in the evening [1]_.
 

@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.drivers.solar import on_plane
 from pvlib_fem.effects.courses import number, written
@@ -16,8 +18,16 @@ DRIVERS = ("poa_global", "clearness", "solar_zenith", "solar_azimuth", "day")
 
 
 def terms(
-    poa_global, clearness, solar_zenith, solar_azimuth, day, *, share, plane, dates
-):
+    poa_global: np.ndarray,
+    clearness: np.ndarray,
+    solar_zenith: np.ndarray,
+    solar_azimuth: np.ndarray,
+    day: pd.Index,
+    *,
+    share: float,
+    plane: tuple,
+    dates: tuple,
+) -> Terms:
     r"""
     Light on modules that stand still, minus that on a sensor that moves [1]_.
 
@@ -42,15 +52,19 @@ def terms(
     return Terms(heat=heat)
 
 
-def stands(day, dates):
+def stands(day: pd.Index, dates: tuple) -> np.ndarray:
     """1 on the days from one until the other, which is the first one after."""
     first, last = dates
     return ((day >= first) & (day < last)).astype(float)
 
 
 def standing(
-    start=None, end=None, surface_tilt=0.0, surface_azimuth=180.0, between=None
-):
+    start: Any = None,
+    end: Any = None,
+    surface_tilt: float = 0.0,
+    surface_azimuth: float = 180.0,
+    between: Any = None,
+) -> Any:
     """
     The effect of a tracker that stands still.
 
@@ -106,12 +120,18 @@ def standing(
 class AllDays:
     """Heat of modules that stand in each of some planes on all days."""
 
-    def __init__(self, planes):
+    def __init__(self, planes: Any) -> None:
         self.planes = planes
 
     def __call__(
-        self, poa_global, clearness, solar_zenith, solar_azimuth, day, **sizes
-    ):
+        self,
+        poa_global: np.ndarray,
+        clearness: Any,
+        solar_zenith: np.ndarray,
+        solar_azimuth: np.ndarray,
+        day: Any,
+        **sizes: Any,
+    ) -> Any:
         heat = 0.0 * (poa_global + clearness)
         for plane, size in zip(self.planes, sizes.values()):
             if size != 0.0:
@@ -120,7 +140,7 @@ class AllDays:
         return Terms(heat=heat)
 
 
-def of_record(columns, rows):
+def of_record(columns: Any, rows: Any) -> Any:
     """The effect that is searched in the planes that a record's tracker has."""
     tilt, turn = (columns[name][rows] for name in ("surface_tilt", "surface_azimuth"))
     axis, angles = rotations(tilt, turn)
@@ -136,7 +156,17 @@ def of_record(columns, rows):
     return replace(EFFECT, prepare=None, scan=scan, scanned_from=wide)
 
 
-def scanned(rest, tangents, columns, weeks, least, *, axis, angles, wide):
+def scanned(
+    rest: np.ndarray,
+    tangents: dict,
+    columns: Any,
+    weeks: np.ndarray,
+    least: float,
+    *,
+    axis: Any,
+    angles: Any,
+    wide: Any,
+) -> Any:
     """The effect at the angle and the dates that the residual shows, or None."""
     keys = [*wide.rows()]
     others = [column for name, column in tangents.items() if name not in keys]

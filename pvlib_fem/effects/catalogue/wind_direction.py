@@ -1,9 +1,13 @@
 """Cooling that depends on wind direction."""
 
+import numpy as np
+
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(wind_north, wind_east, *, north, east):
+def terms(
+    wind_north: np.ndarray, wind_east: np.ndarray, *, north: float, east: float
+) -> Terms:
     r"""
     Loss that depends on wind direction [1]_.
 

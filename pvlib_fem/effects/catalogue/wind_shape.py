@@ -5,7 +5,9 @@ import numpy as np
 from pvlib_fem.effects.effect import Effect, Parameter, Terms
 
 
-def terms(wind_speed, *, root, stall, calm=0.7):
+def terms(
+    wind_speed: np.ndarray, *, root: float, stall: float, calm: float = 0.7
+) -> Terms:
     r"""
     Loss that is nonlinear in wind, and a loss below the anemometer's threshold [1]_.
 
