@@ -23,6 +23,7 @@ EVERY = 60  # days, up to which each length is tried
 LONGER = 1.1  # ratio of longer lengths
 LONGEST = 0.2  # of the days of a record
 UNSEEN = 1e-6  # of a column's square; a smaller independent part counts as zero
+NOTHING = 1.0  # twice the log-likelihood below which days at an edge show nothing
 AS_GOOD = 3.84  # twice the log-likelihood by which 95 % of dates are as good
 MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
 WEEK, FEWEST = 7, 8  # days of which others are compared, and how many of these
@@ -190,25 +191,20 @@ class Days:
         """
         The first day, the first day after it, and the days between which it began.
 
-        Each is the median of the days with rows by their likelihood. Of days without
-        rows, as those of test weeks, nothing is known.
+        Days at an edge that show nothing, as dull ones, are not in it: beyond them may
+        be days without rows, as those of test weeks, of which nothing is known.
         """
         begins, ends = np.arange(last), np.arange(first + 1, len(self.dates) + 1)
         falls, _ = self.falls(total, begins, np.full(len(begins), last))
-        start = int(self.dates[begins[median(falls, errors)]])
-        lacks = (1.0 - falls / falls.max()) * min(errors, MOST_SURE) ** 2
-        good = begins[lacks <= AS_GOOD]
+        lacks = 1.0 - falls / falls.max()
+        start = int(self.dates[begins[lacks * errors**2 <= NOTHING][-1]])
+        good = begins[lacks * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         before = self.dates[good[0] - 1] + 1 if good[0] else self.dates[0]
         between = int(before), int(self.dates[good[-1]])
         falls, _ = self.falls(total, np.full(len(ends), first), ends)
-        end = int(self.dates[ends[median(falls, errors)] - 1]) + 1
+        lacks = 1.0 - falls / falls.max()
+        end = int(self.dates[ends[lacks * errors**2 <= NOTHING][0] - 1]) + 1
         return start, max(end, start + 1), between
-
-
-def median(falls, errors):
-    """The middle of some dates, by what a standstill from or to each explains."""
-    weights = np.exp(-0.5 * (1.0 - falls / falls.max()) * errors**2)
-    return int(np.searchsorted(np.cumsum(weights), 0.5 * weights.sum()))
 
 
 def find_standstill(rest, tangents, angles, basis, day, least):

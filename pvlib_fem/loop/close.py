@@ -427,7 +427,7 @@ class Search:
             effect = selection.dated(one, one.first, given)
             if effect.turns:
                 size = float(one.scores[one.first].estimate[0])
-                effect = by_power(case, effect, size, selection.design.dates)
+                effect = by_power(case, effect, size)
             spoken = heard(references, one, effect, coefficients)
             finding = finding_of(one, effect, case, selection.least, spoken)
             self.choices[finding.effect] = one

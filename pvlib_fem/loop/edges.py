@@ -14,6 +14,7 @@ from pvlib_fem.record.columns import is_power
 
 WARMS = 0.03  # K/(W/m²), of a module over the air: its power needs no more
 AROUND = 30  # days before and after, that power is compared with
+REACH = 10  # days: a test week, and dull days beside it
 FEWEST = 8  # of those
 MAD = 1.4826  # median absolute deviation of a normal quantity to its sd
 LEAST = 0.03  # by which power for the light differs between dull and clear days [-]
@@ -21,7 +22,7 @@ FAR = 4.0  # standard deviations, from which power shows something else
 SURE = 6.0  # twice the log-likelihood from which a day is said to be one
 
 
-def by_power(case, effect, size, days):
+def by_power(case, effect, size):
     """
     A standstill with the days of test weeks at its edges on which power shows it.
 
@@ -32,8 +33,6 @@ def by_power(case, effect, size, days):
         With the first and the last day that the fitting weeks show.
     size : float
         Its fitted coefficient.
-    days : array of int
-        Days of the fitting weeks, from 1970-01-01.
 
     Returns
     -------
@@ -41,8 +40,8 @@ def by_power(case, effect, size, days):
     """
     settings = dict(effect.settings)
     start, end = (int(number(settings[name])) for name in ("start", "end"))
-    before = np.max(days[days < start], initial=int(case.record.dates[0]) - 1) + 1
-    after = np.min(days[days >= end], initial=int(case.record.dates[-1]) + 1)
+    before = max(start - REACH, int(case.record.dates[0]))
+    after = min(end + REACH, int(case.record.dates[-1]) + 1)
     wide = settings | {"start": written(before), "end": written(after)}
     gains = daily_gains(case, effect.make(**wide), size, (before, after))
     first, last = start, end
