@@ -224,7 +224,7 @@ TOLD = {
     "dst": ("daylight-saving",),
     # where no such time is kept, the file's clock was set, and back
     "file_dst": ("daylight-saving", "clock was set", "keeps the clock of"),
-    "stuck": ("stands still",),
+    "stuck": ("is stuck",),
     "swap": ("to be in", "is it in"),
 }
 
@@ -259,7 +259,7 @@ class Bar:
 
 
 def stands(row):
-    """Whether the irradiance sensor of a tracker stood still under a clear sky."""
+    """Whether the irradiance sensor of a tracker was stuck under a clear sky."""
     return done(row) and row["clear_days"] >= 2
 
 
@@ -321,7 +321,7 @@ BARS = (
     Bar(TRACKERS, "no set without the truth", done, no_misled, 0.97),
     Bar(TRACKERS, "the first finding holds the truth", clear, first, 0.95),
     Bar(TRACKERS, "coefficient within 20 %", has_coefficient, near, 0.95),
-    Bar(TRACKERS, "an irradiance sensor that stood still is said", stands, said_so),
+    Bar(TRACKERS, "an irradiance sensor that was stuck is said", stands, said_so),
     Bar(TRACKERS, "and of no other", turns, not_said),
     Bar("all", f"error ≤ a refit with the truth + {MARGIN} K", long_enough, close),
     Bar("all", "error on test weeks not above that before", done, no_worse, 0.98),

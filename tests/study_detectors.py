@@ -103,7 +103,7 @@ By the stream its errors are in `results/pvanalytics-cpd-module_full_results.csv
 
 A jump is found if one of the same sign and of its size to {size:.0f} min is within
 {near} days, and false if no true jump of that sign is. Where nothing was recorded, or
-an inverter stood still, a clock may have been set on any of those days, and the middle
+an inverter was off, a clock may have been set on any of those days, and the middle
 one is taken.
 """
 

@@ -137,14 +137,14 @@ def catalogue(loop, data, case, site):
 
 
 def standstill(tracker):
-    """The true days and the true plane of a row that stands still."""
+    """The true days and the true plane of a row that is stuck."""
     plane = (float(np.ravel(a)[0]) for a in tracker.plane(tracker.stuck.angle))
     days = dict(start=tracker.stuck.start, end=tracker.stuck.end)
     return days | dict(zip(("surface_tilt", "surface_azimuth"), plane))
 
 
 def clear_days(world):
-    """Days without clouds among those on which the irradiance sensor stands still."""
+    """Days without clouds among those on which the irradiance sensor is stuck."""
     how = world.days, world.step, world.start, world.seed
     sky = simulator.weather(world.site, *how)
     there = world.site.tracker.stuck.during(sky.index) & (sky["elevation"] > 0)

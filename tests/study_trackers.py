@@ -33,8 +33,8 @@ north and south, 45 to 60° of rotation, backtracking in most, and an irradiance
 in the plane of the modules. Half of the records have columns of its angles. The other
 half have none, and the loop gets pvlib's description of the tracker. A third of the
 records has no power. The records are physics alone, one effect or fault, a cause
-outside the catalogue, modules that stand still for 5 to 35 days while the sensor moves,
-the same with radiation to the sky, and a sensor that stands still with the modules.
+outside the catalogue, modules that are stuck for 5 to 35 days while the sensor moves,
+the same with radiation to the sky, and a sensor that is stuck with the modules.
 
 ## Bars
 
@@ -73,7 +73,7 @@ def bars(table):
 
 
 def standstills(table):
-    """What was found of each row of modules that stood still."""
+    """What was found of each row of modules that was stuck."""
     head = ("days", "power", "angle found", "days found", "size", "error", "verdict")
     yield f"| {' | '.join(head)} |"
     yield "|---" * len(head) + "|"
@@ -123,7 +123,7 @@ def page(table, seconds, shift, version):
     yield ""
     yield EDGES
     yield ""
-    yield "## Modules that stand still"
+    yield "## Modules that are stuck"
     yield ""
     yield from standstills(table)
     yield ""

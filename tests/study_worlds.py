@@ -554,7 +554,7 @@ STAND_BOTH = STANDS | {"tracker_stuck_sensor": 1.0}
 
 
 def tracking(seed, days=365, **changes):
-    """A site with a single-axis tracker, which stands still for days if that is on."""
+    """A site with a single-axis tracker, which is stuck for days if that is on."""
     random = np.random.default_rng([seed, 2031])
     most = random.uniform(45.0, 60.0)
     begin, length = random.uniform(20.0, days - 60.0), random.uniform(5.0, 35.0)
@@ -576,7 +576,7 @@ def tracking(seed, days=365, **changes):
 
 
 def trackers(nulls=12, still=12, both=6):
-    """Nulls, effects, faults, unknown causes, and rows that stand still."""
+    """Nulls, effects, faults, unknown causes, and rows that are stuck."""
     count = iter(range(1000))
 
     def made(sizes=None, off=PHYSICS, on=None, power=False, **world):

@@ -34,7 +34,7 @@ def record_with(plant, noise, *names, seed=0, **planted):
 
 
 #: effects with a driver of their own; a drift needs years
-DRIVEN = [n for n, e in EFFECTS.items() if not e.confounder]
+DRIVEN = [n for n, e in EFFECTS.items() if not e.confounder and not e.turns]
 #: sizes that sixty days can show, where those found outdoors need a year
 LARGER = {"soiling": {"per_day": 0.008}}
 

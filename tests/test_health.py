@@ -71,7 +71,7 @@ def test_a_made_up_record_has_no_fault():
     assert check(checked(datasets.synthetic(days=10))).faults == {}
 
 
-# sensors that stand still
+# sensors that are stuck
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -86,7 +86,7 @@ def test_a_stuck_sensor_is_found(seed):
     assert found.stuck["temp_module"] == found.mask.sum() <= frozen.sum() + 30
     at = data.index[np.argmax(found.mask)]
     assert (
-        f"temp_module stands still at {data['temp_module'][at]:g} from {at}"
+        f"temp_module is stuck at {data['temp_module'][at]:g} from {at}"
         in (found.faults["stuck"])
     )
 
@@ -283,7 +283,7 @@ def test_a_sensor_that_never_moves_is_found_and_refused(column, value, gaps):
     found = stuck(checked(data))
     assert np.array_equal(found[column], there)
     seen = data.index[there]
-    line = rf"{column} stands still at {value:g} for the whole record, from {seen[0]}"
+    line = rf"{column} is stuck at {value:g} for the whole record, from {seen[0]}"
     for refusing in (lambda: check(checked(data)), lambda: close_loop(data)):
         with pytest.raises(ValueError) as error:
             refusing()

@@ -95,8 +95,8 @@ def test_at_golden_the_irradiance_sensor_is_named(at_golden):
 
 def test_at_golden_an_anemometer_that_reads_nothing_for_weeks_is_said(at_golden):
     """By day alone the record has some 15 h a day; a calm of three days is none."""
-    (note,) = (n for n in at_golden.notes if "wind_speed stands still" in n)
-    assert "wind_speed stands still at 0 from 2017-05-08 14:00:00 on, 346 rows" in note
+    (note,) = (n for n in at_golden.notes if "wind_speed is stuck" in n)
+    assert "wind_speed is stuck at 0 from 2017-05-08 14:00:00 on, 346 rows" in note
 
 
 def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano):

@@ -109,7 +109,7 @@ def test_copies_and_failed_sensors_are_said_and_not_used(plant):
     assert found["used"].to_list() == [True] * 4 + [False] * 3
     copy, still, gone = found["note"].iloc[4:]
     assert copy == "temp_module_4 is a copy of temp_module_0"
-    assert "temp_module_5 stands still at 20 for the whole record" in still
+    assert "temp_module_5 is stuck at 20 for the whole record" in still
     assert gone == "720 values of 4,800 are there"
     alone = fem.compare_modules(plant).table
     pd.testing.assert_frame_equal(found.iloc[:4], alone)

@@ -334,4 +334,4 @@ def test_a_short_record_never_ends_in_a_matrix():
         try:
             fit(part, dynamics="balance", check_units=False)
         except ValueError as error:
-            assert "rows" in str(error) or "stands still" in str(error)
+            assert "rows" in str(error) or "is stuck" in str(error)

@@ -264,7 +264,7 @@ def test_measured_records_keep_all_rows(week, day):
     assert fem.screen_record(day).counts.empty
 
 
-# sensors that stand still
+# sensors that are stuck
 
 
 def test_a_fit_leaves_out_sensors_that_stand_still():
@@ -278,7 +278,7 @@ def test_a_fit_leaves_out_sensors_that_stand_still():
     found = fit(spoilt)
     for column, rows in (("temp_module", 500), ("wind_speed", 900)):
         assert any(
-            f"{column} stands still at" in note and f"in {rows} rows" in note
+            f"{column} is stuck at" in note and f"in {rows} rows" in note
             for note in found.notes
         )
     assert found.coefficients == fit(holes).coefficients
@@ -302,7 +302,7 @@ def test_a_driver_can_stand_still_too(record, column, value, days):
 
 
 def test_a_sensor_that_never_moves_is_refused_by_a_fit_too(record):
-    with pytest.raises(ValueError, match=r"temp_module stands still at 12\.5 for"):
+    with pytest.raises(ValueError, match=r"temp_module is stuck at 12\.5 for"):
         fit(record.assign(temp_module=12.5))
     calm = fit(record.assign(wind_speed=0.0), model="ross")
     assert any("wind_speed is 0 m/s in all rows" in note for note in calm.notes)

@@ -1,4 +1,4 @@
-"""A tracker whose modules stand still while the irradiance sensor moves."""
+"""A tracker whose modules are stuck while the irradiance sensor moves."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ STUCK = {"tracker_stuck": 1.0}
 
 
 def tracking(stuck, *effects, seed=3, **changes):
-    """A year of a tracker that stands still, and what is switched on."""
+    """A year of a tracker that is stuck, and what is switched on."""
     site = replace(RHINE, tracker=Tracker(stuck=stuck), **changes)
     on = PHYSICS | dict.fromkeys(effects, 1.0)
     return simulator.record(site, on, days=365, step=900.0, seed=seed)
@@ -147,7 +147,7 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"][loop.base]
     statement = loop.statements.iloc[0]
     way = "east" if angle < 0 else "west"
-    assert "stood still at about" in statement["text"] and way in statement["text"]
+    assert "was stuck at about" in statement["text"] and way in statement["text"]
     assert dates["start"] in statement["text"] and dates["end"] in statement["text"]
     assert (statement["since"], statement["device"]) == (dates["start"], "tracker")
     assert "drive of the tracker" in statement["action"] or "To decide" in str(
@@ -258,8 +258,8 @@ def test_a_sensor_that_stands_with_the_modules_is_seen_by_its_light(
     assert (one["cause"], one["device"]) == ("sensor_stuck", "tracker")
     assert "west" in one["text"] and found.start in one["text"]
     assert one["text"].endswith("the plane that the record describes")
-    assert "1 irradiance sensor that stood still" in " ".join(str(loop).split())
-    assert "stood still" in loop.report()
+    assert "1 irradiance sensor that was stuck" in " ".join(str(loop).split())
+    assert "was stuck" in loop.report()
     # effects of the plane have the angles at which it stood, on its days only
     tilt = pd.Series(loop.fit.record["surface_tilt"], loop.fit.record.index)
     during = found.rows(tilt.index)

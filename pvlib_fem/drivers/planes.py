@@ -67,7 +67,7 @@ def between(columns: Any, before: Any, after: Any, share: Any) -> Any:
     normal = normals(*(columns.get(name, others[name]) for name in ANGLES))
     mean = (1.0 - share) * normal[:, before] + share * normal[:, after]
     angles = dict(zip(ANGLES, angles_of(*mean)))
-    # a plane that stands still keeps its angles, to the last digit
+    # a plane that is stuck keeps its angles, to the last digit
     same = np.all([v[before] == v[after] for v in columns.values()], axis=0)
     return {n: np.where(same, v[before], angles[n]) for n, v in columns.items()}
 

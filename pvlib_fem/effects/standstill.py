@@ -56,7 +56,7 @@ class Axis:
         squares, ways = np.linalg.eigh(normal.T @ normal / len(normal))
         if squares[0] > OFF_AXIS**2:
             raise ValueError(
-                "the plane turns about more than one axis; a tracker that stands still "
+                "the plane turns about more than one axis; a tracker that is stuck "
                 "is tried of single-axis trackers"
             )
         along = ways[:, 0]
@@ -101,7 +101,7 @@ def rotations(tilt, azimuth):
     angles = axis.angles(normal)
     low, high = angles.min(), angles.max()
     if not high - low > LEAST_TURN:
-        raise ValueError("the plane is fixed, and stands still all the time")
+        raise ValueError("the plane is fixed, so that no tracker is stuck")
     return axis, np.linspace(low, high, 1 + int(np.ceil((high - low) / STEP)))
 
 

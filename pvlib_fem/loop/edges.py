@@ -2,7 +2,7 @@
 Days at the edges of a standstill that fall into test weeks, by power.
 
 No decision sees the module temperature of those weeks. Power is seen: it falls by the
-light that modules miss while they stand still.
+light that modules miss while they are stuck.
 """
 
 import numpy as np

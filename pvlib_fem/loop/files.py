@@ -136,7 +136,7 @@ class Turning:
     """Angles of a plane that moves, at the own steps of files."""
 
     mount: object  # None of a fixed plane
-    standings: tuple = ()  # days on which it stands still
+    standings: tuple = ()  # days on which it is stuck
 
     @property
     def columns(self):

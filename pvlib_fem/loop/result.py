@@ -141,7 +141,7 @@ class Loop:
         Second sources of air or wind that replace missing values of the first, here as
         in the data of ``predict`` and the others.
     standings : tuple of Standing
-        Days on which the irradiance sensor stood still, while the record describes a
+        Days on which the irradiance sensor was stuck, while the record describes a
         plane that turns.
     """
 

@@ -58,7 +58,7 @@ KINDS = {
     "light by night": "is light by night, as {value:.4g}, when other nights are dark,",
     "spike": "jumps and returns faster than it can, as to {value:.5g},",
     "end of range": "stays at {value:.5g}, the end of its range, or did just before,",
-    "stuck": "stands still at {value:g}",
+    "stuck": "is stuck at {value:g}",
 }
 
 

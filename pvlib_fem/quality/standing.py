@@ -25,7 +25,7 @@ FEWEST_ROWS = 10  # of a day with the sun up
 @dataclass(frozen=True)
 class Standing:
     """
-    Days on which the irradiance is that of a plane that stands still.
+    Days on which the irradiance is that of a plane that is stuck.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Standing:
 
     def __str__(self) -> str:
         return (
-            f"from {self.when} the irradiance sensor stood still "
+            f"from {self.when} the irradiance sensor was stuck "
             f"{in_words(self.surface_tilt, self.surface_azimuth)}, while the record "
             f"describes a plane that turns: on {self.days} clear days a clear sky in "
             f"the described plane leaves {self.before:.0%} of the irradiance, and in "
@@ -95,7 +95,7 @@ def standing_of(
     On a clear day irradiance has the shape of a clear sky in the sensor's plane. If
     that is not the plane that turns, but one of its angles at which it stands, and in
     the same one on several days without a clear day of the other between them, the
-    sensor stood still.
+    sensor was stuck.
 
     Parameters
     ----------

@@ -450,7 +450,7 @@ def one_line(record: Record, name: str, rows: np.ndarray) -> str:
         return whole_line(record, name)
     at = int(np.argmax(rows))
     return (
-        f"{name} stands still at {values[at]:g} from {record.index[at]} on, "
+        f"{name} is stuck at {values[at]:g} from {record.index[at]} on, "
         f"{rows.sum():,} rows in all"
     )
 
@@ -466,6 +466,4 @@ def whole_line(record: Record, name: str) -> Any:
 def standing_line(
     name: str, value: float, first: pd.Timestamp, last: pd.Timestamp
 ) -> str:
-    return (
-        f"{name} stands still at {value:g} for the whole record, from {first} to {last}"
-    )
+    return f"{name} is stuck at {value:g} for the whole record, from {first} to {last}"

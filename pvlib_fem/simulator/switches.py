@@ -27,7 +27,7 @@ SWITCHES = {
     "shading": "obstacles take their share of the beam, by default 80 % of it at "
     "azimuths of 108–135° and below 28°; 0: none",
     "shading_sensor": "the same before the irradiance sensor",
-    "tracker_stuck": "the modules' row of a tracker stands still on the days of its "
+    "tracker_stuck": "the modules' row of a tracker is stuck on the days of its "
     "site; the irradiance sensor's goes on",
     "tracker_stuck_sensor": "the row of the irradiance sensor does so",
     # shapes

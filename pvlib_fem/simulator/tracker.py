@@ -1,4 +1,4 @@
-"""A single-axis tracker, and the days on which it stands still."""
+"""A single-axis tracker, and the days on which it is stuck."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -55,7 +55,7 @@ class Tracker:
     backtrack : bool
         Whether rows turn back from a low sun so that they do not shade each other.
     stuck : Stuck
-        When and where it stands still, if ``tracker_stuck`` (the row of the modules)
+        When and where it is stuck, if ``tracker_stuck`` (the row of the modules)
         or ``tracker_stuck_sensor`` (that of the irradiance sensor) is on.
     """
 
@@ -95,13 +95,13 @@ def orientation(weather, site, stuck=0.0):
     """
     Tilt and azimuth of a plane at a site: numbers, or rows of a tracker. [°]
 
-    ``stuck`` is how far it stays at the angle of the days on which it stands still.
+    ``stuck`` is how far it stays at the angle of the days on which it is stuck.
     """
     tracker = site.tracker
     if tracker is None:
         if stuck:
             raise ValueError(
-                "a fixed plane does not stand still; give the site a Tracker, or set "
+                "a fixed plane is never stuck; give the site a Tracker, or set "
                 "tracker_stuck and tracker_stuck_sensor to 0"
             )
         return site.surface_tilt, site.surface_azimuth

@@ -357,7 +357,7 @@ def outage(effect, numbers):
 def tracker_stuck(effect, numbers):
     plane = (effect.settings[name] for name in ("surface_tilt", "surface_azimuth"))
     where = in_words(*plane)
-    words = f"the modules stood still {where}, while the irradiance sensor moved"
+    words = f"the modules were stuck {where}, while the irradiance sensor moved"
     action = "Check the drive of the tracker"
     return Clause("tracker", words, action, **sized(effect, numbers))
 

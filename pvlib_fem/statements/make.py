@@ -236,7 +236,7 @@ def standing_statement(standing, episodes):
         device="tracker",
         verdict="corrected",
         text=(
-            f"From {standing.when} the irradiance sensor stood still {where}, and did "
+            f"From {standing.when} the irradiance sensor was stuck {where}, and did "
             f"not follow the plane that the record describes{modules}"
         ),
         action="Check the drive of the tracker that the irradiance sensor is on",

@@ -88,7 +88,7 @@ def counted(loop, found):
         "clock fault": sum(
             one.verdict.endswith("corrected") and one.cause != STUCK for one in found
         ),
-        "irradiance sensor that stood still": sum(one.cause == STUCK for one in found),
+        "irradiance sensor that was stuck": sum(one.cause == STUCK for one in found),
         "identified cause": sum(one.verdict == "named" for one in found),
         "ambiguous finding": sum(one.verdict == "class" for one in found),
         PATTERN: sum(one.device == PATTERN for one in found),

@@ -1,4 +1,4 @@
-"""A tracker whose modules stand still while the irradiance sensor moves."""
+"""A tracker whose modules are stuck while the irradiance sensor moves."""
 
 from dataclasses import replace
 from functools import partial
@@ -29,7 +29,7 @@ def terms(
     dates: tuple,
 ) -> Terms:
     r"""
-    Light on modules that stand still, minus that on a sensor that moves [1]_.
+    Light on modules that are stuck, minus that on a sensor that moves [1]_.
 
     .. math::
 
@@ -37,7 +37,7 @@ def terms(
         [\mathrm{light}(\mathrm{clearness}, \mathrm{solar\_zenith},
         \mathrm{solar\_azimuth}) - \mathrm{poa\_global}]
 
-    ``stands`` is 1 on the days on which the tracker stands still, else 0. ``light`` is
+    ``stands`` is 1 on the days on which the tracker is stuck, else 0. ``light`` is
     the irradiance of the same sky in the ``plane`` in which it stands. ``share`` is
     about 1 if all of the module stands there.
 
@@ -66,7 +66,7 @@ def standing(
     between: Any = None,
 ) -> Any:
     """
-    The effect of a tracker that stands still.
+    The effect of a tracker that is stuck.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def standing(
         # above 1, because the light is estimated
         {"share": Parameter(0.0, 0.0, 1.5, "-")},
         columns=DRIVERS,
-        title="modules that stand still while the tracker of the sensor moves",
+        title="modules that are stuck while the tracker of the sensor moves",
         decided_by="a look at the tracker, or at the angles that its drive reports",
         settings={k: v for k, v in settings.items() if v is not None},
         source="the light in the plane in which it stands",
