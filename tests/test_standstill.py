@@ -147,7 +147,7 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"][loop.base]
     statement = loop.statements.iloc[0]
     way = "east" if angle < 0 else "west"
-    assert "was stuck at about" in statement["text"] and way in statement["text"]
+    assert "were stuck at about" in statement["text"] and way in statement["text"]
     assert dates["start"] in statement["text"] and dates["end"] in statement["text"]
     assert (statement["since"], statement["device"]) == (dates["start"], "tracker")
     assert "drive of the tracker" in statement["action"] or "To decide" in str(
