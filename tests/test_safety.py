@@ -227,7 +227,7 @@ def test_hours_far_from_the_suns_are_said(usual, plain):
     [
         (dict(location=(39, -105)), r"give pvlib.location.Location\(39, -105\)"),
         (dict(surface_tilt=np.nan), "surface_tilt is nan; give one number of degrees"),
-        (dict(surface_tilt=pd.Series([1.0])), "surface_tilt is a Series; give one"),
+        (dict(surface_tilt=pd.Series([1.0])), "surface_tilt as Series need the times of the record"),
         (dict(surface_azimuth="south"), "surface_azimuth is 'south'; give one number"),
         (dict(min_gain=np.nan), "min_gain = nan must be more than 0"),
     ],
