@@ -6,7 +6,7 @@ HUB ?= time-shift-validation-hub
 ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers recovery
+.PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers recovery
 .PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
@@ -18,7 +18,11 @@ $(VENV)/.installed: pyproject.toml
 demo: $(VENV)/.installed
 	$(BIN)/pvlib-fem demo
 
+# in three minutes on two cores: without tests of years, fleets, studies and pages
 test: $(VENV)/.installed
+	$(BIN)/python -m pytest -m "not slow" --numprocesses=2 --dist=loadfile
+
+test-all: $(VENV)/.installed
 	$(BIN)/python -m pytest --numprocesses=2 --dist=loadfile
 
 # every property with 10,000 examples
@@ -64,67 +68,67 @@ energy: $(VENV)/.installed
 	$(BIN)/python gallery/05_energy_of_a_year.py
 
 study: $(VENV)/.installed
-	$(BIN)/python tests/study.py --gate --table $(VENV)/study --out docs/study.md
+	$(BIN)/python studies/study.py --gate --table $(VENV)/study --out docs/study.md
 
 # what it says of instruments that change among physics
 study-instruments: $(VENV)/.installed
-	$(BIN)/python tests/study_instruments.py --gate --table $(VENV)/instruments \
+	$(BIN)/python studies/study_instruments.py --gate --table $(VENV)/instruments \
 		--out docs/study_instruments.md
 
 # what it says of records of trackers
 study-trackers: $(VENV)/.installed
-	$(BIN)/python tests/study_trackers.py --out docs/study_trackers.md
+	$(BIN)/python studies/study_trackers.py --out docs/study_trackers.md
 
 # how often the loop's probabilities are right, from the rows of both, and of the oracle
 gate: study study-instruments
-	$(BIN)/python tests/study_gate.py $(VENV)/study $(VENV)/instruments \
+	$(BIN)/python studies/study_gate.py $(VENV)/study $(VENV)/instruments \
 		$(if $(wildcard $(ORACLE)),--oracle $(ORACLE)) --out docs/gate.md
 
 # what the loop decided by rules, before its statistical model, of the same records
 oracle: $(VENV)/.installed
-	$(BIN)/python tests/study_oracle.py $(ORACLE)
+	$(BIN)/python studies/study_oracle.py $(ORACLE)
 
 # what it says of the two measured records of years when their weeks are drawn anew
 study-measured: $(VENV)/.installed
-	$(BIN)/python tests/study_measured.py --out docs/study_measured.md
+	$(BIN)/python studies/study_measured.py --out docs/study_measured.md
 
 # how much of these records trees on their own columns explain that know no cause
 ceiling: $(VENV)/.installed
-	$(BIN)/python tests/study_ceiling.py --out docs/ceiling.md
+	$(BIN)/python studies/study_ceiling.py --out docs/ceiling.md
 
 # single checks on the benchmarks of others
 detectors: $(VENV)/.installed
 	$(BIN)/python -m pip download --quiet --no-deps --dest $(VENV)/wheels pvanalytics==0.2.2
-	$(BIN)/python tests/study_detectors.py --hub $(HUB) --out docs/detectors.md \
+	$(BIN)/python studies/study_detectors.py --hub $(HUB) --out docs/detectors.md \
 		--wheel $(VENV)/wheels/pvanalytics-0.2.2-py3-none-any.whl
 
 # what would be found at the two measured plants; it goes on where it was interrupted
 recovery: $(VENV)/.installed
-	$(BIN)/python tests/study_recovery.py --draws 1 --out docs/study_recovery.md
+	$(BIN)/python studies/study_recovery.py --draws 1 --out docs/study_recovery.md
 
 # how much is found at both, and how often a name is false; it goes on, too
 reliability: $(VENV)/.installed
-	$(BIN)/python tests/study_reliability.py --trials 20 --out docs/study_reliability.md
+	$(BIN)/python studies/study_reliability.py --trials 20 --out docs/study_reliability.md
 
 # what each criterion of the loop does, halved and doubled
 sweep: $(VENV)/.installed
-	$(BIN)/python tests/sweep.py --out docs/sensitivity.md
+	$(BIN)/python studies/sweep.py --out docs/sensitivity.md
 
 # how often the intervals of a fit hold the truth
 coverage: $(VENV)/.installed
-	$(BIN)/python tests/study_coverage.py --records 300 --out docs/coverage.md
+	$(BIN)/python studies/study_coverage.py --records 300 --out docs/coverage.md
 
 # how often the ranges of thermal parameters hold the truth of simulated worlds
 parameters: $(VENV)/.installed
-	$(BIN)/python tests/study_parameters.py --worlds 100 --out docs/study_parameters.md
+	$(BIN)/python studies/study_parameters.py --worlds 100 --out docs/study_parameters.md
 
 # the same by the month, where a coefficient changes, for docs/guide/fitting.md
 periods: $(VENV)/.installed
-	$(BIN)/python tests/study_periods.py --records 200
+	$(BIN)/python studies/study_periods.py --records 200
 
 # how often noise shows days that stand out, for docs/guide/honesty.md
 episodes: $(VENV)/.installed
-	$(BIN)/python tests/study_episodes.py
+	$(BIN)/python studies/study_episodes.py
 
 # paper.png, which paper.md shows
 figure: $(VENV)/.installed

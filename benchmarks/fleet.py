@@ -18,12 +18,12 @@ import pandas as pd
 import psutil
 from pvlib.location import Location
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
 from study_instruments import changed
 from study_worlds import site as drawn_site
 
 from pvlib_fem import close_loop, fleet, read_file, simulator
-from pvlib_fem.fleet.shared import STATIONS, shared
+from pvlib_fem.fleet._shared import STATIONS, shared
 
 A_SITE = 10  # systems of one
 #: of a station and of a module: channel and size, or switch and amplitude; the names

@@ -7,7 +7,7 @@ the four models that know the wind, without those that are refused.
 import pandas as pd
 
 import pvlib_fem as fem
-from pvlib_fem.record.columns import COLUMNS
+from pvlib_fem._record.column_names import COLUMNS
 from pvlib_fem.simulator import ALBUQUERQUE, LINEAR, OUTDOORS, PHYSICS, RHINE, drawn
 
 OFFSETS = {"nothing": None, "calm": "calm", "night": "night", "0 K": 0.0}

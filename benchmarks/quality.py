@@ -18,9 +18,9 @@ from pvanalytics.quality import gaps, time as shifts
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
-from pvlib_fem.quality.noon import solar_noon_shift
-from pvlib_fem.quality.screening import stuck
-from pvlib_fem.record.inputs import as_record
+from pvlib_fem._record.inputs import as_record
+from pvlib_fem.quality._noon import solar_noon_shift
+from pvlib_fem.quality._screening import stuck
 from pvlib_fem.simulator import ALBUQUERQUE, OUTDOORS, RHINE, Site
 
 PAGE = Path(__file__).parents[1] / "docs" / "quality.md"

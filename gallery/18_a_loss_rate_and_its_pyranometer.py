@@ -18,7 +18,7 @@ from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem.plotting import AFTER, BEFORE, OTHER
-from pvlib_fem.quality.plane import plane_of
+from pvlib_fem.quality._plane import plane_of
 
 GAMMA = -0.004  # 1/K, of power: crystalline silicon
 YEAR = 365.2425  # days

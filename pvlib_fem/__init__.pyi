@@ -13,42 +13,45 @@ from . import (
     scores as scores,
     simulator as simulator,
 )
-from .ceiling.result import Ceiling as Ceiling
-from .correction.result import CorrectedRecord as CorrectedRecord
-from .effects.effect import Effect as Effect, Parameter as Parameter, Terms as Terms
-from .findings import Check as Check, Correction as Correction, Finding as Finding
-from .fit import fit_fem as fit_fem
-from .fitting.horizontal import transpose_record as transpose_record
-from .fitting.result import FemFit as FemFit
-from .fitting.stand_ins import fill_record as fill_record
-from .loop.close import close_loop as close_loop
-from .loop.criteria import Criteria as Criteria
-from .loop.ranking import rank_effects as rank_effects
-from .loop.result import Loop as Loop
-from .modelchain import DynamicCellTemperature as DynamicCellTemperature
-from .paper.compare import compare_models as compare_models
-from .paper.comparison import Comparison as Comparison
-from .quality.screen import (
-    Screening as Screening,
-    screen_record as screen_record,
+from ._ceiling.ceiling_result import Ceiling as Ceiling
+from ._correction.corrected_record import CorrectedRecord as CorrectedRecord
+from ._findings import Check as Check, Correction as Correction, Finding as Finding
+from ._fit import fit_fem as fit_fem
+from ._fitting.fem_fit import FemFit as FemFit
+from ._fitting.horizontal import transpose_record as transpose_record
+from ._fitting.stand_ins import fill_record as fill_record
+from ._loop.close import close_loop as close_loop
+from ._loop.criteria import Criteria as Criteria
+from ._loop.loop_result import Loop as Loop
+from ._loop.ranking import rank_effects as rank_effects
+from ._modelchain import DynamicCellTemperature as DynamicCellTemperature
+from ._record.logger_files import read_file as read_file
+from ._record.parquet import (
+    ParquetRecord as ParquetRecord,
+    open_parquet as open_parquet,
 )
-from .record.files import read_file as read_file
-from .record.parquet import ParquetRecord as ParquetRecord, open_parquet as open_parquet
-from .recovery.events import recover_events as recover_events
-from .recovery.recover import recover_effects as recover_effects
-from .recovery.result import Recovery as Recovery
-from .relaxation import ewm as ewm
-from .sensors.compare import compare_modules as compare_modules
-from .sensors.result import ModuleComparison as ModuleComparison
-from .thermal.temperature import (
+from ._recovery.event_recovery import recover_events as recover_events
+from ._recovery.recover import recover_effects as recover_effects
+from ._recovery.recovery_result import Recovery as Recovery
+from ._relaxation import ewm as ewm
+from ._sensors.compare_sensors import compare_modules as compare_modules
+from ._sensors.module_comparison import ModuleComparison as ModuleComparison
+from ._thermal.temperature import (
     fem_temperature as fem_temperature,
     heat_balance as heat_balance,
     wm1 as wm1,
     wm2 as wm2,
 )
-from .translation import (
+from ._translation import (
     translate_coefficients as translate_coefficients,
     translation_mismatch as translation_mismatch,
+)
+from .effects._effect import Effect as Effect, Parameter as Parameter, Terms as Terms
+from .paper._compare_models import compare_models as compare_models
+from .paper._comparison import Comparison as Comparison
+from .quality._screen import (
+    Screening as Screening,
+    screen_record as screen_record,
 )
 
 # old names, until 0.2

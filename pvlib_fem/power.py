@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.inputs import read
+from pvlib_fem._record.inputs import read
 
 __all__ = ["PowerRelation", "expected_power", "fit_power"]
 

@@ -149,6 +149,7 @@ class Because:
         return hash(str(self))
 
     def sentence(self) -> str:
+        """The reason as a sentence, with its values."""
         return self.reason.value.format(**self.values)
 
     def __str__(self) -> str:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.record.checks import as_numbers
-from pvlib_fem.record.inputs import Inputs, read
+from pvlib_fem._record.checks import as_numbers
+from pvlib_fem._record.inputs import Inputs, read
 from pvlib_fem.types import Numeric
 
 __all__ = [
@@ -75,7 +75,7 @@ def mbe(measured: Numeric, modelled: Numeric) -> float:
 
 
 @dataclass(eq=False)
-class Tally:
+class ErrorSums:
     """Running sums of errors, measured minus modelled, for the scores."""
 
     rows: int = 0
@@ -100,14 +100,14 @@ class Tally:
 
 def of(error: Any, part: Any) -> Any:
     """RMSE, MAE and MBE of some errors; each name ends with the part. [K]"""
-    tally = Tally()
+    tally = ErrorSums()
     tally.add(error)
     return tally.of(part)
 
 
 def tallying() -> dict:
     """Tallies for the errors of one model on training days and on test days."""
-    return {"train": Tally(), "test": Tally()}
+    return {"train": ErrorSums(), "test": ErrorSums()}
 
 
 def scored(tallies: dict) -> pd.DataFrame:

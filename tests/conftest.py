@@ -8,12 +8,12 @@ from click.testing import CliRunner
 from hypothesis import settings
 from pvlib.location import Location
 
-from pvlib_fem import cli, datasets, ewm
-from pvlib_fem.datasets.files import FOLDER
+from pvlib_fem import _cli as cli, datasets, ewm
+from pvlib_fem._record.inputs import as_record
+from pvlib_fem.datasets._download import FOLDER
 from pvlib_fem.drivers import sun
-from pvlib_fem.quality.limits import Limits
-from pvlib_fem.quality.screen import alone
-from pvlib_fem.record.inputs import as_record
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._screen import alone
 
 # the same few examples in every run; `make fuzz` takes many, and others each time
 settings.register_profile("few", max_examples=25, deadline=None, derandomize=True)
@@ -22,6 +22,29 @@ settings.load_profile("few")
 
 DRIVERS = ("poa_global", "temp_air", "wind_speed")
 COLUMNS = (*DRIVERS, "temp_module")
+
+#: files, and single tests, that take longer than seconds; `make test` leaves them out
+SLOW = {
+    *("test_browser", "test_ceiling", "test_daylight", "test_dirty", "test_events"),
+    *("test_fleet", "test_instruments", "test_measured", "test_parquet_fit"),
+    *("test_parquet_loop", "test_recovery", "test_reliability", "test_report"),
+    *("test_simulator", "test_standstill", "test_statements", "test_study"),
+    *("test_surroundings", "test_trackers"),
+    "test_a_stray_time_is_refused_by_name",
+    "test_an_interrupted_fleet_says_how_to_go_on_and_goes_on",
+    "test_bolzano_faces_the_south",
+    "test_its_energies_are_those_of_the_script",
+    "test_no_file_ends_with_a_traceback",
+    "test_tau_is_recovered",
+    "test_the_demo_finds_what_is_hidden_and_tells_the_truth_after",
+}
+
+
+def pytest_collection_modifyitems(items):
+    """Mark the slow tests."""
+    for item in items:
+        if {item.path.stem, getattr(item, "originalname", "")} & SLOW:
+            item.add_marker(pytest.mark.slow)
 
 
 def measured(*columns, **drivers):

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from pvlib_fem import drivers, effects
-from pvlib_fem.record.columns import GEOMETRY
+from pvlib_fem._record.column_names import GEOMETRY
 
 INTRO = """
 The catalogue has one effect a page. All add to the columns of one equation,
@@ -66,7 +66,7 @@ def words(function):
 def forms(effect):
     """Functions of the effect's file that have an equation, its own first."""
     own = effect.terms.func if isinstance(effect.terms, partial) else effect.terms
-    if own in [channel.terms for channel in effects.CHANNELS]:
+    if own in [channel.terms for channel in effects.SENSOR_FAULTS]:
         return [own]
     module = inspect.getmodule(own)
     others = [
@@ -165,7 +165,7 @@ def described(effect):
     yield from table(header, parameter_rows(effect), "40 30 30", kind="parameters")
     yield from drivers_of(effect)
     yield from settings(effect)
-    known = {*effects.PHYSICS, *(channel.name for channel in effects.CHANNELS)}
+    known = {*effects.PHYSICS, *(channel.name for channel in effects.SENSOR_FAULTS)}
     alike = "; ".join(
         f":ref:`{name} <effect-{name}>`" if name in known else name
         for name in effect.confused_with
@@ -288,7 +288,7 @@ def index():
     yield from (".. toctree::", "   :hidden:", "")
     yield from (
         f"   effects/{name}"
-        for name in (*effects.PHYSICS, *names(effects.CHANNELS), "drivers")
+        for name in (*effects.PHYSICS, *names(effects.SENSOR_FAULTS), "drivers")
     )
 
 
@@ -298,7 +298,7 @@ def names(chosen):
 
 def channels():
     """Rows of what can change."""
-    for channel in effects.CHANNELS:
+    for channel in effects.SENSOR_FAULTS:
         link = f":ref:`{channel.name} <effect-{channel.name}>`"
         yield link, words(channel.terms)[0].rstrip(".")
 
@@ -323,7 +323,7 @@ def columns():
 def pages():
     """All pages in reStructuredText, by their paths."""
     found = {"effects": index(), "effects/drivers": columns()}
-    for effect in (*effects.PHYSICS.values(), *effects.CHANNELS):
+    for effect in (*effects.PHYSICS.values(), *effects.SENSOR_FAULTS):
         found[f"effects/{effect.name}"] = described(effect)
     return {f"{path}.rst": "\n".join(lines) + "\n" for path, lines in found.items()}
 

@@ -1,7 +1,7 @@
 """Example records: measured ones, and a synthetic one."""
 
-from pvlib_fem.datasets.made_up import synthetic
-from pvlib_fem.datasets.measured import load
+from pvlib_fem.datasets._measured_records import load
+from pvlib_fem.datasets._synthetic import synthetic
 
 __all__ = [
     "load",

@@ -5,11 +5,11 @@ Each function takes Series, as pvanalytics does, and returns a small result with
 Boolean Series. None needs a fitted model.
 """
 
-from pvlib_fem.detect.changes import LevelChanges
-from pvlib_fem.detect.module_sensor import DetachedSensor, detached_module_sensor
-from pvlib_fem.detect.sensors import irradiance_changes, slow_anemometer
-from pvlib_fem.detect.shifted_clock import TimeShifts, time_shifts
-from pvlib_fem.detect.shifted_level import data_shifts
+from pvlib_fem.detect._changes import LevelChanges
+from pvlib_fem.detect._module_sensor import DetachedSensor, detached_module_sensor
+from pvlib_fem.detect._sensor_gain import irradiance_changes, slow_anemometer
+from pvlib_fem.detect._shifted_clock import TimeShifts, time_shifts
+from pvlib_fem.detect._shifted_level import data_shifts
 
 __all__ = [
     "DetachedSensor",

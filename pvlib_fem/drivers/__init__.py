@@ -1,6 +1,6 @@
 """Drivers of effects that are computed from the measured columns."""
 
-from pvlib_fem.drivers.derived import (  # noqa: F401  for other packages
+from pvlib_fem.drivers._derived import (  # noqa: F401  for other packages
     DERIVED,
     MEASURED,
     MODELLED,
@@ -16,7 +16,7 @@ from pvlib_fem.drivers.derived import (  # noqa: F401  for other packages
     short_memory,
     with_constants,
 )
-from pvlib_fem.drivers.mounts import checked_place, geometry  # noqa: F401
-from pvlib_fem.drivers.solar import standard_time, sun  # noqa: F401
+from pvlib_fem.drivers._mounts import checked_place, geometry  # noqa: F401
+from pvlib_fem.drivers._solar import standard_time, sun  # noqa: F401
 
 __all__ = ["sun"]

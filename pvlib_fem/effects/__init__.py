@@ -3,6 +3,11 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pvlib_fem._spelling import did_you_mean
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._instruments import SENSOR_FAULTS
+from pvlib_fem.effects._time_profiles import COURSES, along_all
+from pvlib_fem.effects._user_column import of_column
 from pvlib_fem.effects.catalogue.air_elsewhere import EFFECT as air_elsewhere
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
 from pvlib_fem.effects.catalogue.electrical_output import EFFECT as electrical_output
@@ -25,13 +30,8 @@ from pvlib_fem.effects.catalogue.thermal_storage import EFFECT as thermal_storag
 from pvlib_fem.effects.catalogue.tracker_stuck import EFFECT as tracker_stuck
 from pvlib_fem.effects.catalogue.wind_direction import EFFECT as wind_direction
 from pvlib_fem.effects.catalogue.wind_shape import EFFECT as wind_shape
-from pvlib_fem.effects.courses import COURSES, along_all
-from pvlib_fem.effects.effect import Effect
-from pvlib_fem.effects.instruments import CHANNELS
-from pvlib_fem.effects.own import of_column
-from pvlib_fem.spelling import did_you_mean
 
-__all__ = ["CHANGES", "CHANNELS", "COURSES", "EFFECTS", "PHYSICS", "find"]
+__all__ = ["CHANGES", "COURSES", "EFFECTS", "PHYSICS", "SENSOR_FAULTS", "find"]
 
 #: a name, a name with its settings, or an effect
 EffectLike = str | Mapping[str, Any] | Effect
@@ -65,7 +65,9 @@ PHYSICS = {
     )
 }
 #: faults of sensors and mountings: each fault with each time profile
-CHANGES = {effect.name: effect for channel in CHANNELS for effect in along_all(channel)}
+CHANGES = {
+    effect.name: effect for channel in SENSOR_FAULTS for effect in along_all(channel)
+}
 #: every effect by its name
 EFFECTS = PHYSICS | CHANGES
 

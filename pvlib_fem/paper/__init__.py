@@ -12,9 +12,10 @@ References
    second-to-minute timescales", 2022. :doi:`10.22541/au.166922866.68736478`
 """
 
+from pvlib_fem._record.filters import daytime, night, usable
 from pvlib_fem.paper import comparators
-from pvlib_fem.paper.cell import cell_from_back, k_bs_c
-from pvlib_fem.paper.estimators import (
+from pvlib_fem.paper._cell import cell_from_back, k_bs_c
+from pvlib_fem.paper._estimators import (
     Estimate,
     averages,
     d,
@@ -25,21 +26,20 @@ from pvlib_fem.paper.estimators import (
     r_film,
     r_m,
 )
-from pvlib_fem.paper.pictures import (
+from pvlib_fem.paper._paper_plots import (
     plot_k_w,
     plot_resistances,
     plot_step_changes,
     plot_tau_bins,
 )
-from pvlib_fem.paper.sites import table_3, tau_by_mounting
-from pvlib_fem.paper.timeconstant import (
+from pvlib_fem.paper._sites import table_3, tau_by_mounting
+from pvlib_fem.paper._timeconstant import (
     TimeConstant,
     heat_capacities,
     step_changes,
     time_constant,
 )
-from pvlib_fem.paper.wind import convection, wind_max
-from pvlib_fem.record.filters import daytime, night, usable
+from pvlib_fem.paper._wind_bins import convection, wind_max
 
 __all__ = [
     "Estimate",

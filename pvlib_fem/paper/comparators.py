@@ -14,12 +14,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
-from pvlib_fem.effects.effect import Parameter
-from pvlib_fem.record.checks import usual_step
-from pvlib_fem.relaxation import ewm
-from pvlib_fem.thermal.steady import STEADY_MODELS
-from pvlib_fem.thermal_parameters.unit_mass import smoothed
+from pvlib_fem._record.checks import usual_step
+from pvlib_fem._relaxation import ewm
+from pvlib_fem._thermal.steady_models import STEADY_MODELS
+from pvlib_fem._thermal_parameters.unit_mass import smoothed
+from pvlib_fem.drivers._sky_deficit import STEFAN_BOLTZMANN, ZERO_CELSIUS
+from pvlib_fem.effects._effect import Parameter
 
 GLASS_TEDLAR = 6032.0  # J/(m² K), Armstrong and Hurley's Table 1
 FREE = 2.5  # W/(m² K) per face, between the 2.1 and 2.9 of their Table 3
@@ -258,6 +258,7 @@ def sapm(
     a: float,
     b: float,
 ) -> Any:
+    """The back temperature of the Sandia model, by the same coefficients. [°C]"""
     return temp_air + poa_global * STEADY_MODELS["sapm"].resistance(wind_speed, a, b)
 
 

@@ -6,24 +6,32 @@ axes follow matplotlib's style, light or dark. Every colour has its own line sty
 marker or sign, too.
 """
 
-from pvlib_fem.plotting.budget import plot_budget
-from pvlib_fem.plotting.ceiling import plot_ceiling
-from pvlib_fem.plotting.comparisons import (
+from pvlib_fem.plotting._budget_plot import plot_budget
+from pvlib_fem.plotting._ceiling_plot import plot_ceiling
+from pvlib_fem.plotting._comparisons import (
     plot_comparison,
     plot_energy_error,
     plot_resolutions,
 )
-from pvlib_fem.plotting.days import plot_before_after, plot_contributions, plot_fit
-from pvlib_fem.plotting.look import AFTER, BEFORE, COLOURS, OTHER
-from pvlib_fem.plotting.memory import plot_step_response, plot_tau_by_wind, tau_by_wind
-from pvlib_fem.plotting.recovery import plot_recovery
-from pvlib_fem.plotting.residuals import (
+from pvlib_fem.plotting._dynamics_plots import (
+    plot_step_response,
+    plot_tau_by_wind,
+    tau_by_wind,
+)
+from pvlib_fem.plotting._monthly_plot import plot_through_time
+from pvlib_fem.plotting._recovery import plot_recovery
+from pvlib_fem.plotting._residuals import (
     plot_residual_by,
     plot_residual_map,
     plot_residual_rose,
 )
-from pvlib_fem.plotting.steps import plot_steps, plot_waterfall
-from pvlib_fem.plotting.through_time import plot_through_time
+from pvlib_fem.plotting._step_plots import plot_steps, plot_waterfall
+from pvlib_fem.plotting._style import AFTER, BEFORE, COLOURS, OTHER
+from pvlib_fem.plotting._time_series import (
+    plot_before_after,
+    plot_contributions,
+    plot_fit,
+)
 
 __all__ = [
     "AFTER",

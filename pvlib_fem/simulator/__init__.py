@@ -30,15 +30,15 @@ from typing import Any
 
 import pandas as pd
 
-from pvlib_fem.simulator.drawn import drawn
-from pvlib_fem.simulator.forms import RIVALS, Days, Forms, Minutes, Obstacle
-from pvlib_fem.simulator.module import simulate
-from pvlib_fem.simulator.second import fuentes
-from pvlib_fem.simulator.sensors import measure
-from pvlib_fem.simulator.site import ALBUQUERQUE, RHINE, Site
-from pvlib_fem.simulator.sky import weather
-from pvlib_fem.simulator.switches import LINEAR, OUTDOORS, PHYSICS, SWITCHES, UNITS
-from pvlib_fem.simulator.tracker import Stuck, Tracker
+from pvlib_fem.simulator._fuentes_world import fuentes
+from pvlib_fem.simulator._loggers import measure
+from pvlib_fem.simulator._module import simulate
+from pvlib_fem.simulator._random_forms import drawn
+from pvlib_fem.simulator._site import ALBUQUERQUE, RHINE, Site
+from pvlib_fem.simulator._submodels import RIVALS, Days, Forms, Minutes, Obstacle
+from pvlib_fem.simulator._switches import LINEAR, OUTDOORS, PHYSICS, SWITCHES, UNITS
+from pvlib_fem.simulator._synthetic_weather import weather
+from pvlib_fem.simulator._tracker import Stuck, Tracker
 
 __all__ = [
     "ALBUQUERQUE",

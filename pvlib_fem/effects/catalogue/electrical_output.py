@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.effects.plant import by_power
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
+from pvlib_fem.effects._plant_power import by_power
 
 GAMMA = -0.0035  # 1/K, of crystalline silicon's power
 MISSING = 0.15  # of the expected power; if more is missing, power is curtailed

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 
 def terms(beam: np.ndarray, aoi_projection: np.ndarray, *, b0: float) -> Terms:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pvlib_fem.drivers.sky import STEFAN_BOLTZMANN, ZERO_CELSIUS
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.drivers._sky_deficit import STEFAN_BOLTZMANN, ZERO_CELSIUS
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 USUAL = 298.15  # K, temperature at which the steady model already includes it
 

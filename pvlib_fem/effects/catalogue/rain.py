@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 
 def terms(wetness: np.ndarray, *, film: float) -> Terms:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 
 def terms(ghi_estimated: np.ndarray, *, share: float) -> Terms:

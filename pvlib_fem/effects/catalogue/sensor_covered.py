@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.effects.plant import by_power
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
+from pvlib_fem.effects._plant_power import by_power
 
 
 def terms(light_unseen_dc: np.ndarray, *, share: float) -> Terms:

@@ -6,7 +6,7 @@ from operator import mul
 import numpy as np
 
 from pvlib_fem.drivers import Driver
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 
 def terms(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 
 def terms(temp_air: np.ndarray, *, gain: float) -> Terms:

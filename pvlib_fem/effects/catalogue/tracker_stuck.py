@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.drivers.solar import on_plane
-from pvlib_fem.effects.courses import number, written
-from pvlib_fem.effects.effect import Effect, Parameter, Terms
-from pvlib_fem.effects.standstill import find_standstill, rotations
-from pvlib_fem.effects.windows import orthonormal
+from pvlib_fem.drivers._solar import on_plane
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
+from pvlib_fem.effects._standstill import find_standstill, rotations
+from pvlib_fem.effects._time_profiles import number, written
+from pvlib_fem.effects._windows import orthonormal
 from pvlib_fem.reasons import Reason
 
 DRIVERS = ("poa_global", "clearness", "solar_zenith", "solar_azimuth", "day")
@@ -132,6 +132,7 @@ class AllDays:
         day: Any,
         **sizes: Any,
     ) -> Any:
+        """Terms of the planes, each with its share."""
         heat = 0.0 * (poa_global + clearness)
         for plane, size in zip(self.planes, sizes.values()):
             if size != 0.0:

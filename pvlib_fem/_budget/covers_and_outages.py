@@ -1,0 +1,338 @@
+"""Find outages and covers by power and the module's temperature."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.ndimage import median_filter
+
+from pvlib_fem._budget.unusual_days import AROUND
+from pvlib_fem.drivers._plant_irradiance import LEAST, NONE, agree, lost
+
+FEWEST = 2  # least hours of an event: one hour may have two states
+FAINT, DIM = 0.05, 20.0  # least difference of irradiance, as a share and in W/m²
+MOST = 3.0  # largest temperature difference, over that of the cover
+#: least difference of power, in standard deviations of means, if the temperature has to
+#: differ, too: by chance both do so once in decades
+BOTH = 3.0
+SEEN = 2.0  # least difference of temperature, in standard deviations of means
+NORMAL = 1.4826  # standard deviation over median absolute deviation
+SHARES = {"modules_covered": 1.0, "sensor_covered": 1.0, "outage": 0.2}
+TIMES = ("start", "end")
+COLUMNS = ["effect", "start", "end", "hours", "size", "share", "power", "temp_air"]
+
+
+@dataclass(frozen=True, eq=False)
+class Hours:
+    """
+    Means over the hours of a record with light.
+
+    Attributes
+    ----------
+    begin, end : DatetimeIndex
+        First and last row of each hour.
+    number : array of int
+        Number of the hour, since 1970-01-01.
+    residual : array
+        Measured minus modelled temperature, without effects from power. [K]
+    squares : array
+        Sum of squares of the residual. [K²]
+    seen, shown : array
+        Irradiance by the sensor and by power. [W/m²]
+    power, expected : array
+        [unit of power]
+    loss : array
+        [W/(m² K)]
+    off : array of bool
+        Hours without power, for another reason than snow.
+    extra : dict of array
+        Further columns of the report.
+    """
+
+    begin: pd.DatetimeIndex
+    end: pd.DatetimeIndex
+    number: np.ndarray
+    residual: np.ndarray
+    squares: np.ndarray
+    seen: np.ndarray
+    shown: np.ndarray
+    power: np.ndarray
+    expected: np.ndarray
+    loss: np.ndarray
+    off: np.ndarray
+    extra: dict
+
+    @classmethod
+    def of(
+        cls, index: pd.DatetimeIndex, rows: np.ndarray, columns: dict, extra: dict
+    ) -> "Hours":
+        """The hours of some rows of columns."""
+        index = index[rows]
+        columns, extra = (
+            {name: column[rows] for name, column in some.items()}
+            for some in (columns, extra)
+        )
+        naive = index.tz_localize(None)
+        number = naive.to_numpy().astype("datetime64[h]").astype(int)
+        first = np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
+        size = np.diff(first, append=len(number))
+
+        def means(values: np.ndarray) -> np.ndarray:
+            return np.add.reduceat(values, first) / size
+
+        found = {name: means(values) for name, values in columns.items()}
+        squares = np.add.reduceat(columns["residual"] ** 2, first)
+        light = (found["seen"] > LEAST) | (found["shown"] > LEAST)
+        found = {name: values[light] for name, values in found.items()}
+        return cls(
+            index[first][light],
+            index[first + size - 1][light],
+            number[first][light],
+            squares=squares[light],
+            off=found.pop("off") > 0.5,
+            extra={name: means(values)[light] for name, values in extra.items()},
+            **found,
+        )
+
+    def beyond_usual(self, values: np.ndarray) -> np.ndarray:
+        """Values minus their median at the same hour of the days around."""
+        values, clock = values.copy(), self.number % 24
+        for hour in np.unique(clock):
+            rows = np.flatnonzero(clock == hour)
+            values[rows] -= median_filter(values[rows], 2 * AROUND + 1, mode="reflect")
+        return values
+
+    def days(self) -> np.ndarray:
+        """Hours before which another day, or a gap, begins."""
+        new = np.diff(self.number, prepend=-2) > 1
+        return new | (np.diff(self.number // 24, prepend=-1) > 0)
+
+
+def found_in(hours: Hours, spread: float, total: float, shares: dict) -> pd.DataFrame:
+    """
+    Events of some hours, as a table.
+
+    If power deviates from its expectation for two hours or more of a day, the module's
+    temperature decides: it is nearer to its value with a cover, or without one. If
+    power deviates less, both have to differ from their usual values at the same hours.
+    An hour without power and without a cover is an outage, if a cover would be visible.
+
+    Parameters
+    ----------
+    hours : Hours
+    spread : float
+        Spread of the relation of power to irradiance. [-]
+    total : float
+        Sum of squares for the shares. [K²]
+    shares : dict
+        Coefficients of the effects in the model.
+    """
+    if len(hours.number) < 2 * FEWEST:
+        return event_table([], hours.extra)
+    deciding = Deciding.of(hours, spread, SHARES | shares)
+    state = deciding.state
+    kinds = np.full(len(state), "", dtype=object)
+    for start, end in runs(state, hours.days()):
+        if state[start] and end - start >= FEWEST:
+            some = slice(start, end)
+            kinds[some] = deciding.kind(some)
+    return event_table(rows_of(hours, joined(kinds), kinds, total), hours.extra)
+
+
+@dataclass(frozen=True, eq=False)
+class Deciding:
+    """Data that decide which effect a stretch of hours has."""
+
+    hours: Hours
+    far: np.ndarray  # hours on which power is far from irradiance
+    apart: np.ndarray  # light by power beyond usual, over that by the sensor [-]
+    shown: np.ndarray  # light by power, where it is near that beyond usual [W/m²]
+    state: np.ndarray  # −1 where power shows less light, 1 where more
+    warmth: "Noise"  # of the residual [K]
+    strange: "Noise"  # of the residual beyond usual [K]
+    light: "Noise"  # of ``apart`` [-]
+    shares: dict
+
+    @classmethod
+    def of(cls, hours: Hours, spread: float, shares: dict) -> "Deciding":
+        seen = hours.seen
+        far = ~agree(seen, hours.shown, spread)
+        apart = hours.beyond_usual((hours.shown - seen) / np.fmax(seen, LEAST))
+        shown = np.where(far, hours.shown, seen * (1.0 + apart))
+        faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
+        state = np.where(far | faint, np.sign(shown - seen), 0.0).astype(int)
+        usual = state == 0
+        strange = hours.beyond_usual(hours.residual)
+        noise = Noise(hours.residual[usual]), Noise(strange), Noise(apart)
+        state = bridged(state, hours.days())
+        return cls(
+            hours, far, apart, shown, bridged(state, hours.days()), *noise, shares
+        )
+
+    def kind(self, some: Any) -> str:
+        """The effect of a stretch of hours; "" for none."""
+        hours, length = self.hours, some.stop - some.start
+        if self.far[some].mean() <= 0.5:
+            return self.faint(some, length)
+        if self.state[some.start] > 0:
+            covered = self.follows(some, length, self.hot(some))
+            return "sensor_covered" if covered else ""
+        expected, cold = hours.expected[some], self.cold(some)
+        dead = hours.power[some] < NONE * expected
+        if (
+            not expected[dead].sum() > 0.5 * expected.sum()
+        ):  # at its ends it may be half
+            return "modules_covered" if self.follows(some, length, cold) else ""
+        warm = self.makes("outage", hours.seen, some)
+        if warm - cold > SEEN * self.warmth.of(length):
+            size = hours.residual[some].mean()
+            return "modules_covered" if size < 0.5 * (cold + warm) else "outage"
+        return "outage" if hours.off[some].all() else ""
+
+    def follows(self, some: np.ndarray, length: int, made: float) -> bool:
+        """
+        Whether the temperature is nearer to its value with a cover than without one.
+
+        The residual decides, or its difference from the days around.
+        """
+        size = self.hours.residual[some].mean() * np.sign(made)
+        beyond = self.strange.values[some].mean() * np.sign(made)
+        made, noise = abs(made), self.strange.of(length)
+        within = beyond < MOST * made + SEEN * noise
+        if size > max(0.5 * made, SEEN * self.warmth.of(length)):
+            return made > SEEN * self.warmth.of(length) or within
+        return max(0.5 * made, noise) < beyond and within
+
+    def faint(self, some: Any, length: int) -> str:
+        """The effect if power deviates little, and so does the temperature."""
+        sides = abs(self.apart[some].mean()) > BOTH * self.light.of(length)
+        size, sure = self.strange.values[some].mean(), SEEN * self.strange.of(length)
+        warms = self.state[some.start] > 0
+        made = self.hot(some) if warms else self.cold(some)
+        along = size * np.sign(made)
+        if sides and along > sure and 0.5 * abs(made) < along < MOST * abs(made):
+            return "sensor_covered" if warms else "modules_covered"
+        return ""
+
+    def hot(self, some: np.ndarray) -> float:
+        """Temperature by irradiance that the sensor does not see. [K]"""
+        unseen = np.maximum(self.shown - self.hours.seen, 0.0)
+        return self.makes("sensor_covered", unseen, some)
+
+    def cold(self, some: np.ndarray) -> float:
+        """Temperature by irradiance that the modules lose. [K]"""
+        return -self.makes("modules_covered", lost(self.hours.seen, self.shown), some)
+
+    def makes(self, name: str, light: np.ndarray, some: np.ndarray) -> float:
+        """What so much light does to the module, over a stretch. [K]"""
+        return self.shares[name] * float((light / self.hours.loss)[some].mean())
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Noise of means over hours."""
+
+    values: np.ndarray
+    known: dict = field(default_factory=dict)
+
+    def of(self, hours: int) -> float:
+        """Standard deviation of a mean over so many hours, by the median."""
+        if hours not in self.known:
+            self.known[hours] = np.inf
+            if len(self.values) > hours:
+                total = np.concatenate(([0.0], np.cumsum(self.values)))
+                means = (total[hours:] - total[:-hours]) / hours
+                off = np.abs(means - np.median(means))
+                self.known[hours] = NORMAL * float(np.median(off))
+        return self.known[hours]
+
+
+def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:
+    """The state, with one hour of none between two that are alike as these."""
+    state, inside = state.copy(), ~(breaks[1:-1] | breaks[2:])
+    alike = inside & (state[:-2] == state[2:]) & (state[1:-1] == 0)
+    state[1:-1] = np.where(alike, state[2:], state[1:-1])
+    return state
+
+
+def joined(kinds: np.ndarray) -> list:
+    """From and to (exclusive) of each event; one hour of another kind is bridged."""
+    found = []
+    for start, end in runs(kinds):
+        if not kinds[start]:
+            continue
+        if found and kinds[found[-1][0]] == kinds[start] and start - found[-1][1] <= 1:
+            found[-1] = (found[-1][0], end)
+        else:
+            found.append((start, end))
+    return found
+
+
+def runs(values: np.ndarray, breaks: np.ndarray | None = None) -> Iterator:
+    """From and to (exclusive) of each run of one value; a break starts a new run."""
+    if not len(values):
+        return
+    new = np.append(True, values[1:] != values[:-1])
+    first = np.flatnonzero(new if breaks is None else new | breaks)
+    yield from zip(first.tolist(), [*first[1:].tolist(), len(values)])
+
+
+def rows_of(hours: Hours, ends: list, kinds: np.ndarray, total: float) -> list:
+    """Events as rows, the largest share first."""
+    rows = []
+    for start, end in ends:
+        some = slice(start, end)
+        rows.append(
+            {
+                "effect": kinds[start],
+                "start": hours.begin[start],
+                "end": hours.end[end - 1],
+                "hours": end - start,
+                "size": float(hours.residual[some].mean()),
+                "share": float(hours.squares[some].sum() / total),
+                "power": float(hours.power[some].sum() / hours.expected[some].sum()),
+                **{name: float(v[some].mean()) for name, v in hours.extra.items()},
+            }
+        )
+    return sorted(rows, key=lambda row: -row["share"])
+
+
+def event_table(rows: list, extra: Sequence | dict = ()) -> pd.DataFrame:
+    """Events as a table."""
+    names = [*COLUMNS, *(name for name in extra if name not in COLUMNS)]
+    table = pd.DataFrame(rows, columns=names)
+    numbers = {name: float for name in names if name not in COLUMNS[:4]}
+    return table.astype({"hours": int, **numbers})
+
+
+def event_rows(table: pd.DataFrame) -> list:
+    """Rows of a table of events for a file, with times in UTC and the zone."""
+    rows = table.to_dict(orient="records")
+    for row in rows:
+        row["zone"] = str(row["start"].tz or "")
+        row |= {name: as_utc(row[name]).isoformat() for name in TIMES}
+    return rows
+
+
+def as_utc(time: Any) -> Any:
+    return time if time.tz is None else time.tz_convert("UTC")
+
+
+def events_from(parts: list) -> pd.DataFrame:
+    """Events of parts of a file."""
+    extra = dict.fromkeys(name for part in parts for name in part.content)
+    extra = [name for name in extra if name not in (*COLUMNS, "zone")]
+    return event_table([event_from(part, extra) for part in parts], extra)
+
+
+def event_from(part: Any, extra: Any) -> Any:
+    """One event of a file."""
+    zone = part.text("zone")
+    times = {name: pd.Timestamp(part.text(name)) for name in TIMES}
+    if zone:
+        times = {name: time.tz_convert(zone) for name, time in times.items()}
+    numbers = {n: part.number(n, unknown=True) for n in (*COLUMNS[4:], *extra)}
+    counts = {"effect": part.text("effect"), "hours": part.count("hours")}
+    return {**counts, **times, **numbers}

@@ -1,0 +1,186 @@
+"""The error budget: reductions by steps, and the remaining error in time."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._budget.scales import by_scale
+from pvlib_fem._budget.unusual_days import episodes
+from pvlib_fem._findings import Kind
+from pvlib_fem._record.column_names import DAYLIGHT
+from pvlib_fem._record.inputs import Record
+
+ENDINGS = {"test": "rmse_test", "fitting": "rmse_train"}
+COLUMNS = ["kind", "mean_square", "error", "share", "weeks"]
+#: columns of the episodes that are numbers
+NUMBERS = ["day", "night", "share"]
+
+
+def episodes_of(case: Any, step: Any) -> pd.DataFrame:
+    """
+    Stretches of days with an unusual residual of a step, as a table.
+
+    All weeks are searched, because episodes are only reported and decide nothing.
+    """
+    residual = step.measured - step.temperature
+    rows = case.seen & np.isfinite(residual)
+    residual, dates = residual[rows], case.whole.dates[rows]
+    sunny = case.whole["poa_global"][rows] > DAYLIGHT
+    total, found = residual @ residual, []
+    for first, last in episodes(residual, dates, sunny, case.criteria.episode_chance):
+        within = (dates >= first) & (dates <= last)
+        mine = residual[within]
+        found.append(
+            {
+                "start": written(first),
+                "end": written(last),
+                "days": last - first + 1,
+                "day": mean(residual[within & sunny]),
+                "night": mean(residual[within & ~sunny]),
+                "share": float(mine @ mine / total),
+            }
+        )
+    return episode_table(sorted(found, key=lambda row: -row["share"]))
+
+
+def mean(values: np.ndarray) -> float:
+    return float(values.mean()) if len(values) else np.nan
+
+
+def written(date: int) -> str:
+    return str(np.datetime64(int(date), "D"))
+
+
+def episode_table(rows: list) -> pd.DataFrame:
+    """Episodes as a table."""
+    names = ["start", "end", "days", *NUMBERS]
+    table = pd.DataFrame(rows, columns=names)
+    dates = {name: pd.to_datetime(table[name]) for name in names[:2]}
+    kinds = {"days": int, **dict.fromkeys(NUMBERS, float)}
+    return table.assign(**dates).astype(kinds)
+
+
+def episode_rows(table: pd.DataFrame) -> list:
+    """The table of episodes as rows of a file."""
+    dates = {name: table[name].dt.strftime("%Y-%m-%d") for name in ("start", "end")}
+    return table.assign(**dates).to_dict(orient="records")
+
+
+def episodes_from(parts: list) -> pd.DataFrame:
+    """The table of episodes from parts of a file."""
+    return episode_table(
+        [
+            {
+                **{name: part.text(name) for name in ("start", "end")},
+                "days": part.count("days"),
+                **{name: part.number(name, unknown=True) for name in NUMBERS},
+            }
+            for part in parts
+        ]
+    )
+
+
+def budget_of(
+    case: Any,
+    steps: dict,
+    path: list,
+    table: pd.DataFrame,
+    findings: list,
+    stretches: pd.DataFrame,
+) -> pd.DataFrame:
+    """
+    Error budget: mean square of the steady model, reductions, and the remainder.
+
+    The budget is of the test weeks, or of the fitting weeks without test weeks, on rows
+    that all steps know. It adds up: the reductions by the steps of the path, unusual
+    days, and the time scales of all other days.
+    """
+    weeks, residual, rows = budget_weeks(case, steps, steps[path[-1]])
+    squares = table.loc[path, ENDINGS[weeks]] ** 2
+    out = rows & within(case.whole.dates, stretches)
+    apart = residual[out] @ residual[out] / max(rows.sum(), 1)
+    usual = (rows & ~out).sum() / max(rows.sum(), 1)
+    scales = left_by_scale(case.whole, residual, rows & ~out)
+    scales = {name: usual * square for name, square in scales.items()}
+    steady, left = squares.iloc[0], apart + sum(scales.values())
+    taken = -squares.diff().iloc[1:]
+    budget = [
+        ("steady", "start", steady, weeks),
+        *((name, "taken", square, weeks) for name, square in taken.items()),
+        ("left", "left", left, weeks),
+        *(
+            [("on days that stand out", "episodes", apart, weeks)]
+            * bool(len(stretches))
+        ),
+        *((name, "scale", square, weeks) for name, square in scales.items()),
+        *(
+            (f"table of {f.effect}", "of which", f.gain**2, "fitting")
+            for f in findings
+            if f.kind is Kind.STRUCTURE
+        ),
+    ]
+    return budget_table(
+        [
+            {"part": part, "kind": kind, "mean_square": float(square), "weeks": weeks}
+            for part, kind, square, weeks in budget
+        ]
+    )
+
+
+def budget_weeks(
+    case: Any, steps: dict, last: Any
+) -> tuple[str, np.ndarray, np.ndarray]:
+    """The weeks of the budget, the last residual, and the mask of their rows."""
+    everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
+    residual = last.measured - last.temperature
+    everywhere &= np.isfinite(residual)
+    weeks = "test" if (case.test & everywhere).any() else "fitting"
+    return (
+        weeks,
+        residual,
+        everywhere & (case.test if weeks == "test" else case.fitting),
+    )
+
+
+def left_by_scale(record: Record, residual: np.ndarray, rows: np.ndarray) -> dict:
+    """Mean square of the residual on some rows, by time scale."""
+    hours = record.index[rows].hour.to_numpy()
+    times = record.inputs.seconds[rows], record.inputs.step
+    return by_scale(residual[rows], record.dates[rows], hours, *times)
+
+
+def within(dates: np.ndarray, stretches: pd.DataFrame) -> np.ndarray:
+    """Mask of the rows of some stretches of days."""
+    held = np.zeros(len(dates), dtype=bool)
+    for start, end in zip(stretches["start"], stretches["end"]):
+        first, last = (np.datetime64(day, "D").astype(int) for day in (start, end))
+        held |= (dates >= first) & (dates <= last)
+    return held
+
+
+def budget_table(rows: list) -> pd.DataFrame:
+    """An error budget as a table."""
+    table = pd.DataFrame(rows).set_index("part")
+    square = table["mean_square"]
+    error = np.sign(square) * np.sqrt(square.abs())
+    return table.assign(error=error, share=square / square.iloc[0])[COLUMNS]
+
+
+def budget_rows(table: pd.DataFrame) -> list:
+    """The budget as rows of a file, without derived columns."""
+    return table[["kind", "mean_square", "weeks"]].reset_index().to_dict("records")
+
+
+def budget_from(parts: list) -> pd.DataFrame:
+    """The budget from parts of a file."""
+    texts = ("part", "kind", "weeks")
+    return budget_table(
+        [
+            {
+                **{name: part.text(name) for name in texts},
+                "mean_square": part.number("mean_square", unknown=True),
+            }
+            for part in parts
+        ]
+    )

@@ -1,0 +1,66 @@
+"""A ceiling: finished, and it prints itself."""
+
+from dataclasses import asdict, dataclass, field
+from typing import Self
+
+import numpy as np
+
+from pvlib_fem._report.ceiling_text import sentence
+from pvlib_fem._stored import Stored
+
+
+@dataclass(frozen=True)
+class Ceiling:
+    """
+    Errors on the test weeks: of a loop, and of trees on the same columns.
+
+    ``print(ceiling)`` is one sentence.
+
+    Attributes
+    ----------
+    paper, loop, trees : float
+        RMSE of the paper's form, which has no effects, of the loop's last step, and of
+        the trees. [K]
+    rows : int
+        Rows of test weeks that all three are of.
+    without : dict of float
+        RMSE of trees without a group of columns: ``power``, ``wind``, ``other
+        columns``, ``past values``, ``hour and season`` with the place of the sun, and
+        ``date``, as far as the record has them. [K]
+    """
+
+    paper: float
+    loop: float
+    trees: float
+    rows: int
+    without: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def closed(self) -> float:
+        """
+        Share of the closable squared error that the loop closes; NaN where none is.
+
+        With the RMSE of the paper's form, the loop and the trees it is
+        ``(paper² - loop²) / (paper² - trees²)``. [-]
+        """
+        closable = self.paper**2 - self.trees**2
+        return (self.paper**2 - self.loop**2) / closable if closable > 0 else np.nan
+
+    @property
+    def most(self) -> str:
+        """The group without which the trees lose most; "" if they lose without none."""
+        name = max(self.without, key=lambda name: self.without[name], default="")
+        return name if name and self.without[name] > self.trees else ""
+
+    def content(self) -> dict:
+        """What is in a file."""
+        return asdict(self)
+
+    @classmethod
+    def stored(cls, part: Stored) -> Self:
+        """The ceiling of a part of a file."""
+        errors = {name: part.number(name) for name in ("paper", "loop", "trees")}
+        return cls(**errors, rows=part.count("rows"), without=part.numbers("without"))
+
+    def __str__(self) -> str:
+        return sentence(self)

@@ -1,0 +1,206 @@
+"""What the texts of options mean."""
+
+import json
+
+import click
+import pandas as pd
+
+from pvlib_fem._record.column_names import ROTATION, in_new_names, vouches
+from pvlib_fem._record.header_units import QUANTITIES, unit_of
+from pvlib_fem._record.layout import Layout
+from pvlib_fem._spelling import did_you_mean
+from pvlib_fem.drivers._mounts import ANGLES, TRACKER as TRACKED
+from pvlib_fem.effects import find
+
+#: fields of a layout that are given once for all files or once for each
+PER_FILE = {
+    "time": (),
+    "time_format": Layout.time_format,
+    "tag": Layout.tag,
+    "value": Layout.value,
+    "tz": None,
+    "sep": Layout.sep,
+    "decimal": Layout.decimal,
+    "thousands": Layout.thousands,
+    "encoding": Layout.encoding,
+    "skip_rows": 0,
+    "skip_lines": (),
+    "header_rows": Layout.header_rows,
+    "skip_end": Layout.skip_end,
+    "sheet": 0,
+}
+
+#: fields of a layout that are the same for all files
+SAME = ("missing", "sort", "drop_doubled", "drop_untimed")
+
+
+def bad(text, option, why):
+    return click.BadParameter(f"{text!r} {why}", param_hint=option)
+
+
+def pairs(texts, option, form):
+    """Texts of the form NAME=VALUE, each name once."""
+    found = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not value:
+            raise bad(text, option, f"is not {form}")
+        if name in found:
+            raise bad(text, option, f"comes after {name}={found[name]}; give one")
+        found[name] = value
+    return found
+
+
+#: names that columns of a file may have
+NAMED = (*QUANTITIES, *ANGLES, ROTATION)
+#: options of a place, and among them those of a tracker
+TRACKER = (*TRACKED, "backtrack")
+PLACE = ("lat", "lon", "tilt", "azimuth", *TRACKER)
+
+
+def columns_of(renames):
+    """The map of --map, from the package's names to those of the file."""
+    mapped = in_new_names(pairs(renames, "--map", "NAME=COLUMN"))
+    for name, column in mapped.items():
+        if column == "COLUMN":
+            why = "stands for the name of a column of the file: put that"
+            raise bad(f"{name}=COLUMN", "--map", why)
+        if name == "time":
+            why = f"are the times: give --time {column!r}"
+            raise bad(f"time={column}", "--map", why)
+        if name not in NAMED and not vouches(name):
+            why = (
+                f"is none of {', '.join(NAMED)}"
+                f"{did_you_mean(name, NAMED)}, nor a cross-check of an "
+                "instrument: power_ac, power_dc, poa_global_2, temp_module_2 …"
+            )
+            raise bad(name, "--map", why)
+    if twice := [c for c in mapped.values() if list(mapped.values()).count(c) > 1]:
+        names = [name for name, column in mapped.items() if column == twice[0]]
+        raise bad(twice[0], "--map", f"is given as {' and as '.join(names)}; give one")
+    return mapped
+
+
+def units_of(texts):
+    """The units of --unit by the package's names."""
+    found = in_new_names(pairs(texts, "--unit", "NAME=UNIT"))
+    try:
+        return {name: unit_of(name, unit) for name, unit in found.items()}
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--unit") from error
+
+
+def held(texts):
+    """The coefficients of --fix."""
+    found = {}
+    for name, value in pairs(texts, "--fix", "NAME=NUMBER").items():
+        try:
+            found[name] = float(value)
+        except ValueError as error:
+            raise bad(value, "--fix", f"is no number for {name}") from error
+    return found
+
+
+def settings_of(texts):
+    """The settings of --effect-setting by the names of the effects."""
+    form, found = "NAME.SETTING=VALUE", {}
+    for key, text in pairs(texts, "--effect-setting", form).items():
+        name, dot, setting = key.partition(".")
+        if not dot or not setting:
+            raise bad(f"{key}={text}", "--effect-setting", f"is not {form}")
+        try:
+            value = json.loads(text)
+        except ValueError:  # a word, such as a source
+            value = text
+        found.setdefault(name, {})[setting] = value
+    return found
+
+
+def layouts_of(options, files):
+    """How each file is written."""
+    values = {}
+    for name, default in PER_FILE.items():
+        given = options[name]
+        option = f"--{name.replace('_', '-')}"
+        if len(given) not in (0, 1, len(files)):
+            raise click.BadParameter(
+                f"it is given {len(given)} times for {len(files)} file"
+                f"{'s' * (len(files) > 1)}",
+                param_hint=option,
+            )
+        values[name] = list(given) or [default]
+        values[name] *= len(files) if len(values[name]) == 1 else 1
+    values["time"] = [tuple(t.split(",")) if t else () for t in values["time"]]
+    values["skip_rows"] = left_out(options, values.pop("skip_lines"), values)
+    values["sep"] = ["\t" if sep == r"\t" else sep for sep in values["sep"]]
+    if wrong := [text for text in values["decimal"] if len(text) != 1]:
+        raise bad(wrong[0], "--decimal", "is not one sign")
+    same = {name: options[name] for name in SAME}
+    return [
+        Layout(**{name: values[name][i] for name in values}, **same)
+        for i in range(len(files))
+    ]
+
+
+def left_out(options, lines, values):
+    """The lines before the header of each file, or those that are left out."""
+    if not options["skip_lines"]:
+        return [lines_of(text, "--skip-rows") for text in values["skip_rows"]]
+    if options["skip_rows"]:
+        raise click.BadParameter(
+            "--skip-lines is given, too; give one of them, where --skip-lines 0,1 is "
+            "the same as --skip-rows 2",
+            param_hint="--skip-rows",
+        )
+    return [lines_of(f"{text},", "--skip-lines") if text else 0 for text in lines]
+
+
+def lines_of(text, option):
+    """A number of lines; with a comma the numbers of lines, as ``3,`` the fourth."""
+    if not text:
+        return 0
+    try:
+        numbers = tuple(int(number) for number in text.rstrip(",").split(","))
+    except ValueError as error:
+        raise bad(text.rstrip(","), option, "are no line numbers") from error
+    if min(numbers) < 0:
+        raise bad(text.rstrip(","), option, "are no line numbers")
+    return numbers if "," in text else numbers[0]
+
+
+def days_of(texts, index):
+    """The rows of --holdout, or None without it."""
+    if not texts:
+        return None
+    local = index.tz_localize(None).normalize()
+    out = pd.Series(False, index)
+    for text in texts:
+        first, dots, last = text.partition("..")
+        try:
+            start, end = pd.Timestamp(first), pd.Timestamp(last if dots else first)
+        except ValueError as error:
+            raise bad(text, "--holdout", "is not DAY or DAY..DAY") from error
+        rows = (local >= start) & (local <= end)
+        if not rows.any():
+            raise ValueError(
+                f"--holdout {text}: the record has no such day; it is from "
+                f"{index[0]:%Y-%m-%d} to {index[-1]:%Y-%m-%d}"
+            )
+        out |= rows
+    return out
+
+
+def effects_of(texts, settings):
+    """The effects of --effects from the catalogue, with their settings."""
+    names = [name.strip() for text in texts for name in text.split(",")]
+    for name in names:
+        find(name)
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"--effects has {twice[0]} twice")
+    if strange := [name for name in settings if name not in names]:
+        raise ValueError(
+            f"--effect-setting is given for {strange[0]}, which is not among --effects"
+            f"{did_you_mean(strange[0], names)}"
+        )
+    chosen = [{"name": name, **settings.get(name, {})} for name in names]
+    return [find(one).spec for one in chosen]

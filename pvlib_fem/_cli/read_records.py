@@ -1,0 +1,265 @@
+"""Files as a frame, and what a fit or a loop of it takes."""
+
+import glob
+import stat
+from contextlib import contextmanager
+
+import click
+import pandas as pd
+
+from pvlib_fem._cli.option_texts import (
+    PER_FILE,
+    PLACE,
+    TRACKER,
+    columns_of,
+    days_of,
+    effects_of,
+    held,
+    layouts_of,
+    settings_of,
+    units_of,
+)
+from pvlib_fem._cli.printing import Refused, note, safe, say, waiting
+from pvlib_fem._cli.proposal import ANEW, check_columns, command, proposal, quoted
+from pvlib_fem._fitting.stand_ins import chosen
+from pvlib_fem._loop.replacements import Replacements
+from pvlib_fem._record.checks import datetime_steps
+from pvlib_fem._record.column_names import ALWAYS, COLUMNS, numeric
+from pvlib_fem._record.footers import parquet_file
+from pvlib_fem._record.guess import Guess
+from pvlib_fem._record.header_units import ForeignUnit, SwappedTemperatures
+from pvlib_fem._record.layout import PARQUET
+from pvlib_fem._record.logger_files import frame
+from pvlib_fem._record.names import unmapped
+from pvlib_fem._record.parquet import open_parquet
+from pvlib_fem._thermal.steady_models import steady_model
+from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers._record_site import in_local_days, site_of
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._unit_checks import options_of
+
+
+def needed_by(model, transposition=None, stand_ins=()):
+    """Columns that a fit of a steady model needs."""
+    usual = COLUMNS if steady_model(model).takes_wind else ALWAYS
+    # those that the fit looks for, or makes
+    made = [*chosen(stand_ins), *(["poa_global"] if transposition else [])]
+    return [name for name in usual if name not in made]
+
+
+def read(files, options, drivers=False, needed=COLUMNS):
+    """
+    The files as a frame in the package's names.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    options : dict
+        Options of reading, which are taken out of it.
+    drivers : bool
+        Whether further columns count, so that likely ones are proposed.
+    needed : sequence of str
+        Columns without which nothing can be done.
+
+    Returns
+    -------
+    DataFrame, callable
+        The frame, and what makes of an error its refusal, with the command that may
+        read the files otherwise.
+
+    Raises
+    ------
+    Refused
+        With the command that may read them, where one is found.
+    """
+    columns, layouts = columns_of(options["renames"]), layouts_of(options, files)
+    asked, place = options.pop("guess"), options.get("lon")
+    how = dict(
+        convert=options.pop("convert"),
+        units=units_of(options.pop("units")),
+        check_units=not options["no_unit_check"],
+        module_area=options.pop("module_area"),
+    )
+    for name in ANEW:
+        options.pop(name, None)
+    for file in files:
+        if stat.S_ISCHR(file.stat().st_mode):
+            raise ValueError(f"{file} is a device and no file")
+
+    done = {}  # units that columns were converted from
+
+    def otherwise(error):
+        with waiting(f"looking for what reads {named_files(files)} …"):
+            proposed, line = proposal(files, layouts, columns, how, place, needed)
+        same = line == command(Guess(layouts, columns), [], how)
+        return Refused(after_conversion(error, done), "" if same else proposed)
+
+    if asked:
+        with waiting(f"looking at {named_files(files)} …"):
+            proposed, _ = proposal(files, layouts, columns, how, place, needed)
+        if not proposed:
+            raise ValueError(f"{files[0].name} holds no table that could be guessed at")
+        say(proposed)
+        raise click.exceptions.Exit(0)
+    try:
+        with waiting(f"reading {named_files(files)} …"):
+            data = frame(files, layouts, columns, **how)
+        check_columns(data, needed)
+        datetime_steps(data.index, "the time")
+    except (ValueError, OSError) as error:
+        raise otherwise(error) from error
+    done |= data.attrs.pop("converted")
+    # a header that names another unit is that of no converted column
+    data.attrs["headers"] = {n: c for n, c in columns.items() if n not in done}
+    for line in data.attrs["notes"]:
+        note(line)
+    looks = unmapped(numeric(data)) if drivers else {}
+    likely = {n: c for c, n in [*looks.items()][::-1] if n not in data}
+    if likely:
+        maps = [w for n, c in likely.items() for w in options_of(c, n, data[c])]
+        what = ", ".join(f"{c!r} looks like {n}" for n, c in likely.items())
+        note(
+            f"{what}. Under another name a column is only a driver of unknown meaning; "
+            f"if it is that, run again with {quoted(maps)}"
+        )
+    return data, otherwise
+
+
+def named_files(files):
+    """Files in a few words."""
+    name = safe(files[0].name)
+    return name if len(files) == 1 else f"{name} and {len(files) - 1} more"
+
+
+@contextmanager
+def or_propose(otherwise):
+    """What a fit refuses since the file says something else, with the proposal."""
+    try:
+        yield
+    except (ForeignUnit, SwappedTemperatures) as error:
+        raise otherwise(error) from error
+
+
+def after_conversion(error, units):
+    """An error that does not ask for a conversion that was made."""
+    told = getattr(error, "columns", ())
+    if not told or not {*told} <= {*units}:
+        return error
+    look = "looks" if len(told) == 1 else "look"
+    return (
+        f"{' and '.join(told)} still {look} to be in {error.unit} after the "
+        f"conversion: {error.why}; give --no-unit-check if that is right"
+    )
+
+
+def is_data_set(files):
+    """Whether files follow each other, as a folder, a pattern or some of one kind."""
+    if len(files) == 1:
+        return files[0].is_dir() or glob.has_magic(str(files[0]))
+    if any(file.suffix.lower() not in PARQUET for file in files):
+        return False
+    columns = {
+        tuple(parquet_file(str(file), None).schema_arrow.names) for file in files
+    }
+    return len(columns) == 1
+
+
+def opened(files, options):
+    """Parquet files that follow each other, by the options that go with them."""
+    times = {name: options.pop(name) for name in ("time", "tz")}
+    if long := [name for name, given in times.items() if len(given) > 1]:
+        raise ValueError(f"--{long[0]} is given {len(times[long[0]])} times; give one")
+    renames = columns_of(options.pop("renames"))
+    untimed = options.pop("drop_untimed")
+    for name in (*PER_FILE, *ANEW, "module_area"):
+        if options.pop(name, None):
+            option = {"units": "unit"}.get(name, name.replace("_", "-"))
+            raise ValueError(
+                f"--{option} does not go with Parquet files that follow each other: "
+                "they are read as they are, part by part"
+            )
+    times = {name: next(iter(given), None) for name, given in times.items()}
+    data = files[0] if len(files) == 1 else list(files)
+    how = dict(check_units=not options["no_unit_check"], drop_untimed=untimed)
+    with waiting(f"looking at the parts of {named_files(files)} …"):
+        return open_parquet(data, renames, **times, **how)
+
+
+def in_their_days(data, lon, told):
+    """Instants with the days of their place, and a note where nobody told the zone."""
+    local = in_local_days(data, lon, told)
+    if local is not data:
+        note(
+            f"the times are instants; days and hours are those of {local.index.tz}, by "
+            "--lon"
+        )
+    return local
+
+
+def check_partners(options):
+    """Refuse half a place."""
+    for pair in (("lat", "lon"), ("tilt", "azimuth")):
+        given = [name for name in pair if options[name] is not None]
+        if len(given) == 1:
+            (other,) = set(pair) - set(given)
+            raise ValueError(f"--{given[0]} needs --{other}, too")
+
+
+def site_in(index, place):
+    """The site of a record, from the options of its place."""
+    fixed = (place[name] for name in PLACE[:4])
+    site = site_of(index, *fixed, **{name: place[name] for name in TRACKER})
+    checked_place(**site)
+    return site
+
+
+def prepared_files(files, options, sun=False):
+    """What a fit takes of Parquet files that follow each other, or a loop."""
+    check_partners(options)
+    how = options.pop("transposition"), options.pop("stand_ins")
+    settings, days = settings_of(options.pop("settings")), options.pop("holdout")
+    place = {name: options.pop(name) for name in PLACE}
+    for name, value in place.items():
+        if value is not None and not (sun or how[0]):
+            raise ValueError(
+                f"--{name.replace('_', '-')} does not go with Parquet files that "
+                "follow each other: the sun's place is found for files that are read "
+                "as a whole"
+            )
+    effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
+    record = opened(files, options)
+    ends = [time.tz_localize(None).normalize() for time in record.ends]
+    site = site_in(pd.DatetimeIndex(record.ends), place)
+    if sun:
+        options |= {"site": site, "transposition": how[0], "stand_ins": how[1]}
+    elif any(how):
+        with waiting(f"looking at the light in {named_files(files)} …"):
+            instead = Replacements.of_arguments(*how)
+            record, _ = instead.of_files(record, checked_place(**site), Limits())
+    return options | {
+        "record": record,
+        "effects": effects,
+        "fixed": held(fixed) or None,
+        "holdout": days_of(days, pd.date_range(*ends)),
+    }
+
+
+def prepared(files, options, drivers=False):
+    """The frame, and what a fit or a loop takes; all that is wrong is refused here."""
+    check_partners(options)
+    settings = settings_of(options.pop("settings"))
+    effects = effects_of(options.pop("effects"), settings)
+    fixed = held(options.pop("fix"))
+    days, told = options.pop("holdout"), options["tz"]
+    how = options.get("transposition"), options.get("stand_ins", ())
+    needed = needed_by(options["model"], *how)
+    data, otherwise = read(files, options, drivers, needed)
+    place = {name: options.pop(name) for name in PLACE}
+    data = in_their_days(data, place["lon"], told)
+    options |= {
+        "effects": effects,
+        "fixed": fixed or None,
+        "holdout": days_of(days, data.index),
+        "site": site_in(data.index, place),
+    }
+    return data, options, otherwise

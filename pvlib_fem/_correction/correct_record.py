@@ -1,0 +1,65 @@
+"""A record and a loop of it, to the corrected record."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._correction.corrected_record import CorrectedRecord
+from pvlib_fem._correction.correction_steps import FLAGS, TIME, Work
+from pvlib_fem._correction.faults import chosen
+from pvlib_fem._correction.repairs import SOUND
+from pvlib_fem._record.column_names import (
+    ALIASES,
+    ORIGINAL,
+    RENAMED,
+    numeric,
+    printable,
+    with_aliases,
+)
+
+
+def corrected_record(
+    loop: Any, data: pd.DataFrame, resolve: Any = ()
+) -> CorrectedRecord:
+    """The record of :meth:`pvlib_fem.Loop.corrected`."""
+    columns = with_aliases(data, ())
+    labels = {printable(label): label for label in data}
+    others = {**ALIASES, **RENAMED}
+    labels = {new: labels[old] for old, new in others.items() if old in labels} | labels
+    own = [name for name in (FLAGS, TIME) if name in labels]
+    own += [f"{n}{ORIGINAL}" for n in SOUND if f"{n}{ORIGINAL}" in labels]
+    if own:
+        raise ValueError(
+            f"data have {own[0]}, as a record that is corrected already; give the "
+            "record as it was measured"
+        )
+    faults = chosen(loop, resolve)
+    inside = rows_inside(loop, data.index)
+    work = Work(data.copy(), labels, numeric(columns), inside)
+    work.clocks(loop)
+    work.units(loop)
+    work.instruments(loop, faults)
+    return work.done()
+
+
+def rows_inside(loop: Any, index: pd.Index) -> np.ndarray:
+    """Rows within the period of the loop's record; refuse where there is none."""
+    if not isinstance(index, pd.DatetimeIndex):
+        raise ValueError(
+            f"the index of data is a {type(index).__name__}; give the times of the "
+            "record as a DatetimeIndex"
+        )
+    if loop.times is None:
+        return np.ones(len(index), dtype=bool)
+    inside, times = loop.times.inside(index), loop.times
+    if not inside.any():
+        zone = times.zone or "without a zone"
+        own = str(index.tz) if index.tz is not None else "without a zone"
+        span = f"{index[0]} to {index[-1]}" if len(index) else "no rows"
+        raise ValueError(
+            f"data have no row within the record of this loop: they are {span} "
+            f"({own}), and the record is {times.first} to {times.last} ({zone}); "
+            "give that record or a part of it, in its zone"
+        )
+    return inside

@@ -1,0 +1,217 @@
+"""
+How the fault of an instrument is taken out of the column that it is in.
+
+In the equation of the model a fault is a sum of further terms. Solved for the reading
+of a sound instrument, the equation gives the corrected column.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pvlib_fem._report.document import with_error
+from pvlib_fem.effects._effect import Effect, Terms
+from pvlib_fem.effects._time_profiles import (
+    course_of,
+    dates_in_words,
+    is_dated,
+    number,
+    written,
+)
+
+RANGE = "90 % range"
+SHARE = 100.0  # %
+
+
+def irradiance(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+    """Irradiance with which the model needs no further heat. [W/m²]"""
+    return columns["poa_global"] + terms.heat
+
+
+def wind(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+    """Wind with which a loss of ``u0 + u1 · wind_speed`` needs no more. [m/s]"""
+    return columns["wind_speed"] + terms.loss / coefficients["u1"]
+
+
+def air(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+    """Air temperature, of terms whose ``air_base`` is 1. [°C]"""
+    return columns["temp_air"] + terms.heat + terms.offset
+
+
+def module(columns: dict, terms: Terms, coefficients: dict) -> np.ndarray:
+    """Reading of a module's sensor that is attached and calibrated as before. [°C]"""
+    zero = columns["temp_air"] + coefficients["bias"]
+    over = columns["temp_module"] - terms.offset - zero
+    return zero + over / (1.0 + terms.gain)
+
+
+#: column: what a sound instrument would have read
+SOUND = {
+    "poa_global": irradiance,
+    "wind_speed": wind,
+    "temp_air": air,
+    "temp_module": module,
+}
+
+
+def same(size: float, coefficients: dict) -> float:
+    return size
+
+
+def opposite(size: float, coefficients: dict) -> float:
+    return -size
+
+
+def over_wind(size: float, coefficients: dict) -> float:
+    return size / coefficients["u1"]
+
+
+def inverse(size: float, coefficients: dict) -> float:
+    return 1.0 / (1.0 + size) - 1.0
+
+
+@dataclass(frozen=True)
+class Repair:
+    """What the correction of one kind of fault does, and how it is put."""
+
+    column: str
+    device: str
+    low: str  # what is wrong where the correction adds
+    high: str  # what is wrong where it takes off
+    size: Callable  # coefficient and those of the fit to what is added
+    of: str  # what that is a share of, or where it holds
+    unit: str = "-"
+
+    def added(
+        self, fault: Any, coefficients: dict
+    ) -> tuple[float, float, float, float]:
+        """What is added, its standard error and its range."""
+        (key,) = fault.effect.rows()
+        size, error = fault.coefficients[key], fault.stderr.get(key, np.nan)
+        ends = fault.ranges.get(key, (np.nan, np.nan))
+        value, up, down, *ends = (
+            self.size(one, coefficients)
+            for one in (size, size + error, size - error, *ends)
+        )
+        return value, 0.5 * abs(up - down), *sorted(ends)
+
+
+SENSOR, READING = "the irradiance sensor", "of the reading"
+ANEMOMETER, SHIELD = "the anemometer", "the air temperature sensor"
+CONTACT = "the module temperature sensor"
+LESS, MORE = "reads less", "reads more"
+COLD, WARM = "reads too cold", "reads too warm"
+#: what the faults of instruments are, by channel or by the name of the effect
+REPAIRS = {
+    "sensitivity": Repair("poa_global", SENSOR, LESS, MORE, same, READING),
+    "soiling": Repair(
+        "poa_global",
+        SENSOR,
+        "soils between rains",
+        "",
+        same,
+        "of the reading for each day since rain",
+    ),
+    "wind_gain": Repair("wind_speed", ANEMOMETER, LESS, MORE, over_wind, READING),
+    "wind_stall": Repair(
+        "wind_speed",
+        ANEMOMETER,
+        "turns too little in light wind",
+        "",
+        over_wind,
+        "of the difference between 1.5 m/s and the reading",
+    ),
+    "air_offset": Repair("temp_air", SHIELD, COLD, WARM, same, "", "K"),
+    "air_shelter": Repair(
+        "temp_air",
+        SHIELD,
+        f"{COLD} in sun",
+        f"{WARM} in sun",
+        opposite,
+        "at 1000 W/m²",
+        "K",
+    ),
+    "air_shield": Repair(
+        "temp_air",
+        SHIELD,
+        "",
+        f"{WARM} in sun and calm",
+        opposite,
+        "at 1000 W/m² without wind",
+        "K",
+    ),
+    "contact": Repair(
+        "temp_module",
+        CONTACT,
+        "reads less of the over-temperature",
+        "reads more of the over-temperature",
+        inverse,
+        "of the over-temperature that it reads",
+    ),
+    "module_offset": Repair("temp_module", CONTACT, COLD, WARM, opposite, "", "K"),
+}
+
+
+def repair_of(effect: Effect) -> Any:
+    """How the fault is taken out that an effect is, or None."""
+    return REPAIRS.get(effect.channel or effect.name)
+
+
+def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
+    """Why a fault cannot be taken out; "" if it can."""
+    if repair is None:
+        return "it is no fault of an instrument, so that no column is changed"
+    if repair.column == "wind_speed" and not coefficients.get("u1", 0.0) > 0.0:
+        return (
+            "the loss of this steady model is not proportional to wind; close the loop "
+            "with model='faiman'"
+        )
+    if fault.name == "soiling" and not fault.coefficients["soiling.per_day"] > 0.0:
+        return "the module soils and not the sensor, so that no column is changed"
+    return ""
+
+
+def unit_of(effect: Effect, repair: Repair) -> str:
+    """Unit of what is added."""
+    if effect.name == "soiling":
+        return "1/day"
+    drifts = course_of(effect) == "drift"
+    if repair.unit == "K":
+        return "K/year" if drifts else "K"
+    return "1/year" if drifts else "-"
+
+
+def dates_of(effect: Effect, first: str, last: str) -> tuple[str, str]:
+    """First and last day of a correction within a record."""
+    dates = effect.settings if is_dated(effect) else {}
+    start = dates.get("at") or dates.get("start") or dates.get("since") or first
+    end = dates.get("end")
+    return start, written(number(end) - 1) if end else last
+
+
+def when(effect: Effect) -> str:
+    """The dates of a fault in words."""
+    words = dates_in_words(effect.settings) if is_dated(effect) else ""
+    return {
+        "step": f"from {words} on",
+        "drift": f"from year to year since {words}",
+        "episode": f"from {words}",
+        "": "in the whole record",
+    }[course_of(effect)]
+
+
+def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
+    """What was wrong, and what is added, in words."""
+    what = repair.low if added[0] > 0 else repair.high
+    times, unit = (1.0, "K") if repair.unit == "K" else (SHARE, "%")
+    value, error, low, high = (times * n for n in added)
+    each = " for each year" if course_of(effect) == "drift" else ""
+    size = f"{with_error(value, error)} {unit}"
+    of = f" {repair.of}" if repair.of else ""
+    ends = f" ({RANGE} {low:.3g} to {high:.3g} {unit})" if np.isfinite(low) else ""
+    return (
+        f"{repair.column}: {repair.device} {what} {when(effect)}. "
+        f"Added: {size}{of}{each}{ends}."
+    )

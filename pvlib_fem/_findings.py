@@ -1,0 +1,416 @@
+"""What a closed loop can say: findings, corrections, and the checks behind them."""
+
+from dataclasses import asdict, dataclass, field
+from enum import Enum, StrEnum
+from typing import Self
+
+import numpy as np
+
+from pvlib_fem._stored import Stored
+from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.reasons import Because
+
+
+class Verdict(StrEnum):
+    """What a finding is worth."""
+
+    NAMED = "named"
+    CLASS = "class"
+    SUGGESTIVE = "suggestive"
+    UNKNOWN = "unknown"
+
+    @property
+    def words(self) -> str:
+        """The verdict as a report has it."""
+        return WORDS[self]
+
+
+WORDS = {
+    Verdict.NAMED: "identified",
+    Verdict.CLASS: "ambiguous",
+    Verdict.SUGGESTIVE: "hint",
+    Verdict.UNKNOWN: "unexplained",
+}
+
+
+OUTSIDE = "outside"  # among probabilities: none of the catalogue
+OUTSIDE_WORDS = "a cause outside the catalogue"
+LEAST = 0.01  # probability that is reported
+CORRECTED = "clock corrected"  # row of a table of errors
+ADDED = (Verdict.NAMED, Verdict.CLASS)  # what enters the model
+
+
+class Kind(Enum):
+    """What a finding is about."""
+
+    EFFECT = "an effect of the catalogue"
+    OWN = "an effect of the user's own"
+    COLUMN = "a column of the user's own"
+    STRUCTURE = "an unexplained pattern"
+
+    @classmethod
+    def of(cls, effect: Effect) -> "Kind":
+        """Of an effect: of the catalogue, of the user's own, or a column."""
+        if effect.column:
+            return cls.COLUMN
+        return cls.EFFECT if effect.name in EFFECTS else cls.OWN
+
+
+@dataclass(frozen=True)
+class Check:
+    """
+    One rule, and what a finding made of it.
+
+    Attributes
+    ----------
+    name : str
+        What is checked, in words.
+    criterion : str
+        The field of :class:`pvlib_fem.Criteria` that is the threshold, "" where the
+        rule has none.
+    statistic, threshold : float
+    most : bool
+        Whether the threshold is the most that passes; else it is the least.
+    unit : str
+    """
+
+    name: str
+    criterion: str
+    statistic: float
+    threshold: float
+    most: bool = False
+    unit: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the rule is kept; an unknown statistic keeps a most."""
+        if np.isnan(self.statistic):
+            return self.most
+        if self.most:
+            return bool(self.statistic <= self.threshold)
+        return bool(self.statistic >= self.threshold)
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The check of a part of a file."""
+        return cls(
+            content.text("name"),
+            content.text("criterion"),
+            content.number("statistic", unknown=True),
+            content.number("threshold", unknown=True),
+            content.flag("most"),
+            content.text("unit"),
+        )
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        rule = f" ({self.criterion})" if self.criterion else ""
+        side = "at most" if self.most else "at least"
+        return (
+            f"{'passed' if self.passed else 'FAILED'}  {self.name}: "
+            f"{self.statistic:.3g}{unit}, {side} {self.threshold:.3g}{unit}{rule}"
+        )
+
+
+class CheckOutcome(StrEnum):
+    """What a cross-check makes of a finding."""
+
+    AGREES = "agrees"
+    CONTRADICTS = "contradicts"
+    CANNOT_TELL = "cannot tell"
+
+
+VERBS = {
+    CheckOutcome.AGREES: "agrees with",
+    CheckOutcome.CONTRADICTS: "contradicts",
+    CheckOutcome.CANNOT_TELL: "neither confirms nor rules out",
+}
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """
+    What something that sees the same says of a change of an instrument.
+
+    Attributes
+    ----------
+    column : str
+        A column of the record, or ``"clear sky"`` for the irradiance sensor and
+        ``"usual wind"`` for the anemometer.
+    effect : str
+        The candidate that it checks.
+    size, stderr : float
+        By how much it deviates from the instrument along the time profile, and the
+        standard error.
+    expected : float
+        The size if that candidate is the cause. With another cause it is about 0.
+    opinion : Opinion
+    unit : str
+        ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
+    """
+
+    column: str
+    effect: str
+    size: float
+    stderr: float
+    expected: float
+    opinion: CheckOutcome
+    unit: str = "-"
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The cross-check of a part of a file."""
+        return cls(
+            column=content.text("column"),
+            effect=content.text("effect"),
+            size=content.number("size"),
+            stderr=content.number("stderr"),
+            expected=content.number("expected"),
+            opinion=CheckOutcome(content.text("opinion")),
+            unit=content.text("unit"),
+        )
+
+    def __str__(self) -> str:
+        unit = self.unit.replace("-", "%").replace("/year", " a year")
+        times = 100.0 if "%" in unit else 1.0
+        size, error, needed = (
+            f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
+        )
+        verb = VERBS[self.opinion]
+        return (
+            f"{self.column} {verb} {self.effect}: it deviates by {size} ± {error} "
+            f"{unit} from the sensor; {needed} {unit} are expected"
+        )
+
+
+@dataclass(frozen=True)
+class Member:
+    """
+    Another cause that an ambiguous finding may have, as the data have it.
+
+    Attributes
+    ----------
+    settings : dict
+        Settings of its effect, such as its dates.
+    coefficients, stderr, ranges : dict
+        Coefficients, standard errors and ranges of the linearised model that has it
+        instead of the most probable one.
+    """
+
+    settings: dict
+    coefficients: dict
+    stderr: dict
+    ranges: dict
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The member of a part of a file."""
+        return cls(
+            settings=content.part("settings").content,
+            coefficients=content.numbers("coefficients", unknown=True),
+            stderr=content.numbers("stderr", unknown=True),
+            ranges=content.pairs("ranges"),
+        )
+
+
+@dataclass(frozen=True)
+class Finding:
+    """
+    One thing that the record shows; ``print(finding)`` has all checks.
+
+    Attributes
+    ----------
+    effect : str
+        Name of the effect, or the drivers along which unknown structure lives.
+    candidates : tuple of str
+        All names that the data cannot tell from it, itself included.
+    verdict : Verdict
+        ``"named"``; ``"class"``, one of the candidates; ``"suggestive"``, not
+        added to the model; ``"unknown"``, which no effect explains.
+    gain : float
+        What it takes off the error: root of the fall of the mean square, over
+        fitting weeks left out in turn. [K]
+    coefficients, stderr : dict
+        From the last fit if it was added, else from the ranking.
+    because : Because
+        The reason for the verdict.
+    checks : tuple of Check
+        The rules in the order in which they were asked; of a finding that was not
+        added, up to the one that failed.
+    kind : Kind
+    where : dict
+        Of unknown structure: from and to of each driver.
+    place : str
+        Of unknown structure where it lives, of a change its dates, in words.
+    witnesses : tuple of Witness
+        Cross-checks of a change of an instrument by other columns.
+    ranges : dict
+        From and to of each coefficient that was fitted: its scatter, ``stderr``, with
+        the error of its law and how it differs under other conditions.
+    probabilities : dict
+        Name to the probability that it is the cause; ``"outside"`` is a cause outside
+        the catalogue that follows the same inputs.
+    members : dict of Member
+        Name to each other candidate of the catalogue.
+    """
+
+    effect: str
+    candidates: tuple
+    verdict: Verdict
+    gain: float
+    coefficients: dict
+    stderr: dict
+    because: Because
+    checks: tuple = ()
+    kind: Kind = Kind.EFFECT
+    where: dict = field(default_factory=dict)
+    place: str = ""
+    witnesses: tuple = ()
+    ranges: dict = field(default_factory=dict)
+    probabilities: dict = field(default_factory=dict)
+    members: dict = field(default_factory=dict)
+
+    @property
+    def why(self) -> str:
+        """The reason for the verdict, in one line."""
+        return str(self.because)
+
+    @property
+    def shares(self) -> str:
+        """The probability of each cause from 1 % on, in words."""
+        return ", ".join(
+            f"{OUTSIDE_WORDS if name == OUTSIDE else name} {probability:.0%}"
+            for name, probability in self.probabilities.items()
+            if probability >= LEAST
+        )
+
+    @property
+    def heard(self) -> tuple:
+        """The cross-checks with a result."""
+        return tuple(
+            one for one in self.witnesses if one.opinion is not CheckOutcome.CANNOT_TELL
+        )
+
+    @property
+    def failed(self) -> Check | None:
+        """The first check that it does not pass, if any."""
+        return next((check for check in self.checks if not check.passed), None)
+
+    @property
+    def added(self) -> bool:
+        """Whether it is in the model."""
+        return self.verdict in ADDED
+
+    def content(self) -> dict:
+        """The content for a file."""
+        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
+        return {
+            **asdict(self),
+            "verdict": str(self.verdict),
+            "kind": self.kind.name,
+            "because": self.because.content(),
+            "checks": checks,
+            "witnesses": [
+                {**asdict(one), "opinion": str(one.opinion)} for one in self.witnesses
+            ],
+            "why": self.why,
+        }
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The finding of a part of a file."""
+        where, members = content.part("where").content, content.part("members")
+        return cls(
+            effect=content.text("effect"),
+            candidates=content.texts("candidates"),
+            verdict=Verdict(content.text("verdict")),
+            gain=content.number("gain", unknown=True),
+            coefficients=content.numbers("coefficients", unknown=True),
+            stderr=content.numbers("stderr", unknown=True),
+            because=Because.stored(content["because"]),
+            checks=tuple(map(Check.stored, content.parts("checks"))),
+            kind=Kind[content.text("kind")],
+            where={name: tuple(ends) for name, ends in where.items()},
+            place=content.text("place"),
+            witnesses=tuple(map(CrossCheck.stored, content.parts("witnesses"))),
+            ranges=content.pairs("ranges"),
+            probabilities=content.numbers("probabilities"),
+            members={n: Member.stored(members.part(n)) for n in members.content},
+        )
+
+    def __str__(self) -> str:
+        head = f"{' | '.join(self.candidates)}: {self.verdict.words}, {self.gain:.2f} K"
+        shares = [f"probabilities: {self.shares}"] if self.shares else []
+        parts = [self.why, *shares, *self.checks, *self.witnesses]
+        return "\n".join([head, *(f"  {part}" for part in parts)])
+
+
+@dataclass(frozen=True)
+class Correction:
+    """
+    A fault of a clock, and what was made of it before any effect was weighed.
+
+    Attributes
+    ----------
+    fault : str
+        ``"clock_shift"``, ``"clock_drift"`` or ``"dst"`` of the module's logger;
+        ``"file_shift"``, ``"file_dst"`` or ``"file_jump"`` of the whole file; several
+        of one clock are joined by ``+``.
+    columns : tuple of str
+        Columns that were re-timed; ``all`` if the whole file was.
+    values, stderr : dict
+        What the clock is out by: ``late`` [min], ``drift`` [s/day], ``summer``
+        [min]; by a date, how far it was set then [min].
+    before, after : float
+        Error without and with the correction.
+    unit : str
+        Of those errors.
+    because : Because
+    checks : tuple of Check
+    applied : bool
+        Whether the record was corrected.
+    """
+
+    fault: str
+    columns: tuple
+    values: dict
+    stderr: dict
+    before: float
+    after: float
+    unit: str
+    because: Because
+    checks: tuple = ()
+    applied: bool = True
+
+    @property
+    def why(self) -> str:
+        """The reason in one line."""
+        return str(self.because)
+
+    def content(self) -> dict:
+        """The content for a file."""
+        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
+        return {**asdict(self), "because": self.because.content(), "checks": checks}
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The correction of a part of a file."""
+        return cls(
+            fault=content.text("fault"),
+            columns=content.texts("columns"),
+            values=content.numbers("values", unknown=True),
+            stderr=content.numbers("stderr", unknown=True),
+            before=content.number("before", unknown=True),
+            after=content.number("after", unknown=True),
+            unit=content.text("unit"),
+            because=Because.stored(content["because"]),
+            checks=tuple(map(Check.stored, content.parts("checks"))),
+            applied=content.flag("applied"),
+        )
+
+    def __str__(self) -> str:
+        words = "corrected" if self.applied else "not corrected"
+        error = f"{self.before:.2f} → {self.after:.2f} {self.unit}"
+        head = f"{self.fault}: {words}, {error}"
+        return "\n".join([head, f"  {self.why}", *(f"  {c}" for c in self.checks)])

@@ -1,0 +1,126 @@
+"""Daily sums at the minimum of a fit, and the standard errors from them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._statistics.clusters import FEWEST_DAYS, ClusterSums
+from pvlib_fem._statistics.daily_memory import Lasting, lasting
+from pvlib_fem._thermal.model import ThermalModel
+
+UNKNOWN = 1e-9  # share of the largest eigenvalue below which a direction is unknown
+TIED = 0.1  # component in an unknown direction above which a coefficient is unknown
+SAID = 2.0  # ratio to the error of independent days above which a note reports it
+
+
+@dataclass(frozen=True, eq=False)
+class DailySums:
+    """Daily sums of the products of a fit's tangents and its residual."""
+
+    names: tuple  # coefficients, one for each tangent
+    sums: ClusterSums
+    winds: tuple  # mean and spread of the wind, weighted by irradiance squared [m/s]
+
+
+def errors(
+    target: ThermalModel, daily: DailySums, at_bound: tuple, notes: list
+) -> dict:
+    """Standard errors clustered by day; NaN, with a note, if they are unknown."""
+    stderr = {
+        **dict.fromkeys(target.parameters, np.nan),
+        **{name: 0.0 for name in target.held if name in target.parameters},
+    }
+    if at_bound:
+        notes.append(
+            f"at the bound of its range: {', '.join(at_bound)}; the errors of the "
+            "others hold it fixed"
+        )
+    if not daily.names:
+        return stderr
+    if daily.sums.days < FEWEST_DAYS:
+        notes.append(
+            f"errors are NaN: the spread between days needs {FEWEST_DAYS} training "
+            f"days, and there are {daily.sums.days}"
+        )
+        return stderr
+    # a coefficient without any effect on the record changes no other error
+    seen = np.flatnonzero(np.diag(daily.sums.whole)[:-1] > 0.0)
+    names, sums = [daily.names[place] for place in seen], daily.sums.of(seen)
+    if nothing := [name for name in daily.names if name not in names]:
+        notes.append(f"the error is NaN: {undetermined(nothing)}")
+    _, unknown = directions(sums.whole[:-1, :-1])
+    if tied := tied_names(names, unknown):
+        notes.append(f"errors are NaN: {undetermined(tied)}")
+        return stderr
+    alone, lasts = np.diag(sums.by_day()), lasting(sums)
+    error = np.sqrt(alone + lasts.variance)
+    notes += lasting_notes(names, error / np.sqrt(alone), lasts)
+    return {**stderr, **dict(zip(names, error.tolist()))}
+
+
+def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
+    """
+    Correlations of the fitted coefficients by the jackknife over days.
+
+    Parameters
+    ----------
+    daily : DailySums or None
+    stderr : dict
+        Standard errors of :func:`errors`.
+
+    Returns
+    -------
+    DataFrame
+        Rows and columns are the coefficients that have an error; may be empty.
+    """
+    names = daily.names if daily is not None else ()
+    known = [place for place, name in enumerate(names) if stderr.get(name, 0.0) > 0.0]
+    if not known:
+        return pd.DataFrame(dtype=float)
+    found = daily.sums.of(known).by_day()
+    size = np.sqrt(np.diag(found))
+    found = found / np.outer(size, size)
+    np.fill_diagonal(found, 1.0)
+    named = [names[place] for place in known]
+    # symmetric to the last bit
+    return pd.DataFrame((found + found.T) / 2.0, named, named)
+
+
+def lasting_notes(names: list, times: np.ndarray, lasts: Lasting) -> Iterator:
+    """A note on how much the autocorrelation between days enlarges the errors."""
+    if not (more := [n for n, many in zip(names, times) if many >= SAID]):
+        return
+    note = (
+        f"the residual lasts for about {lasts.memory:.2g} fitted days: the error of "
+        f"{' and '.join(more)} is {max(times):.1f} times that of independent days"
+    )
+    if not lasts.known:
+        note += (
+            f", and may be larger, since {lasts.days} days are too few to tell how "
+            "long it lasts; fit a longer record"
+        )
+    yield note
+
+
+def undetermined(names: list) -> str:
+    hint = "" if all("." in name for name in names) else " (does wind_speed vary?)"
+    return f"the record does not determine {' and '.join(names)}{hint}"
+
+
+def directions(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The pseudo-inverse of a normal matrix, and its unknown directions."""
+    size = np.sqrt(np.diag(normal))
+    size = np.where(size == 0, 1.0, size)
+    values, vectors = np.linalg.eigh(normal / np.outer(size, size))
+    known = values > UNKNOWN * values[-1]
+    part = vectors[:, known]
+    inverse = part / values[known] @ part.T / np.outer(size, size)
+    return inverse, vectors[:, ~known]
+
+
+def tied_names(names: list, unknown: np.ndarray) -> list:
+    """Names of coefficients that the record determines only in combination."""
+    return [n for n, row in zip(names, np.abs(unknown)) if (row > TIED).any()]

@@ -1,0 +1,90 @@
+"""Fit a model by least squares to a source of rows, in memory or in files."""
+
+from typing import Any
+
+import numpy as np
+
+from pvlib_fem._fitting.daily import errors
+from pvlib_fem._fitting.fem_fit import FemFit, of_rows
+from pvlib_fem._fitting.fit_stages import last, public, stages_of
+from pvlib_fem._fitting.row_source import EvalRequest
+from pvlib_fem._fitting.time_constant import memory_notes
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._thermal.model import ThermalModel
+
+
+def fit_source(source: Any, target: ThermalModel, notes: list) -> Any:
+    """
+    Fit a model to a source of rows by least squares.
+
+    Parameters
+    ----------
+    source : Frame or InFiles
+    target : ThermalModel
+    notes : list of str
+        Notes on the rows; the notes on the fit are appended.
+
+    Returns
+    -------
+    FemFit
+        An object of the source's ``kind``.
+    """
+    target, stages, minimum = stages_of(source, target)
+    at_bound = tuple(np.array(target.free)[minimum.at_bound].tolist())
+    found, names = last(stages)[1], [n for n in target.free if n not in at_bound]
+    daily, own = source.ended(*requests_of(stages), tuple(names))
+    stderr = errors(target, daily, at_bound, notes)
+    days = own["train_days"]
+    notes += memory_notes(source, target, found, stderr, at_bound, days)
+    notes += source.notes(target)
+    if not minimum.converged:
+        notes.append("the search did not converge: do not trust the numbers")
+    return source.kind(
+        **of_minimum(target, found, stderr, at_bound, minimum.converged),
+        **own,
+        method="least_squares",
+        notes=tuple(notes),
+        night=source.night,
+        daily=daily,
+    )
+
+
+def requests_of(stages: dict) -> tuple[dict, str]:
+    """Requests to a source for the models of some steps, and the last step's name."""
+    final = list(stages)[-1]
+    models = {
+        name: EvalRequest(model, found, wanted=name == final)
+        for name, (model, found) in stages.items()
+    }
+    return models, final
+
+
+def finished(
+    target: ThermalModel,
+    record: Record,
+    temperature: np.ndarray,
+    parts: tuple,
+    minimum: tuple,
+    **how: Any,
+) -> FemFit:
+    """The result of a fit in memory, from its last temperature and minimum."""
+    own = of_rows(record, temperature, *parts)
+    return FemFit(**of_minimum(target, *minimum), **own, **how)
+
+
+def of_minimum(
+    target: ThermalModel, found: dict, stderr: dict, at_bound: tuple, converged: bool
+) -> dict:
+    """The attributes of a result that come from the last minimum."""
+    coefficients = public(target, found)
+    return dict(
+        model=target.steady_model.name,
+        dynamics=target.dynamics,
+        effects=target.effects,
+        coefficients=coefficients,
+        stderr={name: stderr.get(name, 0.0) for name in coefficients},
+        at_bound=at_bound,
+        converged=converged,
+        base=target.base if target.effects else None,
+        fixed=dict(target.held),
+    )

@@ -1,0 +1,125 @@
+"""What a search came to, as a finished thing."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem import scores
+from pvlib_fem._budget.error_budget import budget_of, episodes_of
+from pvlib_fem._fitting.daily import errors
+from pvlib_fem._fitting.least_squares_fit import finished
+from pvlib_fem._loop.conclude import hints, in_the_model, not_seen, patterns
+from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS
+from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._loop.power_events import events_of
+from pvlib_fem._loop.ranking import ranked
+from pvlib_fem._loop.ranking_table import Ranking, table_of
+from pvlib_fem._loop.weeks import Part, named
+from pvlib_fem._record.column_names import DAYLIGHT
+from pvlib_fem.drivers._mounts import without_rows
+from pvlib_fem.reasons import Reason, because
+
+SCORES = [
+    f"{name}_{part}" for part in ("train", "test") for name in ("rmse", "mae", "mbe")
+]
+
+
+def outcome(search, last, base):
+    """All that was found, as a finished thing."""
+    case, notes = search.case, []
+    record = case.placed_for(case.whole, last.model)
+    at_bound, daily = last.at_bound, search.fits.daily(last)
+    stderr = errors(last.model, daily, at_bound, notes)
+    table = error_table(case, search.steps)
+    fit = finished(
+        last.model,
+        record,
+        last.temperature,
+        (case.fitting, case.test, case.parts == Part.TEST),
+        (last.coefficients, stderr, at_bound, last.converged),
+        scores=table[SCORES].rename_axis(None),
+        notes=tuple(notes),
+        method="least_squares",
+        night=True,
+        daily=daily,
+    )
+    findings = [
+        in_the_model(f, search.choices[f.effect], last, stderr, case.criteria)
+        for f in search.findings
+    ]
+    ranking, more, unseen = left_over(search, [*findings, *search.refused])
+    raw = search.start
+    first = search.steps[base]
+    before = pd.Series(first.measured - first.temperature, record.index)
+    stretches = episodes_of(case, last)
+    shown = events_of(search.fits, last)
+    # of the two dynamics the loop went on with one
+    dynamics = next(n for n, how in BASES.items() if how == raw.model.dynamics)
+    path = [n for n in search.steps if n not in BASES or n in ("steady", dynamics)]
+    budget = budget_of(case, search.steps, path, table, more, stretches)
+    return Loop(
+        finding_objects=tuple(more),
+        corrections=tuple(search.corrections),
+        table=table,
+        base=base,
+        last=list(table.index)[-1] if last is not search.steps[base] else base,
+        untestable=search.untestable | unseen,
+        ranking=ranking,
+        fit=fit,
+        notes=case.notes,
+        place=without_rows(case.place),
+        residual_before=before.rename("residual"),
+        weeks=pd.Series(named(case.parts), record.index, name="weeks"),
+        plain=(raw.model, raw.coefficients),
+        criteria=case.criteria,
+        weighed=search.last is not None,
+        budget=budget,
+        episodes=stretches,
+        events=shown,
+    )
+
+
+def left_over(search, findings):
+    """The ranking, all findings, and what was not to be seen."""
+    case, this = search.case, search.last
+    if this is None:
+        days, least = case.fitting_days, FEWEST_FITTING_DAYS
+        few = because(Reason.FEW_FITTING_DAYS, days=days, least=least)
+        return table_of({}), findings, {effect.name: few for effect in case.wanted}
+    selection, taken = this.selection, [f.effect for f in findings if f.added]
+    given = selection.given(this.choices)
+    names = [*taken, *this.names]
+    rows, failed = ranked(selection, this.found, given, case.days, names)
+    floor = selection.least
+    findings = [*findings, *hints(case, rows, findings, floor)]
+    if case.enough or not taken:
+        chosen = [search.choices[name] for name in taken]
+        findings += patterns(selection.design, selection.given(chosen), floor)
+    whole = search.start.error(case.fitting)
+    unseen = dict(not_seen(case, rows, failed, findings, whole))
+    table = table_of(
+        {n: {"note": str(why)} for n, why in failed.items()}
+        | {name: row.content() for name, row in rows.items()}
+    )
+    table = table.sort_values("gain", ascending=False, kind="stable")
+    return Ranking(table), findings, unseen
+
+
+def error_table(case, steps):
+    """Errors of each step on fitting and test rows, on those that all steps know."""
+    everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
+    parts = {"train": case.fitting & everywhere, "test": case.test & everywhere}
+    parts = {name: np.flatnonzero(rows) for name, rows in parts.items()}
+    sunny = case.whole["poa_global"][parts["test"]] > DAYLIGHT
+    light = scores.kilowatt_hours(case.whole.inputs)[parts["test"]]
+    rows = {}
+    for name, step in steps.items():
+        left = {p: step.measured[at] - step.temperature[at] for p, at in parts.items()}
+        test = left["test"]
+        rows[name] = {
+            **scores.of(left["train"], "train"),
+            **scores.of(test, "test"),
+            "rmse_test_day": scores.of(test[sunny], "day")["rmse_day"],
+            "rmse_test_night": scores.of(test[~sunny], "night")["rmse_night"],
+            "energy_error_test": scores.energy_of(light, -test).performance_ratio,
+        }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("step")

@@ -1,0 +1,471 @@
+"""Close the loop: from the residual to the missing effect, and what it was worth."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import pandas as pd
+from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
+
+from pvlib_fem._findings import CORRECTED
+from pvlib_fem._fitting.parquet_fit import in_files
+from pvlib_fem._fitting.stand_ins import chosen
+from pvlib_fem._loop.assemble import outcome
+from pvlib_fem._loop.conclude import finding_of, refused
+from pvlib_fem._loop.correct_clock import module_clock
+from pvlib_fem._loop.corrected_times import Times
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.design import Design
+from pvlib_fem._loop.leaks import leaks
+from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._loop.noise import with_outside
+from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
+from pvlib_fem._loop.planes import with_given
+from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared
+from pvlib_fem._loop.progress import telling
+from pvlib_fem._loop.references import apart, heard, said
+from pvlib_fem._loop.refit_checks import bounds
+from pvlib_fem._loop.refits import Fits, Step
+from pvlib_fem._loop.replacements import Replacements
+from pvlib_fem._loop.selection import Selection, selected
+from pvlib_fem._loop.standstill_edges import by_power
+from pvlib_fem._loop.tangents import Evidence
+from pvlib_fem._loop.threads import one_blas_thread
+from pvlib_fem._record.column_names import printable, with_aliases
+from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
+from pvlib_fem._report.loop_page import said_of
+from pvlib_fem._thermal.model import ThermalModel
+from pvlib_fem._thermal.steady_models import steady_model
+from pvlib_fem.drivers import checked_place
+from pvlib_fem.drivers._mounts import plane_of_rows
+from pvlib_fem.drivers._planes import ByColumns
+from pvlib_fem.drivers._transposition import check_transposition
+from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects._time_profiles import is_dated
+from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.reasons import Reason, because
+from pvlib_fem.types import FilePath
+
+LONGWAVE = "radiative_loss"  # of every module: in the base model, and no finding
+MOST_ROUNDS = 6  # of linearisations
+
+
+def close_loop(
+    data: pd.DataFrame | ParquetRecord | FilePath,
+    model: str = "faiman",
+    location: Location | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
+    holdout: pd.Series | None = None,
+    min_gain: float | None = None,
+    effects: EffectLike | Iterable[EffectLike] | None = None,
+    check_units: bool = True,
+    criteria: Criteria | None = None,
+    fixed: Mapping[str, float] | None = None,
+    progress: Callable[[str], object] | bool | None = None,
+    transposition: str | None = None,
+    stand_ins: str | Iterable[str] = (),
+    mount: AbstractMount | None = None,
+) -> Loop:
+    """
+    Trace the residual of a fit to the physical effects that the model misses.
+
+    The weeks of a record are divided once. On *fitting* weeks the model is fitted and
+    linearised, and the remaining error is described by single effects: each is one
+    effect of the catalogue, one column of the user's own, or one fault of an
+    instrument from a date on. An effect is there where its gain on weeks left out in
+    turn is material, its size is possible, and its probability is at least
+    ``criteria.probability``. Each has the probabilities of all candidates that would
+    explain the same, with that of a cause outside the catalogue among them. One
+    candidate with ``criteria.probability`` is *named*; else the smallest set that has
+    it together is a *class*. The model is fitted with all of them and linearised anew
+    until nothing changes. The *test* weeks, of which no decision sees the module's
+    temperature, give the errors that are reported.
+
+    Parameters
+    ----------
+    data : DataFrame, str, path-like or ParquetRecord
+        With a DatetimeIndex and the columns ``poa_global`` [W/m²], ``temp_air``
+        [°C], ``wind_speed`` [m/s], without which ``model`` is ``"ross"`` or
+        ``"noct"``, ``temp_module`` [°C], and any of
+        ``wind_direction`` [° from north], ``relative_humidity`` [%],
+        ``longwave_down`` (or ``ir_down``) [W/m²], ``precipitation`` [mm/h],
+        ``p_dc_per_area`` [W per m² of module], ``snow_depth`` [cm], ``poa_rear``
+        [W/m²], irradiance on the rear side. Every other numeric
+        column is a candidate driver of its own, ``driver:<column>``. Or Parquet
+        files of such a record, as :func:`fit_fem` takes them: the loop is then of means
+        over ``criteria.search_step``, and ``own_steps`` its last model fitted to the
+        record's own steps, which have to confirm each finding.
+    model : str, default "faiman"
+        A steady model by name, as in :func:`pvlib_fem.fit_fem`.
+    location : pvlib.location.Location, optional
+        With both angles below, effects that follow the sun can be tested.
+    surface_tilt, surface_azimuth : float or Series, optional
+        Of the module; azimuth from north, clockwise. If they change with time, they are
+        Series, or columns of ``data`` with these names. Where a location is given and
+        neither of them, they are estimated from the light of clear days. [°]
+    holdout : Series of bool, optional
+        The test rows, or days of a record in files. By default every fifth week, or
+        every other day of a record below five weeks.
+    min_gain : float, optional
+        Short for ``criteria=Criteria(min_gain=...)``: gain below which nothing is
+        added to the model. [K]
+    effects : str, Effect, or sequence of these, optional
+        Effects to try; by default all, and the user's own columns.
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+    criteria : Criteria, optional
+        Thresholds other than the usual.
+    fixed : dict, optional
+        Coefficients that are held, as ``{"tau": 378}``.
+    progress : callable or True, optional
+        Called with a few words at the beginning of each stage; True shows them on one
+        line. The log ``pvlib_fem`` has them at its level INFO.
+    transposition : str, optional
+        Where there is no ``poa_global``, the model of the sky by which it is made of
+        ``ghi`` [W/m²], ``"perez"`` or ``"haydavies"``, as
+        :func:`pvlib_fem.transpose_record` does, also in files. ``predict`` does so,
+        too.
+    stand_ins : str or sequence of str, optional
+        Second sources that stand in for air temperature or wind where those lack, such
+        as ``temp_air_2``, as :func:`pvlib_fem.fill_record` does. ``predict`` does so,
+        too. Without it a second source is a cross-check alone. In files one stands in
+        only for a column that they lack.
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        A tracker, instead of the two angles. By night, and wherever ``get_orientation``
+        gives no angles, the modules are horizontal.
+
+    Returns
+    -------
+    Loop
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable: times, columns, units; the message names the
+        column, the value and the remedy.
+
+    Notes
+    -----
+    How it decides is in :doc:`/design`. Where a driver is missing, rows do not count
+    for its effect; nothing is filled in.
+
+    Below ``criteria.enough_days`` no effect is added.
+
+    References
+    ----------
+    .. [1] A. C. Cameron and D. L. Miller, "A Practitioner's Guide to
+       Cluster-Robust Inference", J. Human Resources 50, 317-372, 2015.
+       :doi:`10.3368/jhr.50.2.317`
+    .. [2] G. Wang, A. Sarkar, P. Carbonetto and M. Stephens, "A simple new approach
+       to variable selection in regression, with application to genetic fine mapping",
+       J. R. Stat. Soc. B 82, 1273-1300, 2020. :doi:`10.1111/rssb.12388`
+    .. [3] J. Wakefield, "Bayes factors for genome-wide association studies: comparison
+       with P-values", Genet. Epidemiol. 33, 79-86, 2009. :doi:`10.1002/gepi.20359`
+
+    Examples
+    --------
+    >>> import pvlib_fem as fem
+    >>> data = fem.simulator.record(effects=fem.simulator.PHYSICS, days=70, step=600)
+    >>> loop = fem.close_loop(data[["poa_global", "temp_air", "wind_speed",
+    ...                             "temp_module"]])
+    >>> sorted(loop.weeks.unique())
+    ['fitting', 'test']
+    """
+    criteria = criteria or Criteria()
+    if min_gain is not None:
+        criteria = replace(criteria, min_gain=min_gain)
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
+    how: dict[str, Any] = dict(
+        holdout=holdout, effects=effects, check_units=check_units
+    )
+    how |= {"fixed": fixed, "criteria": criteria}
+    if transposition:
+        frame = isinstance(data, pd.DataFrame)
+        check_transposition(
+            transposition, plane_of_rows(data, place) if frame else place
+        )
+    calm = not steady_model(model).takes_wind
+    if transposition or stand_ins or calm:
+        how["instead"] = Replacements.of_arguments(transposition, stand_ins, calm)
+    return searched(data, model, place, progress, **how)[1]
+
+
+def searched(data, model, place, progress, **how):
+    """A finished search, and the loop that it gives."""
+    given = {n: said_of(value) for n, value in told_of(how).items()}
+    # LAPACK's last bits depend on the number of threads, and its matrices here are
+    # small
+    with one_blas_thread(), telling(progress) as tell:
+        own, steady = None, steady_model(model)
+        plain = ThermalModel(steady, "balance")
+        if is_data_set(data):
+            if isinstance(place["mount"], ByColumns):
+                raise ValueError(
+                    "surface_tilt and surface_azimuth as Series do not go with files; "
+                    "write them into the files as columns"
+                )
+            tell("reading the files")
+            instead, criteria = how.get("instead", Replacements()), how["criteria"]
+            data, stood = instead.of_files(as_source(data), place, criteria.limits)
+            how["instead"] = Replacements(calm=instead.calm)
+            data, screened = in_means(in_files(data, plain), how["criteria"])
+            own = OwnSteps(screened)
+            if how["holdout"] is not None:
+                how["holdout"] = on_days(how["holdout"], data.index)
+        others = chosen(how["instead"].stand_ins) if "instead" in how else {}
+        plain.refuse_without_wind({**with_aliases(data, ()), **others})
+        data, site = with_given(data, place)
+        tell("checking the record")
+        search = Search(Fits(prepared(data, site, **how)), tell, own=own)
+        ended = search.run(steady)
+        tell("measuring the errors of the test weeks")
+        found = outcome(search, *ended)
+        if own is not None:
+            found = own.told(found)
+    case = search.case
+    times = Times.of(data.index, case.kept, case.whole.index, search.clock)
+    if own is None:
+        sky = how["instead"].transposition if case.transposed else ""
+        stood = {"transposition": sky, "stand_ins": case.standing}
+    stood["reading"] = {"rows": len(data.index), "notes": notes_of(data)}
+    stood["standings"] = case.standings
+    return search, replace(found, given=given, times=times, **stood)
+
+
+def told_of(how):
+    """The arguments of a call, with the replacements of columns by their names."""
+    instead = how.get("instead") or Replacements()
+    told = {name: value for name, value in how.items() if name != "instead"}
+    if instead.transposition:
+        told["transposition"] = instead.transposition
+    return told | ({"stand_ins": instead.stand_ins} if instead.stand_ins else {})
+
+
+def notes_of(data):
+    """What was done to data as they were read, where a function noted it."""
+    notes = data.attrs.get("notes", ())
+    return [printable(one) for one in notes] if isinstance(notes, list | tuple) else []
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """What one linearisation chose, and from what."""
+
+    found: Evidence
+    selection: Selection
+    choices: tuple
+
+    @property
+    def names(self):
+        return [one.top.name for one in self.choices]
+
+
+@dataclass(eq=False)
+class Search:
+    """A case, and what was found in it so far."""
+
+    fits: Fits
+    tell: Callable
+    steps: dict = field(default_factory=dict)
+    findings: list = field(default_factory=list)
+    refused: list = field(default_factory=list)  # findings that are not in the model
+    choices: dict = field(default_factory=dict)  # of each finding
+    closed: frozenset = frozenset()  # names that a refit or the own steps speak against
+    start: Step | None = None  # the one without effects from which the search begins
+    corrections: list = field(default_factory=list)
+    clock: Clock = field(default_factory=Clock)  # by which the module's was set right
+    untestable: dict = field(default_factory=dict)
+    own: OwnSteps | None = None  # of files, of which the case has means
+    usual: frozenset = frozenset()  # names of effects that are no findings
+    last: Round | None = None  # that which chose what is in the model
+
+    @property
+    def case(self):
+        return self.fits.case
+
+    def run(self, steady):
+        """The last step, and the name of the one before all effects."""
+        self.untestable |= self.case.untestable
+        self.corrections += self.case.corrections
+        self.tell("fitting the model without effects")
+        self.steps |= self.fits.bases(steady)
+        base = self.fits.better(self.steps)
+        step = raw = self.steps[base] = self.steps[base].as_base()
+        if self.case.clock.fault:
+            self.tell("correcting the clock")
+            case = self.case
+            self.fits, step, correction = module_clock(case, self.fits, raw, Fits)
+            self.corrections.append(correction)
+            if correction.applied:
+                self.clock = case.clock
+                self.steps[CORRECTED] = step
+        self.start = step
+        self.leave_out_leaks(step)
+        if not self.case.divisible:
+            return step, base
+        step = self.with_usual(step)
+        base = next((n for n in reversed(self.steps) if n[0] == "+"), base)
+        so_far = dict(self.steps)
+        while True:
+            self.steps = dict(so_far)
+            last = self.converged(step)
+            if (against := self.contradicted(last)) is None:
+                return last, base
+            finding, check, why = against
+            self.closed |= {finding.effect}
+            self.refused.append(refused(finding, check, why))
+
+    def with_usual(self, step):
+        """The step with what every module has, and with effects that are held."""
+        fixed = {*self.case.fixed}
+        effects = [e for e in self.case.wanted if e.rows() and {*e.rows()} <= fixed]
+        for one in self.case.wanted:
+            if one.name == LONGWAVE and self.case.enough and one not in effects:
+                effects.append(one)
+        for effect in effects:
+            model = replace(step.model, effects=(*step.model.effects, effect))
+            found = self.on_own_steps(self.fits.fitted(model, step, whole=False))
+            if not {*found.at_bound} & {*effect.rows()}:
+                step = self.steps[f"+{effect.name}"] = found
+        self.usual = frozenset(effect.name for effect in step.model.effects)
+        return step
+
+    def converged(self, plain):
+        """The last step, when one more linearisation chooses the same effects."""
+        step, seen = plain, []
+        for turn in range(MOST_ROUNDS):
+            self.tell(f"weighing effects, round {turn + 1}")
+            this = self.round(step)
+            key = {column for one in this.choices for column in one.top.columns}
+            if key in seen:
+                break
+            self.tell(f"fitting {', '.join(this.names) or 'no further effect'}")
+            found = self.with_effects(plain, this.choices)
+            bound = {*found.at_bound}
+            out = [
+                one.top.name for one in this.choices if {*one.top.effect.rows()} & bound
+            ]
+            if out:  # the smallest, which may be there for what another is not
+                self.closed |= {out[-1]}
+                continue
+            seen.append(key)
+            step = found
+        self.last = this
+        return self.with_findings(plain, this, step.coefficients)
+
+    def round(self, step):
+        """What the remaining error of a step asks for, all effects taken back."""
+        case = self.case
+        there = {e.name for e in step.model.effects if not e.channel}
+        wanted = [effect for effect in case.wanted if effect.name not in there]
+        found = self.fits.gathered(step, wanted)
+        lifted = [
+            (effect, step.coefficients)
+            for effect in step.model.effects
+            if effect.name not in self.usual
+        ]
+        record = self.fits.ready["coarse"][1]
+        design = Design.of(found, record, lifted, case.drivers)
+        closed = self.closed
+        names = [e.name for e in case.wanted if is_before_the_sun(e)]
+        names = [name for name in names if name in design.own]
+        if names and self.another_plane is not None:
+            why = because(Reason.ANOTHER_PLANE, plane=str(self.another_plane))
+            # before another plane an obstacle has no place
+            self.untestable |= dict.fromkeys(names, why)
+            closed = closed | {*names}
+        selection, choices = selected(design, case.criteria, closed)
+        return Round(found, selection, tuple(choices))
+
+    @cached_property
+    def another_plane(self):
+        """The plane of the light, if it is not the stated one; computed once."""
+        return another_plane(self.case)
+
+    def leave_out_leaks(self, base):
+        """Drop columns of the user's own that hold the answer."""
+        case, limits = self.case, self.case.criteria
+        own = {e.column: e for e in case.wanted if e.column}
+        if not own:
+            return
+        temperature = base.model.temperature(case.record.inputs, base.coefficients)
+        for name in leaks(case.record, case.searched, temperature, list(own), limits):
+            effect = own[name]
+            self.untestable[effect.name] = because(Reason.LEAK, column=name)
+            case = case.without(effect)
+        self.fits.case = case
+
+    def with_effects(self, plain, choices):
+        """The model with the best member of each choice, fitted on coarse steps."""
+        if not choices:
+            return plain
+        effects = tuple(one.top.effect for one in choices)
+        model = replace(plain.model, effects=(*plain.model.effects, *effects))
+        start = {}
+        for one in choices:
+            start |= one.score.coefficients
+        fit = self.fits.fitted(model, plain, start, whole=False)
+        return replace(fit, model=model.rebased(fit.coefficients))
+
+    def with_findings(self, plain, this, coefficients):
+        """The last step, with the findings that are in it one after the other."""
+        selection, case = this.selection, self.case
+        self.findings, self.choices = [], {}
+        self.refused = [f for f in self.refused if f.effect in self.closed]
+        changes = any(is_dated(one.top.effect) for one in this.choices)
+        references = apart(case) if changes else []
+        chosen = [one for one in this.choices if one.top.name not in self.closed]
+        step = plain
+        for i, one in enumerate(selection.with_members(chosen)):
+            others = [*chosen[:i], *chosen[i + 1 :]]
+            given = selection.given(others)
+            logs = said(references, one, coefficients)
+            one = with_outside(selection.design, one, given, case.criteria, logs)
+            effect = selection.dated(one, one.first, given)
+            if effect.turns:
+                size = float(one.scores[one.first].estimate[0])
+                effect = by_power(case, effect, size)
+            spoken = heard(references, one, effect, coefficients)
+            finding = finding_of(one, effect, case, selection.least, spoken)
+            self.choices[finding.effect] = one
+            if not finding.added:
+                self.refused.append(finding)
+                continue
+            model = replace(step.model, effects=(*step.model.effects, effect))
+            found = self.fits.fitted(model, step, finding.coefficients, whole=False)
+            check, why = bounds(finding.coefficients, found)
+            if not check.passed:
+                self.refused.append(refused(finding, check, why))
+                continue
+            step = self.steps[f"+{finding.effect}"] = found
+            self.findings.append(finding)
+        if self.findings:
+            step = self.on_own_steps(step)
+            self.steps[f"+{self.findings[-1].effect}"] = step
+        return step
+
+    def on_own_steps(self, step):
+        """A step fitted to the record's own steps, and with its own base."""
+        model = step.model.rebased(step.coefficients)
+        if self.case.record is self.case.whole and model is step.model:
+            return step
+        return self.fits.fitted(model, step, step.coarse)
+
+    def contradicted(self, step):
+        """The first finding that the own steps of files speak against, or None."""
+        if self.own is None:
+            return None
+        self.tell("fitting the record's own steps")
+        fitting, falls = self.case.fitting, []
+        steps = [*self.steps]
+        for finding in self.findings:
+            at = steps.index(f"+{finding.effect}")
+            before, after = (self.steps[steps[i]] for i in (at - 1, at))
+            fall = before.error(fitting) ** 2 - after.error(fitting) ** 2
+            falls.append((finding, fall))
+        inputs = self.fits.prepared(self.case.whole, step.model)[0].inputs
+        corrected = any(one.applied for one in self.corrections)
+        return self.own.against(self.case, step, inputs, corrected, falls)

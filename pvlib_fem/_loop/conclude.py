@@ -1,0 +1,276 @@
+"""Findings: single effects, hints, patterns without a cause, and what was not seen."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pvlib_fem._findings import (
+    OUTSIDE,
+    Check,
+    CheckOutcome,
+    Finding,
+    Kind,
+    Member,
+    Verdict,
+)
+from pvlib_fem._loop.noise import in_turn
+from pvlib_fem._loop.references import SLACK
+from pvlib_fem._record.column_names import GEOMETRY
+from pvlib_fem._statistics.tables import ways
+from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects._effect import deciding
+from pvlib_fem.effects._time_profiles import dates_in_words, is_dated, is_drift
+from pvlib_fem.reasons import Reason, because
+
+HALF = 0.5  # probability from which a cause outside the catalogue is the likelier one
+NINETY = 1.645  # standard errors in half a range that holds 90 %
+SUN = ("solar_azimuth", "solar_zenith")
+
+
+def finding_of(choice, effect, case, floor, heard=()):
+    """
+    A single effect as a finding, by its credible set.
+
+    Parameters
+    ----------
+    choice : Choice
+        With the probabilities of its members.
+    effect : Effect
+        The most probable member, with the days between which its date is.
+    case : Case
+    floor : float
+        Fall of the mean square that is material. [K²]
+    heard : sequence of Witness
+        Cross-checks.
+    """
+    limits = case.criteria
+    order = sorted(choice.probabilities.items(), key=lambda item: -item[1])
+    held, total = [], 0.0
+    for name, probability in order:
+        held.append(name)
+        total += probability
+        if total >= limits.probability:
+            break
+    names = (effect.name, *(n for n in held if n not in (effect.name, OUTSIDE)))
+    score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
+    outside = choice.probabilities[OUTSIDE]
+    why = because(Reason.GAINED, gain=gain)
+    verdict = Verdict.NAMED if held == [effect.name] else Verdict.CLASS
+    checks = [
+        Check(
+            "probability that it is there",
+            "probability",
+            score.probability,
+            limits.probability,
+        ),
+        Check("gain", "min_gain", gain, float(np.sqrt(floor)), unit="K"),
+    ]
+    if verdict is Verdict.CLASS:
+        measurements = deciding([choice.members[n].effect for n in names])
+        if measurements:
+            decided = because(Reason.WOULD_DECIDE, measurements=measurements)
+            why = replace(why, also=(decided,))
+    if outside > HALF:
+        verdict, why = Verdict.SUGGESTIVE, because(Reason.OUTSIDE, chance=outside)
+        checks.append(
+            Check("cause outside the catalogue", "outside", outside, HALF, most=True)
+        )
+    elif not case.enough:
+        days, least = case.days, limits.enough_days
+        verdict = Verdict.SUGGESTIVE
+        why = because(Reason.TOO_SHORT, days=days, least=least)
+        checks.append(Check("days", "enough_days", days, least))
+    if agree := [
+        one.column
+        for one in heard
+        if one.effect == effect.name and one.opinion is CheckOutcome.AGREES
+    ]:
+        agreed = because(Reason.CORROBORATED, columns=agree)
+        why = replace(why, also=(*why.also, agreed))
+    return Finding(
+        effect=effect.name,
+        candidates=names,
+        verdict=verdict,
+        gain=gain,
+        coefficients=score.coefficients,
+        stderr=score.errors,
+        because=why,
+        checks=tuple(checks),
+        kind=Kind.of(effect),
+        place=dates_in_words(effect.settings) if is_dated(effect) else "",
+        witnesses=heard,
+        probabilities={name: float(value) for name, value in order},
+        members={
+            name: member_of(choice, name, limits)
+            for name in names[1:]
+            if name in EFFECTS
+        },
+    )
+
+
+def member_of(choice, name, criteria):
+    """Coefficients and dates of a candidate, instead of the most probable one."""
+    effect, score = choice.members[name].effect, choice.scores[name]
+    law, rows = relative_error(effect, criteria), effect.rows()
+    # a record may not determine all coefficients of an effect
+    values, errors = score.coefficients, score.errors
+    ranges = {
+        key: range_of(value, errors[key], law, rows[key])
+        for key, value in values.items()
+    }
+    return Member(dict(effect.settings), values, errors, ranges)
+
+
+def range_of(value, error, law, row):
+    """A range that holds 90 %, within the bounds of the coefficient."""
+    half = NINETY * float(np.hypot(error, law * value))
+    return max(value - half, row.lower), min(value + half, row.upper)
+
+
+def in_the_model(finding, choice, fit, stderr, criteria):
+    """
+    The finding with the coefficients of the last fit, and ranges that hold 90 %.
+
+    A range has the error of the fit and that of the law behind the coefficient.
+    """
+    values = {key: fit.coefficients[key] for key in finding.coefficients}
+    errors = {key: stderr[key] for key in finding.coefficients}
+    law = relative_error(choice.members[finding.effect].effect, criteria)
+    ranges = {}
+    for key, value in values.items():
+        if key in fit.at_bound or not errors[key] > 0:
+            continue
+        ranges[key] = range_of(value, errors[key], law, fit.model.parameters[key])
+    return replace(finding, coefficients=values, stderr=errors, ranges=ranges)
+
+
+def relative_error(effect, criteria):
+    """Relative error of a coefficient by its law, or by that of the thermal model."""
+    if effect.channel:
+        return SLACK
+    return criteria.shape_error if effect.confounder else criteria.law_error
+
+
+def refused(finding, check, why):
+    """The finding where it does not pass a check after all."""
+    return replace(
+        finding,
+        verdict=Verdict.SUGGESTIVE,
+        because=why,
+        checks=(*finding.checks, check),
+    )
+
+
+def hints(case, rows, findings, floor):
+    """Gains worth a word that were not enough for more."""
+    limits, least = case.criteria, float(np.sqrt(floor))
+    done = {name for finding in findings for name in finding.candidates}
+    for name, row in sorted(rows.items(), key=lambda item: -item[1].gain):
+        score = row.score
+        if name in done or row.gain < limits.hint_gain or not score.possible:
+            continue
+        if score.probability < HALF:
+            continue
+        done |= {name, *row.ties}
+        why = because(Reason.NOT_MATERIAL, least=least)
+        check = Check("gain", "min_gain", row.gain, least, unit="K")
+        if check.passed:
+            most = limits.probability
+            why = because(Reason.NOT_SURE, chance=score.probability, least=most)
+            name_of = "probability that it is there"
+            check = Check(name_of, "probability", score.probability, most)
+        if not case.enough:
+            days, most = case.days, limits.enough_days
+            why = because(Reason.TOO_SHORT, days=days, least=most)
+            check = Check("days", "enough_days", days, most)
+        effect = row.effect
+        yield Finding(
+            name,
+            (name, *row.ties),
+            Verdict.SUGGESTIVE,
+            row.gain,
+            score.coefficients,
+            score.errors,
+            why,
+            (check,),
+            Kind.of(effect),
+            place=dates_in_words(effect.settings) if is_dated(effect) else "",
+        )
+
+
+def patterns(design, given, floor):
+    """
+    Tables of the remaining error that no effect explains, the strongest first.
+
+    Parameters
+    ----------
+    design : Design
+    given : sequence
+        Columns of the base and of all that was found.
+    floor : float
+        Fall of the mean square that is material. [K²]
+    """
+    axes = [axis for axis in design.axes if axis.name not in GEOMETRY]
+    sun = [axis for axis in design.axes if axis.name in SUN]
+    kinds = [*ways(axes), *([tuple(sun)] if len(sun) == len(SUN) else [])]
+    for table in in_turn(design, design.left_by(given), kinds, floor):
+        yield Finding(
+            table.name,
+            table.drivers,
+            Verdict.UNKNOWN,
+            table.gain,
+            {"mean": table.size},
+            {},
+            because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
+            (Check("gain", "min_gain", table.gain, float(np.sqrt(floor)), unit="K"),),
+            Kind.STRUCTURE,
+            table.ranges,
+            table.where,
+        )
+
+
+def not_seen(case, rows, failed, findings, whole):
+    """
+    Why this record could not see what it did not show, by name.
+
+    ``whole`` is the error of the model without effects, beyond which nothing is seen.
+    [K]
+    """
+    said = {name for finding in findings for name in finding.candidates}
+    wanted = {effect.name: effect for effect in case.wanted}
+    for name, why in failed.items():
+        columns = better_sources(wanted[name]) if name in wanted else []
+        if columns:
+            yield name, because(Reason.STAND_IN, columns=columns)
+        elif why.reason is not Reason.NO_DATE:  # tried, and there is no such change
+            yield name, why
+    for name, row in rows.items():
+        if columns := better_sources(row.effect):
+            yield name, because(Reason.STAND_IN, columns=columns)
+        elif name in said:
+            continue
+        elif not row.score.possible and row.gain > 0:
+            yield name, row.note
+        elif has_date(row.effect):
+            continue
+        elif row.detectable > whole:
+            yield name, because(Reason.COLLINEAR)
+        elif row.detectable > case.criteria.min_gain:
+            yield name, because(Reason.DETECTABLE, gain=row.detectable)
+
+
+def has_date(effect):
+    """Whether an effect begins at a date, of which only the best one was weighed."""
+    return bool(effect.channel) and not is_drift(effect)
+
+
+def better_sources(effect):
+    """Columns with which it would have a driver, where it stands in without one."""
+    forms = EFFECTS.get(effect.name, effect).forms
+    driven = [form for form in forms if not form.confounder]
+    # one without a source is no stand-in
+    if not effect.confounder or not driven or "source" not in effect.settings:
+        return []
+    needed = [name for form in driven for name in needed_for(form.drivers)]
+    return sorted({*needed} - {*GEOMETRY})

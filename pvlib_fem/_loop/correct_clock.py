@@ -1,0 +1,74 @@
+"""A clock that is off: corrected before any effect is weighed, if that holds."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pvlib_fem._findings import Correction
+from pvlib_fem._loop.refit_checks import rise, rise_check
+from pvlib_fem.quality._module_lag import Clock, left_open
+from pvlib_fem.reasons import Reason, because
+
+
+def module_clock(case, fits, raw, fits_of):
+    """
+    The module's record re-timed, and the same model fitted to it.
+
+    Parameters
+    ----------
+    case : Case
+    fits : Fits
+        Of the record as it came.
+    raw : Step
+        The model on it.
+    fits_of : callable
+        Case to Fits.
+
+    Returns
+    -------
+    Fits, Step, Correction
+        The fits and the step to go on from: of the corrected record, unless its
+        error is larger.
+    """
+    other = fits_of(case.corrected())
+    step = other.fitted(raw.model, raw).as_base()
+    rows = case.fitting
+    both = np.isfinite(raw.temperature + step.temperature)
+    both &= np.isfinite(raw.measured + step.measured)
+    before, after = (s.error(rows & both) for s in (raw, step))
+    check, _ = rise_check(*rise(case, raw, step))
+    found = described(case.clock, before, after, check)
+    if check.passed:
+        return other, step, found
+    untouched = replace(case, clock=Clock())
+    return fits_of(untouched), raw, found
+
+
+def described(clock, before, after, check):
+    """The correction, in the units of a clock."""
+    values, stderr = {}, {}
+    if {"clock_shift", "clock_drift"} & set(clock.faults):
+        values["late"] = clock.late / 60.0
+        stderr["late"] = left_open(clock.stderr, clock.limit) / 60.0
+    if "clock_drift" in clock.faults:
+        values["drift"] = clock.drift
+        stderr["drift"] = clock.drift_stderr
+    if "dst" in clock.faults:
+        values["summer"] = max((late for _, late in clock.hours), key=abs) / 60.0
+    words = "; ".join(clock.faults.values())
+    why = because(Reason.CORRECTED, fault=words)
+    if not check.passed:
+        remedy = "the choosing weeks contradict it; look at the logger's clock"
+        why = because(Reason.NOT_CORRECTED, fault=words, remedy=remedy)
+    return Correction(
+        fault="+".join(clock.faults),
+        columns=("temp_module",),
+        values=values,
+        stderr=stderr,
+        before=before,
+        after=after,
+        unit="K",
+        because=why,
+        checks=(check,),
+        applied=check.passed,
+    )

@@ -1,0 +1,135 @@
+"""The corrections of a record's clocks, to be applied to the record again."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality._clock_changes import plain
+from pvlib_fem.quality._module_lag import Clock
+
+
+@dataclass(frozen=True)
+class Times:
+    """
+    Clocks of a record and their corrections.
+
+    Attributes
+    ----------
+    zone : str
+        Time zone of the file; "" without one.
+    first, last : str
+        First and last time of the file, by its own clock.
+    offsets : tuple of (str, float)
+        Seconds to add, each from a time of the file on.
+    lost : tuple of (str, str)
+        First and last time of each run of rows whose time is unknown.
+    origin : str
+        First corrected time.
+    module : Clock
+        Clock of the module's logger, where it was corrected.
+    """
+
+    zone: str
+    first: str
+    last: str
+    offsets: tuple = ()
+    lost: tuple = ()
+    origin: str = ""
+    module: Clock = field(default_factory=Clock)
+
+    @classmethod
+    def of(cls, index, kept, corrected, clock):
+        """
+        Compare the times of a file with the corrected ones.
+
+        Parameters
+        ----------
+        index : DatetimeIndex
+            Times of the file.
+        kept : array of bool
+            Rows of the file whose time is known.
+        corrected : DatetimeIndex
+            Corrected times of these rows.
+        clock : Clock
+            Clock of the module's logger, as it was corrected.
+        """
+        own, offsets = plain(index), ()
+        added = np.asarray((plain(corrected) - own[kept]).total_seconds())
+        if added.any():
+            begins = np.flatnonzero(np.diff(added, prepend=np.nan) != 0.0)
+            times = own[kept][begins]
+            offsets = tuple(zip(map(str, times), map(float, added[begins])))
+        edges = np.flatnonzero(np.diff(~kept, prepend=False, append=False))
+        lost = [(str(own[a]), str(own[b - 1])) for a, b in zip(edges[::2], edges[1::2])]
+        ends = str(own.min()), str(own.max())
+        origin = str(plain(corrected[0]))
+        return cls(zone_name(index), *ends, offsets, tuple(lost), origin, clock)
+
+    def inside(self, index):
+        """Find the times that lie within the record, in its zone."""
+        own = plain(index)
+        within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
+        return np.asarray(within) & (zone_name(index) == self.zone)
+
+    def corrected(self, index):
+        """Correct the times of the record, and say which times are known."""
+        known = np.ones(len(index), dtype=bool)
+        if not self.offsets:
+            return index, known
+        own, rows = plain(index), self.inside(index)
+        begins = pd.DatetimeIndex([time for time, _ in self.offsets])
+        place = np.maximum(begins.searchsorted(own, side="right") - 1, 0)
+        added = np.where(rows, np.array([by for _, by in self.offsets])[place], 0.0)
+        for first, last in self.lost:
+            out = (own >= pd.Timestamp(first)) & (own <= pd.Timestamp(last))
+            known &= ~(np.asarray(out) & rows)
+        return index + pd.to_timedelta(added, unit="s"), known
+
+    def of_module(self, index, values):
+        """Interpolate the module's readings to the clock of the irradiance."""
+        times = plain(index) - pd.Timestamp(self.origin)
+        return self.module.corrected(times.total_seconds().to_numpy(), values)
+
+    def content(self):
+        """Return what a file needs."""
+        clock = self.module
+        return {
+            "zone": self.zone,
+            "first": self.first,
+            "last": self.last,
+            "offsets": self.offsets,
+            "lost": self.lost,
+            "origin": self.origin,
+            "module": {
+                "late": clock.late,
+                "drift": clock.drift,
+                "middle": clock.middle,
+                "hours": clock.hours,
+                "faults": clock.faults,
+            },
+        }
+
+    @classmethod
+    def stored(cls, part):
+        """Read the corrections of a file."""
+        module = part.part("module")
+        clock = Clock(
+            late=module.number("late", unknown=True),
+            drift=module.number("drift", unknown=True),
+            middle=module.number("middle"),
+            hours=tuple((float(at), float(by)) for at, by in module["hours"]),
+            faults={**module.part("faults").content},
+        )
+        return cls(
+            *(part.text(name) for name in ("zone", "first", "last")),
+            tuple((str(time), float(by)) for time, by in part["offsets"]),
+            tuple((str(first), str(last)) for first, last in part["lost"]),
+            part.text("origin"),
+            clock,
+        )
+
+
+def zone_name(index):
+    """Name of the zone of some times; "" without one."""
+    return "" if index.tz is None else str(index.tz)

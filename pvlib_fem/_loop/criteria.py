@@ -1,0 +1,92 @@
+"""Every threshold by which the loop decides, in one place."""
+
+from dataclasses import dataclass, field
+
+from pvlib_fem.quality._limits import Limits
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criteria:
+    """
+    Every threshold by which :func:`pvlib_fem.close_loop` decides.
+
+    A change is made by ``Criteria(min_gain=0.1)`` and given as ``criteria=``. What
+    each does, halved and doubled, to the records of the study is in
+    :doc:`/sensitivity`; how the loop decides by them is in :doc:`/design`.
+
+    Attributes
+    ----------
+    enough_days : int
+        Days that count, below which no cause is added to the model. [days]
+    max_missing : float
+        Share of a driver's rows that may be missing; a driver with more gaps is not
+        used. [-]
+    leak : float
+        A column that follows the measured temperature as a whole is made from it and
+        is not used, unless the modelled temperature and the residual, with
+        coefficients of their own, describe more of the column by at least this share
+        of what the remaining error describes. [-]
+    search_step : float
+        Step of the means on which effects are searched; the last fit is to the
+        record's own steps. [s]
+    test_every : int
+        One of this many weeks is a test week, whose module temperature no decision
+        sees. [weeks]
+    min_gain : float
+        Gain that is worth an effect: root of the fall of the mean square error on
+        weeks left out in turn. The default is a third of the 0.4 K of a contact
+        sensor. [K]
+    min_share : float
+        The material gain as a share of the remaining mean square error. [-]
+    hint_gain : float
+        Gain from which an effect that was not added is reported as a hint. [K]
+    probability : float
+        Probability from which a cause is identified, and that a set of causes holds
+        together. [-]
+    prior : float
+        Odds, before the data are seen, that any one effect of the catalogue acts on
+        a record. [-]
+    outside : float
+        Probability, before the data are seen, that a cause outside the catalogue
+        makes what an effect of the catalogue explains. [-]
+    law_error : float
+        Relative error of an effect's law: by so much a true effect may explain less
+        than another with the same inputs. [-]
+    shape_error : float
+        Relative error of the law of effects that are functions of the usual inputs
+        alone. [-]
+    change_side : int
+        Days with rows that there have to be before and after the date of a change.
+        [days]
+    episode_chance : float
+        Chance that noise shows any days that stand out, which are reported and
+        decide nothing. [-]
+    limits : Limits
+        Thresholds of what is checked of sensors and clocks before any fit.
+    """
+
+    enough_days: int = 60
+    max_missing: float = 0.2
+    leak: float = 0.05
+    search_step: float = 300.0
+    test_every: int = 5
+
+    min_gain: float = 0.15
+    min_share: float = 0.015
+    hint_gain: float = 0.10
+
+    probability: float = 0.95
+    prior: float = 0.025
+    outside: float = 0.10
+    law_error: float = 0.22
+    shape_error: float = 0.39
+
+    change_side: int = 21
+    episode_chance: float = 0.01
+
+    limits: Limits = field(default_factory=Limits)
+
+    def __post_init__(self):
+        for name, value in vars(self).items():
+            if name != "limits" and not value > 0:
+                raise ValueError(f"{name} = {value} must be more than 0")

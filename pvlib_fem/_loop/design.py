@@ -1,0 +1,434 @@
+"""
+The linearised fit: hourly, daily and weekly tangents and residuals.
+
+Everything that the selection asks is a least squares of a few columns. Products of
+daily sums of all columns are made once; a change of an instrument from a date on is a
+column times a weight of each day, so that no date needs a pass over the rows.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
+from pvlib_fem._statistics.axes import axes
+from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.weekly_sums import products, solve, steady
+from pvlib_fem.effects._time_profiles import weights_of
+
+HOUR = 3600.0  # s, over which rows share a cell
+FOLDS = 5  # groups of weeks that are held out in turn
+FEWEST_WEEKS = 8  # below which errors come from the spread between days
+ALIKE = 1e-6  # share of a column's square below which it is a sum of others
+APART = 7  # days by which an effect is shifted at least to see what chance does
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """
+    Columns in cells of an hour; the first is the residual.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the columns.
+    cells : array
+        Means of each column over the rows of each cell, tangents scaled to a mean
+        square of 1. [K]
+    scale : array
+        What each column was divided by.
+    rows : array
+        Number of rows in each cell.
+    days : array of int
+        Day of each cell, from 1970-01-01.
+    base : tuple of int
+        Columns of the fitted coefficients and of what a misshapen steady model leaves.
+    own : dict of tuple of int
+        Columns of each effect that has no date.
+    effects : dict of Effect
+    channels : dict of int
+        Column of each channel along which instruments change.
+    changing : tuple of Effect
+        Changes whose dates are to be found.
+    places : dict of array
+        Mean of each driver in each cell, and the clock and calendar of the cells.
+    """
+
+    names: tuple
+    cells: np.ndarray = field(repr=False)
+    scale: np.ndarray = field(repr=False)
+    rows: np.ndarray = field(repr=False)
+    days: np.ndarray = field(repr=False)
+    base: tuple
+    own: dict
+    effects: dict
+    channels: dict
+    changing: tuple
+    places: dict = field(repr=False)
+    noise: tuple = ()  # random effects by which the cells are whitened
+    daily_draws: bool = (
+        False  # whether each day is a draw of the weather, and not a week
+    )
+    plain: "Design | None" = field(default=None, repr=False)  # the same without
+
+    @classmethod
+    def of(cls, found, record, lifted=(), drivers=()):
+        """
+        The design of the evidence of a fitted model.
+
+        Parameters
+        ----------
+        found : Evidence
+            Row by row.
+        record : Record
+            Of which ``found.rows`` are rows.
+        lifted : sequence of (Effect, dict)
+            Effects of the fitted model, with their coefficients, which the selection
+            may take or leave: what they explain goes back into the residual.
+        drivers : sequence of str
+            Measured columns beyond the usual ones.
+        """
+        seconds = record.inputs.seconds[found.rows]
+        clock = np.asarray(record.index[found.rows].hour)
+        key = found.dates * 24 + clock if len(seconds) else found.dates
+        first = np.flatnonzero(np.diff(key, prepend=key[:1] - 1))
+        rows = np.diff(first, append=len(key)).astype(float)
+
+        def means(column):
+            return np.add.reduceat(np.nan_to_num(column), first) / rows
+
+        channels = {effect.channel: column for effect, column in found.changing}
+        residual, own, taken = found.residual, {}, set()
+        for effect, coefficients in lifted:
+            keys = [key for key in effect.rows() if key in found.columns]
+            columns = {name: found.columns[name] for name in keys}
+            if effect.channel in channels:
+                (name,), weights = effect.rows(), weights_of(effect, found.dates)
+                columns = {name: weights * found.columns[channels[effect.channel]]}
+            for name, column in columns.items():
+                size = coefficients[name] - effect.start.get(name, 0.0)
+                residual = residual + size * np.nan_to_num(column)
+            taken |= {*keys}
+            if not effect.channel and keys:
+                own[effect.name] = tuple(keys)
+        effects = {e.name: e for e, _ in lifted if e.name in own} | found.effects
+        own |= found.own
+        wanted = dict.fromkeys(n for n in found.base if n not in taken)
+        base = (*wanted, *found.misfits)
+        wanted |= dict.fromkeys(found.misfits)
+        for columns in own.values():
+            wanted |= dict.fromkeys(columns)
+        wanted |= dict.fromkeys(channels.values())
+        columns = [means(residual), *(means(found.columns[n]) for n in wanted)]
+        cells = np.column_stack(columns)
+        scale = np.sqrt(rows @ cells**2 / rows.sum())
+        scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
+        order = {name: i + 1 for i, name in enumerate(wanted)}
+        places = {
+            name: np.add.reduceat(values, first) / rows
+            for name, values in drivers_of(record, found.rows, drivers).items()
+        }
+        index = record.index[found.rows][first]
+        places |= {"hour": clock[first], "month": np.asarray(index.month)}
+        places["weekend"] = np.asarray(index.day_of_week) >= 5
+        return cls(
+            names=("residual", *wanted),
+            cells=cells / scale,
+            scale=scale,
+            rows=rows,
+            days=found.dates[first],
+            base=tuple(order[name] for name in base),
+            own={
+                n: independent(cells, rows, [order[c] for c in columns])
+                for n, columns in own.items()
+            },
+            effects=effects,
+            channels={n: order[c] for n, c in channels.items()},
+            changing=tuple(effect for effect, _ in found.changing),
+            places=places,
+        )
+
+    @classmethod
+    def of_columns(cls, residual, columns, channel, dates, changing):
+        """A design of some columns, and of one along which something changes."""
+        first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
+        days = np.repeat(np.arange(len(first)), np.diff(first, append=len(dates)))
+        values = np.column_stack([residual, *columns.values(), channel])
+        scale = np.sqrt(np.mean(values**2, axis=0))
+        scale[0] = 1.0
+        size = len(columns)
+        return cls(
+            names=("residual", *columns, "channel"),
+            cells=values / scale,
+            scale=scale,
+            rows=np.ones(len(values)),
+            days=dates,
+            base=tuple(range(1, size + 1)),
+            own={},
+            effects={},
+            channels={effect.channel: size + 1 for effect in changing},
+            changing=tuple(changing),
+            places={"hour": np.arange(len(dates)) - first[days]},
+        )
+
+    @cached_property
+    def dates(self):
+        """Each day that has cells."""
+        return self.days[self.first]
+
+    @cached_property
+    def first(self):
+        """First cell of each day."""
+        return np.flatnonzero(np.diff(self.days, prepend=self.days[:1] - 1))
+
+    @cached_property
+    def daily(self):
+        """Daily sums of products."""
+        return products(self.cells, self.rows, np.append(self.first, len(self.rows)))
+
+    @cached_property
+    def clusters(self):
+        """First day of each week, whose weather is shared; each day where few weeks."""
+        weeks = self.has_weeks and not self.daily_draws
+        return self.starts if weeks else np.arange(len(self.dates))
+
+    @cached_property
+    def starts(self):
+        """First day of each week."""
+        weeks = calendar_weeks(self.dates)
+        return np.flatnonzero(np.diff(weeks, prepend=weeks[:1] - 1))
+
+    @property
+    def has_weeks(self):
+        """Whether there are enough of them to see how far they differ."""
+        return len(self.starts) >= FEWEST_WEEKS
+
+    @cached_property
+    def weekly(self):
+        """Weekly sums of products."""
+        return np.add.reduceat(self.daily, self.clusters, axis=0)
+
+    @cached_property
+    def total(self):
+        return self.weekly.sum(axis=0)
+
+    @cached_property
+    def in_days(self):
+        """The design whose errors come from the spread between days."""
+        found = replace(self, daily_draws=True)
+        vars(found)["daily"] = self.daily
+        return found
+
+    def fit_for(self, effects):
+        """The design for some effects: in days, if one may act in a week alone."""
+        return self.in_days if any(one.turns for one in effects) else self
+
+    @cached_property
+    def folds(self):
+        """Which weeks are in which group, as a table of ones."""
+        weeks = np.arange(len(self.clusters))
+        return (weeks % FOLDS == np.arange(FOLDS)[:, None]).astype(float)
+
+    @property
+    def count(self):
+        """Number of rows."""
+        return float(self.rows.sum())
+
+    @cached_property
+    def made(self):
+        """Weights of changes, and their daily products with all columns, made once."""
+        return {}
+
+    def weights(self, change):
+        """Weight of each day of a change."""
+        return weights_of(change.effect, self.dates)
+
+    def parts(self, change):
+        """Weights of a change, and its daily products with every column."""
+        if change not in self.made:
+            weights = self.weights(change)
+            if self.noise:
+                column = self.values(change) * self.rows
+                rows = np.add.reduceat(column[:, None] * self.cells, self.first)
+            else:
+                rows = self.daily[:, change.place] * weights[:, None]
+            self.made[change] = weights, rows
+        return self.made[change]
+
+    @cached_property
+    def weeks(self):
+        """Number of the week of each cell; of the day where weeks are few."""
+        starts = np.zeros(len(self.days), dtype=int)
+        starts[self.first[self.clusters[1:]]] = 1
+        return np.cumsum(starts)
+
+    @cached_property
+    def axes(self):
+        """Ways to sort the cells."""
+        return [*axes(self.places, self.days)]
+
+    def left_by(self, columns):
+        """What some columns leave of the residual in the cells. [K]"""
+        table = np.column_stack([self.values(c) for c in columns])
+        return self.cells[:, 0] - table @ solve(self.whole(columns))
+
+    def whitened(self, noise):
+        """The design for generalised least squares with some random effects."""
+        if not noise:
+            return self
+        cells = np.column_stack([self.freed(column, noise) for column in self.cells.T])
+        return replace(self, cells=cells, noise=tuple(noise), plain=self)
+
+    def freed(self, column, noise):
+        """A column less a part of its mean in each group of each random effect."""
+        for table in noise:
+            sums = np.bincount(table.groups, column * self.rows, len(table.rows))
+            means = sums / np.maximum(table.rows, 1.0)
+            column = column - (table.free * means)[table.groups]
+        return column
+
+    def adding(self, sizes):
+        """The design whose residual has multiples of some columns or changes more."""
+        cells = self.cells.copy()
+        for column, size in sizes.items():
+            (scale,) = self.scales([column])
+            cells[:, 0] += size * scale * self.values(column)
+        return replace(self, cells=cells)
+
+    def by_week(self, columns):
+        """Weekly products of the residual and some columns, changes among them."""
+
+        def sums(rows):
+            return np.add.reduceat(rows, self.clusters, axis=0)
+
+        return self.products(columns, self.weekly, sums)
+
+    def whole(self, columns):
+        """Products of the residual and some columns over all weeks."""
+        return self.products(columns, self.total, lambda rows: rows.sum(axis=0))
+
+    def products(self, columns, known, sums):
+        """Products of the residual and some columns, from daily ones."""
+        places = [0, *(c if isinstance(c, int) else c.place for c in columns)]
+        found = known[..., places, :][..., places]
+        changes = [(i + 1, c) for i, c in enumerate(columns) if not isinstance(c, int)]
+        for i, change in changes:
+            rows = sums(self.parts(change)[1][:, places])
+            found[..., i, :] = found[..., i] = rows
+            for j, other in changes:
+                found[..., i, j] = found[..., j, i] = sums(self.crossed(change, other))
+        return found
+
+    def crossed(self, change, other):
+        """Daily products of two changes."""
+        if self.noise:
+            product = self.values(change) * self.values(other) * self.rows
+            return np.add.reduceat(product, self.first)
+        both = self.parts(change)[0] * self.parts(other)[0]
+        return both * self.daily[:, change.place, other.place]
+
+    def by_day(self, place, columns):
+        """Daily products of one column with the residual and some others."""
+        found = np.empty((len(self.dates), len(columns) + 1))
+        found[:, 0] = self.daily[:, place, 0]
+        for i, column in enumerate(columns):
+            if isinstance(column, int):
+                found[:, i + 1] = self.daily[:, place, column]
+            else:
+                weights = self.parts(column)[0]
+                found[:, i + 1] = weights * self.daily[:, place, column.place]
+        return found
+
+    def values(self, column):
+        """A column, or a change, in the cells."""
+        if isinstance(column, int):
+            return self.cells[:, column]
+        if self.noise:
+            if column not in self.freed_changes:
+                values = self.freed(self.plain.values(column), self.noise)
+                self.freed_changes[column] = values
+            return self.freed_changes[column]
+        return self.cells[:, column.place] * self.weight(column)
+
+    def weight(self, change):
+        """Weight of each cell of a change."""
+        lengths = np.diff(self.first, append=len(self.days))
+        return np.repeat(self.weights(change), lengths)
+
+    @cached_property
+    def freed_changes(self):
+        return {}
+
+    @cached_property
+    def grid(self):
+        """Place of each cell in a table of days by hours, and the table's shape."""
+        days = np.repeat(
+            np.arange(len(self.dates)), np.diff(self.first, append=len(self.days))
+        )
+        hours = int(self.places["hour"].max()) + 1
+        return days * hours + self.places["hour"].astype(int), (len(self.dates), hours)
+
+    def placebo(self, given, own, found):
+        """
+        Covariance that an estimate would have by accident, and its freedom.
+
+        The residual is compared with the effect as it was on other days: each shift
+        by a week or more is a draw in which the effect explains nothing.
+        """
+        size, root = len(own), np.sqrt(self.rows)
+        whole = found.whole[1:, 1:]
+        beside = np.linalg.solve(steady(whole)[:-size, :-size], whole[:-size, -size:])
+        table = np.column_stack([self.values(c) for c in given])
+        mine = np.column_stack([self.values(c) for c in own])
+        rest = self.cells[:, 0] - table @ found.solved[:-size]
+        rest = (rest - mine @ found.estimate) * root
+        mine = (mine - table @ beside) * root[:, None]
+        place, shape = self.grid
+
+        def spectrum(column):
+            laid = np.zeros(shape)
+            laid.flat[place] = column
+            return np.fft.rfft(laid, axis=0)
+
+        error = spectrum(rest)
+        drawn = np.array(
+            [
+                np.fft.irfft((spectrum(c).conj() * error).sum(axis=1), shape[0])
+                for c in mine.T
+            ]
+        )
+        drawn = drawn[:, APART:-APART] if shape[0] > 3 * APART else drawn[:, 1:]
+        inverse = np.linalg.inv(steady(mine.T @ mine))
+        covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
+        return covariance, max(shape[0] / APART - 1.0, 1.0)
+
+    def scales(self, columns):
+        """What the coefficients of some columns are to be divided by."""
+        return np.array(
+            [self.scale[c if isinstance(c, int) else c.place] for c in columns]
+        )
+
+
+def independent(cells, rows, places):
+    """Drop columns of an effect that are sums of its others, as in one hour of snow."""
+    kept, root = [], np.sqrt(rows)
+    for place in places:
+        column = cells[:, place] * root
+        if kept:
+            table = cells[:, kept] * root[:, None]
+            rest = column - table @ np.linalg.lstsq(table, column, rcond=None)[0]
+            if rest @ rest <= ALIKE * (column @ column):
+                continue
+        kept.append(place)
+    return tuple(kept)
+
+
+def drivers_of(record, rows, drivers):
+    """Inputs, geometry and measured drivers of a record at some rows."""
+    # power follows the light itself, and would sort by what it should tell
+    names = {*COLUMNS[:3], *GEOMETRY, *drivers} & {*record.inputs.columns} - {
+        "p_dc_per_area"
+    }
+    columns = {name: record[name][rows] for name in sorted(names)}
+    return {name: np.nan_to_num(column) for name, column in columns.items()}

@@ -1,0 +1,232 @@
+"""What may be in the remaining error: effects, and changes at the dates that show."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pvlib_fem._statistics.weekly_sums import solve, steady
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import number, written
+
+RARE = {"air_elsewhere": 0.05}  # times the odds of others
+GRID = 60  # dates between which temporary changes are looked for first
+USUAL = 2.0  # times the median of the daily residuals: beyond it a day counts less
+UNSEEN = 1e-6  # of a column's square: less of it is nothing given the others
+MOST_SURE = 6.0  # standard errors, beyond which a date is not surer
+LIKELY = 3.84  # twice the log-likelihood by which 95 % of dates are as good
+DATED = {"step": 1, "episode": 2, "drift": 0}  # dates of a change
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A column of the design times the weight that an effect has on each day."""
+
+    place: int  # of the column
+    effect: Effect = field(compare=False)  # with its dates
+    key: str = ""  # its name and dates
+
+    @classmethod
+    def of(cls, place, effect):
+        return cls(place, effect, f"{effect.name} {sorted(effect.settings.items())}")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect, or a change at its dates, with its columns of the design."""
+
+    effect: object
+    columns: tuple
+    log_prior: float  # logarithm of its prior odds
+    #: hypotheses of dates from which this one was taken, as a logarithm
+    log_dates: float = 0.0
+
+    @property
+    def name(self):
+        return self.effect.name
+
+    def beyond(self, given):
+        """Columns that are not given already."""
+        return [column for column in self.columns if column not in given]
+
+
+def undated(design, prior):
+    """Candidates that have no date."""
+    for name, columns in design.own.items():
+        odds = np.log(prior * RARE.get(name, 1.0))
+        yield Candidate(design.effects[name], columns, float(odds))
+
+
+def dated(design, given, side, prior):
+    """
+    Changes at the dates that the remaining error given some columns shows best.
+
+    Parameters
+    ----------
+    design : Design
+    given : sequence
+        Columns.
+    side : int
+        Days with rows that there have to be on both sides of a date.
+    prior : float
+        Odds that any one change is there, at some date.
+    """
+    days = len(design.dates)
+    if days <= 2 * side:
+        return
+    scan = Scan.of(design, given, side)
+    for channel, place in design.channels.items():
+        changes = {
+            effect.terms.course.name: effect
+            for effect in design.changing
+            if effect.channel == channel
+        }
+        if not changes:
+            continue
+        found = scan.along(place, *signs(changes))
+        for course, dates in found.items():
+            if course not in changes:
+                continue
+            effect = changes[course].dates(**dates)
+            many = DATED[course]
+            log_dates = many * np.log(days) - (np.log(2.0) if many == 2 else 0.0)
+            yield Candidate(
+                effect,
+                (Changed.of(place, effect),),
+                float(np.log(prior)),
+                float(log_dates),
+            )
+
+
+def signs(changes):
+    """Least and largest size that a channel can have, as signs."""
+    (row,) = next(iter(changes.values())).parameters.values()
+    return np.sign(row.lower), np.sign(row.upper)
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Daily products with the residual given some columns, summed up to each date."""
+
+    design: object
+    given: list
+    side: int
+    solved: np.ndarray  # coefficients of the columns
+    root: np.ndarray  # of the inverse of their products
+    trust: np.ndarray  # of each day, 1 for usual ones
+
+    @classmethod
+    def of(cls, design, given, side):
+        given = [*given]
+        whole = design.whole(given)
+        inverse = np.linalg.inv(np.linalg.cholesky(steady(whole[1:, 1:])))
+        return cls(design, given, side, solve(whole), inverse.T, trusted(design, given))
+
+    def worth(self, parts, low, high):
+        """Fall of the sum of squares by a column of such sums, with a possible sign."""
+        score, square, beside = parts[..., 0], parts[..., 1], parts[..., 2:]
+        beyond = square - np.square(beside).sum(axis=-1)
+        allowed = (score > 0) & (high > 0) | (score < 0) & (low < 0)
+        good = allowed & (beyond > UNSEEN * np.maximum(square, 1e-12))
+        return np.where(good, score**2 / np.where(good, beyond, 1.0), 0.0)
+
+    def sums(self, place):
+        """Products of a column with the remaining error and others, up to each day."""
+        rows = self.design.by_day(place, self.given) * self.trust[:, None]
+        scores = rows[:, 0] - rows[:, 1:] @ self.solved
+        squares = self.design.daily[:, place, place] * self.trust
+        table = np.column_stack([scores, squares, rows[:, 1:] @ self.root])
+        return np.vstack([np.zeros(table.shape[1]), np.cumsum(table, axis=0)])
+
+    def along(self, place, low, high):
+        """Dates of the best step and temporary change of a column, and of a trend."""
+        days, sums = len(self.design.dates), self.sums(place)
+
+        def worth(parts):
+            return self.worth(parts, low, high)
+
+        side, dates = self.side, self.design.dates
+        found = {"drift": {"since": written(dates[0])}}
+        starts = np.arange(side, days - side + 1)
+        if len(starts):
+            falls = worth(sums[-1] - sums[starts])
+            at = starts[int(np.argmax(falls))]
+            if falls.max() > 0:
+                found["step"] = {"at": written(dates[at])}
+        ends = self.pair(sums, worth)
+        if ends is not None:
+            first, last = (int(one) for one in ends)
+            over = dates[last - 1] + 1
+            found["episode"] = {"start": written(dates[first]), "end": written(over)}
+        return found
+
+    def pair(self, sums, worth):
+        """First day and the day after the last of the best temporary change."""
+        side, days = self.side, len(self.design.dates)
+        grid = np.unique(np.linspace(0, days, min(GRID, days)).astype(int))
+        pairs = grid[np.column_stack(np.triu_indices(len(grid), 1))]
+        length = pairs[:, 1] - pairs[:, 0]
+        # enough days have to be there without it, too; and one that begins or ends
+        # with the record is a step
+        inside = (pairs[:, 0] >= side) & (pairs[:, 1] <= days - side)
+        pairs = pairs[(length >= side) & (length <= days - side) & inside]
+        if not len(pairs):
+            return None
+        falls = worth(sums[pairs[:, 1]] - sums[pairs[:, 0]])
+        if not falls.max() > 0:
+            return None
+        low, high = pairs[int(np.argmax(falls))]
+        for _ in range(3):
+            lows = np.arange(side, high - side + 1)
+            low = lows[int(np.argmax(worth(sums[high] - sums[lows])))]
+            highs = np.arange(low + side, days - side + 1)
+            high = highs[int(np.argmax(worth(sums[highs] - sums[low])))]
+        return low, high
+
+
+def first_days(design, one, given, side, errors):
+    """
+    The change with the days between which it may have begun.
+
+    Parameters
+    ----------
+    design : Design
+    one : Candidate
+        With a date.
+    given : sequence
+        Columns given which it is there.
+    side : int
+        Days with rows that there have to be on both sides of a date.
+    errors : float
+        Standard errors by which its size differs from nothing.
+    """
+    effect, dates, days = one.effect, one.effect.settings, design.dates
+    begin = dates.get("at") or dates.get("start")
+    if begin is None:
+        return effect
+    (column,) = one.columns
+    scan = Scan.of(design, given, side)
+    sums, last = scan.sums(column.place), len(days)
+    if "end" in dates:
+        last = int(np.searchsorted(days, number(dates["end"])))
+    starts = np.arange(1, max(last, 2))
+    falls = scan.worth(sums[last] - sums[starts], -1.0, 1.0)
+    best = int(np.searchsorted(days, number(begin)))
+    most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
+    # the difference to the best date's part, in standard errors of that part
+    lacks = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
+    good = np.append(starts[lacks <= LIKELY], best)
+    # the days with rows around a date may not be neighbours
+    between = [
+        written(days[good.min() - 1] + 1),
+        written(days[min(good.max(), len(days) - 1)]),
+    ]
+    return effect.make(**{**dates, "between": between})
+
+
+def trusted(design, given):
+    """How much each day counts: less, where some columns leave much of it."""
+    rest = design.left_by(given)
+    squares = np.add.reduceat(rest**2 * design.rows, design.first)
+    remaining = np.sqrt(squares / np.add.reduceat(design.rows, design.first))
+    most = USUAL * np.median(remaining)
+    return np.where(remaining > most, most / np.maximum(remaining, 1e-12), 1.0)

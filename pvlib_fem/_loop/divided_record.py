@@ -1,0 +1,148 @@
+"""A checked record, divided into rows by what each is for."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.weeks import Part
+from pvlib_fem._record.column_names import GEOMETRY
+from pvlib_fem._record.filters import counted
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._record.resampling import coarse, covered
+from pvlib_fem.drivers import geometry
+from pvlib_fem.quality._lag import by_module_logger
+from pvlib_fem.quality._module_lag import Clock
+
+STEP_PRESENT = 0.5  # share of a step's rows that have to be there
+FEWEST_FITTING_DAYS = 10  # below which none can be left out in turn
+#: models without effects by the name of their step, and their dynamics
+BASES = {"steady": "steady", "fem": "ewm", "balance": "balance"}
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """
+    A record, which of its rows may be looked at when, and what may explain it.
+
+    The search goes over coarse steps, of which five minutes lose nothing that an
+    effect would show; every fit ends on the record's own.
+    """
+
+    whole: Record
+    record: Record  # on coarse steps
+    seen: np.ndarray  # rows of the whole that count
+    parts: np.ndarray  # what each row of the whole is for
+    drivers: tuple
+    witnesses: tuple  # columns that cross-check instruments
+    wanted: tuple  # effects whose drivers are there
+    untestable: dict  # name: why
+    site: dict  # if it gives the position of the sun
+    place: dict  # as it was given
+    clock: Clock
+    criteria: Criteria
+    fixed: dict = field(default_factory=dict)  # coefficients that are held
+    notes: tuple = ()
+    corrections: tuple = ()  # of the whole file
+    kept: np.ndarray | None = None  # rows of the file that the whole has
+    late: float = 0.0  # of the file's times against the sun [s]
+    transposed: bool = False  # whether poa_global is, from the horizontal
+    standing: tuple = ()  # columns that stand in for others
+    standings: tuple = ()  # days on which the irradiance sensor does not turn
+
+    def rows(self, part):
+        """Rows of the whole that count for a part."""
+        return self.seen & (self.parts == part)
+
+    @cached_property
+    def fitting(self):
+        return self.rows(Part.FITTING)
+
+    @cached_property
+    def test(self):
+        return self.rows(Part.TEST)
+
+    @cached_property
+    def searched(self):
+        """Rows of the coarse record that the search may look at."""
+        seen = np.asarray(counted(self.record.inputs.columns, with_night=True))
+        masks = self.seen, self.parts != Part.FITTING
+        some, kept = covered(masks, self.whole, self.record)
+        return seen & some & ~kept
+
+    @cached_property
+    def days(self):
+        """
+        Days that count.
+
+        Those of the fitting rows, with as many test days as the division gives them.
+        What the module does on test days has no say.
+        """
+        fitting = self.parts == Part.FITTING
+        every = self.whole.count_days(np.ones_like(fitting))
+        share = self.whole.count_days(fitting) / every
+        return round(self.whole.count_days(self.fitting) / share) if share else 0
+
+    @cached_property
+    def fitting_days(self):
+        return self.record.count_days(self.searched)
+
+    @property
+    def divisible(self):
+        """Whether there are days to leave out in turn."""
+        return self.fitting_days >= FEWEST_FITTING_DAYS
+
+    @property
+    def enough(self):
+        """Whether the record is long enough for a name."""
+        return self.days >= self.criteria.enough_days
+
+    def placed(self, record):
+        """A record with the place of sun and module, where that is known."""
+        places = geometry(record.index, **self.site)
+        return record.having({name: c.to_numpy() for name, c in places.items()})
+
+    def placed_for(self, record, model):
+        """The record with the geometry, if a model needs it and it is not there."""
+        asked = {*model.drivers} & {*GEOMETRY} - {*record.inputs.columns}
+        return self.placed(record) if asked else record
+
+    def without(self, effect):
+        """The case without an effect, and the column that it follows."""
+        wanted = tuple(other for other in self.wanted if other.name != effect.name)
+        drivers = tuple(name for name in self.drivers if name not in effect.drivers)
+        return replace(self, wanted=wanted, drivers=drivers)
+
+    def corrected(self):
+        """The case with the module's record re-timed."""
+        whole, seconds = self.whole, self.whole.inputs.seconds
+        moved = by_module_logger(
+            whole.inputs.columns, lambda column: self.clock.corrected(seconds, column)
+        )
+        return divided(whole.having(moved), replace(self, clock=Clock()))
+
+
+def without_answer(record, rows):
+    """The record without the module's temperature in some rows."""
+    return record.lacking({"temp_module": rows})
+
+
+def counting(record):
+    """Rows that can be fitted."""
+    return np.asarray(counted(record.inputs.columns, with_night=True))
+
+
+def divided(whole, case):
+    """The case with this record and its coarse steps."""
+    limits = case.criteria
+    seen = case.seen & counting(whole)
+    short = whole
+    if whole.inputs.seconds[-1] > 0:
+        hidden = without_answer(whole, case.parts == Part.TEST)
+        short = coarse(hidden, limits.search_step, STEP_PRESENT)
+        short = whole if short is hidden else short
+    # the sun is where it is, and nothing is averaged over a horizon
+    record = case.placed(short)
+    whole = record if short is whole else whole
+    return replace(case, whole=whole, record=record, seen=seen)

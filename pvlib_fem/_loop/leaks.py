@@ -1,0 +1,175 @@
+"""
+Columns of a user's own that are made from the module's temperature.
+
+A model splits the temperature `T` into what it explains, `M`, and the remaining error,
+`r = T - M`. A cause of `r` cannot know `M` beyond what any function of the usual inputs
+knows of it. What is made from `T` knows both, by the same coefficient.
+"""
+
+import numpy as np
+
+from pvlib_fem._record.column_names import COLUMNS, DAYLIGHT
+from pvlib_fem._relaxation import relax
+from pvlib_fem._statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
+
+SURE = 3.0  # standard errors between days by which one description has to be better
+SOME = 20_000  # rows that are enough to compare columns
+LATE = 7200.0  # s, up to which a temperature is taken at every step
+LATER = (9000.0, 10800.0)  # s, beyond it
+SHORT = 300.0  # s, of a step at least
+SMOOTH = np.array([60.0, 180.0]) * 60.0  # s, time constants of smoothed temperatures
+MEMORY = np.array([15.0, 60.0, 180.0]) * 60.0  # s, of smoothed inputs
+RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
+LEAST = 1e-12  # of a column's square: less of it on a day is rounding
+KNOTS = np.linspace(0.0, 1.0, 6)[1:-1]  # quantiles at which splines of inputs bend
+
+
+def leaks(record, seen, modelled, names, criteria):
+    """
+    Columns that are the module temperature, or made from it.
+
+    Each is described by smooth functions of the usual inputs, now and smoothed over
+    minutes to hours, and by one of these, at several lags: what the model explains of
+    the temperature, the residual, or the temperature as a whole. A column is made
+    from the temperature if the whole describes it better than either part does, and
+    both parts with coefficients of their own do not describe it much better. So a
+    column that a cause drives stays, and so does one that the weather alone drives.
+
+    Parameters
+    ----------
+    record : Record
+    seen : array of bool
+        Rows that may be looked at.
+    modelled : array
+        Temperature of the module by the model without effects. [°C]
+    names : sequence of str
+    criteria : Criteria
+    """
+    both = seen & np.isfinite(modelled) & np.isfinite(record["temp_module"])
+    rows = np.flatnonzero(both)
+    rows = rows[:: max(1, len(rows) // SOME)]
+    if len(np.unique(record.dates[rows])) < FEWEST_DAYS:
+        return
+    whole = np.where(both, record["temp_module"], np.nan)
+    scale = np.mean(whole[both]), max(np.std(whole[both]), 1e-300)
+    whole = forms(record, whole, rows, *scale)
+    model = forms(record, np.where(both, modelled, np.nan), rows, *scale)
+    usual, dates = functions(record, rows), record.dates[rows]
+    # electrical power falls with temperature by irradiance, and may still be a cause
+    power = record["poa_global"][rows] * record["temp_module"][rows]
+    usual = np.column_stack([usual, power])
+    for name in names:
+        column = record[name]
+        tells = np.isfinite(column) & ~asleep(column, record["poa_global"])
+        parts = (column[rows], usual, whole, model, dates)
+        parts = (part[tells[rows]] for part in parts)
+        if is_one_piece(*parts, criteria.leak):
+            yield name
+
+
+def forms(record, temperature, rows, centre, spread):
+    """A temperature at some rows: at several lags, smoothed, and to higher powers."""
+    seconds, inputs = record.inputs.seconds, record.inputs
+    known = np.isfinite(temperature)
+    at, values = seconds[known], (temperature[known] - centre) / spread
+    now = np.interp(seconds, at, values)
+    step = max(inputs.step, SHORT)
+    lags = [*np.arange(-step, LATE + step, step), *LATER]
+    found = [np.interp(seconds[rows] - lag, at, values) for lag in lags]
+    found += [relax(now, inputs.steps, s / inputs.unit)[rows] for s in SMOOTH]
+    return np.column_stack([*found, now[rows] ** 2, now[rows] ** 3])
+
+
+def functions(record, rows):
+    """Smooth functions of each usual input at some rows, now and smoothed in time."""
+    inputs, found = record.inputs, [np.ones(len(rows))]
+    for name in COLUMNS[:3]:
+        known = np.isfinite(record[name])
+        values = record[name][known]
+        now = np.interp(inputs.seconds, inputs.seconds[known], values)
+        found += [np.log1p(np.maximum(now[rows], 0.0))]
+        found += splines(now[rows])
+        for memory in MEMORY:
+            found += splines(relax(now, inputs.steps, memory / inputs.unit)[rows])
+    return np.column_stack(found)
+
+
+def splines(values):
+    """A basis of quadratic splines."""
+    values = (values - values.mean()) / max(values.std(), 1e-300)
+    knots = np.unique(np.quantile(values, KNOTS))
+    return [values, values**2, *(np.maximum(values - k, 0.0) ** 2 for k in knots)]
+
+
+def asleep(column, poa_global):
+    """
+    Rows of a column at its most frequent value through a night, as a voltage of 0.
+
+    It tells nothing there of a temperature, and the jump in the morning is large.
+    """
+    finite = column[np.isfinite(column)]
+    values, counts = np.unique(finite, return_counts=True)
+    if len(values) == len(finite):
+        return np.zeros(len(column), dtype=bool)
+    still = column == values[counts.argmax()]
+    run = np.cumsum(np.diff(still, prepend=still[:1]))
+    return still & np.isin(run, run[poa_global < DAYLIGHT])
+
+
+def is_one_piece(column, usual, whole, model, dates, most):
+    """
+    Whether a column follows the modelled temperature and the residual as one sum.
+
+    Parameters
+    ----------
+    column : array
+    usual, whole, model : array
+        Functions of the usual inputs, of the temperature and of the model's part.
+    dates : array of int
+    most : float
+        Share of what the remaining error describes of the column, that both parts
+        with coefficients of their own may describe beyond the whole.
+    """
+    if len(np.unique(dates)) < FEWEST_DAYS or not np.std(column) > 0:
+        return False
+    column = (column - column.mean()) / column.std()
+    table = np.column_stack([column, model, whole - model])
+    table -= usual @ coefficients(usual, table)
+    column, model, rest = np.split(table, [1, 1 + model.shape[1]], axis=1)
+    folds = days_of_folds(dates)
+    by_model, by_rest, by_whole, by_parts = (
+        held_out(column[:, 0], others, folds)
+        for others in (model, rest, model + rest, np.hstack([model, rest]))
+    )
+    beyond = by_whole.sum() - by_parts.sum()
+    return (
+        is_less(by_whole, by_model, dates)
+        and is_less(by_whole, by_rest, dates)
+        and beyond < most * (by_model.sum() - by_parts.sum())
+    )
+
+
+def coefficients(columns, table):
+    """Coefficients of a least-squares fit of each column of a table."""
+    products = columns.T @ columns
+    size = np.sqrt(np.diag(products))
+    size[size == 0.0] = 1.0
+    inner = products / np.outer(size, size) + RIDGE * np.eye(len(size))
+    return np.linalg.solve(inner, columns.T @ table / size[:, None]) / size[:, None]
+
+
+def held_out(column, others, folds):
+    """Squares that a regression leaves on groups of weeks that did not make it."""
+    left = np.empty(len(column))
+    for fold in range(FOLDS):
+        out = folds == fold
+        found = coefficients(others[~out], column[~out, None])
+        left[out] = (column[out] - (others[out] @ found)[:, 0]) ** 2
+    return left
+
+
+def is_less(one, other, dates):
+    """Whether squares are surely less than others, by their ratio on each day."""
+    day = np.unique(dates, return_inverse=True)[1]
+    ratio = np.log((np.bincount(day, other) + LEAST) / (np.bincount(day, one) + LEAST))
+    return bool(ratio.mean() > SURE * ratio.std() / np.sqrt(len(ratio)))

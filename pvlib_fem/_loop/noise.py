@@ -1,0 +1,278 @@
+"""
+What nobody declared: random effects, and the probability of a cause outside.
+
+Patterns that repeat from week to week are random effects of tables, which the columns
+are whitened by. A true effect has the same size under all conditions in which it acts,
+and its law leaves nothing along its own drivers. What stands in for something unknown
+loses its size within those tables, or leaves as much as it explains.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
+from pvlib_fem._statistics.axes import CLOCK, Axis, sorted_by
+from pvlib_fem._statistics.tables import Table, joined, largest
+from pvlib_fem._statistics.weekly_sums import LeastSquares, products
+from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
+
+TINY = 1e-100  # density of what is as far as anything
+FAR = 0.35  # spread of the part of an effect that holds under other conditions
+USUAL = COLUMNS[:3]
+#: axes of the tables in which an effect has to have the same size
+PAIRS = (
+    ("hour", "month"),
+    ("hour", "weekend"),
+    ("poa_global", "wind_speed"),
+    ("poa_global", "temp_air"),
+    ("wind_speed", "temp_air"),
+    ("solar_azimuth", "solar_zenith"),
+)
+MOST_TABLES = 3  # of random effects
+ALIKE = 0.1  # of unknown causes that follow a driver, as alike as its effect
+REFLECTION = 0.5  # of what takes light from a sensor and not from the module
+
+
+@dataclass(frozen=True)
+class OutsidePrior:
+    """Prior of a cause outside the catalogue, for a kind of candidates."""
+
+    odds: float  # probability that it is what the inputs follow
+    alike: float  # probability that it follows them exactly as the candidate
+
+
+def prior_of(effect, outside):
+    """The prior of a cause outside the catalogue as a rival of an effect."""
+    if effect.settings.get("sensor"):  # a reflection onto the module looks the same
+        return OutsidePrior(REFLECTION, 1.0)
+    dated = effect.channel or effect.turns  # a fault of one device from a date on
+    if dated or (own_columns(effect) and not effect.confounder):
+        return OutsidePrior(outside, ALIKE)
+    # what follows the sun and the usual inputs alone may be anything that does
+    return OutsidePrior(outside, 1.0)
+
+
+def with_outside(design, choice, given, criteria, logs=None):
+    """
+    The choice with the probability of each member and of a cause outside.
+
+    Parameters
+    ----------
+    design : Design
+    choice : Choice
+        With members and their weights.
+    given : sequence
+        Columns of the base and of the other choices.
+    criteria : Criteria
+    logs : dict, optional
+        Log-likelihoods by references of each member, and of :data:`OUTSIDE`.
+    """
+    logs = logs or dict.fromkeys([*choice.members, OUTSIDE], 0.0)
+    most = max(logs.values())
+    times = {name: float(np.exp(log - most)) for name, log in logs.items()}
+    mine, outside = {}, 0.0
+    for name, one in choice.members.items():
+        weight = choice.weights[name] * times[name]
+        prior = prior_of(one.effect, criteria.outside)
+        own = design.fit_for([one.effect])
+        sizes = shares(own, one, given)
+        rest = misfits(own, one, given, choice.fall)
+        inside, beyond = likelihoods(sizes, rest, criteria.law_error)
+        mine[name] = weight * (1.0 - prior.odds) * inside
+        unknown = prior.alike * inside + (1.0 - prior.alike) * beyond
+        if prior.alike == 1.0:  # all of them look as this one, or worse
+            unknown = max(inside, beyond)
+        outside += choice.weights[name] * times[OUTSIDE] * prior.odds * unknown
+    total = sum(mine.values()) + outside
+    probabilities = {n: p / total for n, p in mine.items()}
+    probabilities[OUTSIDE] = outside / total
+    return replace(choice, probabilities=probabilities)
+
+
+def shares(design, one, given):
+    """Share of its size that remains under other conditions, with its error."""
+    own = one.beyond(given)
+    plain = LeastSquares(design.by_week([*given, *own]), len(own))
+    others = [within(design, given, own, t) for t in tables(design, one.effect)]
+    if one.effect.channel in OF_NO_COEFFICIENT:
+        # what the instrument has had all the time is no change
+        (change,) = one.columns
+        others.append(design.by_week([*given, change.place, *own]))
+    found = (kept(plain, LeastSquares(other, len(own))) for other in others)
+    return [share for share in found if share is not None]
+
+
+def misfits(design, one, given, fall):
+    """
+    What a law leaves along its own drivers, over what the best law explains.
+
+    Roots of mean squares, along the measured drivers and along its own columns; of a
+    change, along the hours of the day. A law leaves no more than its relative error; an
+    unknown cause that follows the same drivers in another shape leaves as much as it
+    explains.
+    """
+    if not fall > 0.0 or one.effect.confounder:
+        return []
+    rest = design.left_by([*given, *one.beyond(given)])
+    if one.effect.channel:
+        found = [of_hours(design, one, rest)]
+    else:
+        mine = own_columns(one.effect)
+        axes = [axis for axis in design.axes if axis.column in mine]
+        if mine:
+            axes += [sorted_by("", design.cells[:, place]) for place in one.columns]
+        weeks = design.rows, design.weeks
+        found = [Table.of((axis,), rest, *weeks) for axis in axes if axis is not None]
+    # by a standard error less: no more than is sure
+    sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in found]
+    return [float(np.sqrt(variance / fall)) for variance in sure]
+
+
+def of_hours(design, one, rest):
+    """
+    The table by hour of what a change leaves, on days with more and with less of it.
+
+    A sensor that has changed deviates by its law at every hour. Heat that comes and
+    goes with a season does so at its own hours. What an hour has on all days is not of
+    the change.
+    """
+    (hour,) = (axis for axis in design.axes if axis.name == "hour")
+    sums = np.bincount(hour.bins, rest * design.rows)
+    means = sums / np.maximum(np.bincount(hour.bins, design.rows), 1.0)
+    (column,) = one.columns
+    weight = design.weight(column)
+    much = (weight > weight @ design.rows / design.count).astype(int)
+    side = Axis("change", much, ((0, 0), (1, 1)))
+    return Table.of((hour, side), rest - means[hour.bins], design.rows, design.weeks)
+
+
+def own_columns(effect):
+    """Measured columns of an effect beyond the usual inputs and the sun."""
+    return {*needed_for(effect.drivers)} - {*COLUMNS[:3], *GEOMETRY}
+
+
+def likelihoods(sizes, rest, law):
+    """
+    How likely sizes within tables and misfits are, by a law and by something unknown.
+
+    What is unknown follows other inputs, or the same drivers in another shape: one as
+    often as the other. Of tables, and of misfits, by what speaks most against the law.
+    How well laws fit is in the weights of the members, so that a misfit is compared
+    with that of something unknown alone.
+    """
+    within = [
+        (density(share - 1.0, np.hypot(s, law)), density(share, np.hypot(s, FAR)))
+        for share, s in sizes
+    ]
+    shapes = [(density(misfit, law), density(misfit, 1.0)) for misfit in rest]
+    (inside, other), (shape, another) = (
+        min(seen, key=lambda pair: pair[0] / pair[1], default=(1.0 / law, 1.0 / law))
+        for seen in (within, shapes)
+    )
+    unknown = [other] * bool(within) + [inside * another / shape] * bool(shapes)
+    return law * inside, law * float(np.mean(unknown or [inside]))
+
+
+def density(distance, width):
+    return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
+
+
+def within(design, given, own, groups):
+    """
+    Weekly products of columns less their means in groups of cells.
+
+    A change counts as far as its weight differs within a group. Variation of the
+    sensor's column within a group is no evidence of a change.
+    """
+    count = np.bincount(groups, design.rows)
+    columns = [design.cells[:, 0], *map(design.values, given)]
+    for column in own:
+        values = design.values(column)
+        if not isinstance(column, int):
+            weights = design.weight(column)
+            means = np.bincount(groups, weights * design.rows) / count
+            values = values - means[groups] * design.cells[:, column.place]
+        columns.append(values)
+    values = np.column_stack(columns)
+    for i in range(values.shape[1]):
+        means = np.bincount(groups, values[:, i] * design.rows) / count
+        values[:, i] -= means[groups]
+    starts = np.append(design.first[design.clusters], len(design.rows))
+    return products(values, design.rows, starts)
+
+
+def kept(plain, other):
+    """Share of its size that remains in another fit, and its error."""
+    size = plain.size
+    before, after = (np.diag(one.whole)[-size:] for one in (plain, other))
+    if (after < 1e-3 * before).any():
+        return None
+    # along the estimate, in the metric of what it explains
+    metric = plain.whole[-size:, -size:] @ plain.estimate
+    length = metric @ plain.estimate
+    if not length > 0:
+        return None
+    share = float(metric @ other.estimate / length)
+    shifts = other.shifts @ metric / length - share * (plain.shifts @ metric / length)
+    weeks = len(shifts)
+    error = np.sqrt((weeks - 1) / weeks * np.square(shifts - shifts.mean()).sum())
+    return share, float(error)
+
+
+def tables(design, effect):
+    """Group of each cell, by each table of unknown structure that an effect meets."""
+    axes = {axis.name: axis for axis in design.axes}
+    for kind in usual_tables(axes):
+        yield numbered(joined(kind)[0])
+    if not effect.channel and design.has_weeks:
+        yield design.weeks
+    skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
+    for name, axis in axes.items():
+        if axis.column not in skip and name not in skip:
+            yield numbered(joined((axis, axes["hour"]))[0])
+
+
+def usual_tables(axes):
+    """Axes of the tables over clock and calendar, usual inputs, the sun's position."""
+    found = [tuple(axes[name] for name in pair if name in axes) for pair in PAIRS]
+    return [kind for kind in dict.fromkeys(found) if kind]
+
+
+def random_effects(design, given, least):
+    """
+    Tables of the residual given some columns: the largest, then that of the rest.
+
+    Parameters
+    ----------
+    design : Design
+    given : sequence
+        Columns.
+    least : float
+        Variance that is material. [K²]
+
+    Returns
+    -------
+    tuple of Table
+    """
+    kinds = usual_tables({axis.name: axis for axis in design.axes})
+    return in_turn(design, design.left_by(given), kinds, least)
+
+
+def in_turn(design, rest, kinds, least):
+    """The largest table of some kinds, then the largest of the rest, and so on."""
+    found = []
+    while len(found) < MOST_TABLES:
+        table = largest(kinds, rest, design.rows, design.weeks, least)
+        if table is None:
+            break
+        rest = rest - table.values
+        found.append(table)
+    return tuple(found)
+
+
+def numbered(groups):
+    """The groups numbered without those that do not occur."""
+    return np.unique(groups, return_inverse=True)[1]

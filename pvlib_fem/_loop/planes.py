@@ -1,0 +1,147 @@
+"""The plane of the modules by columns of a record: fixed, or one that moves."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.column_names import ROTATION, numeric, printable, with_aliases
+from pvlib_fem.drivers._mounts import (
+    angles_at,
+    checked_column,
+    checked_place,
+    geometry,
+)
+from pvlib_fem.drivers._planes import ANGLES, AZIMUTH, TILT, ByColumns, by_rotation
+from pvlib_fem.quality._tracker_standstill import standing_of
+
+FIXED = 1.0  # ° within which a plane is one and the same
+
+
+def plane_of_columns(data, site):
+    """
+    Take the plane of the modules from a record's columns.
+
+    Parameters
+    ----------
+    data : DataFrame
+        May have ``surface_tilt`` and ``surface_azimuth``, as pvlib's trackers do. [°]
+    site : dict
+        From :func:`pvlib_fem.drivers.checked_place`, without Series, which
+        :func:`with_given` makes columns.
+
+    Returns
+    -------
+    DataFrame
+        The record without these columns.
+    dict
+        The site: with the angles of a fixed plane, or, of one that moves, a
+        :class:`~pvlib_fem.drivers._planes.ByColumns`.
+
+    Raises
+    ------
+    ValueError
+        If a plane is given and the columns have another, or their angles are none.
+    """
+    own = [label for label in data if printable(label) in ANGLES]
+    columns = numeric(with_aliases(data[own], ())) if own else {}
+    columns = {n: checked_column(n, c) for n, c in columns.items() if c.notna().any()}
+    known = {name: column.dropna().to_numpy() for name, column in columns.items()}
+    data = data.drop(columns=own)
+    if not known and (turned := by_rotation(data, site["mount"])) is not None:
+        own = [label for label in data if printable(label) == ROTATION]
+        return data.drop(columns=own), {**site, "mount": turned}
+    if known and site["mount"] is not None:
+        raise ValueError(
+            f"the tracker is described, and data have the column {min(known)}; drop "
+            "that column, or leave the description out"
+        )
+    for name, values in known.items():
+        refuse_other(name, values, site[name])
+    if not known:
+        return data, site
+    if moves(known):
+        columns = {name: column.to_numpy() for name, column in columns.items()}
+        mount = ByColumns(data.index, columns)
+        return data, {**site, **dict.fromkeys(columns), "mount": mount}
+    angles = {name: float(np.median(values)) for name, values in known.items()}
+    return data, {**site, **{n: v for n, v in angles.items() if site[n] is None}}
+
+
+def with_given(data, site):
+    """The record with angles that are given as Series, and the site without."""
+    mount = site["mount"]
+    if not isinstance(mount, ByColumns):
+        return data, site
+    for name in mount.columns:
+        if name in map(printable, data):
+            raise ValueError(
+                f"{name} is given, and data have a column of that name; drop one"
+            )
+    if not mount.index.equals(data.index):
+        raise ValueError(
+            f"{' and '.join(mount.columns)} have {len(mount.index):,} times from "
+            f"{mount.index[0]} on, and data {len(data):,} from {data.index[0]} on; "
+            "give Series at the times of the data"
+        )
+    return data.assign(**mount.columns), {**site, "mount": None}
+
+
+def with_series(data, place):
+    """Data with the angles of a place that are Series as columns, and the others."""
+    series = {n: v for n, v in place.items() if isinstance(v, pd.Series)}
+    if not series:
+        return data, place
+    own = [label for label in data if printable(label) in series]
+    site = {"mount": checked_place(None, **series)["mount"]}
+    data = with_given(data.drop(columns=own), site)[0]
+    return data, {n: v for n, v in place.items() if n not in series}
+
+
+def refuse_other(name, values, given):
+    """Refuse a column that has other angles than the one that is given."""
+    if given is None or (apart := np.abs(turned(name, values - given))).max() <= FIXED:
+        return
+    raise ValueError(
+        f"{name} is given as {given:g}°, and the column {name} has {values.min():.3g} "
+        f"to {values.max():.3g}°, up to {apart.max():.0f}° from it; leave the argument "
+        "out (--tilt and --azimuth), or drop the columns"
+    )
+
+
+def turned(name, angles):
+    """Differences of angles; those of an azimuth within half a turn."""
+    return (angles + 180.0) % 360.0 - 180.0 if name == AZIMUTH else angles
+
+
+def moves(known):
+    """Whether a plane moves."""
+    for name, values in known.items():
+        level = name == AZIMUTH and TILT in known and known[TILT].max() <= FIXED
+        if np.abs(turned(name, values - values[0])).max() > FIXED and not level:
+            return True
+    return False
+
+
+def standings_in(whole, site, late):
+    """
+    Days on which the irradiance sensor of a tracker is stuck.
+
+    The irradiance is then not of the plane that turns, but of one that is fixed.
+    """
+    angles = None if site["mount"] is None else angles_at(whole.index, site, late)
+    if angles is None:
+        return ()
+    how = (whole.index, site["location"], angles, late)
+    return standing_of(whole["poa_global"], *how)
+
+
+def with_standings(site, index, standings):
+    """The site with the angles at which its sensor stood, on those days."""
+    if not standings:
+        return site
+    columns = geometry(index, **site)
+    angles = {name: columns[name].to_numpy(copy=True) for name in ANGLES}
+    for one in standings:
+        rows = one.rows(index)
+        for name in ANGLES:
+            angles[name][rows] = getattr(one, name)
+    return {**site, **dict.fromkeys(ANGLES), "mount": ByColumns(index, angles)}

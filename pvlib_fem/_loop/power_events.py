@@ -1,0 +1,78 @@
+"""What power and the module's temperature show together, hour by hour."""
+
+import numpy as np
+
+from pvlib_fem._budget.covers_and_outages import Hours, event_table, found_in
+from pvlib_fem._record.column_names import plant_power
+from pvlib_fem.drivers import completed
+from pvlib_fem.drivers._plant_irradiance import light_shown
+from pvlib_fem.effects import find
+from pvlib_fem.power import fitted
+
+KINDS = ("modules_covered", "sensor_covered", "outage")
+#: effects that follow power, and are no part of what events are looked for in
+BY_POWER = (*KINDS, "electrical_output")
+EXTRA = ("temp_air", "snow_depth")
+
+
+def events_of(fits, step):
+    """
+    Events that a plant's power shows, of all weeks; they decide nothing.
+
+    Parameters
+    ----------
+    fits : Fits
+    step : Step
+        The last one.
+
+    Returns
+    -------
+    DataFrame
+    """
+    case = fits.case
+    powers = [*plant_power(case.whole, case.criteria.max_missing)]
+    if not powers or not case.enough:
+        return event_table([])
+    record, model = fits.prepared(case.whole, step.model)
+    (_, off) = find({"name": "outage", "source": powers[0]}).drivers
+    inputs = model.with_base(record.inputs, ["temp_base", "loss_base"])
+    inputs = completed(inputs, [off, "day"])
+    given = [inputs[n] for n in ("poa_global", "temp_base", powers[0], "day")]
+    try:
+        relation = fitted(*(column[case.fitting] for column in given))
+    except ValueError:  # no power on the fitting weeks
+        return event_table([])
+    residual = step.measured - without_power(step, model, inputs)
+    rows = case.seen & np.isfinite(residual)
+    total = float(residual[rows] @ residual[rows])
+    rows &= np.isfinite(given[1] + given[2])
+    poa, module, power, day = given
+    columns = {
+        "residual": residual,
+        "seen": poa,
+        "shown": light_shown(relation, *given),
+        "power": power,
+        "expected": relation.expected(poa, module, day),
+        "loss": inputs["loss_base"],
+        "off": inputs[off],
+    }
+    extra = {name: record[name] for name in EXTRA if name in record.inputs.columns}
+    hours = Hours.of(record.index, rows, columns, extra)
+    shares = {
+        effect.name: step.coefficients[f"{effect.name}.share"]
+        for effect in model.effects
+        if effect.name in KINDS
+    }
+    return found_in(hours, relation.spread, total, shares)
+
+
+def without_power(step, model, inputs):
+    """Temperature of a step without its effects that follow power. [°C]"""
+    start = {}
+    for effect in model.effects:
+        if effect.name in BY_POWER:
+            start |= effect.start
+    if not start:
+        return step.temperature
+    found = model.temperature(inputs, {**step.coefficients, **start})
+    return np.where(np.isnan(step.temperature), np.nan, found)

@@ -1,0 +1,411 @@
+"""A user's frame as the loop takes it: checked, and its file's clock corrected."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._findings import Check, Correction
+from pvlib_fem._fitting.horizontal import refuse_clock
+from pvlib_fem._loop.divided_record import Case, counting, divided, without_answer
+from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
+from pvlib_fem._loop.replacements import Filled, Replacements
+from pvlib_fem._loop.weeks import Part, parts
+from pvlib_fem._record.column_names import (
+    ALWAYS,
+    COLUMNS,
+    GEOMETRY,
+    is_power,
+    numeric,
+    plant_power,
+    twin_of,
+    usable_drivers,
+    vouches,
+)
+from pvlib_fem._record.inputs import Record, as_record, with_columns
+from pvlib_fem._record.names import unmapped
+from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
+from pvlib_fem.drivers._mounts import ANGLES, PLANE, angles_at, axis_of, is_known
+from pvlib_fem.drivers._solar import standard_time
+from pvlib_fem.effects._testable_effects import candidates, turning
+from pvlib_fem.quality._check import Health, check
+from pvlib_fem.quality._daylight import daylight_saving
+from pvlib_fem.quality._irradiance_clock import twin_clock
+from pvlib_fem.quality._plane import fixed_rather, plane_of
+from pvlib_fem.quality._screen import Faults, alone
+from pvlib_fem.quality._screening import stuck
+from pvlib_fem.quality._stray_times import refuse_stray
+from pvlib_fem.quality._stuck import stuck_line
+from pvlib_fem.quality._unit_checks import oddities, options_of
+from pvlib_fem.reasons import Reason, because
+
+UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
+FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
+NEAR_HOUR = 0.25  # h from a whole one, as near as a file of half hours shows it
+#: faults with which the sun is elsewhere
+OFF_THE_SUN = ("file_shift", "file_dst", "file_jump")
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A record, and what is seen of it before any fit; of test rows no answer."""
+
+    whole: Record  # less what was not measured
+    parts: np.ndarray  # what each row is for
+    drivers: dict
+    witnesses: tuple  # columns that cross-check others, and drive nothing
+    refused: dict  # further columns, and why they are not used
+    faults: Faults
+    odd: tuple  # what looks odd, in sentences
+    health: Health
+    still: np.ndarray  # test rows of stuck sensors
+    kept: np.ndarray  # rows of the file that have a sure time
+    filled: Filled  # replacements of missing columns
+    site: dict  # with the plane that its columns have
+
+    @property
+    def light(self):
+        """Irradiance as it was measured, which the middle of the day is found by."""
+        horizontal = self.filled.horizontal
+        return self.whole["poa_global"] if horizontal is None else horizontal
+
+
+def prepared(
+    data,
+    site,
+    holdout,
+    effects,
+    criteria,
+    check_units=True,
+    fixed=None,
+    instead=None,
+):
+    """Everything checked that comes in, and divided before it is looked at."""
+    how = (site, criteria, check_units, instead or Replacements())
+    look = looked(data, holdout, *how)
+    look, corrections = in_standard_time(data, holdout, look, how)
+    site, faults = look.site, look.health.faults
+    if "file_shift" in faults:
+        late = look.health.noon.late
+        zone = zone_of_the_sun(look.whole.index, late, site["location"])
+        corrections += (shifted(faults["file_shift"], late, zone),)
+    off, refused = {*OFF_THE_SUN} & {*faults}, look.refused
+    if look.filled.horizontal is not None:
+        refuse_clock({name: faults[name] for name in off})
+    if not off and (light := fixed_light(look, site)) is not None:
+        plane = "more of the shape of tilt {:.0f}° and azimuth {:.0f}° all day"
+        why = because(Reason.ANOTHER_PLANE, plane=plane.format(*light))
+        site, refused = (
+            site | dict.fromkeys(PLANE),
+            refused | dict.fromkeys(ANGLES, why),
+        )
+    plane = None if off or site is not look.site else estimated(look, site)
+    if plane is not None:
+        site = site | plane.angles
+    sun = geometry(look.whole.index[:1], **site)  # what of it is known
+    if off:
+        refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
+        sun = {}
+    known = sun and look.filled.horizontal is None
+    standings = standings_in(look.whole, site, late_of(look)) if known else ()
+    power = plant_power(look.whole, criteria.max_missing)
+    there, absent = {**look.drivers, **power, **sun}, look.whole.absent
+    wanted, untestable = candidates(there, refused, effects, absent=absent)
+    wanted, fixed_plane = turning(wanted, axis_of(site))
+    untestable |= fixed_plane
+    if plane is not None:  # an obstacle cannot be located from an unknown plane
+        scans = filter(is_before_the_sun, wanted)
+        untestable |= {e.name: because(Reason.ESTIMATED) for e in scans}
+        wanted = [effect for effect in wanted if effect.name not in untestable]
+    whole, seen = used(look, sun)
+    case = Case(
+        whole=whole,
+        record=whole,
+        seen=seen,
+        parts=look.parts,
+        drivers=tuple(look.drivers),
+        witnesses=(*look.witnesses, *(n for n in look.drivers if is_power(n))),
+        wanted=tuple(wanted),
+        untestable=untestable,
+        site=with_standings(site, look.whole.index, standings)
+        if sun
+        else dict.fromkeys(site),
+        place=site,
+        clock=look.health.clock,
+        criteria=criteria,
+        fixed=dict(fixed or {}),
+        kept=look.kept,
+        notes=(
+            *([] if plane is None else [f"the module's plane is estimated: {plane}"]),
+            *map(str, standings),
+            *notes_of(look, corrections, wanted, site, criteria),
+        ),
+        corrections=corrections,
+        late=late_of(look),
+        transposed=look.filled.horizontal is not None,
+        standing=look.filled.standing,
+        standings=standings,
+    )
+    return divided(whole, case)
+
+
+def fixed_light(look, site):
+    """The fixed plane that the light of clear days has, where the stated one moves."""
+    if (
+        site["mount"] is None
+        or not is_known(site)
+        or look.filled.horizontal is not None
+    ):
+        return None
+    index, late = look.whole.index, late_of(look)
+    stated = angles_at(index, site, late)
+    return fixed_rather(stated, look.whole["poa_global"], index, site["location"], late)
+
+
+def estimated(look, site):
+    """The module's plane by the light of clear days, where neither angle is given."""
+    given = [value for name, value in site.items() if name != "location"]
+    if site["location"] is None or any(value is not None for value in given):
+        return None
+    whole = look.whole
+    return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
+
+
+def is_before_the_sun(effect):
+    """Whether it is searched for by the position of the sun, given the plane."""
+    return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
+
+
+def another_plane(case):
+    """The plane by the light of clear days, where that is surely not the stated one."""
+    if not is_known(case.site) or case.transposed or case.site["mount"] is not None:
+        return None
+    location, whole = case.site["location"], case.whole
+    plane = plane_of(whole["poa_global"], whole.index, location, case.late)
+    stated = [case.site[name] for name in ANGLES]
+    return plane if plane is not None and plane.is_another(*stated) else None
+
+
+def late_of(look):
+    """By how much a file's times run ahead of the sun, if that is known. [s]"""
+    late = look.health.noon.late
+    return late if np.isfinite(late) else 0.0
+
+
+def looked(data, holdout, site, criteria, check_units, instead):
+    """A frame divided and screened, and what its sensors and clocks show."""
+    limits = criteria.limits
+    data, site = plane_of_columns(data, site)
+    # clocks are looked at below, and may be corrected
+    filled = instead.of(data, ALWAYS, site, limits, check_units, check_clock=False)
+    columns = dict(filled.columns)
+    usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
+    refuse_stray(usual.index, limits)
+    what = parts(usual, counting(usual), holdout, criteria)
+    test = what == Part.TEST
+    hidden, faults = alone(
+        with_columns(without_answer(usual, test), numeric(columns)),
+        limits,
+        check_units,
+        late=True,
+    )
+    taken = (*DERIVED, *MODELLED)
+    witnesses = tuple(name for name in numeric(columns) if vouches(name))
+    columns = {n: column for n, column in columns.items() if n not in witnesses}
+    drivers, refused = usable_drivers(columns, hidden, criteria.max_missing, taken)
+    hidden = hidden.only([*COLUMNS, *drivers, *witnesses])
+    light = filled.horizontal
+    health = check(hidden, limits=limits, light=light, **filled.plane(site))
+    for name, doubt in health.doubtful.items():
+        drivers.pop(name, None)
+        refused[name] = because(Reason.DOUBTFUL, column=name, doubt=doubt)
+    whole, still, faults, health = with_answer(
+        hidden, faults, health, usual, test, limits
+    )
+    timed = in_time(hidden, health.clock).inputs
+    odd = tuple(oddities(timed, limits, hidden.absent))
+    told = (drivers, witnesses, refused, faults, odd, health, still)
+    return Look(whole, what, *told, np.ones(len(what), dtype=bool), filled, site)
+
+
+def in_time(record, clock):
+    """The record with the module's column by the clock of the irradiance."""
+    module = clock.corrected(record.inputs.seconds, record["temp_module"])
+    return record.having({"temp_module": module})
+
+
+def in_standard_time(data, holdout, look, how):
+    """The look again where a file's clock jumps, and what was made of that."""
+    faults, site, criteria = look.health.faults, look.site, how[1]
+    jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
+    if not jumps or site["location"] is None:
+        return look, ()
+    place = look.filled.plane(site) | {"limits": criteria.limits}
+    summer = daylight_saving(look.light, look.whole.index, look.health.noon, **place)
+    if not summer.explained:
+        return look, (told_of(summer, *jumps),)
+    if holdout is not None:
+        holdout = summer.corrected(holdout)
+    look = looked(summer.corrected(data), holdout, *how)
+    return replace(look, kept=np.asarray(summer.kept)), (told_of(summer),)
+
+
+def used(look, sun):
+    """The record of what is used, without the sun, and the rows that may count."""
+    stands, whole = look.health.mask | look.still, look.whole
+    others = {*look.refused, *sun}  # of which the second is added where it is needed
+    kept = [name for name in whole.inputs.columns if name not in others]
+    blank = {name: rows for name, rows in look.health.frozen.items() if name in kept}
+    blank["temp_module"] = stands | blank.get("temp_module", False)
+    # what needs no gap is no copy
+    blank = {name: rows for name, rows in blank.items() if rows.any()}
+    columns = whole.inputs.columns.only(kept).put(np.nan, blank)
+    return replace(whole, inputs=replace(whole.inputs, columns=columns)), ~stands
+
+
+def notes_of(look, corrections, wanted, site, criteria):
+    """What a reader has to know of the data, one line each."""
+    health = look.health
+    yield from look.filled.said
+    yield from look.faults.notes
+    yield from look.odd
+    # doubts are said with the refused, clocks with their correction
+    said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
+    said |= {fault for one in corrections for fault in one.fault.split("+")}
+    yield from (line for name, line in health.faults.items() if name not in said)
+    yield from health.unchecked
+    yield from twins(look, criteria.limits)
+    yield from of_the_zone(look.whole.index, site["location"])
+    if health.clock.limit > UNSEEN_CLOCK and not health.clock.fault:
+        minutes = health.clock.limit / 60.0
+        yield str(because(Reason.COARSE_CLOCK, minutes=minutes))
+    yield from (f"{reason}: not used" for reason in look.refused.values())
+    for column, name in unmapped(look.drivers).items():
+        yield (
+            f"{column} looks like {name}: under a name of its own it may be taken for "
+            "a cause that it is not; if it is that, rename it "
+            f"({' '.join(options_of(column, name, look.whole[column]))})"
+        )
+    if look.witnesses:
+        alone = len(look.witnesses) == 1
+        yield (
+            f"{', '.join(look.witnesses)} cross-check{'s' * alone} the instruments and "
+            f"drive{'s' * alone} nothing"
+        )
+    yield from gaps(look.whole, look.drivers, wanted)
+
+
+def twins(look, limits):
+    """Further irradiances whose clock is another than that of poa_global."""
+    whole = look.whole
+    for name in (*look.drivers, *look.witnesses):
+        if name == "ghi" or twin_of(name) == "poa_global":
+            both = (whole["poa_global"], whole[name])
+            if line := twin_clock(*both, whole.index, limits).line:
+                yield f"timestamps of {name} {line}"
+
+
+def with_answer(hidden, faults, health, usual, test, limits):
+    """
+    The record with the module temperature of the test rows, and the stuck ones.
+
+    Of that answer nothing is known to any rule; what it shows of a sensor is of the
+    test rows alone. Reported counts are of both.
+    """
+    name = "temp_module"
+    own = hidden.only(COLUMNS).having({name: usual[name]})
+    own, answer = alone(own, limits, check_units=False, names=(name,))
+    found, came = np.where(test, own[name], hidden[name]), usual[name]
+    # as it came it needs no room of its own
+    found = came if np.array_equal(found, came, equal_nan=True) else found
+    whole = hidden.having({name: found})
+    came = faults.record.having({name: came})
+    faults = replace(faults.and_in(test, answer), record=came)
+    still = {n: test & rows for n, rows in stuck(own, limits).items()}
+    both = {n: rows | still.get(n, False) for n, rows in health.frozen.items()}
+    if any(rows.any() for rows in both.values()):
+        told = {"stuck": stuck_line(whole, both)}
+        health = replace(health, faults=told | health.faults | told)
+    whole = replace(whole, impossible=faults.impossible)
+    return whole, np.any(list(still.values()), axis=0), faults, health
+
+
+def gaps(record, drivers, wanted):
+    """Rows that do not count for effects because a driver is missing, a line each."""
+    for name in drivers:
+        lacking = int(np.isnan(record[name]).sum())
+        using = [e.name for e in wanted if name in needed_for(e.drivers)]
+        if lacking and using:
+            yield (
+                f"{name} is missing in {lacking:,} rows, which do not count for "
+                f"{', '.join(using)}"
+            )
+
+
+def of_the_zone(index, location):
+    """What to know of hours that are far from those of the sun."""
+    if location is None or index.tz is None:
+        return
+    own = index[0].utcoffset().total_seconds() / 3600.0
+    sun = location.longitude / 15.0
+    if abs((own - sun + 12.0) % 24.0 - 12.0) > FAR_ZONE:
+        yield (
+            f"hours are those of the record's zone, {index.tz}; at longitude "
+            f"{location.longitude:g}° the sun's are {abs(own - sun):.0f} h "
+            f"{'earlier' if own > sun else 'later'}: for local hours give "
+            "data.tz_convert(zone) or --tz"
+        )
+
+
+def told_of(summer, fault=""):
+    """What was made of a file whose clock jumps."""
+    noon = "middle of the daily irradiance against the sun, root mean square"
+    why = because(Reason.ONE_CLOCK, fault=summer.brief, evidence=summer.evidence)
+    if not summer.explained:
+        why = because(Reason.NOT_CORRECTED, fault=fault, remedy=summer.line)
+    values = {"summer": 60.0} if summer.zone else {}
+    values |= {str(day.date()): by / 60.0 for day, by in summer.jumps}
+    check = Check(noon, "", summer.after, summer.before, most=True, unit="min")
+    return Correction(
+        fault=summer.fault,
+        columns=("all",),
+        values=values,
+        stderr={},
+        before=summer.before,
+        after=summer.after,
+        unit="min",
+        because=why,
+        checks=(check,) if summer.explained else (),
+        applied=summer.explained,
+    )
+
+
+def zone_of_the_sun(index, late, location):
+    """The zone in which times fit the sun that is late in theirs, or none."""
+    utc = index if index.tz is not None else standard_time(index, location)
+    own = index.tz_localize(None) - utc.tz_convert("UTC").tz_localize(None)
+    hours = own[0] / pd.Timedelta(hours=1) + late / 3600.0
+    whole = round(hours)
+    if own[0] != own[-1] or abs(hours - whole) > NEAR_HOUR or not -12 <= whole <= 14:
+        return ""
+    return f"Etc/GMT{-whole:+d}"  # this zone's sign is reversed
+
+
+def shifted(fault, late, zone=""):
+    """What was made of a file whose times do not fit the sun: nothing."""
+    fits = f" (the sun fits {zone})" if zone else ""
+    remedy = (
+        f"give the times the zone that they are in{fits}, or set the location right; "
+        "until then no effect that follows the sun is tried"
+    )
+    return Correction(
+        fault="file_shift",
+        columns=("all",),
+        values={"late": late / 60.0},
+        stderr={},
+        before=abs(late) / 60.0,
+        after=abs(late) / 60.0,
+        unit="min",
+        because=because(Reason.NOT_CORRECTED, fault=fault, remedy=remedy),
+        applied=False,
+    )

@@ -1,0 +1,312 @@
+"""Rank absent effects by how much of the residual of a fit they could explain."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
+from scipy.special import fdtrc, stdtrit
+
+from pvlib_fem._fitting.fem_fit import FemFit
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.design import FOLDS, Design
+from pvlib_fem._loop.planes import plane_of_columns, with_given
+from pvlib_fem._loop.ranking_table import Ranking, table_of
+from pvlib_fem._loop.selection import Score, Selection, rows_of, size_seen
+from pvlib_fem._loop.tangents import gather
+from pvlib_fem._record.column_names import (
+    COLUMNS as USUAL,
+    GEOMETRY,
+    numeric,
+    plant_power,
+    usable_drivers,
+    with_aliases,
+)
+from pvlib_fem._record.filters import counted
+from pvlib_fem._record.inputs import as_record, with_columns
+from pvlib_fem.drivers import DERIVED, MODELLED, checked_place, geometry, needed_for
+from pvlib_fem.drivers._mounts import axis_of
+from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._testable_effects import candidates, turning
+from pvlib_fem.quality._screen import screened
+from pvlib_fem.reasons import Because, Reason, because
+
+POWER = 0.8  # chance to see an effect of the minimum detectable size
+LARGEST = 1e3  # standard errors, beyond which no size would be seen
+UNSEEN = 1e-6  # of a column's square: what rounding leaves of it given others
+SEEN = 0.95  # probability from which an effect is there
+TIED = 0.85  # share of its part that another explains, too
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """What one candidate is worth given what a model has."""
+
+    effect: Effect
+    score: Score
+    p_value: float  # for this candidate alone
+    detectable: float  # minimum detectable gain [K]
+    rows: int  # on which its drivers are there
+    ties: tuple
+    note: Because | None
+
+    @property
+    def gain(self):
+        """Root of the fall of the mean square on weeks left out, with its sign. [K]"""
+        return float(np.copysign(np.sqrt(abs(self.score.fall)), self.score.fall))
+
+    def content(self):
+        """The row of the table."""
+        return {
+            "gain": self.gain,
+            "p_value": self.p_value,
+            "coefficients": self.score.coefficients,
+            "stderr": self.score.errors,
+            "physical": self.score.possible,
+            "minimum_detectable": self.detectable,
+            "rows": self.rows,
+            "ties": self.ties,
+            "note": "" if self.note is None else str(self.note),
+        }
+
+
+def ranked(selection, found, given, days, taken=()):
+    """
+    All candidates given what a model has, and those that could not be weighed.
+
+    Parameters
+    ----------
+    selection : Selection
+    found : Evidence
+    given : sequence
+        Columns given which each is weighed.
+    days : int
+        That count.
+    taken : sequence of str
+        Effects that the model has.
+
+    Returns
+    -------
+    dict of Row, dict of Because
+    """
+    design, rows, failed = selection.design, {}, dict(found.failed)
+    there = []
+    for one in selection.candidates(given, taken):
+        squares = design.whole([*given, *one.columns])
+        size = len(one.columns)
+        own = np.diag(squares)[-size:]
+        beside = beyond(squares, size)
+        if not (own > 0).all():
+            failed[one.name] = because(Reason.ADDS_NOTHING)
+        elif (beside < UNSEEN * own).any():
+            failed[one.name] = because(Reason.COLLINEAR)
+        else:
+            there.append((one, beside / design.count))
+    names = {one.name for one, _ in there}
+    for effect in design.changing:
+        if effect.name not in names and effect.name not in {*taken}:
+            failed.setdefault(effect.name, because(Reason.NO_DATE))
+    tied = [one for one, _ in there]
+    for one, beside in there:
+        score = selection.score(one, given)
+        size = len(score.estimate)
+        null = score.null + np.diag(np.diag(score.null)) * 1e-9
+        statistic = score.seen @ np.linalg.solve(null, score.seen)
+        scale = design.scales(one.columns)
+        errors = np.sqrt(np.diag(null)) * scale * np.sqrt(beside)
+        detectable = needed(one, design, score) * float(errors.max())
+        rows[one.name] = Row(
+            one.effect,
+            score,
+            float(fdtrc(size, score.freedom, max(statistic / size, 0.0))),
+            float(detectable),
+            found.known.get(one.name, len(found.rows)),
+            ties(selection, one, tied, given, score),
+            hindrance(one.effect, score, found, days, selection.criteria.enough_days),
+        )
+    return rows, failed
+
+
+def beyond(squares, size):
+    """Squares of the last columns given the others."""
+    inner, cross = squares[1:-size, 1:-size], squares[1:-size, -size:]
+    scale = np.sqrt(np.diag(inner)) + 1e-30
+    normal = inner / np.outer(scale, scale) + 1e-10 * np.eye(len(scale))
+    taken = cross / scale[:, None]
+    return np.diag(squares)[-size:] - (taken * np.linalg.solve(normal, taken)).sum(0)
+
+
+def needed(one, design, score):
+    """Standard errors that its size needs to be seen, with the stated power."""
+    rows = list(rows_of(one, design))
+    way = np.sqrt(np.diag(score.null) / len(rows))
+    least = size_seen(one, rows, way, score.null, score.freedom, SEEN)
+    return min(least, LARGEST) + float(stdtrit(score.freedom, POWER))
+
+
+def ties(selection, one, others, given, score):
+    """Other candidates that explain as much, given which it has little left."""
+    least = selection.criteria.hint_gain**2
+    own = selection.in_sample(one, given)
+    if not score.possible or own < least or score.probability < SEEN:
+        return ()
+    found = []
+    for other in others:
+        if other.name == one.name:
+            continue
+        if selection.in_sample(other, given) < TIED * own:
+            continue
+        shared = selection.alike(one, other, given)
+        if shared >= TIED and selection.score(other, given).possible:
+            found.append(other.name)
+    return tuple(found)
+
+
+def hindrance(effect, score, found, days, least):
+    """What stands in the way of a candidate, if anything does."""
+    if not score.possible and score.fall > 0:
+        there = {key.split(".")[0] for key in found.base}
+        if effect.confounder or there & {*effect.confused_with}:
+            return because(Reason.ANOTHER_CONFOUNDER)
+        if "p_dc_per_area" in effect.drivers:  # power measures irradiance, too
+            return because(Reason.SUSPECT_IRRADIANCE)
+        return because(Reason.SUSPECT_SENSOR)
+    if days < least:
+        return because(Reason.TOO_SHORT, days=days, least=least)
+    if "source" in effect.settings:
+        return because(Reason.SOURCE, source=effect.settings["source"])
+    return None
+
+
+def refuse_missing(effects, columns, refused):
+    """Refuse a record without a column that an effect of a fit needs."""
+    for effect in effects:
+        for name in needed_for(effect.drivers):
+            if name in columns:
+                continue
+            if name in GEOMETRY:
+                remedy = "give location, surface_tilt and surface_azimuth"
+            else:
+                remedy = "give it, or rank a fit without the effect"
+            why = f" ({refused[name]})" if name in refused else ""
+            raise ValueError(
+                f"{effect.name} of the fit needs {name}, which is not in the "
+                f"record{why}; {remedy}"
+            )
+
+
+def rank_effects(
+    fit: FemFit,
+    data: pd.DataFrame,
+    effects: EffectLike | Iterable[EffectLike] | None = None,
+    criteria: Criteria | None = None,
+    location: Location | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
+    mount: AbstractMount | None = None,
+) -> pd.DataFrame:
+    """
+    Rank absent effects by what each would explain on days it has not seen.
+
+    Every effect enters as the tangent of the fitted model, conditional on the
+    tangents of all fitted coefficients and on what any misshapen steady model leaves
+    (curvature, a slower mass, a late record), so that none is credited with
+    repairing those. Gains are measured on weeks left out in turn.
+
+    This ranks; it names no cause. Effects that follow the same columns share
+    their gain, and what no effect here can explain is not looked for.
+
+    Parameters
+    ----------
+    fit : FemFit
+    data : DataFrame
+        The record in pvlib's names (``poa_global``, ``temp_air``, ``wind_speed``,
+        ``temp_module``) with what else was measured, such as ``wind_direction``
+        [° from north], ``p_dc_per_area`` [W per m² of module],
+        ``longwave_down`` [W/m²], ``precipitation`` [mm/h]. Every other numeric column
+        that varies is a candidate of its own, ``driver:<column>``.
+    effects : str, Effect, or sequence of these, optional
+        Candidates; by default all, and those columns.
+    criteria : Criteria, optional
+        Thresholds other than the usual.
+    location : pvlib.location.Location, optional
+        With the two angles it adds the effects that follow the sun, as in
+        :func:`close_loop`.
+    surface_tilt, surface_azimuth : float or Series, optional
+        Of the module, from horizontal and from north; of one that moves Series, or
+        columns of ``data``. [°]
+    mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
+        A tracker, instead of the two angles.
+
+    Returns
+    -------
+    DataFrame
+        A row for each absent effect, best first, those with an impossible
+        coefficient after the others:
+
+        ``gain``: what it takes off the held-out daytime error, the root of the
+        fall of its mean square, negative for a rise [K];
+        ``p_value``: chance that as much of it shows where it is not, by the
+        spread between weeks, for this candidate alone;
+        ``coefficients``, ``stderr``: dicts of what it would take;
+        ``physical``: whether those are within the effect's bounds, as far as
+        their errors let say;
+        ``minimum_detectable``: the smallest gain that this record would have
+        shown in four of five cases [K];
+        ``rows``: on which its drivers are there;
+        ``ties``: other candidates that explain as much, given which it has
+        nothing left to explain: the record cannot tell them apart;
+        ``note``: what stands in the way.
+
+        ``attrs["notes"]`` say which values were not measured and are not used.
+
+    Raises
+    ------
+    ValueError
+        If a column is missing or unusable, one that an effect of the fit needs among
+        them, or the place is none.
+    """
+    place = checked_place(location, surface_tilt, surface_azimuth, mount)
+    criteria = criteria or Criteria()
+    data, place = plane_of_columns(*with_given(data, place))
+    columns = with_aliases(data, (*fit.thermal_model.usual, "temp_module"))
+    usual = as_record(*(columns.pop(name, None) for name in USUAL))
+    usual = with_columns(usual, numeric(columns))
+    record, faults = screened(usual, criteria.limits, check_units=False)
+    taken = (*DERIVED, *MODELLED)
+    drivers, refused = usable_drivers(columns, record, criteria.max_missing, taken)
+    drivers |= plant_power(record, criteria.max_missing)
+    there = {effect.name for effect in fit.effects}
+    sun = geometry(record.index, **place)
+    known = {**drivers, **sun}
+    testable, notes = candidates(known, refused, effects, there, record.absent)
+    testable, fixed_plane = turning(testable, axis_of(place))
+    notes |= fixed_plane
+    model = fit.thermal_model
+    record = with_columns(record.only([*USUAL, *drivers]), sun)
+    refuse_missing(fit.effects, record.inputs.columns, refused)
+    seen = counted(record.inputs.columns, fit.night)
+    seen &= record.known(model.drivers)
+    rows = {name: {"note": str(why)} for name, why in notes.items()}
+    days = len(np.unique(record.dates[seen]))
+    if days < FOLDS:
+        few = str(because(Reason.FEW_DAYS, days=days, least=FOLDS))
+        rows |= {effect.name: {"note": few} for effect in testable}
+    else:
+        coefficients = {**model.steady_model.fixed, **fit.coefficients}
+        how = (fit.at_bound, criteria.hint_gain)
+        found = gather(model, coefficients, record, seen, testable, *how)
+        design = Design.of(found, record, drivers=drivers)
+        selection = Selection(design, criteria)
+        weighed, failed = ranked(selection, found, [*design.base], days)
+        rows |= {name: {"note": str(why)} for name, why in failed.items()}
+        rows |= {name: row.content() for name, row in weighed.items()}
+    table = table_of(rows)
+    order = pd.DataFrame({"no": table["physical"].ne(True), "loss": -table["gain"]})
+    order = order.sort_values(["no", "loss"], kind="stable").index
+    ranking = Ranking(table.loc[order].rename_axis("effect"))
+    ranking.attrs["notes"] = faults.notes
+    return ranking

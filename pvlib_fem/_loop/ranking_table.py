@@ -1,0 +1,109 @@
+"""The ranking of effects as a table that prints whole."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.column_names import printable
+from pvlib_fem._report.document import fragment, number, table, with_error
+
+COLUMNS = [
+    "gain",
+    "p_value",
+    "coefficients",
+    "stderr",
+    "physical",
+    "minimum_detectable",
+    "rows",
+    "ties",
+    "note",
+]
+HEAD = ("effect", "#gain [K]", "#seen from [K]", "#chance", "what it would take", "")
+
+
+class Ranking(pd.DataFrame):
+    """A DataFrame of the columns above that prints all it says, whatever its width."""
+
+    @property
+    def _constructor(self):
+        return pd.DataFrame
+
+    def lines(self):
+        """Cells of the printed table, a row for each effect."""
+        for name, row in self.iterrows():
+            ties = row["ties"] if isinstance(row["ties"], tuple) else ()
+            words = [f"or {' or '.join(ties)}"] if ties else []
+            if isinstance(row["note"], str) and row["note"]:
+                words.append(row["note"])
+            chance = row["p_value"]
+            yield (
+                str(name),
+                number(row["gain"]),
+                number(row["minimum_detectable"]),
+                f"{chance:.1g}" if np.isfinite(chance) else "–",
+                coefficients(name, row["coefficients"], row["stderr"]),
+                "; ".join(words),
+            )
+
+    def __repr__(self):
+        if list(self.columns) != COLUMNS:
+            return pd.DataFrame.__repr__(self)
+        head = [name.removeprefix("#") for name in HEAD]
+        rows = [head, *([printable(cell) for cell in row] for row in self.lines())]
+        wide = [max(map(len, column)) for column in zip(*rows)]
+        right = [name.startswith("#") for name in HEAD]
+        return "\n".join(
+            "  ".join(
+                cell.rjust(size) if to_right else cell.ljust(size)
+                for cell, size, to_right in zip(row, wide, right)
+            ).rstrip()
+            for row in rows
+        )
+
+    def _repr_html_(self):
+        if list(self.columns) != COLUMNS:
+            return pd.DataFrame._repr_html_(self)
+        return fragment([table(HEAD, self.lines())])
+
+
+def coefficients(effect, values, errors):
+    """Coefficients of an effect in one line."""
+    if not isinstance(values, dict):
+        return ""
+    return ", ".join(
+        f"{name.removeprefix(f'{effect}.')} {with_error(value, errors[name])}"
+        for name, value in values.items()
+    )
+
+
+def table_of(rows):
+    """The ranking of dicts by effect, in their order."""
+    frame = pd.DataFrame.from_dict(rows, orient="index")
+    return Ranking(frame.reindex(index=list(rows), columns=COLUMNS))
+
+
+def ranking_rows(ranking):
+    """The ranking for a file, without what is not known."""
+    return {
+        name: {
+            key: value
+            for key, value in row.items()
+            if not (isinstance(value, float) and np.isnan(value))
+        }
+        for name, row in ranking.to_dict(orient="index").items()
+    }
+
+
+def ranking_from(stored):
+    """The ranking of a part of a file."""
+    rows = {}
+    for name in stored.content:
+        row = stored.part(name)
+        known = dict(row.content)
+        for key in {*known} & {"gain", "p_value", "minimum_detectable"}:
+            known[key] = row.number(key, unknown=True)
+        for key in {*known} & {"coefficients", "stderr"}:
+            known[key] = row.numbers(key, unknown=True)
+        if "ties" in known:
+            known["ties"] = tuple(known["ties"])
+        rows[name] = known
+    return table_of(rows)

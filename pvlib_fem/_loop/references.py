@@ -1,0 +1,441 @@
+"""
+What is compared with an instrument: power, second sensors, a clear sky, usual wind.
+
+If the instrument has changed and not the quantity, the two deviate along the same
+course; where the change is elsewhere, they do not.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
+from pvlib_fem._loop.noise import density
+from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem._statistics.clusters import WEEK, cluster_sums
+from pvlib_fem.drivers import completed
+from pvlib_fem.drivers._mounts import angles_at
+from pvlib_fem.effects._time_profiles import course_of, is_dated, is_drift, weights_of
+from pvlib_fem.quality._clearsky import clear_sky
+
+BRIGHT = 200.0  # W/m², above which light is compared
+BREEZE = 1.0  # m/s, above which wind is
+GAMMA = -0.004  # 1/K, of power: crystalline silicon, as PVWatts has it
+SLACK = 0.15  # of what is expected: a thermal coefficient is no better than that
+FADES = 0.005  # of power by a module that ages; up to twice as much, or none [1/year]
+HALF = 0.5  # of what is expected: less is nearer to nothing
+SURE = 2.0  # standard errors
+FEWEST_DAYS = 40  # on which both are there
+FEWEST_CLEAR = 20  # clear days, since most of the noise is in the others
+MONTH = 4 * WEEK  # days that are one draw of the weather
+YEAR = 365.25  # days, over which weather forgets what it was
+NEIGHBOURS = 4  # compared days before and after one that may be as it is
+OUTLIER = 4.0  # interquartile ranges from the median: snow, a fault, clipped power
+HAZE = 0.02  # of a clear sky's light, from year to year: aerosol and water [-]
+WINDINESS = 0.1  # of the mean wind, from season to season and from year to year [-]
+WORTH = 0.05  # probability from which what a reference says of a member is reported
+ODD = 0.05  # probability that a reference shows something else than any candidate
+SKY, USUAL_WIND = "clear sky", "usual wind"  # no names of columns
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How something is compared with an instrument, and what a change would show."""
+
+    serves: Callable  # whether what has that name can be so compared
+    rows: Callable  # record to the rows that are compared
+    parts: Callable  # record and the column to two columns, whose sums are compared
+    differ: Callable  # daily sums to the deviation of the two
+    shows: dict  # channel: its change and the fit's coefficients to what is shown
+    unit: str = "-"
+    ages: bool = False  # whether it fades by itself
+    wanders: float = 0.0  # by how much it differs from year to year by itself
+    fewest: int = FEWEST_DAYS
+    module: bool = False  # whether the module's temperature is in it
+
+
+def always(record):
+    return np.ones(len(record.index), dtype=bool)
+
+
+def bright(record):
+    return record["poa_global"] > BRIGHT
+
+
+def dark(record):
+    return record["poa_global"] <= 0.0
+
+
+def windy(record):
+    return record["wind_speed"] > BREEZE
+
+
+def called(name):
+    """Whether something is that one."""
+    return lambda other: other == name
+
+
+def twin(usual):
+    """Whether a column is a second sensor of that one."""
+    return lambda name: twin_of(name) == usual
+
+
+def beside(usual):
+    """The column itself, and the usual one."""
+    return lambda record, values: (values, record[usual])
+
+
+def power(record, values):
+    """Power at 25 °C, and the irradiance."""
+    return values / (1.0 + GAMMA * (record["temp_module"] - 25.0)), record["poa_global"]
+
+
+def warmer(record, values):
+    """How much warmer its air is."""
+    return values - record["temp_air"], np.ones(len(values))
+
+
+def warmed(record, values):
+    """The deviation for each 1000 W/m²."""
+    return values - record["temp_air"], record["poa_global"] / 1000.0
+
+
+def over(record, values):
+    """Over-temperatures of both sensors."""
+    return values - record["temp_air"], record["temp_module"] - record["temp_air"]
+
+
+def apart_from(record, values):
+    """How much more the other sensor of the module reads."""
+    return values - record["temp_module"], np.ones(len(values))
+
+
+def logs(one, other):
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.log(one / other)
+
+
+def of_wind(change, coefficients):
+    """The share that wind is read less, where each m/s of it has so much more loss."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.log1p(change / coefficients.get("u1", np.inf))
+
+
+LIGHT = {"sensitivity": lambda change, _: np.log1p(change)}
+#: modules in another plane than the sensor, whose own light is as it should be
+STUCK = {"tracker_stuck": lambda change, _: np.log1p(change)}
+WIND = {"wind_gain": of_wind}
+AIR = {"air_offset": lambda change, _: change}
+SHELTER = {"air_shelter": lambda change, _: -change}
+CONTACT = {"contact": lambda change, _: -np.log1p(change)}
+OFFSET = {"module_offset": lambda change, _: -change}
+
+COMPARISONS = (
+    Comparison(is_power, bright, power, logs, LIGHT | STUCK, ages=True, module=True),
+    Comparison(
+        called(SKY),
+        bright,
+        beside("poa_global"),
+        logs,
+        LIGHT,
+        wanders=HAZE,
+        fewest=FEWEST_CLEAR,
+    ),
+    Comparison(
+        called(USUAL_WIND),
+        always,
+        beside("wind_speed"),
+        logs,
+        WIND,
+        wanders=WINDINESS,
+    ),
+    Comparison(twin("poa_global"), bright, beside("poa_global"), logs, LIGHT),
+    Comparison(twin("wind_speed"), windy, beside("wind_speed"), logs, WIND),
+    Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, "K"),
+    Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, "K"),
+    Comparison(twin("temp_module"), bright, over, logs, CONTACT, module=True),
+    Comparison(
+        twin("temp_module"), dark, apart_from, np.divide, OFFSET, "K", module=True
+    ),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class DailyDeviation:
+    """Daily deviation of two columns."""
+
+    comparison: Comparison
+    column: str
+    days: np.ndarray  # since 1970-01-01
+    apart: np.ndarray
+    light: Callable | None = None  # of an effect of a size, more light on the modules
+
+    @cached_property
+    def usual(self):
+        """Daily columns of usual variation."""
+        return [np.ones(len(self.days)), *self.year()]
+
+    def along(self, weights, values=None, beside=()):
+        """The change along a time profile given others, its error, and the residual."""
+        values = self.apart if values is None else values
+        columns = [*self.usual, *beside, weights]
+        sums = cluster_sums(columns, values, self.days)
+        sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
+        kept = list(range(len(columns)))
+        found = sums.solve(kept) / sums.scale
+        variance = sums.covariance(kept)[-1, -1] / sums.scale[-1] ** 2
+        table = np.column_stack(columns)
+        error = np.sqrt(variance + self.wandering(table))
+        left = values - table @ found
+        return float(found[-1]), float(error), left
+
+    def wandering(self, table):
+        """Variance of the last coefficient by what differs from year to year."""
+        if not (size := self.comparison.wanders):
+            return 0.0
+        months, place = np.unique(self.days // MONTH, return_inverse=True)
+        share = np.bincount(place, np.linalg.pinv(table)[-1])
+        apart = MONTH * np.abs(np.subtract.outer(months, months))
+        return size**2 * (share @ np.exp(-apart / YEAR) @ share)
+
+    def year(self):
+        """What comes back with the year, of records that are long enough."""
+        years, least = np.ptp(self.days) / YEAR, self.comparison.wanders > 0
+        angle = 2.0 * np.pi * self.days / YEAR
+        for harmonic in range(1, 1 + min(max(int(years), least), 2)):
+            yield np.cos(harmonic * angle)
+            yield np.sin(harmonic * angle)
+
+    def profiles(self, effects):
+        """Log-likelihood of each time profile compared with the best of them."""
+        channels = {}
+        for effect in effects:
+            channels.setdefault(effect.channel, []).append(effect)
+        for same in channels.values():
+            left = {}
+            for effect in same:
+                weights = weights_of(effect, self.days)
+                if np.ptp(weights) > 0:
+                    left[effect.name] = self.along(weights)[2]
+            squares = {name: float(rest @ rest) for name, rest in left.items()}
+            if len(squares) < 2:
+                continue
+            best = min(squares, key=squares.get)
+            draws = 0.5 * independent(left[best], self.days // MONTH)
+            for name, square in squares.items():
+                yield name, draws * float(np.log(squares[best] / square))
+
+    def asked(self, choice):
+        """Members of a choice of which it would show something."""
+        members = choice.members.items()
+        return [n for n, m in members if kind(m.effect) in self.comparison.shows]
+
+    def shown(self, choice, first, names, coefficients):
+        """
+        Its deviation along the profile of an effect, and what members would make it.
+
+        With its error, and by how much it ages by itself; None where it tells nothing.
+        """
+        weights = weights_of(first, self.days)
+        if not names or not np.ptp(weights) > 0:
+            return None
+        size, error, left = self.along(weights)
+        if not first.channel:  # of days or weeks, which are less than a draw of months
+            error = by_accident(weights > 0.0, left)
+        expected = {
+            name: self.expected(
+                choice.members[name].effect,
+                float(choice.scores[name].estimate[0]),
+                weights,
+                coefficients,
+            )
+            for name in names
+        }
+        aged = FADES if self.comparison.ages and is_drift(first) else 0.0
+        return size, error, expected, aged
+
+    def expected(self, effect, size, along, coefficients):
+        """What a change of that size would have it show along a course."""
+        shows = self.comparison.shows.get(kind(effect))
+        if shows is None:
+            return 0.0
+        if effect.channel:
+            change = size * weights_of(effect, self.days)
+        else:
+            change = self.light(effect, size)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            shown = shows(change, coefficients)
+        return self.along(along, shown)[0] if np.isfinite(shown).all() else 0.0
+
+
+def by_accident(there, left):
+    """Root mean square of what is left on as many other days in a row."""
+    first, length = int(np.argmax(there)), int(there.sum())
+    sums = np.append(0.0, np.cumsum(left))
+    means = (sums[length:] - sums[:-length]) / length
+    begins = np.arange(len(means))
+    others = means[(begins + length <= first) | (begins >= first + length)]
+    return float(np.sqrt(np.mean(others**2))) if len(others) else np.inf
+
+
+def independent(values, months):
+    """Number of months less what each remembers of the one before."""
+    _, place = np.unique(months, return_inverse=True)
+    means = np.bincount(place, values) / np.bincount(place)
+    memory = 0.0
+    if len(means) > 3 and np.ptp(means) > 0:
+        memory = max(float(np.corrcoef(means[1:], means[:-1])[0, 1]), 0.0)
+    return len(means) * (1.0 - memory) / (1.0 + memory)
+
+
+def opinion_of(size, expected, error):
+    """Whether a size is nearer to what is expected than to nothing, if that is sure."""
+    if expected == 0.0:
+        return CheckOutcome.CANNOT_TELL
+    beyond = (size - HALF * expected) / expected
+    sure = SURE * np.hypot(error, HALF * SLACK * expected) / abs(expected)
+    if beyond > sure:
+        return CheckOutcome.AGREES
+    return CheckOutcome.CONTRADICTS if beyond < -sure else CheckOutcome.CANNOT_TELL
+
+
+def heard_of(case):
+    """All that is compared with instruments, by name: columns, sky and weather."""
+    record = case.record
+    found = {name: record[name] for name in case.witnesses}
+    if "wind_speed" not in record.absent:
+        found[USUAL_WIND] = np.ones(len(record.index))
+    if case.place["location"] is not None:
+        angles = angles_at(record.index, case.place, case.late)
+        how = (record.index, case.place["location"], angles, case.late)
+        found[SKY] = clear_sky(record["poa_global"], *how)
+    return found
+
+
+def apart(case):
+    """All comparisons that some rows of a record allow."""
+    columns = heard_of(case)
+    return [
+        one
+        for comparison in COMPARISONS
+        for name in filter(comparison.serves, columns)
+        if (one := compared(comparison, case, name, columns[name])) is not None
+    ]
+
+
+def compared(comparison, case, name, values, near=None):
+    """One comparison, on days that are ``near`` the others, or None."""
+    record = case.record
+    one, other = comparison.parts(record, values)
+    kept = comparison.rows(record) & np.isfinite(one + other)
+    if comparison.module:  # whose other weeks are for choosing and for the test
+        kept &= case.searched
+    days, place = np.unique(record.dates[kept], return_inverse=True)
+    if len(days) < comparison.fewest:
+        return None
+    sums = (np.bincount(place, column[kept]) for column in (one, other))
+    found = comparison.differ(*sums)
+    near = (near or usual)(found)
+    if near.sum() < comparison.fewest:
+        return None
+
+    def light(effect, size):
+        columns = completed(record.inputs, effect.drivers).columns
+        heat = effect.at(columns, dict.fromkeys(effect.rows(), size)).heat
+        more, whole = (
+            np.bincount(place, np.nan_to_num(column[kept]))
+            for column in (heat, record["poa_global"])
+        )
+        return (more / np.maximum(whole, 1e-9))[near]
+
+    return DailyDeviation(comparison, name, days[near], found[near], light)
+
+
+def kind(effect):
+    """What a comparison knows an effect by."""
+    return effect.channel or effect.name
+
+
+def usual(values):
+    """
+    Days that are near most others, or near those around them.
+
+    What changes for a while stays, however sharp the comparison is, and snow, whose
+    days differ from each other, goes.
+    """
+    known = np.isfinite(values)
+    if known.sum() <= NEIGHBOURS:
+        return np.zeros(len(values), dtype=bool)
+    there = values[known]
+    low, middle, high = np.quantile(there, [0.25, 0.5, 0.75])
+    near = sliding_window_view(
+        np.pad(there, NEIGHBOURS, mode="reflect"), 2 * NEIGHBOURS + 1
+    )
+    around = np.median(np.delete(near, NEIGHBOURS, axis=1), axis=1)
+    away = np.minimum(np.abs(there - middle), np.abs(there - around))
+    kept = known.copy()
+    kept[known] = away <= OUTLIER * max(high - low, 1e-9)
+    return kept
+
+
+def said(references, choice, coefficients):
+    """
+    Log-likelihoods of the members of a choice, and of a cause outside, by references.
+
+    How far a reference deviates along the time profile of the best member is compared
+    with what each member would have it show; a cause that is in no instrument shows
+    nothing. Time profiles of one instrument are compared by what each leaves of the
+    reference.
+
+    Parameters
+    ----------
+    references : sequence of Apart
+    choice : Choice
+    coefficients : dict
+        Of the fitted model.
+    """
+    top = choice.top.effect
+    logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
+    for one in references if is_dated(top) else ():
+        asked = one.asked(choice)
+        shown = one.shown(choice, top, asked, coefficients)
+        if shown is None:
+            continue
+        for name, worse in one.profiles([choice.members[n].effect for n in asked]):
+            logs[name] += worse
+        size, error, expected, aged = shown
+        expected = dict.fromkeys(logs, 0.0) | expected
+        broad = np.hypot(max(abs(value) for value in expected.values()), error)
+        for name, value in expected.items():
+            own = np.sqrt(error**2 + (SLACK * value) ** 2 + aged**2)
+            likely = density(size - value + aged, own)
+            likely = (1.0 - ODD) * likely + ODD * density(size, broad)
+            logs[name] += float(np.log(likely))
+    return logs
+
+
+def heard(references, choice, first, coefficients):
+    """What each reference shows along the time profile of the first, by instrument."""
+    found = []
+    for one in references if is_dated(first) else ():
+        alike = [
+            name
+            for name in one.asked(choice)
+            if course_of(choice.members[name].effect) == course_of(first)
+            and max(choice.probabilities[name], choice.weights[name]) >= WORTH
+        ]
+        shown = one.shown(choice, first, alike, coefficients) if alike else None
+        if shown is None:
+            continue
+        size, error, expected, aged = shown
+        unit = one.comparison.unit + ("/year" if is_drift(first) else "")
+        for name in alike:
+            value = expected[name] - aged
+            opinion = opinion_of(size, value, float(np.hypot(error, aged / SURE)))
+            found.append(
+                CrossCheck(one.column, name, size, error, value, opinion, unit)
+            )
+    return tuple(found)

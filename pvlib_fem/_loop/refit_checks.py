@@ -1,0 +1,81 @@
+"""Checks of a refit: bounds, certainty, and errors that must not rise."""
+
+import numpy as np
+
+from pvlib_fem._findings import Check
+from pvlib_fem._statistics.clusters import FEWEST_CLUSTERS, calendar_weeks
+from pvlib_fem.reasons import Reason, because
+
+ERRORS = "standard errors"
+SURE = 3.0  # of them, that a coefficient has to be from nothing on the own steps
+RISE = 1.0  # of them, by which an error may rise
+
+
+def bounds(names, step):
+    """The check that none of some coefficients is at a bound, and why it fails."""
+    bound = sorted({*names} & {*step.at_bound})
+    return (
+        Check("coefficients at a bound", "", len(bound), 0, most=True),
+        because(Reason.AT_BOUND, coefficient=", ".join(bound)),
+    )
+
+
+def sureness(finding, values, stderr):
+    """The check that its surest coefficient is not nothing, and why it fails."""
+    sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
+    name = max(sizes, key=sizes.get)
+    size, least = sizes[name], SURE
+    return (
+        Check("distance from nothing", "", size, least, unit=ERRORS),
+        because(
+            Reason.UNSURE, coefficient=name, value=values[name], error=stderr[name]
+        ),
+    )
+
+
+def distance(value, error):
+    """Standard errors from nothing; without an error, or held, it is no doubt."""
+    return abs(value) / error if error > 0 else np.inf
+
+
+def rise_check(errors, rise):
+    """The check that no error rises, and why it fails."""
+    name, most = "rise of the error", RISE
+    return (
+        Check(name, "", errors, most, most=True, unit=ERRORS),
+        because(Reason.CONTRADICTED, rise=rise, errors=errors),
+    )
+
+
+def rise(case, before, after):
+    """By how much the error rises from one step to another: :func:`rise_of`."""
+    rows = case.fitting & np.isfinite(before.temperature + after.temperature)
+    rows &= np.isfinite(before.measured + after.measured)  # a clock's ends have none
+    squares = (
+        (step.measured[rows] - step.temperature[rows]) ** 2 for step in (before, after)
+    )
+    return rise_of(*squares, np.ones(rows.sum()), case.whole.dates[rows])
+
+
+def rise_of(before, after, rows, dates):
+    """
+    The rise of a mean square, from sums of squares over some rows of some dates each.
+
+    In standard errors, from the spread between weeks, or days where there are few
+    weeks; and the rise of the error in K. NaN without rows.
+    """
+    if not len(rows):
+        return np.nan, np.nan
+    rise = np.sqrt(after.sum() / rows.sum()) - np.sqrt(before.sum() / rows.sum())
+    clusters = np.unique(calendar_weeks(dates), return_inverse=True)[1]
+    if clusters.max() + 1 < FEWEST_CLUSTERS:
+        clusters = np.unique(dates, return_inverse=True)[1]
+    change = np.bincount(clusters, after - before)
+    size = np.bincount(clusters, rows)
+    mean = change.sum() / size.sum()
+    count = len(size)
+    if count < 2:
+        return np.inf * np.sign(mean), float(rise)
+    spread = np.sqrt(((change - mean * size) ** 2).sum() * count / (count - 1))
+    errors = mean * size.sum() / spread if spread > 0 else np.sign(mean) * np.inf
+    return float(errors) if mean else 0.0, float(rise)

@@ -1,0 +1,237 @@
+"""The fits of a case, one step after the other, and what each leaves."""
+
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from pvlib_fem import scores
+from pvlib_fem._fitting.daily import DailySums, errors
+from pvlib_fem._fitting.fit_stages import minimise
+from pvlib_fem._fitting.row_source import Rows, daily_sums
+from pvlib_fem._fitting.search import natural, possible, tables
+from pvlib_fem._loop.divided_record import BASES, Case
+from pvlib_fem._loop.tangents import gather
+from pvlib_fem._spelling import FIXED, refusal
+from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
+from pvlib_fem._thermal.model import MEMORY, ThermalModel
+from pvlib_fem.drivers import MODELLED, behind, completed, is_modelled
+
+ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
+FROZEN = MappingProxyType({})
+MEMORIES = {*MEMORY["ewm"], *MEMORY["balance"]}
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A fitted model, and what it says of every row."""
+
+    model: ThermalModel
+    coefficients: dict
+    searched: dict
+    coarse: dict  # where the search ended on coarse steps
+    at_bound: tuple
+    converged: bool
+    temperature: np.ndarray  # NaN where a driver is missing
+    measured: np.ndarray
+    daily: DailySums | None = None  # of the fitted rows, where effects were fitted
+
+    def as_base(self):
+        """The step by which effects know the temperature of the module."""
+        return replace(self, model=replace(self.model, base=self.coefficients))
+
+    def error(self, rows):
+        return scores.rmse(self.measured[rows], self.temperature[rows])
+
+
+@dataclass(eq=False)
+class Fits:
+    """Fits to one case, which share its drivers and the tables of its effects."""
+
+    case: Case
+    ready: dict = field(default_factory=dict)  # what is prepared, by record
+
+    def bases(self, steady_model):
+        """Fits without any effect, by name."""
+        case, step, steps = self.case, None, {}
+        rows = min(int(case.searched.sum()), int(case.fitting.sum()))
+        least = len(ThermalModel(steady_model, "balance").parameters)
+        if rows <= least:
+            held = f"{int(case.test.sum()):,} rows that count are test rows"
+            raise ValueError(
+                f"the loop needs more than {least} fitting rows that count and has "
+                f"{rows}: {'; '.join([held, *case.notes])}; give a longer record, or "
+                "another holdout"
+            )
+        check_held(steady_model, case)
+        for name, dynamics in BASES.items():
+            model = ThermalModel(steady_model, dynamics, held=case.fixed)
+            step = self.fitted(model, step, biased=name != "steady")
+            steps[name] = step
+        return steps
+
+    def better(self, steps):
+        """The better dynamics, on fitting weeks left out in turn, to first order."""
+        names = ["fem", "balance"]
+        # a memory that is held leaves no choice
+        if memory := MEMORIES & {*self.case.fixed}:
+            names = [n for n in names if memory <= {*MEMORY[BASES[n]]}]
+        if self.case.divisible:
+            left = {n: self.left(steps[n]) for n in names}
+        else:
+            left = {n: steps[n].error(self.case.fitting) for n in names}
+        return min(left, key=left.get)
+
+    def fitted(self, model, before=None, start=FROZEN, biased=True, whole=True):
+        """
+        One step: least squares over the fitting rows, the coarse ones first.
+
+        What short steps change of a coarse minimum is nearly the same in the step
+        ``before``: it is where their fit begins, and without ``whole`` it is taken
+        as it is.
+        """
+        case = self.case
+        table = {name: row.start for name, row in model.parameters.items()}
+        at = {**table, **(before.coarse if before else {})}
+        record, tabled = self.prepared(case.record, model)
+        rows = case.searched & record.known(model.drivers)
+        # a tangent may lead where there is no temperature
+        tried = tabled.temperature(record.inputs, natural(model, {**at, **start})[0])
+        if np.isfinite(tried[rows]).all():
+            at = {**at, **start}
+        minimum, at = minimise(tabled, Rows(record, rows), at, biased, ROUGH)
+        coarse, source = at, None
+        if case.record is not case.whole:
+            if before:
+                change = {n: v - before.coarse[n] for n, v in before.searched.items()}
+                at = {n: v + change.get(n, 0.0) for n, v in at.items()}
+            record, tabled = self.prepared(case.whole, model)
+            if whole:
+                rows = case.fitting & record.known(model.drivers)
+                source = Rows(record, rows)
+                minimum, at = minimise(tabled, source, at, biased, CLOSE)
+        names = model.free[: len(minimum.x)]
+        bound = tuple(n for n, there in zip(names, minimum.at_bound) if there)
+        coefficients, daily = natural(model, at)[0], None
+        if source is not None and model.effects:
+            # of which all is at hand, and may be let go
+            temperature = np.empty(len(record.index))
+            daily = daily_sums(tabled, coefficients, source, bound, temperature)
+        else:
+            temperature = tabled.temperature(record.inputs, coefficients)
+        known = record.known(model.drivers)
+        return Step(
+            model,
+            coefficients,
+            at,
+            coarse,
+            bound,
+            minimum.converged,
+            temperature if known.all() else np.where(known, temperature, np.nan),
+            case.whole["temp_module"],
+            daily,
+        )
+
+    def daily(self, step):
+        """Daily sums of a step's fitted rows, on the record's own steps."""
+        if step.daily is not None:
+            return step.daily
+        return self.sums(step, step.coefficients, self.case.whole, self.case.fitting)
+
+    def errors(self, step):
+        """Standard errors of a step's coefficients, from daily sums on coarse steps."""
+        found = natural(step.model, step.coarse)[0]
+        daily = self.sums(step, found, self.case.record, self.case.searched)
+        return errors(step.model, daily, step.at_bound, [])
+
+    def left(self, step):
+        """Mean square that a step leaves on fitting weeks left out in turn. [K²]"""
+        case = self.case
+        sums = self.sums(step, step.coefficients, case.record, case.searched).sums
+        folds = days_of_folds(sums.dates, FOLDS)
+        return replace(sums, folds=folds).cross_validated(range(len(sums.scale)))
+
+    def sums(self, step, coefficients, record, counts):
+        """Daily sums of the rows of a record that count and that a step knows."""
+        record, tabled = self.prepared(record, step.model)
+        rows = counts & record.known(step.model.drivers)
+        return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
+
+    def prepared(self, record, model):
+        """A record with what a model needs, and the model's effects as tables."""
+        case = self.case
+        place = "coarse" if record is case.record else "whole"
+        base, larger, tabled = self.ready.get(place, (None, record, {}))
+        if base is not model.base:
+            larger = without_base(larger)
+            tabled = {
+                n: one for n, one in tabled.items() if not is_modelled(one[0].drivers)
+            }
+        larger = case.placed_for(larger, model)
+        for effect in model.effects:
+            if effect.name in tabled and tabled[effect.name][0] is effect:
+                continue
+            made = with_drivers(larger, model, effect)
+            tabled[effect.name] = (effect, *tables((effect,), made))
+            columns = made.inputs.columns
+            if place == "whole" and tabled[effect.name][1] is not effect:
+                # a table says all of it: its drivers are as many rows again
+                columns = {n: columns[n] for n in MODELLED if n in columns}
+            larger = larger.having(columns)
+        self.ready[place] = (model.base, larger, tabled)
+        effects = tuple(tabled[effect.name][1] for effect in model.effects)
+        return larger, replace(model, effects=effects)
+
+    def gathered(self, step, candidates):
+        """Evidence of some effects given a step, on the coarse fitting rows."""
+        case = self.case
+        self.prepared(case.record, step.model)
+        base, record, tabled = self.ready["coarse"]
+        # what the next round asks for, too
+        record = replace(record, inputs=with_measured(record.inputs, candidates))
+        self.ready["coarse"] = base, record, tabled
+        return gather(
+            step.model,
+            step.coefficients,
+            record,
+            case.searched & record.known(step.model.drivers),
+            candidates,
+            step.at_bound,
+            case.criteria.hint_gain,
+        )
+
+
+def with_drivers(record, model, effect):
+    """A record with the drivers of an effect of a model."""
+    inputs, alone = record.inputs, replace(model, effects=(effect,))
+    if needed := {*MODELLED} & {*behind(effect.drivers)}:
+        inputs = model.with_base(inputs, needed)  # by all effects that the model has
+    return replace(record, inputs=alone.with_drivers(inputs))
+
+
+def without_base(record):
+    """A record without what follows from the model without effects."""
+    return record.only([n for n in record.inputs.columns if not is_modelled([n])])
+
+
+def with_measured(inputs, effects):
+    """Inputs with those drivers of effects that follow from measured columns alone."""
+    for effect in effects:
+        wide = effect.scanned_from or effect
+        names = [name for name in wide.drivers if not is_modelled([name])]
+        with suppress(Exception):  # which is reported where the effect is tested
+            inputs = completed(inputs, names)
+    return inputs
+
+
+def check_held(steady_model, case):
+    """Refuse coefficients to hold that are of no model, or of two dynamics."""
+    if {*case.fixed} >= MEMORIES:
+        raise refusal(
+            FIXED,
+            f" has {' and '.join(sorted(MEMORIES))}, which belong to two kinds of "
+            "dynamics; hold one of them",
+        )
+    dynamics = "balance" if {*MEMORY["balance"]} & {*case.fixed} else "ewm"
+    possible(ThermalModel(steady_model, dynamics, case.wanted), case.fixed)

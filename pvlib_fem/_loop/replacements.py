@@ -1,0 +1,114 @@
+"""Replacements for columns that are missing from a record."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from pvlib_fem._fitting.horizontal import files_in_plane, with_plane
+from pvlib_fem._fitting.stand_ins import StandIn, chosen, with_stand_ins
+from pvlib_fem._record.column_names import with_aliases
+from pvlib_fem.drivers._transposition import PARTS
+
+LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0, "mount": None}
+
+
+@dataclass(frozen=True)
+class Replacements:
+    """
+    Replacements that a user wants for columns that are missing from a record.
+
+    Attributes
+    ----------
+    transposition : str
+        Model of the sky by which ``poa_global`` is made of ``ghi``; "" without.
+    stand_ins : tuple of str
+        Second sources of air and wind that fill the first.
+    calm : bool
+        Whether wind that never moves is taken as not measured, which no model needs.
+    """
+
+    transposition: str = ""
+    stand_ins: tuple = ()
+    calm: bool = False
+
+    @classmethod
+    def of_arguments(cls, transposition, stand_ins, calm=False):
+        """The replacements of a call, in which no transposition is None."""
+        return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
+
+    def of(self, data, needed, site, limits, check_units, check_clock=True):
+        """The columns of a frame with what stands in, and what that is."""
+        columns, standing, said, horizontal = with_aliases(data, ()), (), (), None
+        if self.calm and "wind_speed" in columns:
+            columns, said = without_still_wind(columns)
+        if not (self.transposition or self.stand_ins or said):
+            return Filled(with_aliases(data, needed))
+        if self.stand_ins:
+            found = with_stand_ins(columns, self.stand_ins, limits)
+            columns, standing, said = found[0], found[1], (*said, *found[2])
+        if self.transposition:
+            measured = "poa_global" in columns
+            how = (data.index, site, self.transposition, limits)
+            how = (*how, check_units, check_clock)
+            columns, more = with_plane(columns, *how)
+            said = (*said, *more)
+            if not measured:
+                # poa_global is made of these: they are no causes in addition to it
+                light = {n: columns.pop(n) for n in ("ghi", *PARTS) if n in columns}
+                horizontal = light["ghi"].to_numpy()
+        frame = data.drop(columns=list(data)).assign(**columns)
+        return Filled(with_aliases(frame, needed), said, horizontal, standing)
+
+    def of_files(self, source, place, limits):
+        """Files with what stands in, and what that is, for a loop."""
+        transposed = bool(self.transposition) and "poa_global" not in source.columns
+        if transposed:
+            source = files_in_plane(source, place, self.transposition, limits)
+        standing = []
+        for usual, name in chosen(self.stand_ins).items():
+            source = instead_of(source, usual, name)
+            standing.append(StandIn(usual, name))
+        sky = self.transposition if transposed else ""
+        return source, {"transposition": sky, "stand_ins": tuple(standing)}
+
+
+def instead_of(source, usual, name):
+    """Files in which another column is the usual one, which they do not have."""
+    if usual in {*source.columns, *source.partial}:
+        raise ValueError(
+            f"the files have {usual}, whose gaps {name} cannot fill while they are "
+            "read in blocks; fill them before with fill_record(part, "
+            f"{name!r}), or leave stand_ins out"
+        )
+    source.needing([name])
+    columns = {n: c for n, c in source.columns.items() if n != name}
+    words = f"there is no {usual}: {name} stands in for it"
+    return replace(
+        source,
+        columns=columns | {usual: source.columns[name]},
+        notes=(*source.notes, words),
+    )
+
+
+def without_still_wind(columns):
+    """Columns without wind that never moves, and a word on that."""
+    wind = columns["wind_speed"]
+    if wind.nunique() > 1:
+        return columns, ()
+    rest = {name: column for name, column in columns.items() if name != "wind_speed"}
+    words = "wind_speed never moves: it is taken as not measured"
+    return rest, (words,)
+
+
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """Columns with the replacements of missing ones."""
+
+    columns: dict
+    said: tuple = ()
+    horizontal: np.ndarray | None = None  # irradiance that was transposed [W/m²]
+    standing: tuple = field(default=())  # of StandIn
+
+    def plane(self, site):
+        """Where the measured light is from."""
+        return site if self.horizontal is None else {**site, **LEVEL}

@@ -1,0 +1,441 @@
+"""Which candidates the remaining error asks for, and how sure each is."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.design import Design
+from pvlib_fem._loop.dictionary import DATED, Candidate, dated, first_days, undated
+from pvlib_fem._loop.noise import random_effects
+from pvlib_fem._statistics.weekly_sums import (
+    LeastSquares,
+    alike,
+    fall,
+    held_out,
+    steady,
+)
+
+BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
+OVERLAP = 0.3  # share of the best one's part, from which another is its rival
+DOUBT = 0.5  # probability below which another is no rival
+SWEEPS = 4  # times that every choice is made anew given the others
+MOST = 10  # effects in one model
+DRAWS = 40  # of weeks, with replacement
+SIZES = 4.0  # standard deviations of sizes between the bounds of a coefficient
+MOST_SURE = 20.0  # standard errors, beyond which no time profile is surer
+DAYS_ALIKE = 8.0 / 3.0  # over z²: share of a record's dates that are as good as one
+SLACK_ERRORS = 2.0  # standard errors by which a tangent may miss a bound
+SLACK = 0.35  # share of a bound by which it may: a tangent is bent where it is large
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a candidate explains given others."""
+
+    keys: tuple  # names of its coefficients
+    fall: float  # of the mean square on weeks left out in turn [K²]
+    estimate: np.ndarray  # natural units
+    covariance: np.ndarray
+    probability: float  # that it is there
+    possible: bool  # within its bounds
+    seen: np.ndarray  # estimate by whitened columns
+    null: np.ndarray  # covariance that it would have by accident
+    freedom: float  # of that
+
+    @property
+    def stderr(self):
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def coefficients(self):
+        """Coefficients by name."""
+        return dict(zip(self.keys, map(float, self.estimate)))
+
+    @property
+    def errors(self):
+        """Standard errors by name."""
+        return dict(zip(self.keys, map(float, self.stderr)))
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """One single effect: its best candidate, and all that may be it."""
+
+    top: Candidate
+    score: Score
+    members: dict = field(default_factory=dict)  # name to candidate
+    scores: dict = field(default_factory=dict)  # name to score
+    weights: dict = field(default_factory=dict)  # name to posterior among members
+    probabilities: dict = field(default_factory=dict)  # the outside among them
+
+    @property
+    def fall(self):
+        return self.score.fall
+
+    @property
+    def first(self):
+        """Name of the most probable member."""
+        return max(self.members, key=self.probabilities.__getitem__)
+
+
+def selected(design, criteria, closed=frozenset()):
+    """
+    A selection and its choices, by the noise that they leave.
+
+    Parameters
+    ----------
+    design : Design
+    criteria : Criteria
+    closed : frozenset of str
+        Names that are not to be taken.
+
+    Returns
+    -------
+    Selection, list of Choice
+    """
+    selection = Selection(design, criteria, closed)
+    choices = selection.run()
+    given = selection.given(choices)
+    if noise := random_effects(design, given, selection.least):
+        selection = Selection(design, criteria, closed, noise)
+        choices = selection.run(choices)
+    return selection, choices
+
+
+@dataclass(eq=False)
+class Selection:
+    """Single effects, each given all others, as far as they are material and sure."""
+
+    design: Design
+    criteria: Criteria
+    closed: frozenset = frozenset()  # names that are not to be taken
+    noise: tuple = ()  # random effects, by which the certainty is computed
+    known: dict = field(default_factory=dict)
+
+    @cached_property
+    def seen(self):
+        """The design as generalised least squares sees it."""
+        return self.design.whitened(self.noise)
+
+    def run(self, choices=()):
+        """All choices, the largest first, beginning with some."""
+        choices, seen = self.settled([*choices]), set()
+        while len(choices) < MOST:
+            best = self.best(choices)
+            if best is None:
+                break
+            choices = self.settled([*choices, best])
+            key = frozenset(c for one in choices for c in one.top.columns)
+            if key in seen:  # one that comes lets another go, in turn
+                break
+            seen.add(key)
+        return sorted(choices, key=lambda one: -one.fall)
+
+    def settled(self, choices):
+        """The choices when none is better replaced, or removed, given the others."""
+        for _ in range(SWEEPS):
+            changed = False
+            for i in range(len(choices) - 1, -1, -1):
+                mine = choices[i]
+                others = [*choices[:i], *choices[i + 1 :]]
+                now = self.score(mine.top, self.given(others))
+                held = self.holds(now)
+                found = self.best(others, BETTER * now.fall if held else 0.0)
+                if found is not None:
+                    changed = changed or found.top.columns != mine.top.columns
+                    choices = [*choices[:i], found, *choices[i + 1 :]]
+                elif held:
+                    choices[i] = replace(mine, score=now)
+                else:
+                    choices, changed = others, True
+            if not changed:
+                break
+        return choices
+
+    def dated(self, choice, name, given):
+        """The effect of a member, with the days between which its date is."""
+        one, score = choice.members[name], choice.scores[name]
+        if not one.effect.channel:
+            return one.effect
+        errors = float(np.abs(score.estimate[0]) / score.stderr[0])
+        side = self.criteria.change_side
+        return first_days(self.design, one, given, side, errors)
+
+    def given(self, choices):
+        """Columns of the base and of some choices."""
+        return [*self.design.base, *(c for one in choices for c in one.top.columns)]
+
+    def candidates(self, given, taken=()):
+        """Candidates given some columns, but those that are taken."""
+        key = tuple(map(str, given))
+        if key not in self.known:
+            limits = self.criteria
+            found = [
+                *undated(self.design, limits.prior),
+                *dated(self.design, given, limits.change_side, limits.prior),
+            ]
+            self.known[key] = [one for one in found if one.name not in self.closed]
+        return [one for one in self.known[key] if one.name not in {*taken}]
+
+    def best(self, choices, least=0.0):
+        """The choice that explains most given others, and more than that, or None."""
+        given, best = self.given(choices), None
+        found = self.candidates(given, [one.top.name for one in choices])
+        falls, least = self.in_samples(found, given), max(self.least, least)
+        for i in np.argsort(-falls, kind="stable"):
+            # on weeks left out it explains no more than on those that are fitted
+            if falls[i] < least or (best and falls[i] < best.fall):
+                break
+            score = self.score(found[i], given)
+            better = score.fall > (least if best is None else best.fall)
+            if better and self.holds(score):
+                best = Choice(found[i], score)
+        return best
+
+    @cached_property
+    def least(self):
+        """Fall of the mean square that is material. [K²]"""
+        mean = held_out(self.design.by_week(self.design.base), self.design.folds)
+        limits = self.criteria
+        return max(limits.min_gain**2, limits.min_share * mean / self.design.count)
+
+    def holds(self, score):
+        """Whether it is possible, there and material."""
+        there = score.probability >= self.criteria.probability
+        return score.possible and there and score.fall >= self.least
+
+    def in_sample(self, one, given):
+        """Fall of the mean square on the weeks that are fitted. [K²]"""
+        whole = self.design.whole([*given, *one.columns])
+        return fall(whole, len(one.columns)) / self.design.count
+
+    def in_samples(self, found, given):
+        """Scores of many candidates given the same columns, at once."""
+        design, size, falls = self.design, len(given), np.zeros(len(found))
+        plain = [i for i, one in enumerate(found) if not one.effect.channel]
+        places = dict.fromkeys(c for i in plain for c in found[i].columns)
+        order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
+        whole = design.whole([*given, *order])
+        whole[1:, 1:] = steady(whole[1:, 1:])
+        own = [0, *range(size + 1, len(whole))]
+        cross = whole[1 : size + 1, own]
+        beyond = whole[np.ix_(own, own)]
+        beyond = beyond - cross.T @ np.linalg.solve(
+            whole[1 : size + 1, 1 : size + 1], cross
+        )
+        for i in plain:
+            at = [order[c] for c in found[i].columns if c in order]
+            score = beyond[at, 0]
+            falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
+        falls /= design.count
+        for i, one in enumerate(found):
+            if one.effect.channel:
+                falls[i] = self.in_sample(one, given)
+        return falls
+
+    def alike(self, one, other, given):
+        """Share of what a candidate explains that another would explain as well."""
+        own, rival = one.beyond(given), other.beyond(given)
+        whole = self.design.whole([*given, *own, *rival])
+        return float(alike(whole, len(own), len(rival)))
+
+    def score(self, one, given):
+        """What a candidate explains given some columns."""
+        design, own = self.design.fit_for([one.effect]), one.beyond(given)
+        weekly = design.by_week([*given, *own])
+        size = len(own)
+        inner = weekly[:, :-size, :-size]
+        gain = held_out(inner, design.folds) - held_out(weekly, design.folds)
+        found, scale = LeastSquares(weekly, size), design.scales(own)
+        unit = np.outer(scale, scale)
+        estimate, covariance = found.estimate / scale, found.covariance / unit
+        # sizes are those of the refit; whether there is one, of whitened columns
+        sure = found
+        if self.noise:
+            seen = self.seen.fit_for([one.effect])
+            sure = LeastSquares(seen.by_week([*given, *own]), size)
+        if one.effect.channel:
+            # other dates are no placebo of a date: whatever is slow has some
+            null, freedom = sure.by_all_weeks()
+        else:
+            null, freedom = self.seen.placebo(given, own, sure)
+        rows, null = list(rows_of(one, design)), null / unit
+        seen = sure.estimate / scale
+        there = existence(one, rows, seen, null, freedom)
+        fits = possible(rows, estimate, np.sqrt(np.diag(covariance)))
+        keys = tuple(one.effect.rows())
+        if not one.effect.channel:
+            keys = tuple(design.names[column] for column in one.columns)
+        sizes = gain / design.count, estimate, covariance
+        return Score(keys, *sizes, there, fits, seen, null, freedom)
+
+    def with_members(self, choices):
+        """Choices with all candidates that may be each, and their posterior."""
+        found = []
+        for i, one in enumerate(choices):
+            others = [*choices[:i], *choices[i + 1 :]]
+            found.append(self.weighed(one, others))
+        return found
+
+    def weighed(self, choice, others):
+        """A choice with its rivals, by how much of its part each explains."""
+        taken = [one.top.name for one in others]
+        top = choice.top
+        given = self.given(others)
+        parts = {top.name: choice.score}
+        members = {top.name: top}
+        for one in self.candidates(given, taken):
+            if one.name == top.name:
+                continue
+            if self.in_sample(one, given) < OVERLAP * choice.fall:
+                continue
+            if self.alike(top, one, given) < OVERLAP:
+                continue
+            score = self.score(one, given)
+            if score.possible and score.probability >= DOUBT:
+                members[one.name], parts[one.name] = one, score
+        score = choice.score
+        sure = float(np.abs(score.estimate[0]) / score.stderr[0])
+        weights = self.posterior(members, given, top, min(sure, MOST_SURE))
+        return replace(choice, members=members, scores=parts, weights=weights)
+
+    def posterior(self, members, given, top, sure):
+        """
+        Posterior among members of one single effect, averaged over draws of weeks.
+
+        Each explains some of what the best one explains. The difference is
+        compared with the error of the laws: an exact likelihood of so many rows
+        would be sure of a law that is not exact (Huggins and Miller, 2023).
+        """
+        design = self.design.fit_for(one.effect for one in members.values())
+        if len(members) == 1:
+            return {top.name: 1.0}
+        random = np.random.default_rng(0)
+        weeks = len(design.clusters)
+        draws = random.multinomial(weeks, np.full(weeks, 1.0 / weeks), DRAWS)
+        draws = np.vstack([np.ones(weeks), draws]).astype(float)
+        parts = [drawn_part(design, one, given, draws) for one in members.values()]
+        parts = np.maximum(np.array(parts), 0.0)
+        most = np.maximum(parts[[*members].index(top.name)], 1e-12)
+        shared = np.minimum(parts, most)
+        mine = top.beyond(given)
+        for i, one in enumerate(members.values()):
+            own = one.beyond(given)
+            wholes = drawn(design.by_week([*given, *mine, *own]), draws)
+            shared[i] = np.minimum(shared[i], alike(wholes, len(mine), len(own)) * most)
+        shapes = any(one.effect.confounder for one in members.values())
+        law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
+        # time profiles of one law differ by no error of that law
+        groups, logs = {}, np.empty_like(parts)
+        for i, one in enumerate(members.values()):
+            groups.setdefault(one.effect.channel or one.name, []).append(i)
+        for own in groups.values():
+            within = 0.5 * sure**2 * parts[own] / most
+            within -= np.array(
+                [[dates_cost([*members.values()][i], sure)] for i in own]
+            )
+            within -= within.max(axis=0)
+            within -= np.log(np.exp(within).sum(axis=0))
+            best = shared[own].max(axis=0)
+            logs[own] = within - 0.5 * (most - best) / (law * most)
+        logs += np.array([[one.log_prior] for one in members.values()])
+        shares = np.exp(logs - logs.max(axis=0))
+        shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
+        return dict(zip(members, shares.tolist()))
+
+
+def drawn_part(design, one, given, draws):
+    """Fall of the mean square by a candidate in draws of weeks, less noise."""
+    own = one.beyond(given)
+    weekly = design.by_week([*given, *own])
+    found = LeastSquares(weekly, len(own))
+    # Takeuchi: what as many columns take of noise that is alike within weeks
+    beside = weekly.sum(axis=0)[1:, 1:]
+    inverse = np.linalg.inv(beside + 1e-9 * np.diag(np.diag(beside)))
+    own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
+    noise = np.trace(own_part @ found.covariance)
+    return (fall(drawn(weekly, draws), len(own)) - noise) / design.count
+
+
+def drawn(weekly, draws):
+    """Sums of products over each draw of weeks."""
+    return np.einsum("dw,wij->dij", draws, weekly)
+
+
+def dates_cost(one, sure):
+    """
+    What a date costs: minus the logarithm of the share of dates that are as good.
+
+    Away from its date a step loses what it explains in proportion to the days, so that
+    of the days on one side a share of 8/z² is as good, by Laplace.
+    """
+    if not one.effect.channel:
+        return 0.0
+    many = DATED[one.effect.terms.course.name]
+    return many * max(float(np.log(sure**2 / DAYS_ALIKE)), 0.0)
+
+
+def rows_of(one, design):
+    """Rows of the parameters of a candidate's columns."""
+    rows = one.effect.rows()
+    if one.effect.channel:
+        return rows.values()
+    return [rows[design.names[c]] for c in one.columns]
+
+
+def possible(rows, estimate, stderr):
+    """Whether coefficients are within their bounds, as far as a tangent can say."""
+
+    def slack(bound, error):
+        return max(SLACK_ERRORS * error, SLACK * abs(bound))
+
+    return all(
+        row.lower - slack(row.lower, error)
+        <= value
+        <= row.upper + slack(row.upper, error)
+        for row, value, error in zip(rows, estimate, stderr)
+    )
+
+
+def existence(one, rows, estimate, covariance, freedom):
+    """
+    Probability that a candidate is there, by its estimate and its error alone.
+
+    Wakefield's approximate Bayes factor, with the tails of Student's law for so many
+    weeks.
+    """
+    plain, wide, volume = distances(rows, estimate, covariance)
+    tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
+    log_factor = -0.5 * volume + 0.5 * (freedom + len(estimate)) * tails
+    log_odds = log_factor + one.log_prior - one.log_dates
+    return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
+
+
+def distances(rows, estimate, covariance):
+    """
+    Squared distances of an estimate from nothing, and how much broader one is.
+
+    By the covariance, and by that with the prior of its size.
+    """
+    widths = np.array([(row.upper - row.lower) / SIZES for row in rows])
+    scale = np.sqrt(np.diag(covariance))
+    inner = covariance / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    sizes, mean = np.diag(np.square(widths / scale)), estimate / scale
+    plain = mean @ np.linalg.solve(inner, mean)
+    wide = mean @ np.linalg.solve(inner + sizes, mean)
+    _, volume = np.linalg.slogdet(np.eye(len(mean)) + np.linalg.solve(inner, sizes))
+    return plain, wide, volume
+
+
+def size_seen(one, rows, way, covariance, freedom, probability):
+    """How many times an estimate has to be to be there with a probability."""
+    plain, wide, volume = distances(rows, way, covariance)
+    log_odds = np.log(probability / (1.0 - probability))
+    log_factor = log_odds - one.log_prior + one.log_dates + 0.5 * volume
+    # existence, solved for the square of the size
+    ratio = np.exp(min(2.0 * log_factor / (freedom + len(way)), 500.0))
+    if plain <= wide * ratio:
+        return np.inf
+    return float(np.sqrt(freedom * max(ratio - 1.0, 0.0) / (plain - wide * ratio)))

@@ -1,0 +1,94 @@
+"""
+Days at the edges of a standstill that fall into test weeks, by power.
+
+No decision sees the module temperature of those weeks. Power is seen: it falls by the
+light that modules miss while they are stuck.
+"""
+
+import numpy as np
+
+from pvlib_fem._loop.references import GAMMA, bright
+from pvlib_fem._record.column_names import is_power
+from pvlib_fem.drivers import completed
+from pvlib_fem.effects._time_profiles import number, written
+
+WARMS = 0.03  # K/(W/m²), of a module over the air: its power needs no more
+AROUND = 30  # days before and after, that power is compared with
+REACH = 10  # days: a test week, and dull days beside it
+FEWEST = 8  # of those
+MAD = 1.4826  # median absolute deviation of a normal quantity to its sd
+LEAST = 0.03  # by which power for the light differs between dull and clear days [-]
+FAR = 4.0  # standard deviations, from which power shows something else
+SURE = 6.0  # twice the log-likelihood from which a day is said to be one
+
+
+def by_power(case, effect, size):
+    """
+    A standstill with the days of test weeks at its edges on which power shows it.
+
+    Parameters
+    ----------
+    case : Case
+    effect : Effect
+        With the first and the last day that the fitting weeks show.
+    size : float
+        Its fitted coefficient.
+
+    Returns
+    -------
+    Effect
+    """
+    settings = dict(effect.settings)
+    start, end = (int(number(settings[name])) for name in ("start", "end"))
+    before = max(start - REACH, int(case.record.dates[0]))
+    after = min(end + REACH, int(case.record.dates[-1]) + 1)
+    wide = settings | {"start": written(before), "end": written(after)}
+    gains = daily_gains(case, effect.make(**wide), size, (before, after))
+    first, last = start, end
+    if (days_before := range(start - 1, before - 1, -1)) and gains:
+        first = start - longest([gains.get(day, 0.0) for day in days_before])
+    if (days_after := range(end, after)) and gains:
+        last = end + longest([gains.get(day, 0.0) for day in days_after])
+    if (first, last) == (start, end):
+        return effect
+    return effect.make(**settings | {"start": written(first), "end": written(last)})
+
+
+def longest(gains):
+    """The number of days from an edge on that are most likely, if that is sure."""
+    sums = np.cumsum(gains)
+    return int(np.argmax(sums)) + 1 if sums.max() > SURE else 0
+
+
+def daily_gains(case, effect, size, within):
+    """Twice the log-likelihood of each day, by power, that the modules stand on it."""
+    record, found = case.record, {}
+    columns = completed(record.inputs, effect.drivers).columns
+    heat = np.nan_to_num(effect.at(columns, dict.fromkeys(effect.rows(), size)).heat)
+    poa = record["poa_global"]
+    warm = 1.0 + GAMMA * (record["temp_air"] + WARMS * poa - 25.0)
+    for name in filter(is_power, case.witnesses):
+        kept = bright(record) & np.isfinite(record[name] + warm)
+        every, place = np.unique(record.dates[kept], return_inverse=True)
+        power, light, more = (
+            np.bincount(place, column[kept])
+            for column in (record[name], warm * poa, heat)
+        )
+        plain = np.bincount(place, poa[kept])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.log(power / light)
+        expected = np.log1p(np.maximum(more / plain, -0.99))
+        there = np.isfinite(ratio)
+        near = (every >= within[0] - AROUND) & (every < within[1] + AROUND)
+        other = near & there & ((every < within[0]) | (every >= within[1]))
+        if other.sum() < FEWEST:
+            continue
+        usual = np.median(ratio[other])
+        spread = max(MAD * np.median(np.abs(ratio[other] - usual)), LEAST)
+        apart, needed = (ratio - usual) / spread, expected / spread
+        # a day that is far from both, as one of an outage, shows neither
+        squares = (np.minimum(a**2, FAR**2) for a in (apart, apart - needed))
+        gains = np.subtract(*squares)
+        for day, gain in zip(every[there].tolist(), gains[there].tolist()):
+            found[day] = found.get(day, 0.0) + gain
+    return found

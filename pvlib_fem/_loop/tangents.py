@@ -1,0 +1,357 @@
+"""Tangents of a fitted model and of absent effects, row by row."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+
+import numpy as np
+
+from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._relaxation import FADED, relax
+from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._thermal.model import ThermalModel
+from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.effects._effect import Effect, Terms, tabled
+from pvlib_fem.effects._time_profiles import weights_of
+from pvlib_fem.reasons import Reason, because
+
+RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
+FEW = 18  # effects of which the tangents are made at a time
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """
+    Tangents of a fitted model and of absent effects, and the remaining error.
+
+    Attributes
+    ----------
+    columns : dict of array
+        A tangent of each coefficient, misfit and effect on ``rows``; NaN where the
+        driver of an effect is missing. [K per unit of the coefficient]
+    residual : array
+        Measured minus modelled on ``rows``. [K]
+    dates : array of int
+        Day of each of the rows, from 1970-01-01.
+    rows : array of int
+        Rows of the record that count.
+    base : tuple of str
+        The fitted coefficients.
+    misfits : tuple of str
+        Columns that a misshapen steady model leaves: functions of the usual inputs,
+        with which no effect is credited.
+    own : dict of tuple of str
+        Columns of each effect.
+    effects : dict of Effect
+    failed : dict of Because
+        Effects that could not be tried.
+    known : dict of int
+        Of each effect, on how many of the rows its drivers are known.
+    changing : tuple of (Effect, str)
+        Changes whose dates are to be found, each with the column that it scales.
+    """
+
+    columns: dict = field(repr=False)
+    residual: np.ndarray = field(repr=False)
+    dates: np.ndarray = field(repr=False)
+    rows: np.ndarray = field(repr=False)
+    base: tuple
+    misfits: tuple
+    own: dict = field(default_factory=dict)
+    effects: dict = field(default_factory=dict)
+    failed: dict = field(default_factory=dict)
+    known: dict = field(default_factory=dict)
+    changing: tuple = ()
+
+    def with_effect(self, effect, columns, known):
+        """The evidence with the tangents of one more effect, on its known rows."""
+        # an absent cause, such as snow that never stays, is not tested
+        columns = {n: c for n, c in columns.items() if c[known].any()} or columns
+        return replace(
+            self,
+            columns=self.columns | missing(columns, known),
+            own=self.own | {effect.name: tuple(columns)},
+            effects=self.effects | {effect.name: effect},
+            known=self.known | {effect.name: int(known.sum())},
+        )
+
+    def without_shape(self):
+        """Remaining error given all functions of the usual inputs, and those."""
+        shapes = [n for n, effect in self.effects.items() if effect.confounder]
+        names = [*self.base, *self.misfits, *(c for n in shapes for c in self.own[n])]
+        table = np.column_stack([np.nan_to_num(self.columns[n]) for n in names])
+        squares = table.T @ table
+        scale = np.sqrt(np.diag(squares)) + 1e-12
+        squares = squares / np.outer(scale, scale) + RIDGE * np.eye(len(scale))
+        found = np.linalg.solve(squares, table.T @ self.residual / scale) / scale
+        return self.residual - table @ found, {n: self.columns[n] for n in names}
+
+
+def missing(columns, known):
+    """Columns that are unknown on some rows."""
+    if known.all():
+        return columns
+    return {name: np.where(known, column, np.nan) for name, column in columns.items()}
+
+
+def gather(
+    model, coefficients, record, seen, candidates, fixed=(), least=0.0
+) -> Evidence:
+    """
+    Evidence for candidates given a model at its minimum.
+
+    Parameters
+    ----------
+    model : ThermalModel
+    coefficients : dict
+        All of the model's.
+    record : Record
+        With every measured driver of the candidates.
+    seen : array of bool
+        Rows that count. Where a driver is missing they do not count for its effect.
+    candidates : sequence of Effect
+    fixed : sequence of str
+        Coefficients that are held, or at a bound, where they stay.
+    least : float
+        Gain from which an obstacle before the sun is worth its edges. [K]
+    """
+    # coefficients of its effects as they are fitted now
+    model = replace(model, base={**coefficients, **(model.base or {})})
+    inputs = model.with_base(model.with_drivers(record.inputs), ["temp_base"])
+    inputs = model.based(inputs, inputs["temp_base"])
+    inputs, tried, failed = ready(model, inputs, seen, candidates)
+    temperature = model.temperature(inputs, coefficients)
+    rows = np.flatnonzero(seen & np.isfinite(temperature))
+    # two tangents that contain a change in part would explain it between them
+    changes = [effect for effect in model.effects if effect.channel]
+    lasting = replace(model, effects=tuple(e for e in model.effects if not e.channel))
+    at = Tangents.of(lasting, inputs, coefficients, rows)
+    own = at.slopes()
+    base = [n for n in lasting.free if n not in fixed and own[n].any()]
+    before = lasting.temperature(inputs, coefficients) if changes else temperature
+    wrong = misfits(before - coefficients["bias"], record, rows)
+    found = Evidence(
+        {name: own[name] for name in base} | wrong,
+        (record["temp_module"] - temperature)[rows],
+        record.dates[rows],
+        rows,
+        tuple(base),
+        tuple(wrong),
+    )
+    scanned, changing = [], []
+    for one, own in tangents(tried, failed, inputs, at):
+        known = record.known(needed_for(one.wide.drivers))[rows]
+        if not all(are_numbers(column, known) for column in own.values()):
+            failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
+        elif one.scan:
+            scanned.append((one.scan, one.wide, own, known))
+        elif one.courses:
+            (column,) = own
+            found = replace(found, columns=found.columns | missing(own, known))
+            changing += [(course, column) for course in one.courses]
+        else:
+            found = found.with_effect(one.wide, own, known)
+    for scan, wide, own, known in scanned:
+        effect = narrowed(found, scan, own, known, inputs, wide.drivers, least)
+        if effect is None:
+            failed[wide.name] = because(wide.not_found)
+            continue
+        there = replace(model, effects=(effect,)).with_drivers(inputs)
+        for _, own in tangents([Tried(effect)], failed, there, at):
+            found = found.with_effect(effect, own, known)
+    secants = {}
+    for effect in changes:
+        column = next((c for e, c in changing if e.channel == effect.channel), None)
+        if column is not None and coefficients[next(iter(effect.rows()))]:
+            given = effect, coefficients, record.dates[rows], before
+            does, known = secant(lasting, inputs, *given)[rows], found.columns[column]
+            secants[column] = np.where(np.isnan(known), np.nan, does)
+    found = replace(found, columns=found.columns | secants)
+    return replace(found, changing=tuple(changing), failed=failed)
+
+
+def secant(model, inputs, effect, coefficients, dates, before):
+    """
+    Effect of a change in the model on the temperature, per unit of its size. [K]
+
+    The tangent is too small for a large change: a third less loss warms by a half.
+    """
+    channel, (size,) = effect.terms.channel, effect.rows()
+    weights = weights_of(effect, dates)
+    there = coefficients[size] * float(np.mean(weights[weights > 0.0]))
+    (row,) = channel.rows()
+    with_it = replace(model, effects=(*model.effects, channel))
+    return (with_it.temperature(inputs, {**coefficients, row: there}) - before) / there
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """What is tried first of an effect, or of a channel along its courses."""
+
+    wide: Effect
+    scan: Callable | None = None  # that takes the effect from the wide one
+    courses: tuple = ()  # effects whose dates are to be found
+
+    @property
+    def names(self):
+        return [one.name for one in self.courses or (self.wide,)]
+
+
+def ready(model, inputs, seen, candidates):
+    """
+    Inputs with the drivers of all effects, what is tried of them, and why not.
+
+    An effect that is scanned enters as the wide one from which its scan takes it, and
+    all courses of a channel as the channel, whole.
+    """
+    tried, failed = {}, {}
+    for effect in candidates:
+        try:
+            if effect.prepare:
+                dated = completed(inputs, ["day"])
+                effect = effect.prepare(dated.columns, seen)
+            wide, name = effect.scanned_from or effect, effect.name
+            if effect.dates:
+                wide, name = replace(wide, name=effect.channel), effect.channel
+                if name in tried:
+                    courses = (*tried[name].courses, effect)
+                    tried[name] = replace(tried[name], courses=courses)
+                    continue
+            inputs = replace(model, effects=(wide,)).with_drivers(inputs)
+            courses = (effect,) if effect.dates else ()
+            tried[name] = Tried(wide, effect.scan, courses)
+        except Exception as error:  # whatever an effect does, the others go on
+            failed[effect.name] = broken(error)
+    return inputs, [*tried.values()], failed
+
+
+def broken(error):
+    """Why an effect cannot be tried that raises an error of its own."""
+    return because(Reason.BROKEN, error=f"{type(error).__name__}: {error}")
+
+
+@dataclass(frozen=True, eq=False)
+class Tangents:
+    """Slopes of a model's temperature at some rows, by these and what they remember."""
+
+    model: ThermalModel  # which knows its effects on those that are read
+    inputs: Inputs  # of those
+    coefficients: dict
+    read: np.ndarray  # rows of the record
+    places: np.ndarray  # of those asked for among them
+
+    @classmethod
+    def of(cls, model, inputs, coefficients, rows):
+        """The evidence at some rows, which are in order."""
+        model = model.knowing(inputs, coefficients)
+        lasting = FADED * model.longest(inputs, coefficients)
+        read = remembered(rows, inputs.seconds, lasting)
+        names = (*COLUMNS[:3], *model.drivers)
+        inputs = inputs.only(names).taken(read)
+        places = np.searchsorted(read, rows)
+        return cls(model.on(read), inputs, coefficients, read, places)
+
+    def slopes(self, also=None):
+        """By the model's own parameters, or by further terms, which are of all rows."""
+        wanted, terms = also is None, also or {}
+        terms = {name: held(one.part(self.read)) for name, one in terms.items()}
+        slopes = self.model.slopes(self.inputs, self.coefficients, wanted, terms)[1]
+        names = [*slopes] if wanted else terms
+        return {name: slopes.pop(name)[self.places] for name in names}
+
+
+def remembered(rows, seconds, lasting):
+    """Some rows, and those before each that are no older than so long. [s]"""
+    ahead = np.full(len(seconds), np.inf)
+    ahead[rows] = seconds[rows]
+    ahead = np.minimum.accumulate(ahead[::-1])[::-1]
+    return np.flatnonzero(ahead - seconds <= lasting)
+
+
+def tangents(tried, failed, inputs, at):
+    """
+    What is tried with the tangents of its parameters, one by one.
+
+    Of a few at a time terms and slopes are held on many rows.
+    """
+    for first in range(0, len(tried), FEW):
+        terms, there = {}, []
+        for one in tried[first : first + FEW]:
+            try:
+                terms |= terms_of(one.wide, inputs.columns)
+                there.append(one)
+            except Exception as error:
+                failed |= dict.fromkeys(one.names, broken(error))
+        slopes = at.slopes(terms)
+        for one in there:
+            yield one, {key: slopes.pop(key) for key in one.wide.rows()}
+
+
+def are_numbers(column, known):
+    """Whether a column is a number on all rows that are known."""
+    # a sum that is one says it of all, in one fast pass
+    return bool(np.isfinite(column.sum()) or np.isfinite(column[known]).all())
+
+
+def terms_of(effect, columns):
+    """Slopes of an effect's terms from where it adds nothing."""
+    return tabled(effect, columns).slopes(columns, effect.start)
+
+
+def held(terms):
+    """
+    Terms over gaps as the kernel takes them: the next sample counts for all of it.
+
+    So the rows after a gap have a memory; those in it do not count.
+    """
+    return Terms(*(filled(getattr(terms, column.name)) for column in fields(terms)))
+
+
+def filled(column):
+    """A column of terms with the next number in each gap, at its end the last one."""
+    if not np.ndim(column) or not np.isnan(column.sum()):
+        return column
+    lacks = np.flatnonzero(np.isnan(column))
+    if len(lacks) == len(column):
+        return column
+    begins = np.diff(lacks, prepend=-2) > 1
+    after = lacks[np.append(begins[1:], True)] + 1  # the row behind each gap
+    if after[-1] == len(column):
+        after[-1] = lacks[begins][-1] - 1
+    column = column.copy()
+    column[lacks] = column[after[np.cumsum(begins) - 1]]
+    return column
+
+
+def narrowed(found, scan, own, known, inputs, drivers, least):
+    """The effect where a scan of the remaining error shows it, or None."""
+    places = {name: inputs[name][found.rows[known]] for name in drivers}
+    rest, beside = found.without_shape()
+    columns = {key: column[known] for key, column in (own | beside).items()}
+    weeks = calendar_weeks(found.dates[known])
+    return scan(rest[known], columns, places, weeks, least)
+
+
+def misfits(temperature, record, rows):
+    """
+    Errors of a misshapen steady model at some rows, given other confounders.
+
+    Functions of the usual inputs alone, which every cause without a driver of
+    its own shares: curvature in the over-temperature, its fall with air
+    temperature, a slower mass, a record that is late, and a sky that follows the air.
+    The temperature is that without changes of instruments.
+    """
+    air, hour = record["temp_air"], 3600.0 / record.inputs.unit
+    over = temperature - air
+    slow = relax(np.nan_to_num(over), record.inputs.steps, hour)[rows]
+    steps = np.maximum(record.inputs.steps, 1.0)  # the first has no row before it
+    late = np.diff(temperature, prepend=temperature[:1]) / steps
+    over = over[rows]
+    columns = {
+        "curved": over * np.sqrt(np.abs(over)),
+        "warm": over * (air[rows] - np.nanmean(air)),
+        "slow": slow - over,
+        "late": np.nan_to_num(late[rows]),
+        "air": air[rows] - np.nanmean(air),
+    }
+    return {f"misfit:{name}": column for name, column in columns.items()}

@@ -1,0 +1,180 @@
+"""A record less what was not measured, which is known by its rows alone."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.checks import SECONDS, instants
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._record.join_steps import JoinedColumns
+from pvlib_fem._record.parquet import ROWS, Block, ParquetRecord
+from pvlib_fem._record.streamed_columns import StreamedColumns
+
+NONE = np.empty((0, 2), dtype=np.int64)
+
+
+class FrameRecord:
+    """
+    A record in memory, read in blocks as a :class:`ParquetRecord` is.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        With times.
+    """
+
+    files = ("",)
+
+    def __init__(self, inputs: Inputs) -> None:
+        self.inputs = inputs
+
+    def __len__(self) -> int:
+        return len(self.inputs.index)
+
+    @cached_property
+    def counts(self) -> np.ndarray:
+        """Times as counts of the index's unit since 1970."""
+        return instants(self.inputs.index).view("i8")
+
+    def at(self, count: int) -> pd.Timestamp:
+        """The time of such a count."""
+        return self.index(np.array([count]))[0]
+
+    def index(self, counts: Any) -> Any:
+        """The times of such counts."""
+        return self.inputs.index[np.searchsorted(self.counts, counts)]
+
+    def blocks(self, names: tuple, rows: int = ROWS) -> Iterator:
+        """The columns of some names, in blocks of rows."""
+        columns = self.inputs.columns.only(names)
+        whole: Any = self.inputs.index
+        unit = SECONDS[whole.unit]
+        for start in range(0, len(self), rows):
+            some = slice(start, start + rows)
+            counts = self.counts[some]
+            before = self.counts[max(start - 1, 0)]
+            steps = np.diff(counts, prepend=before)
+            part = Inputs(columns.taken(some), steps, unit, whole[some], True)
+            yield Block(part, start, "")
+
+    def values(self, names: Any) -> Iterator:
+        """First row and columns of the same blocks, without their times."""
+        for block in self.blocks(names):
+            yield block.start, dict(block.inputs.columns)
+
+
+@dataclass(frozen=True, eq=False)
+class CleanRecord:
+    """A :class:`ParquetRecord`, or one in memory, with NaN for values at fault."""
+
+    source: ParquetRecord | FrameRecord
+    names: tuple
+    holes: dict = field(default_factory=dict)  # column to spans of rows, see spans
+    clip: bool = False  # whether negative irradiance is 0
+    beside: tuple = ()  # of Alongside and Trailing: columns that the files do not hold
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def lacking(self, rows: dict) -> "CleanRecord":
+        """The record without further spans of rows, by column."""
+        both = {name: joined(self.of(name), more) for name, more in rows.items()}
+        return replace(self, holes=self.holes | both)
+
+    def clipped(self) -> "CleanRecord":
+        """The record with 0 instead of negative irradiance."""
+        return replace(self, clip=True)
+
+    def with_columns(self, more: JoinedColumns | StreamedColumns) -> "CleanRecord":
+        """The record with columns that the files do not hold."""
+        return replace(self, beside=(*self.beside, more))
+
+    def of(self, name: str) -> Any:
+        return self.holes.get(name, NONE)
+
+    def blocks(self, names: tuple | None = None) -> Iterator[Block]:
+        """
+        The record in blocks, as it is screened.
+
+        What the files do not hold is there where no names are given.
+        """
+        beside = [more.begun() for more in self.beside] if names is None else []
+        for block in self.source.blocks(self.names if names is None else names):
+            columns = self.cleaned(block.inputs.columns, block.start, len(block))
+            inputs = replace(block.inputs, columns=columns)
+            for more in beside:
+                inputs = inputs.having(more.at(inputs))
+            yield replace(block, inputs=inputs)
+
+    def values(self) -> Iterator[tuple[int, dict]]:
+        """First row and columns of the same blocks, without their times."""
+        for start, columns in self.source.values(self.names):
+            yield start, self.cleaned(columns, start, len(columns[self.names[0]]))
+
+    def cleaned(self, columns: Any, start: int, rows: int) -> dict:
+        """Columns of a block as they are screened."""
+        columns = dict(columns)
+        for name, values in columns.items():
+            for first, end in within(self.of(name), start, rows):
+                columns[name] = values = np.array(values)
+                values[first:end] = np.nan
+        if self.clip and "poa_global" in columns:
+            columns["poa_global"] = np.maximum(columns["poa_global"], 0.0)
+        return columns
+
+
+def spans(rows: list | np.ndarray, start: int = 0) -> np.ndarray:
+    """Rows that are there, by first and one after the last of those that join."""
+    rows = np.asarray(rows, dtype=np.int64)
+    if not len(rows):
+        return NONE
+    ends = np.flatnonzero(np.diff(rows) > 1)
+    first, last = rows[np.append(0, ends + 1)], rows[np.append(ends, len(rows) - 1)]
+    return np.column_stack([first, last + 1]) + start
+
+
+def joined(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Spans of both, in order."""
+    both = np.concatenate([one, other])
+    return both[np.argsort(both[:, 0], kind="stable")]
+
+
+def united(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Spans of both, which may overlap, as spans that do not."""
+    both = joined(one, other)
+    ends = np.maximum.accumulate(both[:, 1])
+    first = np.flatnonzero(np.append(True, both[1:, 0] > ends[:-1]))
+    return np.column_stack([both[first, 0], np.append(ends[first[1:] - 1], ends[-1])])
+
+
+def size(some: np.ndarray) -> int:
+    """Number of rows in spans that do not overlap."""
+    return int((some[:, 1] - some[:, 0]).sum())
+
+
+def within(some: np.ndarray, start: int, rows: int) -> np.ndarray:
+    """Parts of spans within a block, counted from its first row."""
+    if not len(some):
+        return some
+    near = some[(some[:, 1] > start) & (some[:, 0] < start + rows)]
+    return np.clip(near - start, 0, rows)
+
+
+def masked(some: np.ndarray, rows: int) -> np.ndarray:
+    """Booleans of that many rows, True in spans that do not overlap."""
+    found = np.zeros(rows, dtype=bool)
+    for first, end in some:
+        found[first:end] = True
+    return found
+
+
+def covered(some: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Whether each of some rows is in a span; spans do not overlap."""
+    if not len(some):
+        return np.zeros(len(rows), dtype=bool)
+    place = np.searchsorted(some[:, 0], rows, side="right") - 1
+    return (place >= 0) & (rows < some[place, 1])

@@ -1,0 +1,302 @@
+"""Columns by their names: which are there, and which can be used."""
+
+import re
+import unicodedata
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._spelling import ShellText, refusal
+from pvlib_fem.reasons import Because, Reason, because
+
+#: what every record needs
+COLUMNS = ("poa_global", "temp_air", "wind_speed", "temp_module")
+#: those of them that none is without: some models need no wind
+ALWAYS = ("poa_global", "temp_air", "temp_module")
+DAYLIGHT = 20.0  # W/m², above which it is day
+#: units of the columns under pvlib's names
+UNITS = {
+    "poa_global": "W/m²",
+    "ghi": "W/m²",
+    "dni": "W/m²",
+    "dhi": "W/m²",
+    "poa_rear": "W/m²",
+    "temp_air": "°C",
+    "temp_module": "°C",
+    "temp_cell": "°C",
+    "wind_speed": "m/s",
+    "wind_direction": "° from north",
+    "relative_humidity": "%",
+    "longwave_down": "W/m²",
+    "ir_down": "W/m²",
+    "precipitation": "mm/h",
+    "snow_depth": "cm",
+    "p_dc_per_area": "W/m²",
+    "power_dc": "W",
+    "power_ac": "W",
+    "solar_zenith": "°",
+    "solar_azimuth": "°",
+    "residual": "K",
+}
+#: where the sun stands and how the module does, under pvlib's names [°]
+GEOMETRY = ("solar_zenith", "solar_azimuth", "surface_tilt", "surface_azimuth")
+#: rotation of a tracker about its axis, under pvlib's name [°]
+ROTATION = "tracker_theta"
+ANGLES = ("wind_direction", "solar_azimuth", "surface_azimuth")  # of a full circle
+#: other names that pvlib has for a column
+ALIASES = {"ir_down": "longwave_down"}
+#: names of 0.1 before its release, which 0.2 will not know
+RENAMED = {"p_dc": "p_dc_per_area"}
+ORIGINAL = "_original"  # after the name of a column as it was before a correction
+FEW = 4000  # rows that show that two are no copies
+COMPARED = ShellText(
+    "compare_modules(data).common has what they have in common",
+    "pvlib-fem modules FILE --common NEW.csv writes what they have in common",
+)
+
+
+TRANSPOSED = ShellText(
+    "transpose_record(data, location, surface_tilt, surface_azimuth)",
+    "--transposition perez",
+)
+SERVED = ("temp_air", "wind_speed")  # for which a second source can stand in
+#: power of a plant, the better column first
+PLANT_POWER = ("power_dc", "power_ac")
+#: names of power that is not for each m² of module, and of a second sensor
+POWER = re.compile(r"(power|p)_(ac|dc|mp|mpp)(_\w+)?|power(_\w+)?")
+REAR = "poa_rear"  # light on the other side, and no second sensor of the front
+TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
+
+
+def twin_of(name: str) -> Any:
+    """The usual column of which one is a second sensor, by its name, or None."""
+    found = TWIN.fullmatch(str(name))
+    own = name in (*COLUMNS, REAR)
+    if found is None or own or str(name).endswith(ORIGINAL):
+        return None
+    return "poa_global" if found[1] == "poa" else found[1]
+
+
+def is_power(name: str) -> bool:
+    """Whether a column is power, by its name."""
+    return POWER.fullmatch(str(name)) is not None and not str(name).endswith(ORIGINAL)
+
+
+def known_values(name: str, values: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
+    """Known rows of a column: missing power without light is 0."""
+    known = np.isfinite(values)
+    return known | (poa_global <= DAYLIGHT) if name in PLANT_POWER else known
+
+
+def plant_power(record: Any, most: float) -> dict:
+    """Columns of a plant's power that are there by day, which effects may follow."""
+    found, light = {}, record["poa_global"] > DAYLIGHT
+    for name in PLANT_POWER:
+        if name in record.inputs.columns and light.any():
+            values = record[name]
+            lacks = np.isnan(values[light]).mean()
+            if lacks <= most and np.nanmax(values) > np.nanmin(values):
+                found[name] = pd.Series(values, record.index)
+    return found
+
+
+def vouches(name: str) -> bool:
+    """Whether a column sees what an instrument should, and drives nothing itself."""
+    return twin_of(name) is not None or (is_power(name) and name != "p_dc_per_area")
+
+
+def printable(text: Any, kept: str = "") -> str:
+    """Text, such as a column's name, that a terminal or a page only shows."""
+    return "".join("�" if steers(c) and c not in kept else c for c in str(text))
+
+
+def steers(sign: str) -> bool:
+    """Whether a sign is none to be read: control, direction, half of a pair."""
+    return unicodedata.category(sign) in ("Cc", "Cf", "Cs", "Zl", "Zp")
+
+
+def with_aliases(data: pd.DataFrame, needed: Any = COLUMNS) -> dict:
+    """Columns of a frame by the package's names, with those that are needed."""
+    if not isinstance(data, pd.DataFrame):
+        raise ValueError(
+            f"data is a {type(data).__name__}; give a DataFrame with a column of each "
+            "name"
+        )
+    names = [printable(name) for name in data]
+    if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+        raise ValueError(f"{twice[0]} is there twice; keep one column of each name")
+    columns = {name: as_numbers(data[label]) for name, label in zip(names, data)}
+    columns = in_new_names(columns)
+    for alias, name in ALIASES.items():
+        if alias in columns:
+            columns.setdefault(name, columns.pop(alias))
+    if missing := [name for name in needed if name not in columns]:
+        words = f"data lack {', '.join(missing)}; they have {', '.join(columns)}"
+        raise refusal(words, *of_others(missing, columns), *of_several(columns))
+    return columns
+
+
+def of_horizontal(missing: list, columns: dict) -> Iterator:
+    """What a refusal adds where light in the plane can be made of horizontal one."""
+    if "poa_global" in missing and "ghi" in columns:
+        yield "; to make poa_global of ghi, "
+        yield TRANSPOSED
+
+
+def of_others(missing: list, columns: dict) -> Iterator:
+    """What a refusal adds where missing columns can be made of others."""
+    yield from of_horizontal(missing, columns)
+    for name in missing:
+        others = [other for other in columns if twin_of(other) == name]
+        if name in SERVED and others:
+            yield f"; to take {others[0]} for {name}, "
+            yield filled_from(others[0])
+
+
+def filled_from(name: str) -> Any:
+    """The step by which a second source stands in for the usual one, as text."""
+    return ShellText(f"fill_record(data, {name!r})", f"--stand-in {name}")
+
+
+def renamed(names: dict | pd.Index | set) -> Any:
+    """
+    Names that some columns should have now, to those that they have, with a warning.
+
+    Where the new name is there, too, the old one is a column of the user's own.
+    """
+    found = {new: old for old, new in RENAMED.items() if old in names}
+    found = {new: old for new, old in found.items() if new not in names}
+    for new, old in found.items():
+        warnings.warn(
+            f"the column {old} is called {new} now, and 0.2 will not know the old "
+            f"name: write {new} for W per m² of module, and power_dc for W of a module "
+            "or a plant",
+            FutureWarning,
+            stacklevel=3,
+        )
+    return found
+
+
+def in_new_names(columns: dict) -> dict:
+    """Columns, or what else is known by column, with those by an old name renamed."""
+    new = {old: new for new, old in renamed(columns).items()}
+    return {new.get(name, name): value for name, value in columns.items()}
+
+
+def by_own_names(columns: dict) -> Any:
+    """Columns by the package's names, where they are given by another of pvlib's."""
+    renamed = in_new_names(columns)
+    return {ALIASES.get(name, name): column for name, column in renamed.items()}
+
+
+def as_numbers(column: pd.Series) -> pd.Series:
+    """A column of objects as numbers, if all of them are; others as they are."""
+    if column.dtype != object:
+        return column
+    try:
+        return pd.to_numeric(column)
+    except (TypeError, ValueError):
+        return column
+
+
+def of_several(columns: dict | pd.Index) -> tuple:
+    """What a refusal adds where there are module sensors, and none is the usual one."""
+    sensors = [name for name in columns if twin_of(name) == "temp_module"]
+    if "temp_module" in columns or len(sensors) < 2:
+        return ()
+    return f". Of {len(sensors)} module sensors give one as temp_module, or ", COMPARED
+
+
+def numeric(columns: dict) -> dict:
+    """Columns that hold numbers, and no infinity."""
+    found = {
+        name: column.astype(float)
+        for name, column in columns.items()
+        if pd.api.types.is_numeric_dtype(column)
+    }
+    return {n: c for n, c in found.items() if not np.isinf(c.to_numpy()).any()}
+
+
+def usable_drivers(
+    columns: dict, record: Any, most_missing: float, taken: tuple = ()
+) -> tuple[dict, dict]:
+    """
+    Numeric columns that say something of their own, and why others do not.
+
+    Parameters
+    ----------
+    columns : dict of Series
+    record : Record
+        Screened, with the usual columns, of which no other may be a copy, and
+        those that are numeric.
+    most_missing : float
+        Share of a column's rows that may be missing.
+    taken : collection of str
+        Names that no column may have.
+
+    Returns
+    -------
+    dict of Series, dict of Because
+    """
+    used, refused = {}, {}
+    seen = {name: record[name] for name in COLUMNS}
+    # a logger's record number would be a drift of whatever drifts
+    seen |= {"the time": record.inputs.seconds, "a count": np.arange(len(record.index))}
+    there = {*columns, *COLUMNS}
+    for name, column in columns.items():
+        if name in record.inputs.columns:
+            column = pd.Series(record[name], record.index)
+        reason = unusable(name, column, seen, most_missing)
+        if name in taken:
+            reason = because(Reason.TAKEN, column=name)
+        if name.endswith(ORIGINAL) and name.removesuffix(ORIGINAL) in there:
+            reason = because(Reason.ORIGINAL, column=name)
+        if reason is None:
+            used[name] = column.astype(float)
+            seen[name] = used[name].to_numpy()
+        else:
+            refused[name] = reason
+    return used, refused
+
+
+def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because | None:
+    """Why a column can be no driver, if it cannot."""
+    if not pd.api.types.is_numeric_dtype(column):
+        return because(Reason.NOT_NUMERIC, column=name)
+    values = column.astype(float).to_numpy()
+    if (there := np.isinf(values)).any():
+        time = str(column.index[np.argmax(there)])
+        return because(Reason.INFINITE, column=name, time=time)
+    lacks = int(np.count_nonzero(np.isnan(values)))
+    if lacks == len(values):
+        return because(Reason.EMPTY, column=name)
+    if (share := lacks / len(values)) > most_missing:
+        return because(Reason.MISSING, column=name, share=share)
+    with np.errstate(over="ignore", invalid="ignore"):
+        spread = values.std()
+        spread = np.nanstd(values) if np.isnan(spread) else spread
+    if not 0 < spread < np.inf and name not in GEOMETRY:
+        if column.nunique() < 2:
+            return because(Reason.CONSTANT, column=name)
+        doubt = f"goes from {np.nanmin(values):.3g} to {np.nanmax(values):.3g}"
+        return because(Reason.DOUBTFUL, column=name, doubt=f"{doubt}, no measurement")
+    if copies := [other for other, usual in seen.items() if same(values, usual)]:
+        return because(Reason.COPY, column=name, other=copies[0])
+    return None
+
+
+def same(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether one column is another, but for a factor and an offset."""
+    some = slice(None, None, max(1, len(one) // FEW))
+    return alike(one[some], other[some]) and alike(one, other)
+
+
+def alike(one: np.ndarray, other: np.ndarray) -> bool:
+    both = np.isfinite(one) & np.isfinite(other)
+    x, y = one[both], other[both]
+    if both.sum() < 3 or x.std() == 0 or y.std() == 0:
+        return False
+    return abs(np.corrcoef(x, y)[0, 1]) > 1.0 - 1e-9

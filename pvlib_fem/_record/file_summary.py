@@ -1,0 +1,130 @@
+"""What a report says of a record, which can do without its rows."""
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.checks import instants, usual_step
+from pvlib_fem._record.column_names import GEOMETRY
+from pvlib_fem._record.inputs import Columns, Record
+from pvlib_fem._stored import Stored
+
+
+@dataclass(frozen=True)
+class Summary:
+    """
+    Size, times and gaps of a record.
+
+    Attributes
+    ----------
+    rows, days : int
+    start, end : Timestamp
+    step : float
+        Median one. [s]
+    columns : tuple of str
+        All that it has, those of the sun's place included.
+    missing, impossible : dict of int
+        Values by column that are missing, or were not used.
+    clipped : int
+        Rows of negative irradiance, set to 0.
+    sha256 : str
+        Of its times and measured columns, see :func:`digest`.
+    """
+
+    rows: int
+    days: int
+    start: pd.Timestamp
+    end: pd.Timestamp
+    step: float
+    columns: tuple
+    missing: dict
+    impossible: dict
+    clipped: int
+    sha256: str
+
+    @property
+    def measured(self) -> list:
+        """Names of the record's own columns, in order."""
+        return measured(self.missing, self.columns)
+
+    def content(self) -> dict:
+        """The content for a file."""
+        ends = {"start": self.start.isoformat(), "end": self.end.isoformat()}
+        return {**asdict(self), **ends}
+
+
+def summary_of(record: Any) -> Summary:
+    """The summary of a Record."""
+    return Summary(
+        rows=len(record.index),
+        days=len(np.unique(record.dates)),
+        start=record.index[0],
+        end=record.index[-1],
+        step=usual_step(record.index),
+        columns=tuple(n for n in record.inputs.columns if n not in record.absent),
+        missing=dict(record.missing),
+        impossible=dict(record.impossible),
+        clipped=record.clipped,
+        sha256=digest(record),
+    )
+
+
+def summary_from(stored: Stored) -> Summary:
+    """The summary of a part of a file."""
+    return Summary(
+        rows=stored.count("rows"),
+        days=stored.count("days"),
+        start=pd.Timestamp(stored.text("start")),
+        end=pd.Timestamp(stored.text("end")),
+        step=stored.number("step", unknown=True),
+        columns=stored.texts("columns"),
+        missing=counts(stored.part("missing")),
+        impossible=counts(stored.part("impossible")),
+        clipped=stored.count("clipped"),
+        sha256=stored.text("sha256"),
+    )
+
+
+def counts(stored: Stored) -> dict:
+    return {name: stored.count(name) for name in stored.content}
+
+
+def measured(missing: dict, columns: tuple | Columns) -> list:
+    return [n for n in missing if n in columns and n not in GEOMETRY]
+
+
+def digest(record: Record) -> str:
+    """
+    Sha256 of a record's times and values, whatever the computer.
+
+    Parameters
+    ----------
+    record : Record
+
+    Returns
+    -------
+    str
+    """
+    names = measured(record.missing, record.inputs.columns)
+    return digest_of(names, lambda names: [record.only(names)])
+
+
+def digest_of(names: Sequence, blocks: Callable) -> str:
+    """The summary of records that follow each other, from ``blocks(names)``."""
+    found = hashlib.sha256()
+    for block in blocks(()):
+        found.update(instants(block.index).astype("M8[ns]").astype("<i8").tobytes())
+    for name in names:
+        if name in GEOMETRY:
+            continue
+        found.update(name.encode("utf-8", "surrogatepass"))
+        for block in blocks((name,)):
+            values = np.asarray(block[name], dtype="<f8")
+            # one NaN, and one zero
+            values = np.where(np.isnan(values), np.nan, values + 0.0)
+            found.update(values.astype("<f8").tobytes())
+    return found.hexdigest()

@@ -1,0 +1,264 @@
+"""In which columns and in which form a file has its times."""
+
+import re
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem._record.file_times import (
+    AFTER,
+    DATENUM,
+    MILLI,
+    SERIAL,
+    UNIX,
+    as_text,
+    joined,
+    of_numbers,
+    parsed_times,
+    timed,
+    unevenness,
+    untimed,
+)
+from pvlib_fem._record.layout import Layout
+from pvlib_fem._record.time_formats import (
+    HOURS as ZONES,
+    ISO,
+    SEVERAL,
+    last_letters,
+    without_letters,
+    zones_of,
+)
+
+TIMES = re.compile(
+    r"time|date|datum|zeit|uhr|fecha|hora|heure|hour|hhmm|stamp|^ts$|^utc|epoch|unix",
+    re.IGNORECASE,
+)
+DATES: tuple[str, ...] = (
+    "%Y-%m-%d",
+    "%d/%m/%Y",
+    "%m/%d/%Y",
+    "%d.%m.%Y",
+    "%d-%m-%Y",
+    "%Y/%m/%d",
+)
+DATES += ("%d/%m/%y", "%m/%d/%y", "%d.%m.%y", "%Y%m%d", "%m-%d-%Y", "%Y.%m.%d")
+#: the same with the month's name, in English
+DATES += ("%b %d, %Y", "%d %b %Y", "%d-%b-%Y", "%d-%b-%y", "%d/%b/%Y", "%b %d %Y")
+DATES += ("%B %d, %Y", "%d %B %Y")
+HOURS = ("%H:%M", "%H:%M:%S", "%I:%M %p", "%I:%M:%S %p", "%H:%M:%S.%f", "%H.%M", "%H%M")
+HOURS += ("%I:%M%p", "%I:%M:%S%p")
+#: parts of a time that have columns of their own, by their names: of a year, of a day
+OF_YEAR = (
+    {"%Y": r"year|yr|yyyy", "%m": r"month|mon", "%d": r"day( of month)?|dd"},
+    {"%Y": r"year|yr|yyyy", "%j": r"doy|day[ _]?of[ _]?year|j(ulian)?[ _]?day"},
+)
+OF_DAY = (
+    {"%H%M": r"hhmm|hour[ _/]?min(ute)?|time"},
+    {"%H": r"hour|hr|hh", "%M": r"min(ute)?s?", "%S": r"sec(ond)?s?"},
+    {"%H": r"hour|hr|hh", "%M": r"min(ute)?s?"},
+    {"%H": r"hour|hr|hh"},
+)
+COMPACT = {10: "%Y%m%d%H", 12: "%Y%m%d%H%M", 14: "%Y%m%d%H%M%S"}  # by their digits
+SINCE_1970 = (5e8, 5e9)  # s: 1985 to 2128
+SINCE_1900 = (25_000.0, 75_000.0)  # days: 1968 to 2105
+DATENUMS = (718_000.0, 770_000.0)  # days: 1965 to 2108
+TWICE = 0.05  # share of rows with the same time up to which they are dropped
+LOOKED_AT = 2_000  # rows whose times tell the format, of which most fail at the first
+FIRST = 5
+OFFSET = re.compile(r"\d\s*[+-]\d\d:?\d\d$")
+
+
+def with_times(raw: pd.DataFrame, layout: Layout, doubts: list, file: str) -> Layout:
+    """The layout with the columns of the times and their format."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        return layout
+    if layout.time and layout.time_format != ISO:
+        return layout
+    texts = [c for c in raw if not pd.api.types.is_numeric_dtype(raw[c])]
+    texts += [c for c in raw if c not in texts and TIMES.search(str(c))]
+    likely = sorted(texts, key=lambda c: TIMES.search(str(c)) is None)
+    choices = [layout.time] if layout.time else [(c,) for c in likely]
+    if not layout.time:  # a date alone needs its hours
+        choices = [*choices, *((a, b) for a, b in product(likely, likely) if a != b)]
+    if not layout.time and (found := in_parts(raw)):
+        return replace(layout, time=tuple(found), time_format=" ".join(found.values()))
+    for choice in choices:
+        forms = formats(raw[list(choice)], layout.tz)
+        if forms:
+            if "%Z" in forms[0] and layout.tz is None:
+                layout = of_letters(raw[list(choice)], layout, doubts)
+            if len(forms) > 1:
+                doubts.append(
+                    f"the times of {file} may also be written as {forms[1]}: look at "
+                    "a day after the 12th"
+                )
+            first = list(choice) == [raw.columns[0]]
+            time = () if first and not layout.time else choice
+            return replace(layout, time=tuple(time), time_format=forms[0])
+    doubts.append(f"no column of {file} holds times of a usual format")
+    return layout
+
+
+def of_letters(columns: Any, layout: Layout, doubts: list) -> Any:
+    """The layout with the zone of letters that more than one has, the most usual."""
+    column = joined(columns)
+    zones = zones_of(column)
+    if len(zones) > 1:
+        doubts.append(
+            f"the letters behind the times are taken for those of {zones[0]}; they may "
+            f"be those of {' or '.join(zones[1:])}"
+        )
+    return replace(layout, tz=zones[0]) if zones else layout
+
+
+def in_parts(raw: pd.DataFrame) -> dict:
+    """Columns that hold the parts of the times by their names, and their formats."""
+    for first, second in product(OF_YEAR, OF_DAY):
+        found = {}
+        for form, pattern in (first | second).items():
+            name = next((c for c in raw if re.fullmatch(pattern, plain(c))), None)
+            found |= {} if name is None else {name: form}
+        if len(found) < len(first | second):
+            continue
+        read = parsed_times(joined(raw[list(found)]), " ".join(found.values()))
+        if read.notna().all() and unevenness(read)[0] == 0:
+            return found
+    return {}
+
+
+def plain(column: Any) -> str:
+    """A column's name in small letters, without brackets."""
+    return re.sub(r"[\[({].*?[\])}]", "", str(column)).strip().lower()
+
+
+def formats(columns: pd.DataFrame, tz: str | None = None) -> list:
+    """Formats in which all times can be read and tell the hour, the best first."""
+    without = untimed(columns)
+    if without.mean() > 0.5:
+        return []
+    some = of_numbers(columns[~without])
+    if len(some) > 10 * AFTER:  # what stands after the rows has no say
+        some = some.iloc[:-AFTER].infer_objects()
+    some = some.iloc[:: max(1, len(some) // LOOKED_AT)]
+    if some.empty:
+        return []
+    column = joined(some)
+    ways = product(DATES, (" ", ", "), HOURS)
+    first = column.iloc[:FIRST].astype(str)
+    zone = ""
+    if {*map(last_letters, first)} <= {*ZONES, *SEVERAL}:
+        zone, tz = " %Z", tz or next(iter(zones_of(column)), None)
+    elif first.str.contains(OFFSET).all():
+        zone = " %z"
+    choices = [ISO, *(f"{date}{sign}{hour}{zone}" for date, sign, hour in ways)]
+    if pd.api.types.is_datetime64_any_dtype(column):
+        choices = [ISO]
+    elif pd.api.types.is_numeric_dtype(column):
+        if column.between(*SINCE_1970).all():
+            return [UNIX]
+        if (column / 1000.0).between(*SINCE_1970).all():
+            return [MILLI]
+        if column.between(*SINCE_1900).all() and (column % 1.0 != 0.0).any():
+            return [SERIAL]
+        if column.between(*DATENUMS).all() and (column % 1.0 != 0.0).any():
+            return [DATENUM]
+        column = column.map(as_text)
+        digits = column.str.len().unique()
+        choices = [COMPACT[n] for n in digits if n in COMPACT and len(digits) == 1]
+    elif (
+        pd.api.types.is_numeric_dtype(some.iloc[:, -1]) and some.iloc[:, -1].max() < 60
+    ):
+        return []  # an hour alone would be read as minutes
+    found = {}
+    for form in choices:
+        try:
+            if parsed_times(column.iloc[:FIRST], form, tz).isna().all():
+                continue
+            read = parsed_times(column, form, tz)
+        except (ValueError, TypeError):
+            continue
+        if read.isna().any():
+            continue
+        if len(read) > 1 and (read.dt.normalize() == read).all():
+            continue  # a date only
+        found[form] = unevenness(read)
+        if form == ISO:
+            break
+    if not found:
+        return []
+    best = min(found.values())
+    ways = [form for form, way in found.items() if way == best]
+    return [*{form.replace("%B", "%b"): form for form in ways[::-1]}.values()][::-1]
+
+
+def lines_after(raw: pd.DataFrame, layout: Layout) -> int:
+    """How many last lines hold no time, such as totals, where all others hold one."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        return 0
+    for end in range(min(AFTER, len(raw) - 1) + 1):
+        try:
+            timed(raw.iloc[: len(raw) - end], replace(layout, tz=None), "")
+        except ValueError:
+            continue
+        return end
+    return 0
+
+
+def with_times_only(
+    raw: Any, layout: Any, doubts: list, file: str
+) -> tuple[Layout, pd.DataFrame]:
+    """The layout that leaves out rows without a time, and the others."""
+    without: Any
+    if isinstance(raw.index, pd.DatetimeIndex) and not layout.time:
+        without = raw.index.isna()
+    else:
+        without = untimed(raw[time_columns(raw, layout)])
+    if not without.any():
+        return layout, raw
+    rows = "a row holds" if without.sum() == 1 else f"{without.sum():,} rows hold"
+    doubts.append(f"{rows} no time in {file}, left out by --drop-untimed")
+    return replace(layout, drop_untimed=True), of_numbers(raw[~without])
+
+
+def in_order(raw: pd.DataFrame, layout: Layout, name: str) -> Layout:
+    """The layout that puts rows in order, where they are not."""
+    try:
+        index = timed(raw, layout, name)[0].index
+    except ValueError:
+        return layout
+    rises = index.is_monotonic_increasing
+    twice = 0.0 < index.duplicated().mean() < TWICE
+    return replace(layout, sort=not rises, drop_doubled=twice)
+
+
+def index_of(raw: pd.DataFrame, layout: Layout) -> Any:
+    """Times as they are, before they are brought into a zone, or None."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        index = raw.index
+    else:
+        try:
+            index = timed(raw, replace(layout, tz=None), "")[0].index
+        except ValueError:
+            return None
+    return index
+
+
+def written(raw: pd.DataFrame, layout: Layout) -> pd.DatetimeIndex:
+    """Times as a clock showed them, without what is said of its zone."""
+    if isinstance(raw.index, pd.DatetimeIndex):
+        return raw.index.tz_localize(None)
+    text = joined(raw[time_columns(raw, layout)]).astype(str)
+    form = layout.time_format.removesuffix("%z").strip()
+    if "%Z" in form:
+        text, form, _ = without_letters(text, form, layout.tz)
+    text = text.str.replace(r"(?<=\d)\s*([+-]\d\d:?\d\d|Z)$", "", regex=True)
+    return pd.DatetimeIndex(pd.to_datetime(text, format=form, errors="coerce"))
+
+
+def time_columns(raw: pd.DataFrame, layout: Layout) -> Any:
+    """The columns of the times: the given ones, or the first."""
+    if layout.time or isinstance(raw.index, pd.DatetimeIndex):
+        return [column for column in layout.time if column in raw]
+    return [raw.columns[0]]

@@ -1,0 +1,258 @@
+"""Units as a header names them, and what makes the package's own of them."""
+
+import re
+
+import numpy as np
+import pandas as pd
+from scipy import constants
+
+from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem._record.ranges import as_codes, possible
+from pvlib_fem._spelling import ShellText, did_you_mean, refusal
+
+FAHRENHEIT = constants.degree_Fahrenheit  # K
+INCH = 1000.0 * constants.inch  # mm
+#: column: what it is, under the package's names
+QUANTITIES = {
+    "poa_global": "irradiance",
+    "ghi": "irradiance",
+    "dni": "irradiance",
+    "dhi": "irradiance",
+    "poa_rear": "irradiance",
+    "temp_air": "temperature",
+    "wind_speed": "speed",
+    "temp_module": "temperature",
+    "wind_direction": "angle",
+    "relative_humidity": "share",
+    "longwave_down": "irradiance",
+    "precipitation": "rain",
+    "p_dc_per_area": "power per area",
+    "power_dc": "power",
+    "power_ac": "power",
+    "snow_depth": "depth",
+}
+#: quantity: unit to the factor and the offset that make the first one of it
+UNITS = {
+    "irradiance": {
+        "W/m²": (1.0, 0.0),
+        "kW/m²": (1000.0, 0.0),
+        "mW/cm²": (10.0, 0.0),
+        "Wh/m²": (1.0, 0.0),
+        "kWh/m²": (1000.0, 0.0),
+        "J/cm²": (1e4 / constants.hour, 0.0),
+    },
+    "temperature": {
+        "°C": (1.0, 0.0),
+        "°F": (FAHRENHEIT, -32.0 * FAHRENHEIT),
+        "K": (1.0, -constants.zero_Celsius),
+    },
+    "speed": {
+        "m/s": (1.0, 0.0),
+        "km/h": (constants.kmh, 0.0),
+        "mph": (constants.mph, 0.0),
+        "kn": (constants.knot, 0.0),
+        "ft/s": (constants.foot, 0.0),
+    },
+    "angle": {"°": (1.0, 0.0), "rad": (1.0 / constants.degree, 0.0)},
+    "share": {"%": (1.0, 0.0), "fraction": (100.0, 0.0)},
+    "rain": {
+        "mm/h": (1.0, 0.0),
+        "in/h": (INCH, 0.0),
+        "mm": (1.0, 0.0),
+        "in": (INCH, 0.0),
+    },
+    "power per area": {
+        "W/m²": (1.0, 0.0),
+        "kW/m²": (1000.0, 0.0),
+        "W": (1.0, 0.0),
+        "kW": (1000.0, 0.0),
+    },
+    "power": {"W": (1.0, 0.0), "kW": (1000.0, 0.0), "MW": (1e6, 0.0)},
+    "depth": {
+        "cm": (1.0, 0.0),
+        "mm": (0.1, 0.0),
+        "m": (100.0, 0.0),
+        "in": (INCH / 10.0, 0.0),
+    },
+}
+#: what falls in one step, of which its length makes a rate
+AMOUNTS = {"rain": ("mm", "in"), "irradiance": ("Wh/m²", "kWh/m²", "J/cm²")}
+WHOLE = ("W", "kW")  # power of all modules, of which their area makes a density
+#: other spellings, as :func:`plain` leaves them
+SPELLINGS = {
+    "W/m²": ("w/m2", "wm2", "wm-2", "w/sqm", "watt/m2", "watts/m2"),
+    "kW/m²": ("kw/m2", "kwm2", "kwm-2", "kw/sqm"),
+    "mW/cm²": ("mw/cm2", "mwcm2"),
+    "Wh/m²": ("wh/m2", "whm2", "wh/sqm"),
+    "kWh/m²": ("kwh/m2", "kwhm2", "kwh/sqm"),
+    "J/cm²": ("j/cm2", "jcm2"),
+    "°C": ("°c", "c", "degc", "celsius", "degreesc", "deg.c"),
+    "°F": ("°f", "f", "degf", "fahrenheit", "degreesf", "deg.f"),
+    "K": ("k", "kelvin", "degk"),
+    "m/s": ("m/s", "ms", "ms-1", "mps", "m/sec"),
+    "km/h": ("km/h", "kmh", "kph", "kmph", "kmh-1", "km/hr"),
+    "mph": ("mph", "mi/h", "miles/h", "mi/hr"),
+    "kn": ("kn", "kt", "kts", "knot", "knots"),
+    "ft/s": ("ft/s", "fts", "fps"),
+    "°": ("°", "deg", "degrees", "degree", "°n"),
+    "rad": ("rad", "radian", "radians"),
+    "%": ("%", "pct", "percent", "%rh"),
+    "fraction": ("fraction", "0-1", "0..1"),
+    "mm/h": ("mm/h", "mmh", "mm/hr", "mmh-1"),
+    "in/h": ("in/h", "in/hr", "inch/h"),
+    "mm": ("mm",),
+    "in": ("in", "inch", "inches"),
+    "W": ("w", "watt", "watts"),
+    "kW": ("kw", "kilowatt", "kilowatts"),
+    "MW": ("mw", "megawatt", "megawatts"),
+    "cm": ("cm",),
+    "m": ("m",),
+}
+WORDS = ("in", "m", "deg")  # units in brackets, words of a name elsewhere
+
+
+class ForeignUnit(ValueError):
+    """``columns`` that look to be in another ``unit``, and ``why``."""
+
+    def __init__(
+        self, message: str, columns: tuple = (), unit: str = "", why: str = ""
+    ) -> None:
+        super().__init__(message)
+        self.columns, self.unit, self.why = columns, unit, why
+
+
+class SwappedTemperatures(ValueError):
+    """The temperatures of air and module look to be each other's, and ``why``."""
+
+    def __init__(self, message: str, why: str = "") -> None:
+        super().__init__(message)
+        self.why = why
+
+
+def usual_name_of(name: str) -> str:
+    """The column of ``QUANTITIES`` whose units a column has; None without any."""
+    if name in QUANTITIES:
+        return name
+    return "power_ac" if is_power(name) else twin_of(name)
+
+
+def units_of(name: str) -> dict:
+    """Units that a column can have, with factors and offsets; the package's first."""
+    return UNITS[QUANTITIES[usual_name_of(name)]]
+
+
+def of_any_unit(name: str) -> tuple[float, float]:
+    """Least and most that a column can read in any of its units."""
+    low, high, _ = possible(name)
+    ways = units_of(name).values()
+    ends = [[(end - offset) / factor for end in (low, high)] for factor, offset in ways]
+    return min(map(min, ends)), max(map(max, ends))
+
+
+def own_unit(name: str) -> str:
+    """The unit in which the package has a column."""
+    return next(iter(units_of(name)))
+
+
+def unit_of(name: str, text: str) -> str:
+    """
+    A unit as somebody writes it, under the package's spelling.
+
+    Raises
+    ------
+    ValueError
+        If the column cannot be in that unit.
+    """
+    if usual_name_of(name) is None:
+        raise ValueError(
+            f"{name} has no unit that could be converted"
+            f"{did_you_mean(name, QUANTITIES)}; those that have one are "
+            f"{', '.join(QUANTITIES)}, and second sensors such as temp_air_2"
+        )
+    known = units_of(name)
+    for unit in known:
+        if plain(text) == plain(unit) or plain(text) in SPELLINGS[unit]:
+            return unit
+    raise ValueError(f"{name} cannot be in {text!r}; it may be in {', '.join(known)}")
+
+
+def named_unit(name: str, header: str) -> str | None:
+    """The unit that a header names for a column, or None."""
+    bracketed = re.findall(r"[\[({]([^\])}]*)[\])}]", header)
+    bare = re.sub(r"[\[({][^\])}]*[\])}]", " ", header)
+    words = [word for word in re.split(r"[\s_,;:]+", bare) if plain(word) not in WORDS]
+    bracketed = [part for text in bracketed for part in re.split("[,;]", text)]
+    for text in (*bracketed, *words[1:]):  # the first word is the column's name
+        try:
+            return unit_of(name, text)
+        except ValueError:
+            continue
+    return None
+
+
+def plain(text: str) -> str:
+    """A unit without case, spaces and signs that only look."""
+    text = text.strip().lower()
+    for sign, letter in (("²", "2"), ("º", "°"), ("⁻¹", "-1"), ("−", "-")):
+        text = text.replace(sign, letter)
+    return re.sub(r"[\s^*·]", "", text)
+
+
+def converted(
+    column: pd.Series,
+    name: str,
+    unit: str,
+    hours: float | None = None,
+    area: float | None = None,
+) -> pd.Series:
+    """
+    A column in the package's unit.
+
+    Parameters
+    ----------
+    column : Series
+    name : str
+        Under the package's names.
+    unit : str
+        In which it is, as ``"mph"``.
+    hours : float, optional
+        Length of a step, for rain or light as an amount. [h]
+    area : float, optional
+        Of the modules, for power that is not per area. [m²]
+
+    Returns
+    -------
+    Series
+        A code such as -9999 stays as it is, so that a screening knows it.
+    """
+    unit, name = unit_of(name, unit), usual_name_of(name)
+    factor, offset = units_of(name)[unit]
+    if unit in AMOUNTS.get(QUANTITIES[name], ()):
+        factor /= hours
+    if name == "p_dc_per_area" and unit in WHOLE:
+        if area is None:
+            raise refusal(
+                f"p_dc_per_area is in {unit}, and W per m² of module are needed; name "
+                "it power_dc, or give the area of the modules, ",
+                ShellText("module_area=120 (--module-area 120)", "--module-area 120"),
+            )
+        factor /= area
+    if (factor, offset) == (1.0, 0.0):
+        return column
+    new = factor * column + offset
+    return new.mask(stands_for_none(name, column) & impossible(name, new), column)
+
+
+def stands_for_none(name: str, column: pd.Series) -> np.ndarray:
+    """Rows of a logger's codes, which have no unit and so stay as they are."""
+    values = column.to_numpy(float, na_value=np.nan)
+    return as_codes(values)[0] & impossible(name, column)
+
+
+def impossible(name: str, column: pd.Series) -> np.ndarray:
+    """Rows of values that the column cannot hold."""
+    bounds = possible(name)
+    if bounds is None:  # as of power, which an inverter draws little of by night
+        return (column < 0).to_numpy()
+    low, high, _ = bounds
+    return ((column < low) | (column > high)).to_numpy()

@@ -1,0 +1,203 @@
+"""How a file is written: as given, or by its first lines."""
+
+import codecs
+import csv
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem._record.labels import joined_labels, merged
+from pvlib_fem._record.numbers import NUMBERS
+from pvlib_fem._record.time_formats import ISO
+
+EXCEL = (".xlsx", ".xlsm", ".xls", ".xlsb", ".ods")
+PARQUET = (".parquet", ".pq")
+SOME = 200_000  # characters that are looked at
+LINES = 200
+SEPARATORS = (",", ";", "\t", "|")
+SPACES = " "  # one or more of them
+COMMENT = "# "  # before the lines above a table of these
+FOLLOWING = 5  # rows after the first that have to look like it
+TIME = re.compile(r"\d{1,4}[-/.:]\d{1,2}([-/.:]\d{1,4})?[\d\sT:.,Z+-]*([aApP][mM])?")
+BOMS = {
+    codecs.BOM_UTF8: "utf-8",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a file is written, see :func:`pvlib_fem.read_file`."""
+
+    time: tuple[str, ...] = ()
+    time_format: str = ISO
+    tag: str = ""
+    value: str = ""
+    tz: str | None = None
+    sep: str = ","
+    decimal: str = "."
+    thousands: str = ""
+    encoding: str = "utf-8"
+    skip_rows: int | tuple[int, ...] = 0
+    header_rows: int = 1
+    skip_end: int = 0
+    sheet: str | int = 0
+    missing: tuple[str, ...] = ()
+    sort: bool = False
+    drop_doubled: bool = False
+    drop_untimed: bool = False
+
+
+def found_layout(file: Path, layout: Any = None) -> tuple[Layout, dict]:
+    """
+    How a file seems to be written.
+
+    Parameters
+    ----------
+    file : Path
+    layout : Layout, optional
+        What is known, in the fields that are not looked for.
+
+    Returns
+    -------
+    Layout, dict
+        Separator, decimal sign, encoding, lines to leave out and sheet; and the units
+        that a line below the header gives, by column.
+    """
+    layout = layout or Layout()
+    if file.suffix.lower() in PARQUET:
+        return layout, {}
+    if file.suffix.lower() in EXCEL:
+        sheets = pd.read_excel(file, sheet_name=None, header=None, nrows=LINES)
+        name, rows = max(
+            ((name, cells(sheet)) for name, sheet in sheets.items()),
+            key=lambda sheet: likeness(sheet[1], "."),
+        )
+        header, units = outside(rows, ".")
+        first = name == next(iter(sheets))
+        return replace(layout, sheet=0 if first else name, **header), units
+    encoding = encoding_of(file)
+    with open(file, encoding=encoding, newline="", errors="replace") as opened:
+        lines = opened.read(SOME).removeprefix("\ufeff").splitlines()[:LINES]
+    ways = [
+        (likeness(rows, decimal), sep, decimal, rows)
+        for sep in SEPARATORS
+        for rows in [list(csv.reader(lines, delimiter=sep))]
+        for decimal in NUMBERS
+        if sep != decimal or '"' in "".join(lines)
+    ]
+    if not any(like for like, *_ in ways):  # columns that spaces hold apart
+        rows = [line.lstrip(COMMENT).split() for line in lines]
+        ways = [(likeness(rows, sign), SPACES, sign, rows) for sign in NUMBERS]
+    _, sep, decimal, rows = max(ways, key=lambda way: way[0])
+    header, units = outside(rows, decimal)
+    how = dict(sep=sep, decimal=decimal, encoding=encoding)
+    return replace(layout, **how, **header), units
+
+
+def encoding_of(file: Path) -> str:
+    """UTF-8 or UTF-16 where the bytes are that, and else what Windows writes."""
+    with open(file, "rb") as opened:
+        start = opened.read(SOME)
+    for mark, name in BOMS.items():
+        if start.startswith(mark):
+            return name
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(start)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def cells(sheet: pd.DataFrame) -> list:
+    """Rows of a sheet as text."""
+    text = sheet.astype(object).where(sheet.notna(), "")
+    return [[str(cell) for cell in row] for row in text.to_numpy()]
+
+
+def number(cell: str, decimal: str) -> bool:
+    return NUMBERS[decimal].fullmatch(cell.strip()) is not None
+
+
+def known(cell: str, decimal: str) -> bool:
+    """Whether a cell is what a logger's row is made of."""
+    if any(number(cell, sign) for sign in NUMBERS):  # 13.5 is no time, either
+        return number(cell, decimal)
+    return TIME.fullmatch(cell.strip()) is not None
+
+
+def is_data(row: list, width: int, decimal: str) -> bool:
+    """Whether a row has a logger's values."""
+    filled = [cell for cell in row if cell.strip()]
+    seen = sum(known(cell, decimal) for cell in filled)
+    return len(row) == width and seen >= 2 and seen >= 0.5 * len(filled)
+
+
+def width_of(rows: list) -> int:
+    """Number of columns that the later rows have."""
+    later = [len(row) for row in rows[len(rows) // 2 :]]
+    return max(set(later), key=later.count) if later else 0
+
+
+def likeness(rows: list, decimal: str) -> float:
+    """How much rows look like a table: its cells that have a meaning."""
+    width = width_of(rows)
+    if width < 2:
+        return 0.0
+    later = [row for row in rows[len(rows) // 2 :] if len(row) == width]
+    filled = [cell for row in later for cell in row if cell.strip()]
+    return (
+        sum(known(cell, decimal) for cell in filled) / max(len(filled), 1) * len(later)
+    )
+
+
+def outside(rows: list, decimal: str) -> Any:
+    """The header and lines to leave out, and the units that one of these gives."""
+    width = width_of(rows)
+    data = [is_data(row, width, decimal) for row in rows]
+    first = next(
+        (
+            i
+            for i in range(len(rows))
+            if data[i]
+            and sum(data[i : i + FOLLOWING]) >= 0.8 * len(data[i : i + FOLLOWING])
+        ),
+        None,
+    )
+    if not first:  # no table, or no header
+        return {}, {}
+    above = [i for i in range(first) if len(rows[i]) == width]
+    if not above:
+        return {}, {}
+    header = header_of(rows, above)
+    left = tuple(i for i in range(first) if i not in header)
+    below = [rows[i] for i in range(header[-1] + 1, first) if len(rows[i]) == width]
+    names = joined_labels(merged([rows[i] for i in header]))
+    units = zip(names, below[0]) if below else ()
+    units = {column: unit.strip() for column, unit in units if unit.strip()}
+    skip = header[0] if left == tuple(range(header[0])) else left
+    return dict(skip_rows=skip, header_rows=len(header)), units
+
+
+def header_of(rows: list, above: list) -> list:
+    """
+    Lines that make the header: one whose names differ, or some that do so joined.
+
+    Parameters
+    ----------
+    rows : list of list of str
+    above : list of int
+        Lines above the data that have a cell for each column.
+    """
+    best = max(above, key=lambda i: (len({c for c in rows[i] if c.strip()}), -i))
+    place = above.index(best)
+    upward = [above[start : place + 1] for start in range(place, -1, -1)]
+    for lines in (*upward, above[place : place + 2]):
+        names = joined_labels(merged([rows[i] for i in lines]))
+        if len({*names}) == len(names):
+            return lines
+    return [best]

@@ -1,0 +1,370 @@
+"""A logger's file, or several, as a frame in the package's names."""
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem._record.checks import usual_step
+from pvlib_fem._record.column_names import renamed
+from pvlib_fem._record.file_times import in_order, timed
+from pvlib_fem._record.header_units import (
+    QUANTITIES,
+    converted,
+    named_unit,
+    own_unit,
+    unit_of,
+    usual_name_of,
+)
+from pvlib_fem._record.joining import joined, stacked
+from pvlib_fem._record.labels import flat, flat_header
+from pvlib_fem._record.layout import COMMENT, EXCEL, PARQUET, SPACES, TIME, Layout
+from pvlib_fem._record.long_tables import wide
+from pvlib_fem._record.numbers import refuse_text, ungrouped, unmarked
+from pvlib_fem._spelling import UNCHECKED, ShellText, did_you_mean, refusal
+from pvlib_fem.types import FilePath
+
+MOST_SWELLING = 200  # times its size, to which a packed record unpacks
+MOST_CELLS = 200_000_000  # of a sheet: each takes some 50 bytes while it is read
+
+MISSING = ("NAN",)  # as TOA5 writes it, in addition to what pandas knows
+
+
+def read_file(
+    file: FilePath | Sequence[FilePath],
+    columns: Mapping[str, str] | None = None,
+    convert_units: bool | Mapping[str, str] = False,
+    check_units: bool = True,
+    module_area: float | None = None,
+    **layout: Any,
+) -> pd.DataFrame:
+    """
+    A logger's file as a frame with a DatetimeIndex and the package's names.
+
+    Parameters
+    ----------
+    file : str, path-like or list of these
+        CSV, Excel (``pip install 'pvlib_fem[excel]'``) or Parquet. Several are joined
+        on the times of the one with the longest step: a row gets of another file the
+        nearest row, and of one with far shorter steps the means over the step that
+        ends there, but ``temp_module`` as it is then.
+    columns : dict, optional
+        Package's name to the file's, as ``{"poa_global": "Irr (W/m2)"}``. Other
+        columns keep their names.
+    convert_units : bool or dict, default False
+        Convert columns whose headers name another unit, such as ``Wind (mph)``; or
+        the units by the package's names, as ``{"wind_speed": "mph"}``.
+    check_units : bool, default True
+        Refuse a column whose header names another unit, where it is not converted.
+    module_area : float, optional
+        Area of the modules whose power is in W or kW. [m²]
+    **layout
+        ``time``: column of the times, or those of their parts, such as a date and a
+        time of day; by default the first. ``time_format``, default ISO 8601; ``unix``,
+        ``unix-ms``, ``excel`` and ``matlab`` are counts. ``tag``, ``value``: columns of
+        a table with a row for each reading, of which each tag becomes a column. ``tz``:
+        the zone of naive times, in which those that its clock skips are left out, or
+        that into which others are brought. ``sep``, ``decimal``, ``encoding`` of CSV.
+        ``thousands``: what stands between the thousands of numbers. ``skip_rows``: how
+        many lines stand before the header, or the numbers of the lines to leave out,
+        from 0; ``header_rows``: how many lines the header has, whose labels are joined,
+        as ``met_RH``; ``skip_end``: how many lines stand after the last row, such as
+        totals. ``sheet`` of a workbook. ``missing``: texts that stand for a missing
+        value. ``sort``: put the rows in the order of their times. ``drop_doubled``: of
+        rows with the same time keep the first. ``drop_untimed``: leave out rows that
+        hold no time, such as a header in the middle of a file.
+
+    Returns
+    -------
+    DataFrame
+        What was done in addition to reading is in ``.attrs["notes"]``, and the unit
+        that each column was converted from in ``.attrs["converted"]``.
+
+    Raises
+    ------
+    ValueError
+        If the file, its times, a column or a unit are not as said; the message names
+        the option of the command ``pvlib-fem`` that helps, which is the keyword here.
+    """
+    given = [file] if isinstance(file, str | PathLike) else file
+    files = [Path(one) for one in given]
+    for name in ("time", "missing"):
+        if isinstance(layout.get(name), str):
+            layout[name] = (layout[name],)
+        elif name in layout:
+            layout[name] = tuple(layout[name])
+    how = [Layout(**layout)] * len(files)
+    units = {} if isinstance(convert_units, bool) else convert_units
+    convert = convert_units is True
+    return frame(files, how, columns or {}, convert, units, check_units, module_area)
+
+
+def frame(
+    files: Sequence,
+    layouts: list,
+    columns: Mapping,
+    convert: bool = False,
+    units: Mapping | None = None,
+    check_units: bool = True,
+    module_area: float | None = None,
+) -> pd.DataFrame:
+    """Several files, each with its layout; of a list, pieces in time."""
+    tables, names, notes = [], [], []
+    for file, layout in zip(files, layouts):
+        pieces = file if isinstance(file, list) else [file]
+        read = []
+        for one in pieces:
+            data, lost = timed(table(one, layout), layout, one.name)
+            read.append(data)
+            notes += [f"{one.name}: {note}" for note in lost]
+        data, name = stacked(read, [one.name for one in pieces], layout.sort)
+        data, done = in_order(data, layout.sort, layout.drop_doubled)
+        tables.append(data)
+        names.append(name)
+        notes += [f"{name}: {note}" for note in done]
+    data, done = joined(tables, names, columns)
+    absent = [column for column in columns.values() if column not in data]
+    if absent:
+        raise ValueError(
+            f"{' and '.join(names)} has no column "
+            f"{', '.join(absent)}{did_you_mean(absent, data.columns)}; it has "
+            f"{', '.join(map(str, data.columns))}"
+        )
+    columns = columns | renamed({*data, *columns} - {*columns.values()})
+    headers = {name: name for name in data.columns} | columns
+    data = named(data, columns)
+    for name in QUANTITIES:
+        if name in data:
+            refuse_text(data[name], name)
+    data, told = in_units(data, headers, convert, units or {}, check_units, module_area)
+    done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in told.items()]
+    data.attrs |= {"notes": notes + done, "converted": told}
+    return data
+
+
+def table(file: Path, layout: Layout) -> pd.DataFrame:
+    """A file's columns; of a table with a row for each reading those of its tags."""
+    data = plain_table(file, layout)
+    if not layout.tag:
+        return data
+    return wide(data, layout.tag, layout.value or "value", layout.time)
+
+
+def plain_table(file: Any, layout: Any) -> pd.DataFrame:
+    """A file's columns as they are."""
+    suffix = file.suffix.lower()
+    if suffix == ".gz":
+        refuse_swelling(file)
+    if suffix in PARQUET:
+        try:
+            return flat(pd.read_parquet(file))
+        except ImportError as error:
+            raise ValueError(
+                "reading Parquet needs pyarrow: pip install 'pvlib_fem[parquet]'"
+            ) from error
+    missing = [*MISSING, *layout.missing]
+    skip = layout.skip_rows
+    skip = skip if isinstance(skip, int) else list(skip)
+    how = {"skiprows": skip, "na_values": missing}
+    if layout.header_rows > 1:
+        how["header"] = list(range(layout.header_rows))
+    if suffix in EXCEL:
+        end = layout.skip_end
+        data = workbook(file, sheet_name=layout.sheet, skipfooter=end, **how)
+    else:
+        data = text(file, layout, **how)
+    times = layout.time or tuple(data.columns[:1])
+    marked = [name for name in texts(data) if name not in times]
+    if marked and layout.missing:
+        marks = layout.missing, layout.decimal
+        data = data.assign(**{name: unmarked(data[name], *marks) for name in marked})
+    if not layout.thousands and layout.decimal == ".":
+        return data
+    signs = layout.thousands, layout.decimal
+    return data.assign(**{name: ungrouped(data[name], *signs) for name in marked})
+
+
+def refuse_swelling(file: Any) -> None:
+    """Refuse a packed file of which little on disk takes all memory, before it does."""
+    with open(file, "rb") as packed:
+        size = packed.seek(0, io.SEEK_END)
+        packed.seek(max(size - 4, 0))
+        content = int.from_bytes(packed.read(4), "little")  # as gzip says it
+    if content > MOST_SWELLING * size:
+        raise ValueError(
+            f"{file.name} has {size:,} bytes and unpacks to {content:,}, as no "
+            "measured record does; if it is one, unpack it first"
+        )
+
+
+def refuse_wide(file: Path) -> None:
+    """Refuse a workbook whose cells reach so far that no memory holds them."""
+    import openpyxl
+
+    book = openpyxl.load_workbook(file, read_only=True)
+    try:
+        reach = [(s.title, s.max_row or 0, s.max_column or 0) for s in book.worksheets]
+    finally:
+        book.close()
+    for name, rows, columns in reach:
+        if rows * columns > MOST_CELLS:
+            raise TooLarge(
+                f"sheet {name!r} of {file.name} reaches to row {rows:,} and column "
+                f"{columns:,}; delete the cells beyond the table, or save it as CSV"
+            )
+
+
+class TooLarge(ValueError):
+    """A file that would take all memory."""
+
+
+def texts(data: pd.DataFrame) -> list:
+    """Names of the columns of text."""
+    kinds = pd.api.types
+    return [
+        name
+        for name, column in data.items()
+        if kinds.is_object_dtype(column) or kinds.is_string_dtype(column)
+    ]
+
+
+def workbook(file: Any, **how: Any) -> pd.DataFrame:
+    try:
+        if file.suffix.lower() in (".xlsx", ".xlsm"):
+            refuse_wide(file)
+        data = pd.read_excel(file, **how)
+    except TooLarge:
+        raise
+    except ImportError as error:
+        raise ValueError(
+            f"reading {file.suffix} needs another package ({error.name or error}): "
+            "pip install 'pvlib_fem[excel]' reads .xlsx; save others as that"
+        ) from error
+    except (ValueError, KeyError, OSError) as error:
+        if "Worksheet" in str(error):
+            raise ValueError(f"{file.name}: {error}; give --sheet NAME") from error
+        raise ValueError(f"{file.name} is no workbook that can be read") from error
+    except Exception as error:  # of the package that reads it: a broken archive
+        raise ValueError(f"{file.name} is no workbook that can be read") from error
+    return flat_header(data).dropna(axis="columns", how="all")
+
+
+def text(file: Path, layout: Any, **how: Any) -> pd.DataFrame:
+    """A CSV file; what makes it no table says which option may."""
+    how |= {"sep": layout.sep, "decimal": layout.decimal, "encoding": layout.encoding}
+    how |= {"skipinitialspace": True, "low_memory": False}
+    try:
+        source = without_end(file, layout) if layout.skip_end else file
+        if layout.sep == SPACES:
+            source, how["sep"] = without_comments(source, layout.encoding), r"\s+"
+        data = flat_header(pd.read_csv(source, **how))
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"{file.name} is not in {error.encoding} ({error.reason} at byte "
+            f"{error.start}); give --encoding, such as latin-1"
+        ) from error
+    except LookupError as error:
+        raise ValueError(
+            f"--encoding {layout.encoding}: there is no such encoding; usual ones are "
+            "utf-8, latin-1 and utf-16"
+        ) from error
+    except pd.errors.EmptyDataError as error:
+        raise ValueError(
+            f"{file.name} has no line left after those that --skip-rows leaves out"
+            if layout.skip_rows
+            else f"{file.name} is empty"
+        ) from error
+    except pd.errors.ParserError as error:
+        raise ValueError(
+            f"{file.name} is no table with the separator {layout.sep!r}: its lines "
+            "differ in their number of columns; give --skip-rows for lines before the "
+            "header, and --sep"
+        ) from error
+    if data.shape[1] == 1:
+        raise ValueError(
+            f"{file.name} has the one column {data.columns[0]!r}; give --sep, such as "
+            "';', and --skip-rows for lines before the header"
+        )
+    if len(data) == 0:
+        raise ValueError(f"{file.name} has a header and no row")
+    refuse_row(data, file)
+    return data
+
+
+def refuse_row(data: pd.DataFrame, file: Path) -> None:
+    """Refuse a file that begins with a row where names should be."""
+    first, *others = data.columns
+    numbers = [pd.to_numeric(re.sub(r"\.\d+$", "", c), errors="coerce") for c in others]
+    if TIME.fullmatch(first) and pd.notna(numbers).mean() > 0.5:
+        raise ValueError(
+            f"{file.name} has no header: it begins with {first!r}, {others[0]!r}; "
+            "write a line of names above it, such as time,poa_global,temp_air,"
+            "wind_speed,temp_module"
+        )
+
+
+def without_end(file: Any, layout: Layout) -> Any:
+    """The text of a file without its last lines; empty ones do not count."""
+    lines = file.read_text(layout.encoding).rstrip().split("\n")
+    return io.StringIO("\n".join(lines[: -layout.skip_end]))
+
+
+def without_comments(source: Any, encoding: Any) -> Any:
+    """The text of a file without the signs before the lines above its table."""
+    if isinstance(source, Path):
+        source = io.StringIO(source.read_text(encoding))
+    return io.StringIO("".join(line.lstrip(COMMENT) for line in source))
+
+
+def named(data: pd.DataFrame, columns: dict) -> pd.DataFrame:
+    """The table in the package's names."""
+    # a mapped column takes the name, whatever else the file calls by it, and leaves
+    # its own, under which it would be one more driver
+    taken = {name: data[column] for name, column in columns.items()}
+    return data.drop(columns=list(dict.fromkeys(columns.values()))).assign(**taken)
+
+
+def in_units(
+    data: pd.DataFrame,
+    headers: dict,
+    convert: bool,
+    units: Mapping,
+    check_units: bool,
+    module_area: float | None,
+) -> tuple[pd.DataFrame, dict]:
+    """Columns in the package's units, if that is requested, and their own units."""
+    told = {name: unit_of(name, unit) for name, unit in units.items()}
+    if absent := [name for name in told if name not in data]:
+        raise ValueError(
+            f"there is no column {absent[0]} to convert"
+            f"{did_you_mean(absent[0], data.columns)}; name it with --map "
+            f"{absent[0]}=COLUMN"
+        )
+    done = {}
+    for name, header in headers.items():
+        # of a second sensor with no name of its own, temp_module_f, the end is no unit
+        second = name not in QUANTITIES and name not in told and name == header
+        if usual_name_of(name) is None or second:
+            continue
+        own, unit = own_unit(name), told.get(name) or named_unit(name, str(header))
+        if unit in (None, own):
+            continue
+        if name in told or convert:
+            hours = usual_step(data.index) / 3600.0
+            column = converted(data[name], name, unit, hours, module_area)
+            data = data.assign(**{name: column})
+            done[name] = unit
+        elif check_units:
+            raise refusal(
+                f"the header {header!r} names {unit}, and {name} has to be in {own}; "
+                "give ",
+                ShellText("convert_units=True (--convert)", "--convert"),
+                " to convert it, or ",
+                UNCHECKED,
+                " if it is in that unit already",
+            )
+    return data, done

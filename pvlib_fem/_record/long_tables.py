@@ -1,0 +1,77 @@
+"""Tables with a row for each reading, as historians write them, as one of columns."""
+
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem._spelling import did_you_mean
+
+FEWEST, MOST = 3, 1000  # tags that a table may have
+EVEN = 0.5  # share of the most frequent tag's rows that each of the usual has, at least
+FULL = 0.5  # share of the cells that have to be there, where tags share their times
+
+
+def wide(data: Any, tag: Any, value: Any, times: Any) -> Any:
+    """
+    The table with a column for each tag.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a row for each reading.
+    tag, value : str
+        Columns of the name of what is read, and of the reading.
+    times : sequence of str
+        Columns of the times.
+
+    Raises
+    ------
+    ValueError
+        If a column lacks, a tag has two readings at a time, or the tags have times of
+        their own.
+    """
+    for name in (tag, value):
+        if name not in data:
+            raise ValueError(
+                f"there is no column {name!r} to make columns of"
+                f"{did_you_mean(name, data.columns)}; there are "
+                f"{', '.join(map(str, data.columns))}"
+            )
+    times = list(times) or [data.columns[0]]
+    readings = data[[*times, tag, value]].dropna(subset=[tag])
+    if (twice := readings.duplicated([*times, tag])).any():
+        first = readings[twice].iloc[0]
+        when = " ".join(str(first[name]) for name in times)
+        raise ValueError(
+            f"{first[tag]!r} has a second reading at {when}, and {twice.sum():,} are "
+            "such: keep one of each, or write times with their distance from UTC if a "
+            "clock shows an hour twice"
+        )
+    once = readings.set_index([*times, tag])[value]
+    rows = readings[times].drop_duplicates().set_index(times).index
+    found = once.unstack(tag).reindex(rows)[readings[tag].unique()]  # noqa: PD010
+    found = found.rename_axis(columns=None)
+    if len(found) and found.notna().to_numpy().mean() < FULL:
+        raise ValueError(
+            f"the readings of {tag!r} have times of their own: of {len(found):,} times "
+            f"most lack most of {found.shape[1]}; write means over common steps, or a "
+            "file for each tag, which are joined on their times"
+        )
+    return found.reset_index()
+
+
+def tag_and_value(data: pd.DataFrame, times: list) -> Any:
+    """The columns that hold names of quantities, and readings, or None."""
+    kinds, others = pd.api.types, [c for c in data if c not in times]
+    numeric = [c for c in others if kinds.is_numeric_dtype(data[c])]
+    for column in others:
+        if column in numeric or data[column].isna().any():
+            continue
+        rows = data[column].value_counts()
+        several = FEWEST <= len(rows) <= min(MOST, len(data) // FEWEST)
+        # each has about as many rows, and none comes twice at a time
+        even = several and rows.median() >= EVEN * rows.iloc[0]
+        if even and numeric and not data.duplicated([*times, column]).any():
+            likely = [c for c in numeric if "val" in str(c).lower()]
+            return column, (likely or numeric)[0]
+    return None

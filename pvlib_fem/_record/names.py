@@ -1,0 +1,173 @@
+"""What a column may be, by its name."""
+
+import re
+import unicodedata
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY, vouches
+from pvlib_fem._record.header_units import QUANTITIES
+
+#: column: names that loggers have for it, the surest first
+NAMES = {
+    "poa_rear": (
+        r"(rear|back[\s_-]*side|rück\w*)[\s_.-]*(irr|poa|g(\b|_)|rad|einstr)|"
+        r"(irr\w*|g?poa|g)[\s_.-]*(rear|back)(\b|_)",
+    ),
+    "poa_global": (
+        r"poa|gti|gpoa|tilt|inclin|plane|modulebene|(^|_)g[\s_.-]*front",
+        r"irr|einstrahl|insol|^g$|^g_?i$|pyran|global|solar_?rad|strahlung|rayonn|"
+        r"ensoleil",
+    ),
+    "temp_module": (
+        r"(mod(ul\w*)?|panel|array|back(sheet)?|bom|pv|cell|zell)[\s_.-]*(\d+[\s_.-]*)?"
+        r"t(?!ilt|ot|yp|ime|rack)|"
+        r"t(emp\w*)?[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)|"
+        r"(^|_)t\d+[\s_.-]*(mod|panel|array|back|bom|pv|cell|zell)",
+        r"^bom[\s_.-]?\d*$|^tc[\s_.-]?\d|^thermoc\w*[\s_.-]*\d*$|^t_?m[\s_.-]?\d*$",
+    ),
+    "temp_air": (
+        r"(amb(ient)?|air|outdoor|dry[\s_-]?bulb|luft|außen|umgebung\w*)[\s_.-]*t|"
+        r"t(emp\w*)?[\s_.-]*(amb|air|aria|out|ext|ester|dry|luft|außen|umg|2m)",
+        r"^ta(\b|_)|^t_?a$",
+        r"^t(emp[a-z]*)?[\s_.-]*\d*(\b|_)",
+    ),
+    "wind_direction": (r"w(ind)?[\s_.-]*d(ir|\b|_)|wind\w*richt|^wr(\b|_)",),
+    "wind_speed": (
+        r"w(ind)?[\s_.-]*(s(p(ee)?d)?|vel\w*)(\b|_)|wind\w*geschw|^v_?w(ind)?(\b|_)|"
+        r"vel\w*[\s_.-]*(w|vi?ento)",
+        r"^wind|anemom|vi?ento|(\b|_)vent(\b|_)|^v$",
+    ),
+    "relative_humidity": (
+        r"(^|[\W_])r_?h(\b|_|\d)|rel\w*[\s_.-]*hum|humid|^hum(\b|_)|feucht|^hr$|^rf$",
+    ),
+    "longwave_down": (r"long[\s_-]?wave|^lw|pyrgeo|^dlr|^ir_?down|infrared",),
+    "precipitation": (r"rain|precip|regen|niederschl|^rr$",),
+    "snow_depth": (r"snow|schnee",),
+    # power by area is never guessed: a plant's would be taken for it
+    "power_dc": (r"^p[\s_.-]?dc|dc[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*dc",),
+    "power_ac": (
+        r"^p[\s_.-]?ac(\b|_|\d)|ac[\s_.-]*(power|leist)|(power|leist\w*)[\s_.-]*ac",
+        r"^(?!.*(fa[ck]tor|reac|appar|blind|schein|limit|set)).*(power|leistung)",
+    ),
+}
+#: drivers of effects and cross-checks: columns in addition to the usual four
+DRIVERS = tuple(name for name in NAMES if name not in COLUMNS)
+#: words before a name that say where its sensor is
+PLACE = re.compile(r"^((met|meteo|weather|wx|env|station|site)\d*[\s_./-]+)+")
+NOT = re.compile(
+    r"std|stdev|(\b|_)(min|max|sd\d*|mv|daily|cum\w*)(\b|_)|gust|ghi|dni|dhi|horiz|"
+    r"diffus|direct|beam|clear|status|flag|albedo|dew|chill|wet[\s_-]?bulb|azimuth|"
+    r"(tracker|axis|module|panel|array|surface)[\s_.-]*tilt|tilt[\s_.-]*(angle|deg)|^tilt$",
+    re.IGNORECASE,
+)
+
+
+def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
+    """The map with the columns that look like a name that none has yet."""
+    numeric = [c for c in data if pd.api.types.is_numeric_dtype(data[c])]
+    there = {ALIASES.get(column, column) for column in data}
+    free = [c for c in numeric if c not in (*columns.values(), *QUANTITIES, *ALIASES)]
+    free = [c for c in free if not NOT.search(without_unit(c))]
+    columns = dict(columns)
+    for name in NAMES:
+        if name not in names or name in columns or name in there:
+            continue
+        for sure, pattern in enumerate(NAMES[name]):
+            matching = [c for c in free if re.search(pattern, spelled(c))]
+            if matching:
+                columns[name] = matching[0]
+                free.remove(matching[0])
+                told(name, matching, sure, doubts)
+                break
+    return columns
+
+
+def told(name: str, matching: list, sure: int, doubts: list) -> None:
+    """What a person should look at."""
+    if len(matching) > 1:
+        doubts.append(
+            f"{name} may also be {', '.join(repr(c) for c in matching[1:4])}"
+            + (f" or {len(matching) - 4} others" if len(matching) > 4 else "")
+        )
+    if name == "poa_global" and sure > 0:
+        doubts.append(
+            f"{matching[0]!r} has to be in the plane of the module, not horizontal"
+        )
+
+
+def spelled(column: str) -> str:
+    """A column's name without its unit, in small letters, words apart."""
+    bare = re.sub(r"([a-z])([A-Z])", r"\1_\2", without_unit(column))
+    return PLACE.sub("", without_accents(bare.strip().lower()))
+
+
+def without_accents(text: str) -> str:
+    apart = unicodedata.normalize("NFKD", text)
+    return "".join(letter for letter in apart if not unicodedata.combining(letter))
+
+
+def without_unit(column: str) -> str:
+    return re.sub(r"[\[({].*?[\])}]", "", str(column))
+
+
+def usual_name(column: str) -> Any:
+    """The package's name that a column's name looks like, or None."""
+    if NOT.search(without_unit(column)):
+        return None
+    for name, patterns in NAMES.items():
+        if any(re.search(pattern, spelled(column)) for pattern in patterns):
+            return name
+    return None
+
+
+def is_own(column: str) -> bool:
+    """Whether a column has a name that the package knows."""
+    return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or vouches(column)
+
+
+def unmapped(columns: dict) -> dict:
+    """Columns that look like the driver of an effect, or like power, and what like."""
+    found = {c: usual_name(c) for c in columns if not is_own(c)}
+    return {column: name for column, name in found.items() if name in DRIVERS}
+
+
+def unused(columns: dict, taken: set) -> dict:
+    """
+    Why columns are not used, by reason.
+
+    Parameters
+    ----------
+    columns : dict of Series
+        Names that are not mapped.
+    taken : collection of str
+        The package's names that have a column.
+
+    Returns
+    -------
+    dict of list
+    """
+    found = {}
+    for column, values in columns.items():
+        if not is_own(column):
+            found.setdefault(why_unused(column, values, taken), []).append(str(column))
+    return found
+
+
+def why_unused(column: str, values: pd.Series, taken: set) -> str:
+    """Why a column is not used, in words."""
+    if values.isna().all():
+        return "no value"
+    if not pd.api.types.is_numeric_dtype(values):
+        return "not numeric"
+    if values.min() == values.max():
+        return "constant"
+    if (step := values.diff().dropna()).min() == step.max() != 0:
+        return "a count of the rows"
+    if word := NOT.search(without_unit(column)):
+        return f"another quantity, by {word[0].strip('_')!r} in the name"
+    if (name := usual_name(column)) in taken:
+        second = f", a second sensor is {name}_2" if name in COLUMNS else ""
+        return f"{name} has a column already{second}"
+    return "no known name"

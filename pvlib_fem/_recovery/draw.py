@@ -1,0 +1,269 @@
+"""Draw the injections: effects, dates and signs."""
+
+import inspect
+import json
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+import numpy as np
+
+from pvlib_fem._findings import Finding
+from pvlib_fem._loop.divided_record import Case
+from pvlib_fem._loop.loop_result import Loop
+from pvlib_fem._stored import Stored, plain
+from pvlib_fem.effects import EFFECTS, find, several
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import (
+    COURSES,
+    TimeProfile,
+    dates_in_words,
+    weights_of,
+    written,
+)
+from pvlib_fem.reasons import Reason, because
+
+EDGE = 0.1  # share of the days at either end of the record in which no date is drawn
+LONGEST = 0.25  # largest length of an episode, as a share of the days
+SAME = 0.5  # share of common days above which two stretches are one event
+
+
+@dataclass(frozen=True)
+class Injection:
+    """
+    An effect of known size that is added to a record.
+
+    Attributes
+    ----------
+    effect : str
+    draw : int
+        Number of the draw of dates and signs.
+    settings : dict
+        Its dates, or other settings of the effect.
+    coefficients : dict
+        Coefficients by their names in a model.
+    size : float
+        Root of the sum of their squares; for one coefficient its absolute value.
+    predicted : float
+        Size from which it should be found; NaN if no possible size should be.
+    own : float
+        Estimate of this effect, with this sign, in the record itself. It adds to the
+        injected size in each coefficient that is found.
+    """
+
+    effect: str
+    draw: int
+    settings: dict
+    coefficients: dict
+    size: float
+    predicted: float
+    own: float
+
+    @property
+    def key(self) -> str:
+        """A text that identifies the injection, exact to the bit."""
+        return json.dumps(plain([self.effect, self.settings, self.coefficients]))
+
+    @property
+    def multiple(self) -> float:
+        """Size over predicted size, both of which are rounded; NaN without one."""
+        return round(self.size / self.predicted, 4)
+
+    @property
+    def dates(self) -> str:
+        """Its dates in words."""
+        return dates_in_words(self.settings)
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The injection of a part of a file."""
+        return cls(
+            content.text("effect"),
+            content.count("draw"),
+            content.part("settings").content,
+            content.numbers("coefficients"),
+            content.number("size"),
+            content.number("predicted", unknown=True),
+            content.number("own"),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """An effect with its dates, and the direction of its coefficients."""
+
+    effect: Effect
+    number: int
+    way: dict = field(default_factory=dict)  # unit vector of the coefficients
+    readable: float = np.inf  # largest size with which the instrument still reads
+
+    def of_size(self, size: float, predicted: float, own: float) -> Injection:
+        """The injection of a size."""
+        coefficients = {n: rounded(size * part) for n, part in self.way.items()}
+        numbers = map(rounded, (size, predicted, own))
+        settings = dict(self.effect.settings)
+        return Injection(
+            self.effect.name, self.number, settings, coefficients, *numbers
+        )
+
+    @property
+    def most(self) -> float:
+        """The largest size that its bounds and its instrument allow."""
+        rows = self.effect.rows()
+        ends = {n: rows[n].upper if part > 0 else rows[n].lower for n, part in self}
+        return min(self.readable, *(ends[name] / part for name, part in self))
+
+    def __iter__(self) -> Iterator:
+        return ((name, part) for name, part in self.way.items() if part)
+
+
+def rounded(value: float) -> float:
+    """Round to six digits: readable, and equal on every computer."""
+    return float(f"{value:.6g}")
+
+
+def chosen(case: Case, loop: Loop, effects: list | str | None) -> Any:
+    """Effects that can be injected, and for other effects the reason why not."""
+    wanted = {effect.name: effect for effect in case.wanted}
+    there = {name for f in loop.finding_objects if f.added for name in f.candidates}
+    usual = {effect.name for effect in loop.fit.effects}
+    if effects is None:
+        names = [name for name in wanted if name in EFFECTS]
+    else:
+        names = [find(effect).name for effect in several(effects)]
+    found, notes = [], dict(case.untestable) if effects is None else {}
+    for name in names:
+        if name not in wanted:
+            notes[name] = case.untestable.get(name, f"the loop does not try {name}")
+        elif name in there:
+            notes[name] = "the record itself shows it, or cannot tell it from what is"
+        elif name in usual:
+            notes[name] = "the model without findings has it"
+        elif wanted[name].turns:
+            notes[name] = "it has dates and a plane, which are not drawn"
+        elif wanted[name].scan is None:
+            found.append(wanted[name])
+        elif needs_nothing(wanted[name].make):
+            found.append(wanted[name].make())
+        else:
+            notes[name] = "it has a place in the sky, which is not drawn"
+    return found, {name: str(why) for name, why in notes.items()}
+
+
+def needs_nothing(make: Any) -> Any:
+    """Whether all settings that a scan would find have defaults."""
+    rows = inspect.signature(make).parameters.values()
+    return all(row.default is not row.empty for row in rows)
+
+
+def drawn(
+    effect: Effect, days: np.ndarray, side: int, draws: int, seed: int
+) -> tuple[list, None]:
+    """
+    Draws of an effect with dates but without directions, or why there is no date.
+
+    Parameters
+    ----------
+    effect : Effect
+    days : array of int
+        Days of the fitting weeks that have rows, from 1970-01-01.
+    side : int
+        Least number of days on either side of a date.
+    draws, seed : int
+
+    Returns
+    -------
+    list of Draw, Because or None
+    """
+    random = generator(effect, seed)
+    if not effect.channel:
+        return [Draw(effect, number) for number in range(draws)], None
+    course = course_of(effect)
+    dates = [DATES[course.name](days, side, random) for _ in range(draws)]
+    if None in dates:
+        return [], because(Reason.NO_DATE)
+    return [Draw(effect.make(**one), number) for number, one in enumerate(dates)], None
+
+
+def generator(effect: Effect, seed: int) -> np.random.Generator:
+    """Random numbers of an effect, independent of the other effects."""
+    return np.random.default_rng([seed, zlib.crc32(effect.name.encode())])
+
+
+def course_of(effect: Effect) -> TimeProfile:
+    """The time profile of a sensor fault."""
+    return next(one for one in COURSES if effect.name == f"{effect.channel}_{one.name}")
+
+
+def step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | None:
+    """A date with enough days on either side."""
+    edge = max(side, int(EDGE * len(days)))
+    if len(days) <= 2 * edge:
+        return None
+    return {"at": written(days[random.integers(edge, len(days) - edge)])}
+
+
+def episode(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
+    """A stretch whose length is uniform in its logarithm."""
+    most = int(LONGEST * len(days))
+    if most <= 2 * side:
+        return None
+    length = int(np.exp(random.uniform(np.log(2 * side), np.log(most))))
+    start = random.integers(side, len(days) - side - length)
+    return {"start": written(days[start]), "end": written(days[start + length])}
+
+
+def drift(days: np.ndarray, side: int, random: np.random.Generator) -> Any:
+    """A trend from the first day on."""
+    return {"since": written(days[0])}
+
+
+DATES = {"step": step, "episode": episode, "drift": drift}
+
+
+def with_ways(draws: list, errors: list, seed: int) -> list:
+    """
+    The draws with random directions of their coefficients, without duplicates.
+
+    Coefficients are random in units of their standard errors. A coefficient that cannot
+    be negative is positive.
+    """
+    found, seen = [], set()
+    for draw, error in zip(draws, errors):
+        random = generator(draw.effect, seed + 1 + draw.number)
+        rows = draw.effect.rows()
+        signs = {n: -1.0 if random.random() < 0.5 else 1.0 for n in rows}
+        if len(rows) > 1:
+            signs = {name: random.standard_normal() for name in rows}
+        for name, row in rows.items():
+            if row.lower >= row.start or row.upper <= row.start:
+                sign = 1.0 if row.upper > row.start else -1.0
+                signs[name] = sign * abs(signs[name])
+        way = {name: signs[name] * error[name] for name in rows}
+        length = np.sqrt(sum(part**2 for part in way.values()))
+        way = {name: float(part / length) for name, part in way.items()}
+        key = (str(draw.effect.settings), *(way.items()))
+        if key not in seen:
+            seen.add(key)
+            found.append(replace(draw, way=way))
+    return found
+
+
+def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> bool:
+    """Whether a finding holds the true effect; a fault also on about its days."""
+    if effect.name not in finding.candidates:
+        return False
+    leading = effects[finding.effect]
+    course = effect.name.removeprefix(effect.channel)
+    if not effect.channel or leading.name != f"{leading.channel}{course}":
+        return True
+    return same_days(effect, leading, days)
+
+
+def same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:
+    """Whether two changes with one time profile are on mostly the same days."""
+    if course_of(one).name == "drift":
+        return True
+    a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))
+    return bool((a & b).sum() >= SAME * (a | b).sum())

@@ -1,0 +1,168 @@
+"""
+Add an effect to a measured record.
+
+A physical effect, or a fault at the module, changes the module temperature by the
+response of the record's own model. A fault of another sensor changes the column of that
+sensor, so second sensors, the sky and the weather deviate from it as they would.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.column_names import printable
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._recovery.draw import Injection
+from pvlib_fem._thermal.model import ThermalModel
+from pvlib_fem.drivers import completed, needed_for
+from pvlib_fem.effects import EFFECTS, find
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._time_profiles import weights_of
+from pvlib_fem.quality._lag import retimed
+from pvlib_fem.quality._module_lag import Clock
+
+
+@dataclass(frozen=True, eq=False)
+class Injector:
+    """A record with the model of its loop, to which effects can be added."""
+
+    model: ThermalModel
+    coefficients: dict
+    record: Record  # checked, in one standard time
+    kept: np.ndarray  # rows of the user's frame that the record has
+    clock: Clock  # of the module's logger
+    own: dict  # the user's own effects, by name
+
+    @classmethod
+    def of(cls, search: Any, loop: Any) -> "Injector":
+        """The injector of a finished search."""
+        case = search.case
+        own = {e.name: e for e in case.wanted if e.name not in EFFECTS}
+        model, coefficients = loop.fit.thermal_model, loop.fit.coefficients
+        return cls(
+            replace(model, base=model.base or coefficients),
+            coefficients,
+            loop.fit.record,
+            case.kept,
+            search.clock,
+            own,
+        )
+
+    def effect(self, injection: Injection) -> Effect:
+        """The effect of an injection, with its dates."""
+        name = injection.effect
+        return self.own.get(name) or find({"name": name, **injection.settings})
+
+    def response(self, injection: Injection) -> np.ndarray:
+        """Response of the module temperature to an injection. [K]"""
+        effect = self.effect(injection)
+        record = self.record
+        if effect.prepare:
+            there = replace(self.model, effects=(effect,)).with_drivers(record.inputs)
+            rows = np.ones(len(record.index), dtype=bool)
+            there = completed(there, ["day"])
+            effect = effect.prepare(there.columns, rows)
+        model = replace(self.model, effects=(*self.model.effects, effect))
+        parts = (injection.coefficients, effect.start)
+        return self.added(model, effect.drivers, *parts)
+
+    def own_changes(self) -> Any:
+        """Module temperature that the record's own faults add. [K]"""
+        changes = [effect for effect in self.model.effects if effect.channel]
+        drivers = [name for one in self.model.effects for name in one.drivers]
+        start = {name: value for one in changes for name, value in one.start.items()}
+        return self.added(self.model, drivers, {}, start)
+
+    def added(
+        self, model: ThermalModel, drivers: Sequence, there: dict, absent: dict
+    ) -> np.ndarray:
+        """Difference of a model's temperature between two sets of coefficients. [K]"""
+        record = self.record
+        # gaps of drivers take the next value, as in the test of a candidate
+        filled = {
+            name: pd.Series(record[name]).bfill().ffill().to_numpy()
+            for name in needed_for(drivers)
+            if name in record.inputs.columns
+        }
+        inputs = model.with_drivers(record.having(filled).inputs)
+        with_it, without = (
+            model.temperature(inputs, {**self.coefficients, **part})
+            for part in (there, absent)
+        )
+        change = np.nan_to_num(with_it - without)
+        if self.clock.fault:
+            seconds = record.inputs.seconds
+            change = np.nan_to_num(retimed(seconds, change, -self.clock.at(seconds)))
+        return change
+
+    def into(self, data: pd.DataFrame, injection: Injection) -> pd.DataFrame:
+        """A copy of a frame with the effect added."""
+        data, effect = data.copy(), self.effect(injection)
+        labels = {printable(label): label for label in data}
+        name = READS.get(effect.channel)
+        if name is None:
+            change = {"temp_module": self.response(injection)}
+        else:
+            (size,) = injection.coefficients.values()
+            read = reading(self.record, effect, size, self.coefficients)
+            change = {
+                name: np.nan_to_num(values - self.record[name])
+                for name, values in read.items()
+            }
+        for name, values in change.items():
+            add(data, labels[name], self.kept, values)
+        return data
+
+
+MOST_LOST = 0.9  # largest share of a reading that a fault removes
+#: columns of the sensors other than the module's, by channel
+READS = {
+    "sensitivity": "poa_global",
+    "wind_gain": "wind_speed",
+    "air_offset": "temp_air",
+    "air_shelter": "temp_air",
+}
+
+
+def reading(record: Record, effect: Effect, change: float, coefficients: dict) -> dict:
+    """Readings of a sensor whose fault has this coefficient, by its column."""
+    name = READS[effect.channel]
+    values, size = record[name], change * weights_of(effect, record.dates)
+    whole = whole_of(effect.channel, coefficients)
+    if whole is not None:
+        values = values / (1.0 + size / whole)
+    elif effect.channel == "air_offset":
+        values = values - size
+    else:
+        values = values + size * np.nan_to_num(record["poa_global"]) / 1000.0
+    return {name: values}
+
+
+def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) -> float:
+    """
+    The largest size of a fault with which its sensor still reads.
+
+    A sensor that reads a tenth of the true value, or ten times as much, has failed.
+    """
+    whole = whole_of(effect.channel, coefficients)
+    if whole is None:
+        return np.inf
+    (part,) = way.values()
+    least = (part * weights_of(effect, days)).min()
+    return MOST_LOST * whole / -least if least < 0.0 else np.inf
+
+
+def whole_of(channel: str, coefficients: dict) -> Any:
+    """Reference of a fault that scales its reading; None for other faults."""
+    u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
+    return {"sensitivity": 1.0, "wind_gain": u1}.get(channel)
+
+
+def add(data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray) -> None:
+    """Add to some rows of a column, in place."""
+    column = data[label].to_numpy(float).copy()
+    column[rows] += values
+    data[label] = column

@@ -1,0 +1,126 @@
+"""False names of a loop in scrambled records, and the reliability of names."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._findings import Verdict
+from pvlib_fem._loop.close import close_loop
+from pvlib_fem._statistics.jeffreys import rate_between, share_between
+from pvlib_fem._stored import Stored
+
+CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found
+COLUMNS = ("named", "injections", "found", "completeness", "complete_from")
+COLUMNS += ("complete_to", "trials", "false", "reliability", "reliable_from")
+COLUMNS += ("reliable_to",)
+COUNTS = ("injections", "found", "trials", "false")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """
+    False findings of a loop on a record with moved drivers or scrambled dates.
+
+    Attributes
+    ----------
+    kind : str
+        ``"drivers"`` or ``"dates"``.
+    number : int
+        Number among the trials of its kind.
+    what : str
+        Description of the scrambling.
+    lost : tuple of str
+        Effects that the record has lost; their names are false.
+    named, classes : tuple of str
+        Lost effects that are named; and classes of which each member is lost.
+    refused : str
+        Why the loop refused the record; empty if it did not.
+    """
+
+    kind: str
+    number: int
+    what: str
+    lost: tuple
+    named: tuple = ()
+    classes: tuple = ()
+    refused: str = ""
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """Kind and number, which identify the trial."""
+        return self.kind, self.number
+
+    @classmethod
+    def stored(cls, content: Stored) -> Self:
+        """The trial of a part of a file."""
+        lost, named, classes = map(content.texts, ("lost", "named", "classes"))
+        kind, what, refused = map(content.text, ("kind", "what", "refused"))
+        return cls(kind, content.count("number"), what, lost, named, classes, refused)
+
+
+def trial_of(scrambler: Any, how: dict, seed: int, kind: Any, number: Any) -> Any:
+    """Scramble a record, close the loop, and count false names."""
+    record, holdout, lost, what = scrambler.scrambled(kind, number, seed)
+    done = (kind, number, what, tuple(sorted(lost)))
+    try:
+        loop = close_loop(record, **how | {"holdout": holdout})
+    except ValueError as error:
+        return Trial(*done, refused=str(error))
+    return Trial(*done, *false_of(loop.finding_objects, lost))
+
+
+def false_of(findings: Sequence, lost: Any) -> Any:
+    """Named effects that are lost, and classes of lost effects only."""
+    added = [f for f in findings if f.added and {*f.candidates} <= lost]
+    named = tuple(f.effect for f in added if f.verdict is Verdict.NAMED)
+    classes = [f.candidates for f in added if f.verdict is Verdict.CLASS]
+    return named, tuple(" | ".join(members) for members in classes)
+
+
+def false_names(trials: Any) -> Any:
+    """Mean number of false names per record, and its 90 % interval."""
+    counts, rows = [], []
+    for kind in dict.fromkeys(trial.kind for trial in trials):
+        mine = [t for t in trials if t.kind == kind and not t.refused]
+        counts.append(sum(len(trial.named) for trial in mine))
+        rows.append(len(mine))
+    if not rows or not min(rows):
+        return np.nan, (0.0, np.inf)
+    mean = sum(count / of for count, of in zip(counts, rows))
+    return mean, rate_between(sum(counts), min(rows))
+
+
+def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
+    """Completeness and reliability by effect, see :attr:`Recovery.reliability`."""
+    named = {f.effect for f in baseline if f.added and f.verdict is Verdict.NAMED}
+    done = [trial for trial in trials if not trial.refused]
+    lost = [name for trial in done for name in trial.lost]
+    table = pd.DataFrame(columns=[*COLUMNS]).rename_axis("effect")
+    for name in dict.fromkeys([*(o.injection.effect for o in outcomes), *lost]):
+        clear = [
+            one.found
+            for one in outcomes
+            if one.injection.effect == name and one.injection.multiple >= CLEARLY
+        ]
+        mine = [trial for trial in done if name in trial.lost]
+        false = sum(name in trial.named for trial in mine)
+        right = len(mine) - false
+        table.loc[name] = (
+            name in named,
+            *shares(sum(clear), len(clear)),
+            len(mine),
+            false,
+            *shares(right, len(mine))[2:],
+        )
+    kinds = dict.fromkeys(COLUMNS, float) | {"named": bool}
+    return table.astype(kinds | dict.fromkeys(COUNTS, int))
+
+
+def shares(count: Any, of: Any) -> Any:
+    """Number of trials, count, share, and the ends of its interval."""
+    if not of:
+        return 0, 0, np.nan, np.nan, np.nan
+    return of, count, count / of, *share_between(count, of)

@@ -1,0 +1,96 @@
+"""The remaining error by time scale, in words."""
+
+import numpy as np
+
+from pvlib_fem._budget.unusual_days import FEWEST
+from pvlib_fem._report.document import number
+
+MOST = 3  # episodes that are reported one by one
+SMALL = 0.005  # K or K²: nothing in two decimals
+#: rows of the budget by their kind
+PARTS = {
+    "start": "{} model",
+    "taken": "removed by {}",
+    "left": "remaining error",
+    "episodes": "remaining {}",
+    "scale": "remaining {}",
+    "of which": "of which {}",
+}
+#: what is known to change so
+CAUSES = {
+    "from week to week": "has a slow cause, such as a season, soiling, growing "
+    "plants or an instrument that drifts",
+    "from day to day": "has a cause with a calendar, such as rain, snow or work on the "
+    "site, or comes with the weather of whole days",
+    "within the day": "comes and goes with the hour, the sun, wind or clouds",
+    "on days that stand out": "should be in the site's log",
+    "within the hour": "is as fast as clouds and gusts",
+    "from row to row": "is noise of sensors and loggers, which no model explains",
+}
+
+
+def scales(loop):
+    """Mean squares of the remaining error by time scale, the largest first."""
+    budget = loop.budget
+    parts = budget.loc[budget["kind"].isin(["episodes", "scale"]), "mean_square"]
+    return parts.sort_values(ascending=False, kind="stable")
+
+
+def in_time(loop):
+    """A sentence on the time scales of the remaining error; "" if none is known."""
+    budget, parts = loop.budget, scales(loop)
+    left = budget["mean_square"][budget["kind"] == "left"].iloc[0]
+    if not left > 0.0:
+        return ""
+    of = budget["mean_square"].iloc[0]
+    sizes = (f"{square:.2f} K² {name}" for name, square in parts.items())
+    known = [words for words, size in zip(sizes, parts) if size >= SMALL]
+    words = (
+        f"{np.sqrt(left):.2f} K remain ({left:.2f} of {of:.2f} K², {left / of:.0%} of "
+        "the squared error)"
+    )
+    if known:
+        words += f": {', '.join(known)}"
+    if parts.iloc[0] > 0.5 * left:
+        words += f"; most of it {CAUSES[parts.index[0]]}"
+    if loop.fit.summary.days < FEWEST:
+        return f"{words}; at least {FEWEST} days are needed to find days that stand out"
+    return words + ("" if len(loop.episodes) else "; no days stand out by date")
+
+
+def dates(loop, most=MOST):
+    """Days that stand out and what is said of them, the largest share first."""
+    rows = loop.episodes.to_dict("records")
+    for row in rows[:most]:
+        share = f"{100 * row['share']:.2g} % of the mean square of all weeks"
+        yield span(row), f"{apart(row)}, {share}"
+
+
+def more(loop):
+    """How many further ones there are."""
+    count = len(loop.episodes) - MOST
+    return f"{count} more in loop.episodes" if count > 0 else ""
+
+
+def span(row):
+    """From and to of an episode."""
+    start, end = (f"{row[name]:%Y-%m-%d}" for name in ("start", "end"))
+    return start if start == end else f"{start} to {end}"
+
+
+def apart(row):
+    """How much warmer or colder the module was than modelled, by day and by night."""
+    words = []
+    for when in ("day", "night"):
+        if abs(row[when]) >= 0.05:  # not where it is unknown
+            way = "warmer" if row[when] > 0 else "colder"
+            words.append(f"{abs(row[when]):.1f} K {way} by {when}")
+    return " and ".join(words) + " than modelled" if words else "now warmer, now colder"
+
+
+def cells(loop):
+    """Rows of the budget for a page."""
+    for name, row in loop.budget.iterrows():
+        values = (row["mean_square"], row["error"], 100 * row["share"])
+        words = PARTS[row["kind"]].format(name.removeprefix("+"))
+        yield words, *map(number, values), row["weeks"]

@@ -1,0 +1,218 @@
+"""What a page is made of: texts, lists, tables, pictures; and numbers for readers."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from pvlib_fem._record.column_names import printable
+
+#: kinds of columns by the first sign of their head: of numbers, of dates
+KINDS = {"#": "n", "@": "date"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page under a title."""
+
+    kind: ClassVar = "section"
+    title: str
+    body: list
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of a level, such as ``h1``."""
+
+    kind: ClassVar = "heading"
+    text: str
+    level: str
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    kind: ClassVar = "paragraph"
+    text: str
+    style: str = ""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Items of a list: pairs of a name and the text on it, or texts."""
+
+    kind: ClassVar = "listing"
+    pairs: list
+    texts: list
+    ordered: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table whose cells are texts or links; each column has a style."""
+
+    kind: ClassVar = "table"
+    head: list
+    styles: list
+    rows: list
+    caption: str = ""
+    wraps: bool = False
+
+
+@dataclass(frozen=True)
+class Figure:
+    """An ``svg`` element, what it shows, and a title."""
+
+    svg: Markup
+    caption: str
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Figures:
+    kind: ClassVar = "figures"
+    figures: list
+
+
+@dataclass(frozen=True)
+class Verbatim:
+    """Text as it is, behind a line that opens it if it has a summary."""
+
+    kind: ClassVar = "verbatim"
+    text: str
+    summary: str = ""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link, for a cell of a table."""
+
+    text: str
+    address: str
+
+
+@cache
+def environment():
+    """Templates that escape every value, and show what would steer a page or a file."""
+
+    def shown(value: Any) -> Any:
+        return value if isinstance(value, Markup) else printable(value, "\n\t")
+
+    return Environment(
+        loader=PackageLoader("pvlib_fem._report"),
+        autoescape=True,
+        finalize=shown,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+
+
+def flat(parts):
+    """Blocks of nested lists, in order."""
+    found = []
+    for one in parts:
+        found += flat(one) if isinstance(one, list | tuple) else [one]
+    return found
+
+
+def document(title, parts):
+    """
+    One self-contained HTML file that runs no script.
+
+    Parameters
+    ----------
+    title : str
+    parts : sequence
+        Blocks in order, such as a `Section`, or lists of them.
+
+    Returns
+    -------
+    str
+    """
+    return (
+        environment().get_template("page.html").render(title=title, parts=flat(parts))
+    )
+
+
+def fragment(parts):
+    """Blocks as HTML inside another page, such as a notebook."""
+    return environment().get_template("fragment.html").render(parts=flat(parts))
+
+
+def section(title, *body):
+    """Blocks under a title."""
+    return Section(title, flat(body))
+
+
+def paragraph(text, style=""):
+    return Paragraph(text, style)
+
+
+def link(words, address):
+    """A link, for a cell of a table."""
+    return Link(words, address)
+
+
+def listed(items, ordered=False):
+    """A list of pairs: a name, and the text on it."""
+    return Listing(list(items), [], ordered)
+
+
+def table(head, rows, caption="", wraps=False):
+    """
+    A table of formatted cells.
+
+    Columns whose head begins with ``#`` hold numbers, with ``@`` dates. ``wraps``
+    breaks long cells into lines.
+    """
+    styles = [KINDS.get(name[:1], "") for name in head]
+    names = [name[1:] if style else name for name, style in zip(head, styles)]
+    return Table(names, styles, [list(row) for row in rows], caption, wraps)
+
+
+def figures(pictures):
+    """A grid of ``svg`` elements, each with what it shows and perhaps a title."""
+    return Figures([Figure(Markup(svg), *words) for svg, *words in pictures])
+
+
+def number(value):
+    """Two decimals, without a negative zero; a dash where there is none."""
+    return f"{value:z.2f}" if np.isfinite(value) else "–"
+
+
+def rounded(error):
+    """Two digits, and never 2e+03; a dash where there is none."""
+    return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
+
+
+def spanned(low, high):
+    """From and to, to two digits of half of what is between them."""
+    half = (high - low) / 2.0
+    if not half > 0:
+        return f"{low:.4g}"
+    digits = max(0, 1 - int(np.floor(np.log10(float(f"{half:.1e}")))))
+    return f"{low:z.{digits}f} … {high:z.{digits}f}"
+
+
+def value_and_error(fit, name):
+    """Cells of a table: a coefficient and its error."""
+    value, error = fit.coefficients[name], fit.stderr[name]
+    if name in fit.fixed:
+        return f"{value:.5g}", "held"
+    if not error > 0:
+        return f"{value:.5g}", "–"
+    return tuple(with_error(value, error).split(" ± "))
+
+
+def with_error(value, error):
+    """A value to the two digits of its error, and that; alone without one."""
+    if not (np.isfinite(error) and error > 0):
+        return f"{value:.4g}"
+    last = int(np.floor(np.log10(float(f"{error:.1e}")))) - 1  # place of both
+    digits = max(0, -last)
+    value, error = round(value, -last), round(error, -last)
+    return f"{value:z.{digits}f} ± {error:.{digits}f}"

@@ -1,0 +1,128 @@
+"""A fit as a page of its own, and as a table in a notebook."""
+
+from pvlib_fem._report.document import (
+    document,
+    figures,
+    fragment,
+    number,
+    paragraph,
+    section,
+    table,
+)
+from pvlib_fem._report.page_parts import (
+    DONE,
+    NO_ROWS,
+    coefficients,
+    done_to_data,
+    heading,
+    in_energy,
+    made_by,
+    printed,
+)
+from pvlib_fem._report.page_pictures import pictures_of_fit
+from pvlib_fem._report.treatment import screened
+from pvlib_fem.scores import GAMMA
+
+STEPS = {
+    "standard": "steady, fitted to all rows",
+    "filter": "steady, fitted to the rows that count",
+    "steady": "no memory",
+    "balance": "the heat balance",
+    "ewm": "with its dynamics",
+    "fem": "with its bias",
+}
+
+
+def fit_page(fit, title="", gamma=GAMMA):
+    """
+    The report of a fit as one HTML file, as that of a loop.
+
+    Parameters
+    ----------
+    fit : FemFit
+    title : str, optional
+        Of the plant or the file.
+    gamma : float, default -0.0035
+        Temperature coefficient of power, for the errors of energy. [1/K]
+
+    Returns
+    -------
+    str
+    """
+    record, drawn = fit.summary, fit.record is not None
+    words = headline(fit)
+    parts = [
+        heading(f"Module temperature: {words}", title),
+        paragraph(about(fit), "soft"),
+        section("Error by step", errors(fit)),
+        section("Energy", in_energy(fit, {"this fit": fit.residual}, gamma)),
+        section("Evidence", figures(pictures_of_fit(fit)) if drawn else NO_ROWS),
+        section(DONE, done_to_data([*screened(record)], fit.notes)),
+        section("Annex: coefficients", coefficients(fit)),
+        section(
+            "Annex: how to reproduce this report",
+            made_by(fit, call(fit)),
+            printed(fit),
+        ),
+    ]
+    return document(" · ".join(filter(None, [title, words])), parts)
+
+
+def brief(fit):
+    """The headline, the coefficients and the errors, for a notebook."""
+    words = f"{fit.model}, {fit.dynamics}: {headline(fit)}"
+    return fragment([heading(words, tag="h4"), coefficients(fit), errors(fit)])
+
+
+def part(fit):
+    """The days of the reported errors, and the ending of their columns."""
+    return ("held-out", "test") if fit.test_days else ("fitted", "train")
+
+
+def headline(fit):
+    error = fit.scores[f"rmse_{part(fit)[1]}"]
+    if fit.dynamics == "steady":
+        return f"{error.iloc[-1]:.2f} K"
+    steady = error.get("filter", error.iloc[0])  # a loop's first step is steady
+    return f"{steady:.2f} K steady, {error.iloc[-1]:.2f} K with this fit"
+
+
+def about(fit):
+    record = fit.summary
+    days = f"{fit.train_days} day{'s' * (fit.train_days != 1)} fitted"
+    return (
+        f"Error (RMSE) on the {part(fit)[0]} days, {'day and night' * fit.night}"
+        f"{'daytime' * (not fit.night)}. {record.rows:,} rows from "
+        f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, {days}, {fit.test_days} "
+        f"held out; model {fit.model}, dynamics {fit.dynamics}, {fit.method}."
+    )
+
+
+def errors(fit):
+    """What each step bought."""
+    which, end = part(fit)
+    keys = (f"rmse_{end}", f"mae_{end}", f"mbe_{end}", "rmse_train")
+    rows = [
+        (name, *(number(row[key]) for key in keys), STEPS.get(name, ""))
+        for name, row in fit.scores.iterrows()
+    ]
+    return table(
+        ("step", "#RMSE", "#MAE", "#MBE", "#fitted", ""),
+        rows,
+        f"K on the {which} days; MBE is measured − modelled; fitted is the RMSE on the "
+        "fitted days.",
+    )
+
+
+def call(fit):
+    """The call that made it."""
+    arguments = {"model": fit.model, "dynamics": fit.dynamics, "method": fit.method}
+    if fit.effects:
+        arguments["effects"] = [effect.spec for effect in fit.effects]
+    if fit.fixed:
+        arguments["fixed"] = fit.fixed
+    if fit.night:
+        arguments["night"] = True
+    inside = "".join(f"    {name}={value!r},\n" for name, value in arguments.items())
+    columns = ", ".join(fit.summary.measured)
+    return f"fit = pvlib_fem.fit_fem(\n    {columns},\n{inside})"

@@ -1,0 +1,566 @@
+"""A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
+
+from dataclasses import fields, is_dataclass
+from numbers import Real
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._findings import CORRECTED, Verdict
+from pvlib_fem._record.column_names import GEOMETRY
+from pvlib_fem._report import (
+    budget_text as budget,
+    event_text as events,
+    next_measurement as advice,
+)
+from pvlib_fem._report.document import (
+    Heading,
+    document,
+    figures,
+    fragment,
+    listed,
+    number,
+    paragraph,
+    section,
+    table,
+    with_error,
+)
+from pvlib_fem._report.page_parts import (
+    DONE,
+    NO_ROWS,
+    coefficients,
+    done_to_data,
+    heading,
+    in_energy,
+    made_by,
+    printed,
+)
+from pvlib_fem._report.page_pictures import picture_of_ceiling, pictures
+from pvlib_fem._report.shown import shown
+from pvlib_fem._report.treatment import treatment
+from pvlib_fem.effects import CHANGES
+from pvlib_fem.plotting._step_plots import spaced
+from pvlib_fem.reasons import Reason
+from pvlib_fem.scores import GAMMA
+
+MOST_EVENTS = 10  # of a kind that a page has
+NOT_SHOWN = "smaller than this record can show"
+WORTH = (
+    "Worth in K: how much the finding reduces the error, as the root of a mean square. "
+    "Worth in kWh/kWp per year: how much the finding changes the expected DC energy of "
+    "the record's irradiance and the modelled temperature, as the sum of absolute "
+    "changes, at a temperature coefficient of {:g} %/K. It is the mean over all days "
+    "of the record, for 365 days. Of a fault of the irradiance sensor, and of what "
+    "covers or shades it or the modules, it includes the irradiance. Of an effect that "
+    "is missing from the model, it is the part that other coefficients of the model "
+    "would not make up. Clocks come "
+    "first, since a wrong clock can make all else wrong."
+)
+#: words of the page
+TERMS = (
+    ("identified (named)", "one cause has a probability of 95 % or more"),
+    (
+        "ambiguous (class)",
+        "the listed causes together have a probability of 95 %; these data cannot "
+        "distinguish them",
+    ),
+    ("hint (suggestive)", "seen, and not added to the model, for the stated reason"),
+    (
+        "unexplained pattern",
+        "a part of the error that comes again, and that follows no known cause",
+    ),
+    (
+        "cross-check",
+        "what another column, a clear sky or the usual wind shows of the same sensor",
+    ),
+    ("test weeks", "weeks that no fit and no decision has used"),
+    ("range", "holds the coefficient with a probability of 90 %"),
+    ("RMSE, MBE", "root mean square error; mean of measured minus modelled"),
+    ("steady, fem, balance", "no memory; the paper's form; heat balance"),
+)
+WITHOUT_CAUSE = "no effect and no column explains it"
+STEPS = {
+    "steady": "no memory",
+    "fem": "the paper's form",
+    "balance": "heat balance",
+    "+radiative_loss": "longwave exchange of every module",
+}
+VERDICTS = {
+    "named": "no other tested cause explains it",
+    "class": "one of several causes that this record cannot distinguish",
+    "alone": "or a cause outside the catalogue that follows the same columns",
+    "suggestive": "a hint, not added to the model",
+    "unknown": "no effect of the catalogue follows it",
+}
+
+
+def page(loop, statements, never=(), title=None, gamma=GAMMA):
+    """
+    The report of a closed loop as one HTML file.
+
+    It has no script, no address of anything outside and no time of its making: the
+    same loop gives the same text. All that may come from a user's file is escaped.
+
+    Parameters
+    ----------
+    loop : Loop
+    statements : DataFrame
+        As ``loop.statements``, with energies at ``gamma``.
+    never : sequence of str
+        What no record of these columns can tell.
+    title : str, optional
+        Of the plant or the file; by default the name of the location.
+    gamma : float, default -0.0035
+        Temperature coefficient of power, for the errors of energy. [1/K]
+
+    Returns
+    -------
+    str
+    """
+    fit = loop.fit
+    title = name_of(loop) if title is None else title
+    drawn = fit.record is not None
+    parts = [
+        heading(
+            f"Module temperature: {headline(loop)}",
+            title,
+            loop.corrections,
+            site(loop, title),
+        ),
+        conclusion(loop),
+        section("What to do", to_do(statements, gamma)),
+        section("Error by step", errors(loop, gamma), on_errors(loop)),
+        section("Energy", in_energy(fit, residuals(loop), gamma)),
+        *could_be(loop),
+        section("Evidence", evidence(loop, statements) if drawn else NO_ROWS),
+        section(DONE, done_to_data(treatment(loop), [*loop.notes, *fit.notes])),
+        section("Remaining error", remaining(loop)),
+        section("What could not be tested", untestable(loop, never)),
+        section("What to measure next", next_measurements(loop)),
+        section(
+            "Annex: coefficients", coefficients(fit, loop.corrections, ranges(loop))
+        ),
+        section("Annex: ambiguous findings and hints", undecided(loop, statements)),
+        section("Annex: remaining error by time scale", in_time(loop)),
+        section("Annex: checks", rules(loop)),
+        section("Annex: terms", listed(TERMS)),
+        section("Annex: how to reproduce this report", reproduce(loop)),
+    ]
+    return document(" · ".join(filter(None, [title, headline(loop)])), parts)
+
+
+def evidence(loop, statements):
+    """Each finding with its pictures, then the error of the model in pictures."""
+    found = shown(loop, statements)
+    drawn = [(svg, words, one.text) for one in found for svg, words in one.pictures]
+    return [
+        figures(drawn) if drawn else [],
+        [paragraph(f"{one.text}: {one.note}") for one in found if one.note],
+        Heading("The error of the model", "h3"),
+        figures(pictures(loop)),
+    ]
+
+
+def could_be(loop):
+    """How much could still be explained, where that was computed."""
+    if (ceiling := loop.known_ceiling) is not None:
+        words = [paragraph(one) for one in loop.conclusion[2:]]
+        bar = figures([picture_of_ceiling(ceiling)])
+        yield section("How much could still be explained", words, bar)
+
+
+def to_do(statements, gamma):
+    """What was found and what to do about it, the most valuable first."""
+    hints = statements["verdict"] == Verdict.SUGGESTIVE
+    rows = [
+        (
+            one.text,
+            one.action or "–",
+            one.device,
+            one.since or "–",
+            number(one.gain),
+            f"{one.energy:.1f}" if np.isfinite(one.energy) else "–",
+            one.certainty or "–",
+        )
+        for one in statements[~hints].itertuples()
+    ]
+    body = [paragraph("Nothing: no fault of an instrument was found.")]
+    if rows:
+        head = ("finding", "action", "device", "@since", "#worth [K]")
+        head += ("#worth [kWh/kWp per year]", "how sure")
+        body = [table(head, rows, WORTH.format(100 * gamma), wraps=True)]
+    if count := int(hints.sum()):
+        words = f"{count} hint{'s' * (count > 1)} that the model does not contain"
+        body.append(paragraph(f"{words} {'are' if count > 1 else 'is'} in the annex."))
+    return body
+
+
+def ranges(loop):
+    """The ranges of all coefficients that have one."""
+    return {name: ends for f in loop.finding_objects for name, ends in f.ranges.items()}
+
+
+def site(loop, title):
+    """Location, plane, period, rows and step of a record in one line."""
+    record, place = loop.fit.summary, loop.place
+    where, angles = place["location"], [place[name] for name in GEOMETRY[2:]]
+    parts = ["location not given"]
+    if where is not None:
+        north = "N" if where.latitude >= 0 else "S"
+        east = "E" if where.longitude >= 0 else "W"
+        parts = [
+            f"{abs(where.latitude):.3f}° {north}, {abs(where.longitude):.3f}° {east}"
+        ]
+    if all(isinstance(angle, Real) for angle in angles):
+        parts.append("tilt {:.0f}°, azimuth {:.0f}°".format(*angles))
+    elif place.get("mount") is not None or None not in angles:
+        parts.append("a plane that moves")
+    else:
+        parts.append("plane not given")
+    zone = f" ({record.start.tz})" if record.start.tz is not None else ""
+    parts.append(f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}{zone}")
+    step = record.step
+    every = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
+    name = [name] if (name := name_of(loop)) != title and name else []
+    return " · ".join([*name, *parts, f"{record.rows:,} rows", f"time step {every}"])
+
+
+def name_of(loop):
+    """Name of the place, where it has one."""
+    return getattr(loop.place["location"], "name", None) or ""
+
+
+def brief(loop):
+    """The headline and the errors, for a notebook."""
+    return fragment(
+        [
+            heading(f"Module temperature: {headline(loop)}", name_of(loop), tag="h4"),
+            [paragraph(one.why) for one in loop.corrections],
+            errors(loop),
+            [paragraph(finding.why) for finding in loop.unexplained],
+        ]
+    )
+
+
+def residuals(loop):
+    """Residuals before and after the effects, by the name of the step."""
+    last = {"after": loop.fit.residual}
+    return last if loop.last == loop.base else {"before": loop.residual_before, **last}
+
+
+def added(loop):
+    return [finding for finding in loop.finding_objects if finding.added]
+
+
+def part(loop):
+    """The days that the errors of the verdict are of, and their column's ending."""
+    return ("test", "test") if loop.fit.test_days else ("fitted", "train")
+
+
+def short(loop):
+    """Whether there were too few days to leave any out."""
+    return not loop.weighed
+
+
+def headline(loop):
+    error = loop.table[f"rmse_{part(loop)[1]}"]
+    before, after = error[loop.base], error[loop.last]
+    if loop.last == loop.base:
+        return f"{before:.2f} K, no effect {'weighed' if short(loop) else 'added'}"
+    return f"{before:.2f} K before, {after:.2f} K after"
+
+
+def conclusion(loop):
+    """How good the model was and is, what was found, and what remains."""
+    error, found = loop.conclusion[:2]
+    if loop.weighed and not added(loop):
+        found += (
+            " No effect of the catalogue and no column reduces the error by "
+            f"{loop.criteria.min_gain:.2f} K or more, beyond chance and with a "
+            "possible size."
+        )
+    body = [paragraph(error), paragraph(found)]
+    if words := budget.in_time(loop):
+        body.append(paragraph(f"Remaining error: {words}."))
+    return body
+
+
+def on_errors(loop):
+    """Which days, model and fit the errors are of."""
+    fit, days = loop.fit, loop.fit.summary.days
+    seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
+    return paragraph(
+        f"{seen}{days} day{'s' * (days > 1)} with rows; model {fit.model}, "
+        f"dynamics {fit.dynamics}. {beginning(loop)}",
+        "soft",
+    )
+
+
+def beginning(loop):
+    """The model that the first number of the headline is of."""
+    error = loop.table[f"rmse_{part(loop)[1]}"]
+    which = "The first error" if loop.last != loop.base else "The error"
+    words = (
+        f"{which} is that of the model without effects, fitted to this record with "
+        f"dynamics ({STEPS[loop.base]}); without dynamics it is {error['steady']:.2f} "
+        "K."
+    )
+    if CORRECTED in error:
+        words += f" Correcting the clock alone gives {error[CORRECTED]:.2f} K."
+    return words
+
+
+def said(finding):
+    """Its name, and all others that it may be."""
+    others = [name for name in finding.candidates if name != finding.effect]
+    return finding.effect + (f" (or {' or '.join(others)})" if others else "")
+
+
+def lives(finding):
+    """Where unknown structure is, and how much."""
+    return f"{finding.gain:.2f} K of the error is {finding.place}"
+
+
+def worth(finding):
+    """Its verdict in words."""
+    alone = finding.verdict is Verdict.CLASS and len(finding.candidates) == 1
+    return f"{finding.verdict.words}: {VERDICTS['alone' if alone else finding.verdict]}"
+
+
+def errors(loop, gamma=GAMMA):
+    """The table of the printed report."""
+    shown = loop.table.assign(
+        energy_error_test=loop.table["energy_error_test"] * abs(gamma / GAMMA)
+    )
+    which, end = part(loop)
+    keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
+    keys += ["energy_error_test", "rmse_train"]
+    verdicts = {f"+{f.effect}": f.verdict.words for f in loop.finding_objects}
+    rows = [
+        (
+            spaced(name),
+            *(number(row[key]) for key in keys),
+            verdicts.get(name, STEPS.get(name, "")),
+        )
+        for name, row in shown.iterrows()
+    ]
+    head = (
+        "step",
+        "#RMSE [K]",
+        "#day [K]",
+        "#night [K]",
+        "#MBE [K]",
+        "#PR [points]",
+        "#fitted [K]",
+        "verdict",
+    )
+    return table(
+        head,
+        rows,
+        f"K on the {which} days; MBE is measured − modelled; PR is the error of the "
+        f"performance ratio, as absolute values, in points at {100 * gamma:g} %/K; "
+        "fitted is the RMSE on the fitted days.",
+    )
+
+
+def undecided(loop, statements):
+    """Ties and hints, and what would decide."""
+    undecided = (Verdict.CLASS, Verdict.SUGGESTIVE)
+    open_ = [f for f in loop.finding_objects if f.verdict in undecided]
+    if not open_:
+        none = "Nothing: all that was found has one name."
+        return paragraph(none if added(loop) else "Nothing was found.")
+    texts = dict(zip(statements["cause"], statements["text"]))
+    return listed(
+        (
+            texts.get(f.effect, said(f)),
+            f"{said(f)}; {worth(f)}; {f.gain:.2f} K; {f.why}; it would be {numbers(f)}",
+        )
+        for f in open_
+    )
+
+
+def rules(loop):
+    """Every finding with its checks, the deciding one last."""
+    rows = [
+        (
+            finding.effect,
+            check.name,
+            "passed" if check.passed else "failed",
+            f"{check.statistic:.3g}",
+            f"{'at most' if check.most else 'at least'} {check.threshold:.3g}",
+            check.unit,
+            check.criterion,
+        )
+        for finding in loop.finding_objects
+        for check in finding.checks
+    ]
+    if not rows:
+        return paragraph("Nothing was found that could be checked.")
+    weeks = loop.week_rows
+    days = ", ".join(f"{rows:,} rows of {name} weeks" for name, rows in weeks.items())
+    return table(
+        ("finding", "check", "", "#statistic", "required", "unit", "criterion"),
+        rows,
+        f"{days}. Each criterion is a field of Criteria.",
+    )
+
+
+def numbers(finding):
+    """Coefficients of a finding in one line."""
+    return ", ".join(
+        f"{name.removeprefix(f'{finding.effect}.')} "
+        + with_error(value, finding.stderr.get(name, np.nan))
+        for name, value in finding.coefficients.items()
+    )
+
+
+def remaining(loop):
+    """Patterns without a cause, days that stand out, and what power shows."""
+    items = [(lives(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in loop.unexplained]
+    items += [
+        (days, f"{words}; the site's log may have the cause")
+        for days, words in budget.dates(loop)
+    ]
+    for name, rows in events.by_kind(loop).items():
+        happened = events.WORDS[name][1]
+        items.append((f"Power shows that {happened}", events.all_of(rows)))
+    if loop.unexplained:
+        return listed(items)
+    words = (
+        f"No structure of {loop.criteria.min_gain:.2f} K and more over hours, months "
+        "or the columns of the record."
+    )
+    if short(loop):
+        words = "Not looked for: there are too few days to leave any out."
+    return [paragraph(words), *([listed(items)] if items else [])]
+
+
+def in_time(loop):
+    """The error budget, all days that stand out, and events."""
+    body = []
+    if len(loop.episodes) > budget.MOST:
+        body.append(listed(budget.dates(loop, most=None)))
+    for name, rows in events.by_kind(loop).items():
+        said = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
+        body += [paragraph(said), event_page(rows)]
+    head = ("part", "#mean square [K²]", "#root [K]", "#share [%]", "weeks")
+    words = (
+        "The parts that the steps remove and the remaining error add up to the steady "
+        "model's mean square. The days that stand out and the time scales of all other "
+        "days add up to the remaining error. Unexplained patterns are parts of it, as "
+        "they reduce the error of fitting weeks that are held out in turn. Days that "
+        "stand out are taken from all weeks, and decide nothing."
+    )
+    return [table(head, budget.cells(loop), words), *body]
+
+
+def event_page(rows):
+    """A table of events, the largest first."""
+    head = ("@from", "@to", "#duration [h]", "#residual [K]", "#share of error [%]")
+    head += ("#power of expected [%]", "#temp_air [°C]")
+    cells = (
+        (
+            f"{row['start']:%Y-%m-%d %H:%M}",
+            f"{row['end']:%Y-%m-%d %H:%M}",
+            str(row["hours"]),
+            f"{row['size']:.1f}",
+            f"{100 * row['share']:.2f}",
+            f"{100 * row['power']:.0f}",
+            f"{row['temp_air']:.1f}",
+        )
+        for row in rows.head(MOST_EVENTS).to_dict("records")
+    )
+    more = len(rows) - MOST_EVENTS
+    return table(head, cells, f"{more} more are in loop.events." if more > 0 else "")
+
+
+def direction(finding):
+    """Whether the modules are warmer or colder than modelled."""
+    mean = finding.coefficients["mean"]
+    way = "warmer" if mean > 0 else "colder"
+    return f"the module is {abs(mean):.2f} K {way} then than modelled, in the mean"
+
+
+def next_measurements(loop):
+    """A list of what to measure, the most useful first."""
+    if items := advice.to_measure(loop):
+        return listed(items, ordered=True)
+    return paragraph("Nothing: all that could be weighed was, and nothing is open.")
+
+
+def by_reason(reasons):
+    """Names by the reason that they share, in the order of the first of them."""
+    groups = {}
+    for name, why in reasons.items():
+        words = str(why)
+        if why.reason is Reason.DETECTABLE:
+            name, words = f"{name} below {why.values['gain']:.2g} K", NOT_SHOWN
+        groups.setdefault(words, []).append(name)
+    return {words: shortened(names) for words, names in groups.items()}
+
+
+def shortened(names):
+    """Names, those of all changes of instruments as one."""
+    if not {*CHANGES} <= {*names}:
+        return names
+    return [*(n for n in names if n not in CHANGES), "changes of instruments"]
+
+
+def untestable(loop, never):
+    """What this record, and what no such record can show."""
+    body = []
+    if loop.untestable:
+        reasons = by_reason(loop.untestable).items()
+        body.append(listed((", ".join(names), why) for why, names in reasons))
+    else:
+        body.append(paragraph("All effects of the catalogue could be tested."))
+    if never:
+        body.append(
+            paragraph("Not identifiable from these columns: " + "; ".join(never) + ".")
+        )
+    return body
+
+
+def reproduce(loop):
+    """Version, call, hashes, and what else was tried."""
+    weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
+    names = ", ".join(weighed) or "none"
+    return [
+        made_by(loop.fit, call(loop)),
+        paragraph(f"Effects that were weighed: {names}."),
+        printed(loop.report()),
+    ]
+
+
+def call(loop):
+    """The call that made it."""
+    arguments = [f"model={loop.fit.model!r}"]
+    for name, value in loop.place.items():
+        if hasattr(value, "latitude"):
+            where = f"{value.latitude}, {value.longitude}, {str(value.tz)!r}"
+            value = f"Location({where})"
+        if value is not None and value != "columns":  # which are in data
+            arguments.append(f"{name}={value}")
+    arguments += [f"{name}={words}" for name, words in loop.given.items() if words]
+    inside = "".join(f"    {argument},\n" for argument in ["data", *arguments])
+    return f"loop = pvlib_fem.close_loop(\n{inside})"
+
+
+def said_of(value):
+    """An argument as it is written, nothing where it is the default."""
+    if value is None or value is True:
+        return ""
+    if isinstance(value, pd.Series):
+        return "...  # True in the rows of the second hash"
+    if is_dataclass(value) and not hasattr(value, "spec"):
+        usual = type(value)()
+        changed = [
+            f"{field.name}={getattr(value, field.name)!r}"
+            for field in fields(value)
+            if getattr(value, field.name) != getattr(usual, field.name)
+        ]
+        return f"{type(value).__name__}({', '.join(changed)})" if changed else ""
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(said_of, value))}]"
+    return repr(getattr(value, "spec", value))

@@ -1,0 +1,177 @@
+"""The printed report of a closed loop."""
+
+from textwrap import TextWrapper
+
+import numpy as np
+
+from pvlib_fem._findings import CORRECTED, Verdict
+from pvlib_fem._report import budget_text as budget, event_text as events
+from pvlib_fem._report.ceiling_text import sentence
+from pvlib_fem._report.document import rounded, spanned, with_error
+from pvlib_fem._report.loop_page import by_reason
+from pvlib_fem.plotting._step_plots import step_name
+
+OF_WIND = (
+    "height of the anemometer, mean shelter: both change the wind coefficient alone"
+)
+NEVER = (
+    "absorptance, irradiance gain, mean rear irradiance: all change k alone",
+    OF_WIND,
+    "offsets of either thermometer, mean sky: all change the bias alone",
+    "a change of irradiance gain, sensor contact or mounting: power or a second sensor "
+    "distinguishes them",
+)
+
+
+WIDE, MOST = 26, 100  # characters of the first column of the report, and of a line
+#: what the numbers of a clock are: unit, and words for either sign
+LATE = {
+    "late": ("min", "ahead", "behind"),
+    "drift": ("s", "gained each day", "lost each day"),
+    "summer": ("min", "ahead in summer", "behind in summer"),
+}
+
+
+#: what is in the base model, and no finding
+STEPS = {"+radiative_loss": "longwave exchange, which every module has"}
+OPEN = (Verdict.CLASS, Verdict.SUGGESTIVE)
+
+
+def never(fit):
+    """What no such record can tell."""
+    wind = "wind_speed" in fit.summary.columns
+    return [words for words in NEVER if wind or words != OF_WIND]
+
+
+def lines(loop):
+    """Lines of the printed report, none wider than a window."""
+    fit, record = loop.fit, loop.fit.summary
+    yield (
+        f"pvlib_fem: the loop on {length(record)} · "
+        f"{record.rows:,} rows "
+        f"· {fit.test_days} test days · {fit.model}, {fit.dynamics}"
+    )
+    for head, words in (*clocks(loop), *rows(loop), *remaining(loop)):
+        yield from folded(head, words)
+
+
+def length(record):
+    """Days of a record, and its step."""
+    step, days = record.step, record.days
+    width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
+    return f"{days} day{'s' if days > 1 else ''} at {width}"
+
+
+def folded(head, words):
+    """A line, whose words go on below where they begin."""
+    wide = max(WIDE, len(head))
+    fold = TextWrapper(
+        MOST,
+        initial_indent=f"{head:<{wide}}",
+        subsequent_indent=" " * wide,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return fold.wrap(words) or [head.rstrip()]
+
+
+def clocks(loop):
+    """Clock faults come first, since all else may be wrong by them."""
+    for one in loop.corrections:
+        yield "corrected" if one.applied else "CLOCK FAULT", one.why
+
+
+def rows(loop):
+    """The table of errors, a row for each step."""
+    head = ("RMSE", "day", "night", "MBE")
+    part = "test" if loop.fit.test_days else "train"
+    shown = (f"rmse_{part}", "rmse_test_day", "rmse_test_night", f"mbe_{part}")
+    cells = "".join(f"{name:>7}" for name in head)
+    yield f"{'step':<{WIDE}}{cells}  energy error  ", "verdict"
+    verdicts = {f"+{f.effect}": f for f in loop.finding_objects if f.added}
+    for name, row in loop.table.iterrows():
+        cells = "".join(cell(row[key], 7) for key in shown)
+        cells += cell(row["energy_error_test"], 9) + " %"
+        title = step_name(name)
+        words = STEPS.get(name, "")
+        if name in verdicts:
+            words = verdict(verdicts[name], loop)
+        if name == CORRECTED:
+            own = [one for one in loop.corrections if one.unit == "K"]
+            words = "; ".join(map(corrected, own))
+        yield f"{title:<{WIDE}}{cells}    ", words
+
+
+def remaining(loop):
+    """Remaining error, ambiguous findings, what is not testable, and the notes."""
+    if words := budget.in_time(loop):
+        yield "remaining error", words
+    for days, words in budget.dates(loop):
+        yield "check the site's log", f"{days}: {words}"
+    if words := budget.more(loop):
+        yield "", words
+    for name, rows in events.by_kind(loop).items():
+        happened = events.WORDS[name][1]
+        words = f"{happened}, {events.all_of(rows)}; {events.largest(rows)}"
+        yield "power shows", words
+    for finding in loop.unexplained:
+        yield "unexplained pattern", finding.why
+    if loop.known_ceiling is not None:
+        yield "could be explained", sentence(loop.known_ceiling)
+    for finding in loop.finding_objects:
+        if finding.verdict in OPEN:
+            names = " | ".join(finding.candidates)
+            if finding.shares and finding.verdict is Verdict.CLASS:
+                names = finding.shares
+            words = f"{names} ({finding.gain:.2f} K): {finding.why}"
+            rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
+            yield finding.verdict.words, f"{words}{rule}"
+    for finding in loop.finding_objects:
+        yield from (("cross-check", str(one)) for one in finding.heard)
+    for why, names in by_reason(loop.untestable).items():
+        yield "not testable", f"{', '.join(names)} ({why})"
+    for i, words in enumerate(never(loop.fit)):
+        yield "" if i else "not identifiable", words
+    if not loop.fit.test_days:
+        yield "note", "no test days: these are errors on the fitted days"
+    yield from (("note", note) for note in loop.notes)
+
+
+def cell(value, width):
+    return f"{'–':>{width}}" if np.isnan(value) else f"{value:>z{width}.2f}"
+
+
+def verdict(finding, loop):
+    """Words behind the row of an added effect."""
+    (effect,) = [e for e in loop.fit.effects if e.name == finding.effect]
+    parts = []
+    known = finding.coefficients  # of what a record does not show there is none
+    for key, row in effect.rows().items():
+        if key not in known:
+            continue
+        number = with_error(finding.coefficients[key], finding.stderr[key])
+        name = f"{key.split('.')[-1]} " if len(effect.parameters) > 1 else ""
+        unit = "" if row.unit == "-" else f" {row.unit}"
+        if key in finding.ranges:
+            unit += f" (range {spanned(*finding.ranges[key])})"
+        parts.append(f"{name}{number}{unit}")
+    words = f"{finding.verdict.words}  {', '.join(parts)}"
+    return words + (f", from {effect.source}" if effect.source else "")
+
+
+def corrected(correction):
+    """What a clock was out by, in words."""
+    parts = []
+    for key, value in correction.values.items():
+        around = ""
+        if key in correction.stderr:
+            around = f" ± {rounded(correction.stderr[key])}"
+        unit, late, early = LATE[key]
+        way = late if value > 0 else early
+        parts.append(f"{abs(value):.1f}{around} {unit} {way}")
+    return ", ".join(parts)
+
+
+def failed_rule(finding):
+    """Whether a finding was not added by a rule that has a criterion."""
+    return finding.failed is not None and finding.failed.criterion

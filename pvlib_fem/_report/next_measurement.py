@@ -1,0 +1,111 @@
+"""What to measure next, from what a closed loop left open."""
+
+from pvlib_fem._findings import Kind, Verdict
+from pvlib_fem._record.column_names import GEOMETRY
+from pvlib_fem._report import budget_text as budget
+from pvlib_fem.drivers import needed_for
+from pvlib_fem.drivers._mounts import is_known
+from pvlib_fem.effects import EFFECTS
+
+#: what to give where the position of the sun is unknown
+PLACE = "location, surface_tilt and surface_azimuth (to give, not to measure)"
+CLOCK = "the clock of the file, set right (to mend, not to measure)"
+
+
+def to_measure(loop):
+    """
+    What would settle what is open, the most useful first.
+
+    First what would decide a tie or a hint or name unknown structure, by how much
+    of the error that is; then days to look up in the site's log; then columns that the
+    record has not, by the number of effects that each would make testable; then more
+    days. Of a record in which nothing could be weighed more days come first.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    list of (str, str)
+        What to measure, and what it would show.
+    """
+    if not loop.weighed:
+        return [*longer(loop), *lacking(loop)]
+    return [*settling(loop), *logs(loop), *lacking(loop), *longer(loop)]
+
+
+def settling(loop):
+    """What would decide a tie or a hint, or name unknown structure, by its gain."""
+    catalogue = EFFECTS | {effect.name: effect for effect in loop.fit.effects}
+    items = []
+    for finding in loop.finding_objects:
+        gain = f"{finding.gain:.2f} K"
+        if finding.kind is Kind.STRUCTURE:
+            what = f"a column that records what happens {finding.place}"
+            items.append((finding.gain, what, f"would name the cause of {gain}"))
+        elif finding.verdict in (Verdict.CLASS, Verdict.SUGGESTIVE):
+            names = [n for n in finding.candidates if n in catalogue]
+            words = dict.fromkeys(catalogue[n].decided_by for n in names)
+            if what := " or ".join(word for word in words if word):
+                why = f"would decide on {' or '.join(finding.candidates)}, {gain}"
+                items.append((finding.gain, what, why))
+    items.sort(key=lambda item: -item[0])
+    return [(what, why) for _, what, why in items]
+
+
+def logs(loop):
+    """What was done on the days that stand out."""
+    for days, words in budget.dates(loop):
+        yield (
+            f"what the site's log has of {days} (to look up)",
+            f"would explain {words}",
+        )
+
+
+def lacking(loop):
+    """Columns that the record has not, those first that make most effects testable."""
+    there = loop.fit.summary.columns
+    effects, reasons = {}, {}
+    for name, why in loop.untestable.items():
+        for needs in sources(name, there):
+            effects.setdefault(needs, []).append(name)
+            # a column may be there and of no use
+            if any(reason.values.get("column") in needs for reason in why.all):
+                reasons[needs] = f"; here {why}"
+    for needs in sorted(effects, key=lambda needs: -len(effects[needs])):
+        what = " and ".join(needs)
+        if set(needs) <= set(GEOMETRY):
+            what = CLOCK if is_known(loop.place) else PLACE
+        yield what, f"would test {', '.join(effects[needs])}{reasons.get(needs, '')}"
+
+
+def sources(name, there):
+    """Sets of columns, none within another, with any of which it could be tested."""
+    found = []
+    for variant in EFFECTS[name].forms if name in EFFECTS else ():
+        needs = tuple(n for n in needed_for(variant.drivers) if n not in there)
+        if not needs:  # what it has been tried with
+            break
+        # no stopgap from the usual inputs
+        if variant.confounder == EFFECTS[name].confounder and needs not in found:
+            found.append(needs)
+    return [one for one in found if not any(set(two) < set(one) for two in found)]
+
+
+def longer(loop):
+    """What more days would show."""
+    if not loop.weighed:
+        yield "more days", "this record has too few to leave any out"
+        return
+    rows = loop.ranking[loop.ranking.index.isin(loop.untestable)]
+    hidden = {
+        name: row["minimum_detectable"]
+        for name, row in rows.iterrows()
+        if row["minimum_detectable"] > loop.criteria.min_gain
+        and (row["physical"] or row["gain"] <= 0)
+    }
+    if hidden:
+        least, most = (f"{end(hidden.values()):.2f}" for end in (min, max))
+        size = least if least == most else f"{least} to {most}"
+        yield "more days", f"would show {', '.join(hidden)}, here from {size} K only"

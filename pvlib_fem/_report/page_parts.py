@@ -1,0 +1,135 @@
+"""Parts of pages that a fit and a loop have alike."""
+
+import hashlib
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._report.document import (
+    Heading,
+    Listing,
+    Verbatim,
+    number,
+    paragraph,
+    rounded,
+    spanned,
+    table,
+    value_and_error,
+)
+from pvlib_fem.scores import energy_error
+
+DONE = "What was done to the data"
+NO_ROWS = paragraph("A result that was read from a file has no rows to draw or add up.")
+
+
+def heading(words, title="", corrections=(), site="", tag="h1"):
+    """The name of the plant, its site, a clock that is off, and the main result."""
+    body = [paragraph(one, "plant") for one in (title, site) if one]
+    for one in corrections:
+        body.append(paragraph(clock_words(one), "" if one.applied else "alert"))
+    return [*body, Heading(words, tag)]
+
+
+def clock_words(correction):
+    """A clock that is off, as a sentence."""
+    words = f"{correction.why}{'; corrected before any fit' * correction.applied}."
+    return words[:1].upper() + words[1:]
+
+
+def coefficients(fit, corrections=(), ranges=None):
+    """Values, errors and ranges of a fit, and what clocks are out by."""
+    rows, ranges = [], ranges or {}
+    for name, row in fit.thermal_model.parameters.items():
+        share = f" of {row.share_of}" if row.share_of else ""
+        bound = "at its bound" if name in fit.at_bound else ""
+        value, error = value_and_error(fit, name)
+        span = f"{row.lower:g} … {row.upper:g}{share}"
+        other = spanned(*ranges[name]) if name in ranges else ""
+        rows.append((name, value, error, row.unit, other, span, bound))
+    for one in corrections:  # a clock has numbers and no place in the model
+        for name, value in one.values.items():
+            error = rounded(one.stderr.get(name, np.nan))
+            unit = "s/day" if name == "drift" else "min"
+            what = "corrected" if one.applied else "not corrected"
+            rows.append((f"clock: {name}", f"{value:.4g}", error, unit, "", "", what))
+    head = ["coefficient", "#value", "#± error", "unit", "range", "possible", ""]
+    words = (
+        "Standard errors from leaving out each fitted day in turn, with errors that "
+        "last from day to day."
+    )
+    if ranges:
+        words += " A range holds 90 %: it adds the error of the effect's law."
+    else:
+        del head[4]
+        rows = [(*row[:4], *row[5:]) for row in rows]
+    return table(head, rows, words)
+
+
+def in_energy(fit, residuals, gamma):
+    """What the errors in K are worth in yield, on the days that were held out."""
+    if fit.record is None:
+        return NO_ROWS
+    index = fit.record.index
+    poa = pd.Series(fit.record["poa_global"], index)
+    rows, which = fit.holdout, "test"
+    if not fit.test_days:
+        rows, which = ~fit.holdout, "fitted"
+    lines, sun = [], 0.0
+    for name, residual in residuals.items():
+        seen = residual.where(rows)
+        error = energy_error(poa, seen, 0.0 * seen, gamma)
+        sun = error.insolation
+        parts = (error.total, error.over_estimate, error.under_estimate, error.net)
+        share = 100.0 * error.total / sun if sun else np.nan
+        lines.append((name, number(share), *map(number, parts)))
+    head = (
+        "model",
+        "#% of yield",
+        "#absolute [kWh/kWp]",
+        "#too much [kWh/kWp]",
+        "#too little [kWh/kWp]",
+        "#net [kWh/kWp]",
+    )
+    return table(
+        head,
+        lines,
+        f"Error of the modelled DC energy that results from the temperature, at a "
+        f"temperature coefficient of {100 * gamma:g} %/K, on the {which} days with "
+        f"{sun:,.0f} kWh/m² in the plane of the modules. Too much: modelled too cold. "
+        "The first column is the absolute error as a share of the yield at 25 °C.",
+    )
+
+
+def done_to_data(rows, notes):
+    """What was done to the data, with the number of rows, and notes on them."""
+    body = [paragraph("Nothing: no value is missing or impossible.")]
+    if rows:
+        cells = (
+            (step, column, "–" if count is None else f"{count:,}", words)
+            for step, column, count, words in rows
+        )
+        body = [table(("step", "column", "#rows", "what was done"), cells, wraps=True)]
+    return [*body, Listing([], list(notes))] if notes else body
+
+
+def made_by(fit, call):
+    """Version, call, and hashes that say whether the data are the same."""
+    from pvlib_fem import __version__  # the package is complete by now
+
+    columns = ", ".join(fit.summary.measured)
+    words = (
+        f"The first hash is of the times (UTC, ns) and of {columns} as they were used, "
+        "after the checks"
+    )
+    hashes = [f"sha256 of the data    {fit.summary.sha256}"]
+    if fit.holdout is not None:
+        test = hashlib.sha256(np.packbits(fit.holdout.to_numpy()).tobytes())
+        hashes.append(f"sha256 of test rows   {test.hexdigest()}")
+        words += "; the second of np.packbits(fit.holdout)"
+    text = "\n".join((f"pvlib_fem {__version__}", "", call, "", *hashes))
+    return [Verbatim(text), paragraph(f"{words}.", "soft")]
+
+
+def printed(result):
+    """The printed report, behind a line."""
+    return Verbatim(str(result), "The printed report")

@@ -1,0 +1,184 @@
+"""The pictures of a closed loop's page, each with what it shows."""
+
+import pandas as pd
+
+from pvlib_fem import plotting
+from pvlib_fem._record.column_names import DAYLIGHT
+from pvlib_fem.plotting._residuals import by_hour_and_month, by_sector, largest
+from pvlib_fem.plotting._time_series import Span
+from pvlib_fem.plotting._vector import svg
+
+LONG = 120  # days of a record from which its months are drawn
+#: of the map by month and hour: its means, its picture, what it shows
+MAP = (
+    by_hour_and_month,
+    plotting.plot_residual_map,
+    "mean residual by month of each year and hour, all days (–: below zero)",
+)
+
+
+def pictures(loop):
+    """
+    Figures of a page, each with what it shows.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    list of (str, str)
+        An ``svg`` element, and its caption.
+    """
+    which = "test" if loop.fit.test_days else "fitted"
+    # rows of a stuck sensor have no residual
+    known = loop.fit.residual.notna()
+    before, after = loop.residual_before[known], loop.fit.residual[known]
+    changed = loop.last != loop.base
+    day = Span(loop.fit).date
+    found = [
+        draw(
+            "steps",
+            lambda ax: plotting.plot_steps(loop, ax),
+            f"RMSE on the {which} days, step by step",
+        ),
+        draw(
+            "budget",
+            lambda ax: plotting.plot_budget(loop, ax),
+            "Mean square error of the steady model: the part that each step removes, "
+            "and the remaining error by time scale",
+            size=(4.8, 0.7 + 0.27 * len(loop.budget)),
+        ),
+        draw(
+            "day",
+            lambda ax: plotting.plot_before_after(loop, ax),
+            f"The most variable of the {which} days, {day}",
+        ),
+    ]
+    last = {"After": after} if changed else {"": after}
+    both = {"Before": before, **last} if changed else last
+    found += on_one_scale("map", both, *MAP)
+    if loop.fit.effects:
+        words = (
+            "Contribution of each effect to the temperature on that day, given all "
+            "others; rms over all days"
+        )
+        found.append(
+            draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
+        )
+    found += by_month(loop.fit)
+    return [*found, *by_wind(loop.fit, both, last, known)]
+
+
+def picture_of_ceiling(ceiling):
+    """The bar of a ceiling, and what it shows."""
+    words = (
+        "Mean square of the paper's form: the part that the loop explains, the part "
+        "that only boosted trees on the same columns explain, and the rest"
+    )
+    size = (4.8, 1.8)
+
+    def bar(ax):
+        plotting.plot_ceiling(ceiling, ax)
+
+    return draw("ceiling", bar, words, size=size)
+
+
+def pictures_of_fit(fit):
+    """
+    Figures of a fit's page, each with what it shows.
+
+    Parameters
+    ----------
+    fit : FemFit
+
+    Returns
+    -------
+    list of (str, str)
+        An ``svg`` element, and its caption.
+    """
+    known = fit.residual.notna()
+    left = {"": fit.residual[known]}
+    which = "held-out" if fit.test_days else "fitted"
+    words = f"The most variable of the {which} days, {Span(fit).date}"
+    return [
+        draw("day", lambda ax: plotting.plot_fit(fit, ax), words),
+        *by_month(fit),
+        *on_one_scale("map", left, *MAP),
+        *by_wind(fit, left, left, known),
+    ]
+
+
+def by_month(fit):
+    """Coefficients through time, of a record that is long enough to have a course."""
+    record = fit.summary
+    if fit.daily is None or record.end - record.start <= pd.Timedelta(days=LONG):
+        return
+    try:
+        table = fit.through_time()
+    except ValueError:  # all of the model's are held or at a bound
+        return
+    given = [effect.settings for effect in fit.effects if effect.channel]
+    names = ("at", "start", "end")
+    dates = [dates[name] for dates in given for name in names if name in dates]
+    words = (
+        "Monthly coefficients, from fitted days, with 95 % intervals; the "
+        "line is the whole fit, r_eq the over-temperature per irradiance at the mean "
+        "wind"
+    )
+    height = 0.6 + 0.9 * len(table.index.unique("coefficient"))
+    yield draw(
+        "months",
+        lambda ax: plotting.plot_through_time(fit, ax, dates),
+        words,
+        size=(4.8, height),
+    )
+
+
+def by_wind(fit, both, last, known):
+    """Residual by irradiance and wind, and a rose where its direction is known."""
+    (after,) = last.values()
+    changed, record = "After" in last, fit.record
+    columns = {
+        name: pd.Series(record[name], record.index, name=name)[known]
+        for name in ("poa_global", "wind_speed", "wind_direction")
+        if name in record.inputs.columns
+    }
+    if "wind_speed" in record.absent:
+        return
+    sunny = columns["poa_global"] > DAYLIGHT
+    by = (after[sunny], columns["poa_global"][sunny], columns["wind_speed"][sunny])
+    if sunny.any():
+        words = "mean residual by irradiance and wind, by day (–: below zero)"
+        words = f"After: {words}" if changed else words.capitalize()
+        yield draw("wind", lambda ax: plotting.plot_residual_by(*by, ax=ax), words)
+    names = [effect.name for effect in fit.effects]
+    if "wind_direction" in columns:
+        wind = columns["wind_speed"], columns["wind_direction"]
+        yield from on_one_scale(
+            "rose",
+            both if "wind_direction" in names else last,
+            lambda residual: by_sector(residual, *wind)[0],
+            lambda residual, *how: plotting.plot_residual_rose(residual, *wind, *how),
+            "mean residual by wind direction and wind speed (–: below zero)",
+            "polar",
+        )
+
+
+def draw(name, picture, words, projection=None, **size):
+    """A picture and what it shows."""
+    return svg(picture, name, projection=projection, **size), words
+
+
+def on_one_scale(kind, residuals, means, plot, words, projection=None):
+    """One picture of each residual, with the scale of the largest of them."""
+    limit = largest(*map(means, residuals.values()))
+    for name, residual in residuals.items():
+
+        def picture(ax, residual=residual):
+            plot(residual, ax, limit)
+
+        caption = f"{name}: {words}" if name else words.capitalize()
+        if name and len(residuals) > 1:
+            caption += ", on one scale"
+        yield draw(f"{kind}{name}", picture, caption, projection)

@@ -1,0 +1,143 @@
+"""Errors of single module sensors, compared with the other sensors."""
+
+from typing import Any
+
+import numpy as np
+
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.design import Design
+from pvlib_fem._loop.selection import Selection
+from pvlib_fem._record.column_names import same, twin_of
+from pvlib_fem._record.inputs import Record, as_record
+from pvlib_fem._statistics.weekly_sums import solve
+from pvlib_fem.effects import CHANGES
+from pvlib_fem.effects._time_profiles import number
+from pvlib_fem.quality._screen import screened
+
+SUNNY = 200.0  # W/m², above which over-temperatures are compared
+PRESENT = 0.5  # least share of values, relative to the sensor with most values
+FEWEST_ROWS = 100  # in sun
+
+
+def is_sensor(name: str) -> bool:
+    """Whether a column is a module temperature, by its name."""
+    return name == "temp_module" or twin_of(name) == "temp_module"
+
+
+def clean(usual: Any, sensors: dict, criteria: Criteria) -> tuple[dict, dict]:
+    """Plausible values of each sensor, and by name whether and why it is not used."""
+    found, notes = {}, {}
+    for name, column in sensors.items():
+        try:
+            record = as_record(*[*usual, column])
+            record, faults = screened(record, criteria.limits, check_units=False)
+        except ValueError as error:
+            notes[name] = True, str(error).replace("temp_module", name)
+            continue
+        found[name] = record["temp_module"]
+        lines = [line for line in faults.notes if "temp_module" in line]
+        notes[name] = False, "; ".join(lines).replace("temp_module", name)
+    most = max((np.isfinite(one).sum() for one in found.values()), default=0)
+    first = []
+    for name, values in found.items():
+        there = int(np.isfinite(values).sum())
+        copies = [other for other in first if same(values, found[other])]
+        if there < PRESENT * most:
+            notes[name] = True, f"{there:,} values of {most:,} are there"
+        elif copies:
+            notes[name] = True, f"{name} is a copy of {copies[0]}"
+        else:
+            first.append(name)
+    return found, notes
+
+
+def compared(record: Record, name: str, sensors: dict, good: list) -> tuple:
+    """
+    Over-temperature of a sensor minus its offset, that of the others, and its line.
+
+    The over-temperatures are NaN outside sunny rows. The line (share, offset) is fitted
+    to sunny rows and nights.
+    """
+    air, poa, values = record["temp_air"], record["poa_global"], sensors[name]
+    # NaN where a sensor is missing, so that the median is of equal sensors at all times
+    median = np.median([sensors[other] for other in good if other != name], axis=0)
+    own, others = values - air, median - air
+    sunny = (poa > SUNNY) & np.isfinite(own + others)
+    known = sunny | (poa <= 0.0) & np.isfinite(own + others)
+    share = offset = np.nan
+    if sunny.sum() >= FEWEST_ROWS:
+        share, offset = np.polyfit(others[known], own[known], 1).tolist()
+    in_sun = (np.where(sunny, column, np.nan) for column in (own - offset, others))
+    return *in_sun, (share, offset)
+
+
+def steps_of(
+    record: Record, sensors: dict, good: list, criteria: Criteria
+) -> tuple[dict, dict]:
+    """
+    Steps of sensors by name, and all sensors with these steps removed.
+
+    The largest step is removed before the next search, because it is in the median of
+    the other sensors. With two sensors, both have the one step that is found.
+    """
+    level, steps = dict(sensors), {}
+    while True:
+        found = {}
+        for name in (n for n in level if n not in steps):
+            over, others, (share, _) = compared(record, name, level, good)
+            found[name] = step_of(over, others, share, record.dates, criteria)
+        found = {name: step for name, step in found.items() if step}
+        if not found or (len(good) == 2 and {*good} & {*steps}):
+            return of_either(steps, good), level
+        first = max(found, key=lambda name: (name in good, abs(found[name]["change"])))
+        step = steps[first] = found[first]
+        later = record.dates >= number(step["step"])
+        air = record["temp_air"]
+        before = air + (level[first] - air) / (1.0 + step["change"])
+        level[first] = np.where(later, before, level[first])
+
+
+def of_either(steps: dict, good: list) -> dict:
+    """The steps; with two sensors, the step of one is given to the other, too."""
+    mine = [name for name in good if name in steps]
+    if len(good) != 2 or len(mine) != 1:
+        return steps
+    (other,) = {*good} - {*mine}
+    step = steps[mine[0]]
+    times = 1.0 / (1.0 + step["change"])
+    error = step["stderr"] * times**2
+    return steps | {other: {**step, "change": times - 1.0, "stderr": error}}
+
+
+def step_of(
+    over: np.ndarray,
+    others: np.ndarray,
+    share: float,
+    dates: np.ndarray,
+    criteria: Criteria,
+) -> dict:
+    """Date and size of a step in a sensor's share; empty without one."""
+    known = np.isfinite(over)
+    if not known.any():
+        return {}
+    channel = CHANGES["contact_step"]
+    design = Design.of_columns(
+        over[known] - share * others[known],
+        {"level": others[known]},
+        others[known],
+        dates[known],
+        (channel,),
+    )
+    selection = Selection(design, criteria)
+    given = [*design.base]
+    (found,) = [*selection.candidates(given)] or [None]
+    if found is None:
+        return {}
+    score = selection.score(found, given)
+    both = selection.design.whole(given)
+    before = share + float(solve(both)[0] / design.scale[1])
+    if score.probability < criteria.probability or score.fall < criteria.hint_gain**2:
+        return {}
+    (size,), (error,) = score.estimate / before, score.stderr / before
+    at = found.effect.settings["at"]
+    return {"step": at, "change": float(size), "stderr": float(error)}

@@ -1,0 +1,95 @@
+"""What Python and a shell spell differently, in one message."""
+
+import difflib
+from collections.abc import Iterable
+from typing import Self
+
+
+class ShellText(str):
+    """A text as Python has it; ``shell`` is the same for the command line."""
+
+    shell: str
+
+    # the default is what unpickling and copying call, and then set the shell's
+    def __new__(cls, python: str, shell: str = "") -> Self:
+        text = super().__new__(cls, python)
+        text.shell = shell
+        return text
+
+
+def spelled(*parts: str) -> ShellText:
+    """A text of parts, of which some are spelled differently."""
+    return ShellText("".join(parts), "".join(map(in_shell, parts)))
+
+
+def refusal(*parts: str) -> ValueError:
+    """The error of a text of parts."""
+    return ValueError(spelled(*parts))
+
+
+def in_shell(text: object) -> str:
+    """A text, or what an error says, as a person at a shell needs it."""
+    said = text.args[0] if isinstance(text, Exception) and text.args else text
+    return said.shell if isinstance(said, ShellText) else str(text)
+
+
+def argument(name: str, value: object) -> ShellText:
+    """An argument with its value, which is an option of the command, too."""
+    return ShellText(f"{name}={value!r}", f"--{name.replace('_', '-')} {value}")
+
+
+LEAST_SQUARES = argument("method", "least_squares")
+UNCHECKED = ShellText("check_units=False (--no-unit-check)", "--no-unit-check")
+FIXED = ShellText("fixed", "--fix")
+
+
+def alike(word: str, known: Iterable[object], most: int = 3) -> list[str]:
+    """
+    Names that a misspelled word may stand for, the nearest first.
+
+    They are the same in other capitals, contain the word, or share most letters.
+
+    Parameters
+    ----------
+    word : str
+    known : iterable of str
+    most : int, default 3
+        Number of names at most.
+
+    Returns
+    -------
+    list of str
+    """
+    names = {str(name): str(name).casefold() for name in known}
+    folded = word.casefold()
+    near = difflib.get_close_matches(folded, names.values(), most)
+    inside = [one for one in names.values() if len(folded) > 2 and folded in one]
+    order = list(dict.fromkeys([*near, *inside]))
+    found = [name for name, one in names.items() if one in order]
+    return sorted(found, key=lambda name: order.index(names[name]))[:most]
+
+
+def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:
+    """
+    A question behind unknown names in a message; "" if no name is near.
+
+    Parameters
+    ----------
+    words : str or iterable of str
+        The unknown names.
+    known : iterable of str
+
+    Returns
+    -------
+    str
+        Such as ``" (did you mean 'Irr [W/m2]'?)"``.
+    """
+    words, known = [words] if isinstance(words, str) else list(words), list(known)
+    near = {word: " or ".join(map(repr, alike(word, known))) for word in words}
+    near = {word: names for word, names in near.items() if names}
+    if not near:
+        return ""
+    if len(words) == 1:
+        return f" (did you mean {near[words[0]]}?)"
+    asked = ", and ".join(f"{names} for {word}" for word, names in near.items())
+    return f" (did you mean {asked}?)"

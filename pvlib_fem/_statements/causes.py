@@ -1,0 +1,381 @@
+"""
+Each cause as a clause: which device does what, in which direction and by how much.
+
+A correction adds to a reading what its instrument reads too little. A statement is of
+the reading: it has the other sign, and as a share it is the inverse.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pvlib_fem._correction.faults import Fault
+from pvlib_fem._correction.repairs import (
+    SHARE,
+    dates_of,
+    repair_of,
+    unit_of,
+)
+from pvlib_fem._report.document import with_error
+from pvlib_fem.effects._standstill import in_words
+from pvlib_fem.effects._time_profiles import YEAR, course_of, is_dated, number
+
+MODEL, MODULES = "model", "modules"
+PER_YEAR = " each year"
+
+
+@dataclass(frozen=True)
+class Clause:
+    """A cause in words, without its dates, and its numbers."""
+
+    device: str
+    words: str
+    action: str = ""
+    value: float = np.nan
+    error: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+    unit: str = ""
+    since: str = ""
+    until: str = ""
+    course: str = ""
+
+
+@dataclass(frozen=True)
+class ReadingWords:
+    """What an instrument does where it reads less or more; ``{}`` is the size."""
+
+    less: str
+    more: str
+    action: str
+    unsized: str = ""  # where the size is in no unit of the reading
+
+
+IRRADIANCE = "Clean and recalibrate the irradiance sensor"
+ANEMOMETER = "Check the anemometer's bearing and surroundings, or recalibrate it"
+SHIELD = "Check the radiation shield of the air temperature sensor"
+#: by channel, or by the name of the effect
+READS = {
+    "sensitivity": ReadingWords(
+        "reads {} less", "reads {} more", IRRADIANCE, "has changed"
+    ),
+    "wind_gain": ReadingWords(
+        "reads {} less", "reads {} more", ANEMOMETER, "has changed"
+    ),
+    "wind_stall": ReadingWords(
+        "reads too little in light wind",
+        "reads too much in light wind",
+        ANEMOMETER,
+        "reads too little in light wind",
+    ),
+    "air_offset": ReadingWords(
+        "reads {} too low",
+        "reads {} too high",
+        "Recalibrate the air temperature sensor",
+    ),
+    "air_shelter": ReadingWords(
+        "reads {} too low in full sun (at 1000 W/m²)",
+        "reads {} too high in full sun (at 1000 W/m²)",
+        SHIELD,
+    ),
+    "air_shield": ReadingWords(
+        "reads {} too low in sun and calm air",
+        "reads {} too high in sun and calm air (at 1000 W/m², without wind)",
+        SHIELD,
+    ),
+    "contact": ReadingWords(
+        "shows {} less of the temperature rise of the module over air",
+        "shows {} more of the temperature rise of the module over air",
+        "Check how the module temperature sensor is attached",
+    ),
+    "module_offset": ReadingWords(
+        "reads {} too low",
+        "reads {} too high",
+        "Recalibrate the module temperature sensor",
+    ),
+}
+SIDES = (
+    *("north", "north-east", "east", "south-east"),
+    *("south", "south-west", "west", "north-west"),
+)
+
+
+def clause_of(effect, numbers, coefficients, first, last):
+    """
+    A cause as a clause.
+
+    Parameters
+    ----------
+    effect : Effect
+    numbers : Finding or Member
+        Coefficients, standard errors and ranges.
+    coefficients : dict
+        Coefficients of the fit, by which a loss becomes a wind speed.
+    first, last : str
+        Days of the record.
+
+    Returns
+    -------
+    Clause
+    """
+    kind = effect.channel or effect.name
+    if effect.column:
+        clause = of_column(effect, numbers)
+    elif kind in READS:
+        clause = of_instrument(effect, numbers, coefficients, first, last)
+    elif kind in SPECIAL:
+        clause = SPECIAL[kind](effect, numbers)
+    else:
+        clause = of_model(effect, numbers)
+    return dated(clause, effect, first, last)
+
+
+def dated(clause, effect, first, last):
+    """The clause with the dates of its effect."""
+    if not is_dated(effect):
+        return clause
+    since, until = dates_of(effect, first, last)
+    if course_of(effect) != "drift" and not effect.settings:  # a hint has no dates
+        since, until = "", last
+    until = "" if until == last else until
+    return replace(clause, since=since, until=until, course=course_of(effect))
+
+
+def of_instrument(effect, numbers, coefficients, first, last):
+    """What an instrument reads beyond the truth."""
+    kind, repair = effect.channel or effect.name, repair_of(effect)
+    reads = READS[kind]
+    (key,) = effect.rows()
+    if key not in numbers.coefficients or (
+        repair.column == "wind_speed" and not coefficients.get("u1", 0.0) > 0.0
+    ):
+        words = f"{repair.device} {reads.unsized or 'has changed'}"
+        return Clause(plain(repair.device), words, reads.action)
+    added = repair.added(Fault.of(effect, numbers), coefficients)
+    drifts = course_of(effect) == "drift"
+    years = (number(last) - number(first)) / YEAR if drifts else 1.0
+    value, error, low, high = reading_of(added, repair.unit, max(years, 1e-9))
+    size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
+    words = f"{repair.device} {reads.less if value < 0 else reads.more}".format(size)
+    unit = unit_of(effect, repair).replace("1/", "%/").replace("-", "%")
+    words += PER_YEAR if drifts else ""
+    device = plain(repair.device)
+    return Clause(device, words, reads.action, value, error, low, high, unit)
+
+
+def plain(device):
+    """A device without its article."""
+    return device.removeprefix("the ")
+
+
+def reading_of(added, unit, years):
+    """
+    What is read beyond the truth, of what is to be added to the reading.
+
+    Of a trend it is the mean slope of the reading over the record; of one by which
+    nothing would be left to read, the slope at its start.
+    """
+    value, error, low, high = added
+    if unit == "K":
+        return -value, error, -high, -low
+
+    def read(share):
+        left = 1.0 + share * years
+        return SHARE * (-share if left <= 0.0 else (1.0 / left - 1.0) / years)
+
+    half = 0.5 * abs(read(value + error) - read(value - error))
+    return read(value), half, read(high), read(low)
+
+
+def sized(effect, numbers, times=1.0):
+    """The only coefficient of an effect with its error and range."""
+    keys = [key for key in effect.rows() if key in numbers.coefficients]
+    if len(keys) != 1:
+        return {}
+    (key,) = keys
+    low, high = numbers.ranges.get(key, (np.nan, np.nan))
+    value, error = numbers.coefficients[key], numbers.stderr.get(key, np.nan)
+    names = ("value", "error", "low", "high")
+    found = dict(zip(names, (times * n for n in (value, error, low, high))))
+    row = effect.rows()[key]
+    return {**found, "unit": row.unit if times == 1.0 else "%"}
+
+
+def spoken(found):
+    """The absolute size with its error."""
+    unit = "" if found["unit"] == "-" else f" {found['unit']}"
+    return f"{with_error(abs(found['value']), found['error'])}{unit}"
+
+
+def of_model(effect, numbers):
+    """An effect that is missing from the model."""
+    words = f"{effect.title or effect.name} is missing from the model"
+    return Clause(MODEL, words, **sized(effect, numbers))
+
+
+def of_column(effect, numbers):
+    """A column of the user's own that the error follows."""
+    found = sized(effect, numbers)
+    words = f"the error follows the column {effect.column}"
+    if found:
+        words += f", by {with_error(found['value'], found['error'])} {found['unit']}"
+    action = f"Find out how {effect.column} heats or cools the modules"
+    return Clause(effect.column, words, action, **found)
+
+
+def mounting(effect, numbers):
+    found = sized(effect, numbers, SHARE)
+    size = f"{spoken(found)} " if found else ""
+    more, each = "more" if not found or found["value"] > 0 else "less", ""
+    if course_of(effect) == "drift":
+        found["unit"] = "%/year"
+        size, each = size.replace("/year", ""), PER_YEAR
+    action = "Inspect the mounting, and what was built or grew around the modules"
+    words = f"the modules lose {size}{more} heat to the air{each}"
+    return Clause("mounting", words, action, **found)
+
+
+def soiling(effect, numbers):
+    if not (found := sized(effect, numbers, SHARE)):
+        words = "dirt gathers between rains on the irradiance sensor or the modules"
+        return Clause("irradiance sensor or modules", words)
+    found["unit"] = "%/day"
+    sensor = found["value"] > 0
+    size = f"{with_error(abs(found['value']), found['error'])} %"
+    rest = f"another {size} by soiling with each day without rain"
+    if sensor:
+        device, words = "irradiance sensor", f"the irradiance sensor loses {rest}"
+    else:
+        device, words = MODULES, f"the modules lose {rest}"
+    found = {**found, "value": -abs(found["value"])}
+    found["low"], found["high"] = sorted(
+        -abs(found[name]) if np.isfinite(found[name]) else np.nan
+        for name in ("low", "high")
+    )
+    return Clause(device, words, f"Clean the {device}", **found)
+
+
+def shading(effect, numbers):
+    windows = effect.settings.get("windows", ())
+    where = " and ".join(
+        f"azimuth {a:.0f}° to {b:.0f}°, elevation {c:.0f}° to {d:.0f}°"
+        for a, b, c, d in windows
+    )
+    found = sized(effect, numbers)
+    if effect.settings.get("sensor"):
+        device, words = "irradiance sensor", "the irradiance sensor is shaded"
+    elif found and found["value"] < 0:
+        device = MODULES
+        words = "the modules receive more beam irradiance than the irradiance sensor"
+    else:
+        device, words = MODULES, "the modules are shaded"
+    action = f"Look from the {device} for an obstacle or a reflecting surface there"
+    return Clause(device, f"{words} while the sun is at {where}", action, **found)
+
+
+def poa_misalignment(effect, numbers):
+    if "axis_azimuth" in effect.settings:
+        return on_a_tracker(effect, numbers)
+    parts = []
+    for key, more, less in (
+        ("tilt", "steeper", "flatter"),
+        ("azimuth", "west", "east"),
+    ):
+        if (angle := angle_of(f"{effect.name}.{key}", numbers)) is None:
+            continue
+        way = more if angle[0] > 0 else less
+        way = way if key == "tilt" else f"further {way}"
+        parts.append(f"{angle[1]} {way}")
+    way = " and ".join(parts) or "in another plane"
+    words = f"the modules stand {way} than the irradiance sensor"
+    action = "Measure the tilt and azimuth of the irradiance sensor and the modules"
+    return Clause("irradiance sensor", words, action)
+
+
+def on_a_tracker(effect, numbers):
+    """What turns about an axis is off by an angle about it, or about the vertical."""
+    parts = []
+    if angle := angle_of(f"{effect.name}.tilt", numbers):
+        side = effect.settings["axis_azimuth"] + (90.0 if angle[0] > 0 else -90.0)
+        side = SIDES[round(side / 45.0) % 8]
+        parts.append(f"by {angle[1]} to the {side} about the axis of the tracker")
+    if angle := angle_of(f"{effect.name}.azimuth", numbers):
+        way = "clockwise" if angle[0] > 0 else "anticlockwise"
+        parts.append(f"by {angle[1]} {way} about the vertical")
+    way = " and ".join(parts)
+    words = f"the modules are turned {way}, relative to the irradiance sensor"
+    action = "Measure the angles of the irradiance sensor and the modules at one time"
+    return Clause("irradiance sensor", words, action)
+
+
+def angle_of(name, numbers):
+    """An angle, and its size with its error in words; None if it is not known."""
+    if name not in numbers.coefficients:
+        return None
+    value, error = numbers.coefficients[name], numbers.stderr.get(name, np.nan)
+    return value, f"{with_error(abs(value), error)}°"
+
+
+def temperature_gain(effect, numbers):
+    found = sized(effect, numbers)
+    words = "the module temperature sensor has another slope than the air's"
+    if found:
+        more = "more" if found["value"] > 0 else "less"
+        words = (
+            f"the module temperature sensor reads {spoken(found)} K {more} for each "
+            "kelvin of air temperature"
+        )
+    action = "Recalibrate the module temperature sensor"
+    return Clause("module temperature sensor", words, action, **found)
+
+
+def snow(effect, numbers):
+    words = "snow covers the modules, and less of it the irradiance sensor"
+    return Clause(MODULES, words, "Check the modules on days after snow")
+
+
+def modules_covered(effect, numbers):
+    words = (
+        "snow, leaves or shade cover the modules for hours, and power and temperature "
+        "are both low"
+    )
+    action = "Look up the hours of loop.events in the site's log"
+    return Clause(MODULES, words, action, **sized(effect, numbers))
+
+
+def sensor_covered(effect, numbers):
+    words = (
+        "snow, leaves or shade cover the irradiance sensor for hours, and power and "
+        "temperature are both high for what it reads"
+    )
+    action = "Clean the irradiance sensor, and look for what shades it"
+    return Clause("irradiance sensor", words, action, **sized(effect, numbers))
+
+
+def outage(effect, numbers):
+    words = "the modules are warmer for hours in which the plant gives no power"
+    action = "Look up the hours of loop.events in the inverter's log"
+    return Clause("plant", words, action, **sized(effect, numbers))
+
+
+def tracker_stuck(effect, numbers):
+    plane = (effect.settings[name] for name in ("surface_tilt", "surface_azimuth"))
+    where = in_words(*plane)
+    words = f"the modules were stuck {where}, while the irradiance sensor moved"
+    action = "Check the drive of the tracker"
+    return Clause("tracker", words, action, **sized(effect, numbers))
+
+
+#: causes whose words have a direction of their own
+SPECIAL = {
+    "mounting": mounting,
+    "soiling": soiling,
+    "shading": shading,
+    "poa_misalignment": poa_misalignment,
+    "temperature_gain": temperature_gain,
+    "snow": snow,
+    "modules_covered": modules_covered,
+    "sensor_covered": sensor_covered,
+    "outage": outage,
+    "tracker_stuck": tracker_stuck,
+}

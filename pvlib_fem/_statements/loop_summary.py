@@ -1,0 +1,147 @@
+"""A loop in at most 25 lines: conclusion, steps, findings and what to do."""
+
+from textwrap import TextWrapper
+
+import numpy as np
+
+from pvlib_fem._report.ceiling_text import sentence
+from pvlib_fem._report.loop_text import cell, length
+from pvlib_fem._statements.make import PATTERN, STUCK
+from pvlib_fem.plotting._step_plots import step_name
+
+LINES, WIDTH = 25, 100
+MOST_EFFECTS = 3
+MORE = "loop.report() (--details) has every check, hint and note."
+
+
+def summary(loop):
+    """
+    The lines of ``print(loop)``.
+
+    Parameters
+    ----------
+    loop : Loop
+
+    Returns
+    -------
+    list of str
+        At most 25, none wider than 100 signs.
+    """
+    found = loop.statement_objects
+    said = [line for words in conclusion(loop, found) for line in wrapped(words)]
+    head = [*heading(loop), *said, "", *steps(loop), ""]
+    room = LINES - len(head) - 2
+    body = findings(found, room)
+    return [*head, *body, MORE]
+
+
+def heading(loop):
+    fit, record = loop.fit, loop.fit.summary
+    yield from wrapped(
+        f"pvlib_fem: the loop on {length(record)}, "
+        f"{record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, {record.rows:,} rows; "
+        f"{fit.model}, {fit.dynamics}{instead(loop)}"
+    )
+
+
+def instead(loop):
+    """What was not measured, and what stands for it."""
+    calm = "wind_speed" not in loop.fit.summary.columns
+    words = "; no wind_speed" * calm
+    if loop.transposition:
+        words += f"; poa_global transposed from ghi ({loop.transposition})"
+    for one in loop.stand_ins:
+        words += f"; {one.column} stands in for {one.usual}"
+    return words
+
+
+def part(loop):
+    """The days that the errors are of, and the ending of their columns."""
+    if loop.fit.test_days:
+        return f"{loop.fit.test_days} test days", "test"
+    return "the fitted days (there are no test days)", "train"
+
+
+def conclusion(loop, found):
+    """How good the model was and is, what was found, and what remains."""
+    which, end = part(loop)
+    error, energy = loop.table[f"rmse_{end}"], loop.table["energy_error_test"]
+    before, after = error[loop.base], error[loop.last]
+    if loop.last == loop.base:
+        words = f"{before:.2f} K; no effect was added"
+    else:
+        words = f"{before:.2f} → {after:.2f} K"
+    if np.isfinite(energy[loop.last]):
+        both = dict.fromkeys(f"{energy[n]:.2f}" for n in (loop.base, loop.last))
+        words += f"; absolute energy error: {' → '.join(both)} %"
+    yield f"Error (RMSE) on {which}: {words}."
+    yield counted(loop, found)
+    if loop.known_ceiling is not None:
+        yield sentence(loop.known_ceiling)
+
+
+def counted(loop, found):
+    """What was found and what remains, by numbers."""
+    if not loop.weighed:
+        return "The record is too short to weigh any effect."
+    counts = {
+        "clock fault": sum(
+            one.verdict.endswith("corrected") and one.cause != STUCK for one in found
+        ),
+        "irradiance sensor that was stuck": sum(one.cause == STUCK for one in found),
+        "identified cause": sum(one.verdict == "named" for one in found),
+        "ambiguous finding": sum(one.verdict == "class" for one in found),
+        PATTERN: sum(one.device == PATTERN for one in found),
+        "hint": sum(one.verdict == "suggestive" for one in found),
+    }
+    parts = [f"{n} {words}{'s' * (n > 1)}" for words, n in counts.items() if n]
+    words = f"Found: {', '.join(parts)}." if parts else "No cause was found."
+    days, least = loop.fit.summary.days, loop.criteria.enough_days
+    if days < least:
+        words += f" At least {least} days are needed to identify one (here {days})."
+    return words
+
+
+def steps(loop):
+    """The table of errors: models without effects, then the last effects."""
+    _, end = part(loop)
+    keys = (f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}")
+    yield f"{'error [K]':<26}" + "".join(
+        f"{n:>8}" for n in ("RMSE", "day", "night", "MBE")
+    )
+    names = [*loop.table.index]
+    effects = names[names.index(loop.base) + 1 :]
+    first = [n for n in ("steady", "fem") if n in names and n != loop.base]
+    for name in [*first, loop.base, *effects[-MOST_EFFECTS:]]:
+        row = loop.table.loc[name]
+        cells = "".join(cell(row[key], 8) for key in keys)
+        yield f"{step_name(name):<26}{cells}"
+
+
+def findings(found, room):
+    """Numbered statements, as many as there is room for, and how many more."""
+    lines = []
+    for i, one in enumerate(found):
+        sizes = [f"{one.gain:.2f} K"] if np.isfinite(one.gain) else []
+        if np.isfinite(one.energy):
+            sizes.append(f"{one.energy:.2g} kWh/kWp a year")
+        worth = f" [{', '.join(sizes)}]" if sizes else ""
+        words = f"{one.text}{worth}. {one.certainty.rstrip('.')}".rstrip(". ")
+        action = f" → {one.action}." if one.action else ""
+        block = wrapped(f"{i + 1:>2}. {words}.{action}", "    ")
+        if len(lines) + len(block) > room:
+            return [*lines, f"    {len(found) - i} more are in loop.statements."]
+        lines += block
+    return lines
+
+
+def wrapped(text, indent=""):
+    """Lines of a text, none wider than a window."""
+    wrapper = TextWrapper(
+        WIDTH,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+        drop_whitespace=True,
+    )
+    return wrapper.wrap(text)

@@ -1,0 +1,274 @@
+"""A loop's findings as statements, the most valuable first."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pvlib_fem._findings import (
+    LEAST,
+    OUTSIDE,
+    OUTSIDE_WORDS,
+    CheckOutcome,
+    Kind,
+    Member,
+    Verdict,
+)
+from pvlib_fem._report import budget_text as budget, event_text as events
+from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
+from pvlib_fem._statements.clock_sentences import APPLIED, clock_statement
+from pvlib_fem._statements.statement import Statement
+from pvlib_fem.effects import find
+from pvlib_fem.effects._effect import deciding
+from pvlib_fem.effects._standstill import in_words
+from pvlib_fem.effects._time_profiles import number, written
+
+PATTERN = "unexplained pattern"
+DAYS = "days that stand out"
+HALF = 0.5  # of its days, on which modules stand out that do not stand with a sensor
+STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not turn
+#: what a statement has of its first clause
+SIZE = ("value", "error", "low", "high", "unit", "since", "until")
+
+
+def statements_of(loop, energies):
+    """
+    All statements of a loop.
+
+    Parameters
+    ----------
+    loop : Loop
+    energies : dict of float
+        Energy that each cause changes, see :func:`.worth.energies`. [kWh/kWp per year]
+
+    Returns
+    -------
+    list of Statement
+        Clocks, days on which the irradiance sensor does not turn, causes in the model
+        by the energy that they change (where that is unknown, by what they take off the
+        error), events that power shows, unexplained patterns, days that stand out,
+        hints.
+    """
+    findings = [f for f in loop.finding_objects if f.kind is not Kind.STRUCTURE]
+    findings.sort(key=lambda finding: -finding.gain)
+    causes, hints = (
+        [finding_statement(f, loop) for f in findings if f.added == added]
+        for added in (True, False)
+    )
+    clocks = map(clock_statement, loop.corrections)
+    clocks, causes = (
+        [replace(one, energy=energies.get(one.cause, np.nan)) for one in some]
+        for some in (clocks, causes)
+    )
+    causes.sort(key=lambda one: -np.nan_to_num(one.energy))  # equal ones keep the order
+    return [
+        *clocks,
+        *(standing_statement(one, loop.episodes) for one in loop.standings),
+        *causes,
+        *event_statements(loop),
+        *map(pattern_statement, loop.unexplained),
+        *date_statements(loop),
+        *hints,
+    ]
+
+
+def days_of(loop):
+    """First and last day of a loop's record."""
+    record = loop.fit.summary
+    return f"{record.start:%Y-%m-%d}", f"{record.end:%Y-%m-%d}"
+
+
+def finding_statement(finding, loop):
+    """A finding as a statement."""
+    own = {effect.name: effect for effect in loop.fit.effects}
+    effects = [effect_of(name, finding, own) for name in finding.candidates]
+    clauses = [
+        clause_or_name(name, effect, finding, loop)
+        for name, effect in zip(finding.candidates, effects)
+    ]
+    main = clauses[0]
+    return Statement(
+        cause=finding.effect,
+        device=" or ".join(dict.fromkeys(clause.device for clause in clauses)),
+        verdict=str(finding.verdict),
+        text=sentence(finding, clauses),
+        action=action_of(finding, clauses, [e for e in effects if e is not None]),
+        certainty=certainty_of(finding),
+        gain=finding.gain,
+        probability=finding.probabilities.get(finding.effect, np.nan),
+        alternatives=tuple(n for n in finding.candidates if n != finding.effect),
+        **{name: getattr(main, name) for name in SIZE},
+    )
+
+
+def effect_of(name, finding, own):
+    """The effect of a candidate with its settings; None if it is unknown."""
+    if name == finding.effect and name in own:
+        return own[name]
+    member = finding.members.get(name)
+    try:
+        return find({"name": name, **(member.settings if member else {})}, own.values())
+    except ValueError:
+        return None
+
+
+def clause_or_name(name, effect, finding, loop):
+    """A candidate as a clause; of an unknown effect, such as a hint of a column."""
+    if effect is None:
+        if finding.kind is Kind.COLUMN:
+            return Clause(MODEL, f"the error follows {name}")
+        return Clause(MODEL, f"the effect {name} is missing from the model")
+    numbers = finding if name == finding.effect else finding.members.get(name)
+    numbers = numbers or Member({}, {}, {}, {})
+    return clause_of(effect, numbers, loop.fit.coefficients, *days_of(loop))
+
+
+def sentence(finding, clauses):
+    """The clauses of all causes with the dates of the first."""
+    first, *others = clauses
+    parts = [words_of(first, finding.place)]
+    for other in others:
+        same = (other.since, other.until, other.course) == (
+            first.since,
+            first.until,
+            first.course,
+        )
+        parts.append(other.words if same else words_of(other))
+    text = ", or ".join(parts)
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def words_of(clause, place=""):
+    """A clause with its dates; ``place`` has the days between which it began."""
+    if clause.course == "step":
+        return f"from {place or clause.since or 'some date'} on {clause.words}"
+    if clause.course == "episode":
+        dates = f"from {clause.since} until {clause.until}" if clause.since else ""
+        dates = f"from {place}" if place else dates or "for some time"
+        return f"{dates} {clause.words}"
+    if clause.course == "drift":
+        return f"{clause.words} since {clause.since}"
+    return clause.words
+
+
+def certainty_of(finding):
+    """How sure a finding is, in words."""
+    said = [
+        f"{witness.column} {'agrees' if agrees else 'contradicts ' + witness.effect}"
+        for witness in finding.heard
+        if (agrees := witness.opinion is CheckOutcome.AGREES) or not finding.added
+        if agrees or witness.effect == finding.effect
+    ]
+    agree = f"; {', '.join(dict.fromkeys(said))}" if said else ""
+    if finding.verdict is Verdict.NAMED:
+        share = finding.probabilities.get(finding.effect)
+        words = f" (probability {share:.0%})" if share is not None else ""
+        return f"Identified{words}{agree}"
+    if finding.verdict is Verdict.CLASS:
+        return f"Ambiguous{shares_of(finding)}{agree}"
+    return f"A hint, not in the model: {finding.why}"
+
+
+def shares_of(finding):
+    """Probabilities of the causes in their order, and of a cause outside."""
+    known = finding.probabilities
+    parts = [f"{known[n]:.0%}" for n in finding.candidates if n in known]
+    if known.get(OUTSIDE, 0.0) >= LEAST:
+        parts.append(f"{OUTSIDE_WORDS} {known[OUTSIDE]:.0%}")
+    return f" ({', '.join(parts)})" if parts else ""
+
+
+def action_of(finding, clauses, effects):
+    """What to do about a finding."""
+    if finding.verdict is Verdict.CLASS and len(clauses) > 1:
+        return f"To decide: {', or '.join(deciding(effects))}"
+    if finding.verdict is Verdict.SUGGESTIVE:
+        return ""
+    return clauses[0].action
+
+
+def pattern_statement(finding):
+    """An unexplained pattern as a statement."""
+    mean = finding.coefficients.get("mean", np.nan)
+    way = "warmer" if mean > 0 else "colder"
+    return Statement(
+        cause=finding.effect,
+        device=PATTERN,
+        verdict=str(finding.verdict),
+        text=(
+            f"Unexplained but repeatable: {finding.gain:.2f} K of the error is "
+            f"{finding.place}, where the modules are {abs(mean):.2f} K {way} than "
+            "modelled"
+        ),
+        action=f"Record a quantity that changes {finding.place}",
+        gain=finding.gain,
+        value=mean,
+        unit="K",
+    )
+
+
+def event_statements(loop):
+    """Events of each kind as a statement."""
+    for name, rows in events.by_kind(loop).items():
+        device, happened = events.WORDS[name]
+        first, last = rows["start"].min(), rows["end"].max()
+        log = "the inverter's log" if name == "outage" else "the site's log"
+        yield Statement(
+            cause=name,
+            device=device,
+            verdict="event",
+            text=(
+                f"{happened[:1].upper()}{happened[1:]} ({events.all_of(rows)}), most "
+                f"from {events.told(rows.iloc[0])}"
+            ),
+            action=f"Look up these hours, in loop.events, in {log}",
+            since=f"{first:%Y-%m-%d}",
+            until=f"{last:%Y-%m-%d}",
+        )
+
+
+def standing_statement(standing, episodes):
+    """Days on which the irradiance sensor does not turn as a statement."""
+    where = in_words(standing.surface_tilt, standing.surface_azimuth)
+    alone = apart_on(standing, episodes) > HALF
+    modules = ", while the modules went on or stood elsewhere" if alone else ""
+    return Statement(
+        cause=STUCK,
+        device="tracker",
+        verdict="corrected",
+        text=(
+            f"From {standing.when} the irradiance sensor was stuck {where}, and did "
+            f"not follow the plane that the record describes{modules}"
+        ),
+        action="Check the drive of the tracker that the irradiance sensor is on",
+        certainty=f"{APPLIED} ({standing.days} clear days show it)",
+        since=standing.start,
+        until=written(number(standing.end) - 1),
+    )
+
+
+def apart_on(standing, episodes):
+    """Share of the days of a standstill on which the modules stand out."""
+    first, last = number(standing.start), number(standing.end)
+    some = (
+        min(number(row["end"]) + 1, last) - max(number(row["start"]), first)
+        for row in episodes.to_dict("records")
+    )
+    return sum(max(days, 0.0) for days in some) / (last - first)
+
+
+def date_statements(loop):
+    """Days that stand out as statements."""
+    for row in loop.episodes.to_dict("records")[: budget.MOST]:
+        days, words = budget.span(row), budget.apart(row)
+        yield Statement(
+            cause=DAYS,
+            device=MODULES,
+            verdict="unknown",
+            text=(
+                f"On {days} the modules were {words} ({row['share']:.1%} of the "
+                "squared error)"
+            ),
+            action=f"Look up {days} in the site's log",
+            since=f"{row['start']:%Y-%m-%d}",
+            until=f"{row['end']:%Y-%m-%d}",
+        )

@@ -1,0 +1,166 @@
+"""The dynamics: the response of a block of rows to the columns of the equation."""
+
+from typing import Any
+
+import numpy as np
+
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._thermal.response import Past, Response
+from pvlib_fem._thermal.steady_models import SteadyModel
+from pvlib_fem.effects._effect import Terms, is_there
+
+
+def resistance(
+    steady_model: SteadyModel, own: dict, wind: float | np.ndarray, loss: Any
+) -> tuple:
+    """Resistance with further losses, and its ratio to that of the steady model."""
+    r_steady = steady_model.resistance(wind, **own)
+    if not is_there(loss):
+        return r_steady, 1.0
+    # 1/(1/r + loss); where the total loss would be negative, the temperature is NaN
+    share = 1.0 / (1.0 + loss * r_steady)
+    share = np.where(share > 0, share, np.nan)
+    return r_steady * share, share
+
+
+def resistance_slopes(
+    steady_model: SteadyModel,
+    own: dict,
+    wind: Any,
+    r_eq: float | np.ndarray,
+    share: float | np.ndarray,
+) -> tuple:
+    """Slopes of a resistance by the model's parameters and wind, and by the loss."""
+    slopes = steady_model.slopes(wind, **own)
+    if is_there(share - 1.0):
+        slopes = {name: slope * share**2 for name, slope in slopes.items()}
+    return slopes, -(r_eq**2)
+
+
+def steady(
+    steady_model: SteadyModel, own: dict, inputs: Inputs, added: Terms, slopes: dict
+) -> tuple[np.ndarray, dict]:
+    """T = T_air + heat·r_eq."""
+    wind = inputs["wind_speed"]
+    r_eq, share = resistance(steady_model, own, wind, added.loss)
+    temperature = inputs["temp_air"] + added.heat * r_eq
+    if not slopes:
+        return temperature, {}
+    by_steady, by_loss = resistance_slopes(steady_model, own, wind, r_eq, share)
+    found = {name: added.heat * by_steady[name] for name in steady_model.parameters}
+    for name, slope in slopes.items():
+        found[name] = 0.0
+        if is_there(slope.heat):
+            found[name] = found[name] + slope.heat * r_eq
+        if is_there(slope.loss):
+            found[name] = found[name] + added.heat * by_loss * slope.loss
+    return temperature, found
+
+
+class Smooth:
+    """A column and its parts, smoothed with one time constant."""
+
+    def __init__(
+        self, name: str, whole: Any, steps: Any, tau: Any, past: Past, wanted: bool
+    ) -> None:
+        self.value, self.by_tau, self.whole = whole, 0.0, whole
+        self.name, self.given = name, (steps, tau, past)
+        if np.ndim(whole) == 0:
+            return
+        self.answer = answer = Response(name, whole, steps, tau, past)
+        there = answer.there(whole)
+        smooth = answer.mean("value", there)
+        self.value = answer.spread(smooth)
+        if wanted:
+            # slope by the logarithm of tau: the distance that is still to decay
+            source = answer.fall("value", smooth, there)
+            source /= answer.tau
+            self.by_tau = answer.spread(answer.solve("by_tau", source))
+
+    def part(self, name: str, column: np.ndarray) -> np.ndarray:
+        """A part of the column, smoothed; its gaps are those of the whole column."""
+        if np.ndim(column) == 0:
+            return column
+        if np.ndim(self.whole) == 0:
+            answer = Response(f"{self.name} {name}", column, *self.given)
+            return answer.spread(answer.mean(name, answer.there(column)))
+        return self.answer.spread(self.answer.mean(name, self.answer.there(column)))
+
+
+def smoothed(
+    steady_model: SteadyModel,
+    own: dict,
+    inputs: Any,
+    added: Any,
+    slopes: dict,
+    tau: float,
+    past: Past,
+) -> tuple[np.ndarray, dict]:
+    """Temperature of the paper's form: the steady model on smoothed heat and wind."""
+    given = inputs.steps, tau / inputs.unit, past, bool(slopes)
+    heat = Smooth("heat", added.heat, *given)
+    wind = Smooth("wind", inputs["wind_speed"], *given)
+    loss = Smooth("loss", added.loss, *given)
+    r_eq, share = resistance(steady_model, own, wind.value, loss.value)
+    temperature = inputs["temp_air"] + heat.value * r_eq
+    if not slopes:
+        return temperature, {}
+    by_steady, by_loss = resistance_slopes(steady_model, own, wind.value, r_eq, share)
+    found = {name: heat.value * by_steady[name] for name in steady_model.parameters}
+    r_by_tau = by_steady["wind_speed"] * wind.by_tau
+    if is_there(added.loss):
+        r_by_tau = r_by_tau + by_loss * loss.by_tau
+    found["tau"] = (heat.by_tau * r_eq + heat.value * r_by_tau) / inputs.unit
+    for name, slope in slopes.items():
+        found[name] = 0.0
+        if is_there(slope.heat):
+            found[name] = found[name] + heat.part(name, slope.heat) * r_eq
+        if is_there(slope.loss):
+            felt = loss.part(name, slope.loss)
+            found[name] = found[name] + heat.value * by_loss * felt
+    return temperature, found
+
+
+def balanced(
+    steady_model: SteadyModel,
+    own: dict,
+    inputs: Any,
+    added: Terms,
+    slopes: dict,
+    past: Any,
+) -> tuple[np.ndarray, dict]:
+    """Temperature by the exact heat balance; its time constant is capacity·r_eq."""
+    wind = inputs["wind_speed"]
+    r_eq, share = resistance(steady_model, own, wind, added.loss)
+    target = inputs["temp_air"] + added.heat * r_eq
+    tau = added.capacity / inputs.unit * r_eq
+    answer = Response("balance", target, inputs.steps, tau, past)
+    there = answer.there
+    target, r_eq = there(target), there(r_eq)
+    temperature = answer.mean("temperature", target)
+    if not slopes:
+        return answer.spread(temperature), {}
+    by_steady, by_loss = resistance_slopes(
+        steady_model, own, there(wind), r_eq, there(share)
+    )
+    fall = answer.fall("temperature", temperature, target)
+    by_r = answer.rise * there(added.heat) + fall / r_eq  # slope of the source by r_eq
+
+    def solved(name: str, source: Any) -> np.ndarray:
+        return answer.spread(answer.solve(name, source))
+
+    found: dict[str, Any] = {
+        name: solved(name, by_r * by_steady[name]) for name in steady_model.parameters
+    }
+    for name, slope in slopes.items():
+        found[name] = 0.0
+        source = 0.0
+        if is_there(slope.heat):
+            source = source + answer.rise * r_eq * there(slope.heat)
+        if is_there(slope.loss):
+            source = source + by_r * by_loss * there(slope.loss)
+        if is_there(slope.capacity):
+            source = source + fall * there(slope.capacity / added.capacity)
+        if np.ndim(source):
+            found[name] = found[name] + solved(name, source)
+    return answer.spread(temperature), found

@@ -1,0 +1,103 @@
+"""Store a thermal model and its coefficients in a file, and read them."""
+
+from typing import Any
+
+from pvlib_fem._stored import Stored
+from pvlib_fem._thermal.model import ThermalModel, thermal_model
+from pvlib_fem.effects import find, several
+from pvlib_fem.effects._effect import Effect
+
+
+def content_of(model: ThermalModel, coefficients: dict) -> dict:
+    """Content of a file from which :func:`model_of` makes an equal model."""
+    return {
+        "model": model.steady_model.name,
+        "dynamics": model.dynamics,
+        "effects": [effect.spec for effect in model.effects],
+        "coefficients": coefficients,
+        "base": model.base,
+        "fixed": model.held,
+    }
+
+
+def model_of(stored: Stored, own: Any = ()) -> Any:
+    """
+    The model of a file, and its coefficients.
+
+    Parameters
+    ----------
+    stored : Stored
+    own : Effect or sequence of these, optional
+        The user's own effects, of which the file has only name and settings.
+
+    Returns
+    -------
+    ThermalModel, dict
+
+    Raises
+    ------
+    ValueError
+        If a coefficient is missing, not finite, not one of the model's, or impossible.
+    """
+    own = [find(effect) for effect in several(own)]
+    specs = stored.of("effects", list, "a list")
+    effects = [effect_of(spec, own, stored) for spec in specs]
+    names = stored.text("model"), stored.text("dynamics")
+    base = None
+    if stored["base"] is not None:
+        given = {*stored.part("base").content}  # with effects that faults may reverse
+        those = [e for e in effects if not e.channel and {*e.rows()} & given]
+        base = coefficients_of(stored, "base", thermal_model(*names, those))
+    fixed = stored.numbers("fixed")
+    model = thermal_model(*names, effects, base, fixed)
+    found = coefficients_of(stored, "coefficients", model)
+    for name, value in fixed.items():
+        if found.get(name) != value:
+            raise ValueError(
+                f"{stored.file}: {stored.place}fixed.{name} is {value:g}, and "
+                f"coefficients.{name} is {found.get(name, 'not there')}"
+            )
+    if "stderr" in stored.content:  # of a fit, and not of a model alone
+        errors = stored.numbers("stderr", unknown=True)
+        if missing := [name for name in model.parameters if name not in errors]:
+            raise ValueError(f"{stored.file} has no {stored.place}stderr.{missing[0]}")
+    return model, found
+
+
+def effect_of(spec: str | dict, own: list, stored: Stored) -> Effect:
+    """The effect that an entry of the file describes."""
+    try:
+        return find(spec, own)
+    except (ValueError, TypeError) as error:
+        raise ValueError(
+            f"{stored.file}: {error}; an effect of your own has to be given again, as "
+            "from_json(path, effects=[...])"
+        ) from error
+
+
+def coefficients_of(stored: Stored, key: str, model: ThermalModel) -> dict:
+    """The coefficients of a file, checked to be the complete set of the model."""
+    found = stored.numbers(key)
+    least = {*model.parameters}
+    most = {*least, *model.steady_model.fixed}
+    most |= {"tau"} if model.dynamics == "steady" else set()
+    if missing := [name for name in model.parameters if name not in found]:
+        raise ValueError(f"{stored.file} has no {stored.place}{key}.{missing[0]}")
+    if unknown := [name for name in found if name not in most]:
+        raise ValueError(
+            f"{stored.file}: {stored.place}{key}.{unknown[0]} is no coefficient of "
+            f"{model.steady_model.name}, {model.dynamics}"
+        )
+    for name, row in model.parameters.items():
+        # the paper's regression has no bounds, but its results stay close to them
+        span = row.upper - row.lower
+        if not row.lower - span <= found[name] <= row.upper + span:
+            raise ValueError(
+                f"{stored.file}: {stored.place}{key}.{name} is {found[name]:g} "
+                f"{row.unit}, where {row.lower:g} to {row.upper:g} belongs"
+            )
+    try:
+        model.checked(found)
+    except ValueError as error:
+        raise ValueError(f"{stored.file}: {stored.place}{key}: {error}") from error
+    return found

@@ -1,0 +1,167 @@
+"""T98 of IEC TS 63126: the temperature that a module exceeds in 2 % of a year."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from pvlib_fem._record.column_names import with_aliases
+from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._thermal_parameters.given_record import Measured
+from pvlib_fem._thermal_parameters.parameter_rows import LEVEL, Row
+from pvlib_fem._thermal_parameters.steady_parameters import NO_ERROR, Steady, joined
+
+SHARE = 0.98
+WEATHER = ("poa_global", "temp_air", "wind_speed")
+YEAR = 365.25  # days
+WHOLE = 0.9  # least share of a year's time with data
+FEWEST_YEARS = 3
+FEWEST_WEEKS = 8
+#: upper limits of T98 [°C] and the classes of modules for them
+LEVELS = {70.0: "no level needed", 80.0: "Level 1", 90.0: "Level 2"}
+SOURCE = "IEC TS 63126; levels as pvdeg.standards has them"
+EQUATION = "98th percentile of T over all hours of a year, nights included"
+GAPS = (
+    "the record has module temperatures for {:.0f} % of its time, and T98 is of all "
+    "hours, nights included"
+)
+NO_YEAR = (
+    f"needs a record of {FEWEST_YEARS} whole years, or typical_year with the weather "
+    "in the plane of the modules"
+)
+
+
+def hottest_rows(
+    measured: Any, why: str, steady: Steady, typical_year: Any
+) -> Iterator:
+    """
+    Rows of T98 of the record and of a typical year.
+
+    Parameters
+    ----------
+    measured : Measured or None
+    why : str
+        Why there is no record.
+    steady : Steady
+    typical_year : DataFrame or None
+        Weather of a year, with ``poa_global``.
+
+    Yields
+    ------
+    Row
+    """
+    like: dict[str, Any] = dict(of="module", equation=EQUATION, source=SOURCE)
+    found, years = dict(value=np.nan, note=why), []
+    if measured is not None:
+        found, years = of_record(measured)
+    yield Row("T98", "of the record", unit="°C", **found, **like)
+    if typical_year is not None:
+        found = of_weather(steady, typical_year)
+    elif measured is not None and len(years) >= FEWEST_YEARS:
+        found = of_years(years)
+    else:
+        found = dict(value=np.nan, note=NO_YEAR)
+    yield Row("T98", "of a typical year", unit="°C", **found, **like)
+
+
+def of_record(measured: Measured) -> Any:
+    """T98 of all rows with Woodruff's range by weeks, and T98 of each whole year."""
+    module = measured.series("temp_module")
+    kept = module.notna().to_numpy()
+    module, dates = module[kept], measured.dates[kept]
+    value = float(module.quantile(SHARE))
+    days = np.ptp(dates) + 1
+    share = len(module) * measured.step / (days * 86400.0)
+    if share < WHOLE:
+        return dict(value=np.nan, note=GAPS.format(100 * share)), []
+    note, span, error = level(value), (np.nan, np.nan), np.nan
+    if days < WHOLE * YEAR:
+        note = f"of {days} days and not of a year; {note}"
+    at, draws = share_error(module.to_numpy() > value, dates)
+    if np.isfinite(at):
+        reach = student.ppf(0.5 + LEVEL / 2, max(draws - 1.0, 1.0)) * at
+        ends = SHARE + np.array([-at, at]), SHARE + np.array([-reach, reach])
+        (low, high), span = (
+            module.quantile(np.clip(one, 0.0, 1.0)).to_numpy() for one in ends
+        )
+        error = (high - low) / 2.0
+    else:
+        note = f"no error: it needs {FEWEST_WEEKS} weeks; {note}"
+    found = dict(value=value, stderr=error, span=tuple(map(float, span)), note=note)
+    return found, whole_years(measured, module, dates)
+
+
+def share_error(above: np.ndarray, dates: np.ndarray) -> tuple[float, float]:
+    """
+    Standard error of the share of rows above a temperature, and effective weeks.
+
+    The weather of a week is one independent draw about a seasonal mean of two
+    harmonics.
+    """
+    weeks = pd.Series(above).groupby(calendar_weeks(dates)).agg(["sum", "size"])
+    if len(weeks) < FEWEST_WEEKS:
+        return np.nan, np.nan
+    rows, phase = weeks["size"].to_numpy(), 2.0 * np.pi * 7.0 * weeks.index / YEAR
+    waves = [f(n * phase) for n in (1, 2) for f in (np.cos, np.sin)]
+    season = np.transpose([np.ones(len(weeks)), *waves]) * rows[:, None]
+    found, _, rank, _ = np.linalg.lstsq(season, weeks["sum"], rcond=None)
+    squares = (weeks["sum"].to_numpy() - season @ found) ** 2
+    squares *= len(weeks) / max(len(weeks) - rank, 1)
+    if not squares.sum() > 0.0:
+        return np.nan, np.nan
+    # hot hours are in a few weeks; these are the effective number of draws
+    draws = squares.sum() ** 2 / (squares**2).sum()
+    return float(np.sqrt(squares.sum()) / rows.sum()), float(draws)
+
+
+def whole_years(measured: Measured, module: pd.Series, dates: np.ndarray) -> list:
+    """T98 of each complete year, counted from the record's first day."""
+    number = np.floor((dates - dates[0]) / YEAR).astype(int)
+    full = WHOLE * YEAR * 86400.0 / measured.step
+    years = module.groupby(number)
+    return [float(one.quantile(SHARE)) for _, one in years if len(one) >= full]
+
+
+def of_years(years: list) -> Any:
+    """T98 of a typical year: the mean over the years of the record."""
+    many, spread = len(years), np.std(years, ddof=1)
+    return dict(
+        value=float(np.mean(years)),
+        stderr=float(spread / np.sqrt(many)),
+        freedom=many - 1.0,
+        note=f"mean of {many} years, whose own are {min(years):.1f} to "
+        f"{max(years):.1f} °C",
+    )
+
+
+def of_weather(steady: Any, weather: pd.DataFrame) -> Any:
+    """T98 of a year of weather, modelled by the fit."""
+    fit, model = steady.fit, steady.fit.thermal_model
+    there = with_aliases(weather, (*model.usual, *model.drivers))
+
+    def hottest(coefficients: dict) -> Any:
+        columns = {name: there.get(name) for name in WEATHER}
+        columns |= {name: there[name] for name in model.drivers}
+        if not steady.with_bias:
+            coefficients = coefficients | {"bias": 0.0}
+        found = model.predict(coefficients=coefficients, **columns)
+        return np.array([np.nanquantile(found, SHARE)])
+
+    (value,), (error,) = hottest(fit.coefficients), steady.error(hottest)
+    note = f"by the fit, of the weather that was given; {level(value)}"
+    days = len(weather) * np.median(np.diff(weather.index)) / np.timedelta64(1, "D")
+    if days < WHOLE * YEAR:
+        note = f"of {days:.0f} days and not of a year; {note}"
+    if not np.isfinite(error):
+        note = joined(note, NO_ERROR)
+    return dict(value=value, stderr=error, freedom=fit.train_days - 1.0, note=note)
+
+
+def level(value: float) -> Any:
+    """The required class of modules."""
+    for most, words in LEVELS.items():
+        if value <= most:
+            return f"up to {most:g} °C: {words}"
+    return f"above {most:g} °C: beyond Level 2"

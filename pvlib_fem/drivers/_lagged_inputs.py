@@ -1,0 +1,67 @@
+"""Lagged columns, and time as a driver."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._relaxation import relax
+
+HOUR = 3600.0  # s
+
+
+def smoothed(column: np.ndarray, inputs: Inputs, memory: float) -> np.ndarray:
+    """First-order response to a column, with a time constant in s."""
+    column = np.asarray(column, dtype=float)
+    return relax(column, inputs.steps, memory / inputs.unit)
+
+
+def backwards(column: np.ndarray, steps: np.ndarray, memory: float) -> np.ndarray:
+    """First-order response to a column backwards in time."""
+    turned = np.append(steps[:1], steps[:0:-1])
+    return relax(np.ascontiguousarray(column[::-1]), turned, memory)[::-1]
+
+
+def past(memory: float) -> Any:
+    """The driver that is the weighted past of a column."""
+
+    def mean(column: np.ndarray, inputs: Inputs) -> np.ndarray:
+        return smoothed(column, inputs, memory)
+
+    mean.__doc__ = (
+        f"Mean of the past {memory / HOUR:g} h, weighted by age. [unit of the column]"
+    )
+    return mean
+
+
+def stored(mean: np.ndarray, column: np.ndarray, inputs: Inputs) -> np.ndarray:
+    """Mean of the past, weighted by age, minus the present. [unit of the column]"""
+    return mean - column
+
+
+def elapsed(inputs: Inputs) -> np.ndarray:
+    """Time since the record began. [s]"""
+    return inputs.seconds
+
+
+def day(inputs: Inputs) -> pd.Index:
+    """Time since 1970-01-01 by the record's own clock. [days]"""
+    times = dated(inputs, "what changes with time")
+    return (times - pd.Timestamp(0)) / pd.Timedelta("1D")
+
+
+def day_angle(inputs: Inputs) -> np.ndarray:
+    """Angle of the year, 0 on the first of January. [rad]"""
+    days = dated(inputs, "the season").day_of_year.to_numpy() - 1.0
+    return 2.0 * np.pi * days / 365.25
+
+
+def dated(inputs: Inputs, what: str) -> pd.DatetimeIndex:
+    """The times of a record on its own clock."""
+    if not isinstance(inputs.index, pd.DatetimeIndex):
+        raise ValueError(
+            f"{what} needs the date, and the columns have no DatetimeIndex; give "
+            "them as Series with one"
+        )
+    return inputs.index.tz_localize(None)

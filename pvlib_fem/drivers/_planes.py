@@ -1,0 +1,113 @@
+"""The angles of a plane that moves, by the rows of a record."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from pvlib.pvsystem import SingleAxisTrackerMount
+from pvlib.tracking import calc_surface_orientation
+
+from pvlib_fem._record.column_names import GEOMETRY, ROTATION, printable
+
+TILT, AZIMUTH = ANGLES = GEOMETRY[2:]
+
+
+@dataclass(frozen=True, eq=False)
+class ByColumns:
+    """
+    A plane that moves, by its angles at some times.
+
+    Attributes
+    ----------
+    index : DatetimeIndex
+    columns : dict of array
+        ``surface_tilt``, ``surface_azimuth``, or both. [°]
+    described : pvlib.pvsystem.SingleAxisTrackerMount or None
+        The tracker whose rotations were recorded.
+    """
+
+    index: pd.DatetimeIndex
+    columns: dict
+    described: SingleAxisTrackerMount | None = None
+
+    def get_orientation(self, solar_zenith: Any, solar_azimuth: np.ndarray) -> Any:
+        """The angles at the times of a Series, as of any mount of pvlib."""
+        return self.at(solar_zenith.index)
+
+    def at(self, index: pd.DatetimeIndex) -> Any:
+        """
+        The angles at other times: of a row its own, between rows interpolated.
+
+        Tilt and azimuth are interpolated together, as the normal of the plane. There
+        are none between rows that are further apart than twice the usual step.
+        """
+        own, wanted = (i.as_unit("ns").asi8 for i in (self.index, index))
+        if len(own) == len(wanted) and (own == wanted).all():
+            return dict(self.columns)
+        after = np.clip(np.searchsorted(own, wanted), 1, max(len(own) - 1, 1))
+        before, after = np.clip([after - 1, after], 0, len(own) - 1)
+        apart = own[after] - own[before]
+        share = (wanted - own[before]) / np.maximum(apart, 1)
+        usual = np.median(np.diff(own)) if len(own) > 1 else 0.0
+        far = (apart > 2.0 * usual) | (share < 0.0) | (share > 1.0)
+        found = {}
+        for name, values in between(self.columns, before, after, share).items():
+            values = np.where(far, np.nan, values)
+            for at, exact in ((before, 0.0), (after, 1.0)):
+                values = np.where(share == exact, self.columns[name][at], values)
+            found[name] = values
+        return found
+
+
+def between(columns: Any, before: Any, after: Any, share: Any) -> Any:
+    """Angles part of the way from some rows to others, the shorter way round."""
+    size = len(next(iter(columns.values())))
+    others = {TILT: np.full(size, 90.0), AZIMUTH: np.zeros(size)}
+    normal = normals(*(columns.get(name, others[name]) for name in ANGLES))
+    mean = (1.0 - share) * normal[:, before] + share * normal[:, after]
+    angles = dict(zip(ANGLES, angles_of(*mean)))
+    # a plane that is stuck keeps its angles, to the last digit
+    same = np.all([v[before] == v[after] for v in columns.values()], axis=0)
+    return {n: np.where(same, v[before], angles[n]) for n, v in columns.items()}
+
+
+def normals(tilt: Any, azimuth: Any) -> Any:
+    """Normals of planes by their angles [°]: components to north, to east and up."""
+    tilt, turn = np.radians(tilt), np.radians(azimuth)
+    return np.array(
+        [np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)]
+    )
+
+
+def angles_of(north: Any, east: Any, up: Any) -> Any:
+    """Tilt and azimuth of a normal of any length. [°]"""
+    tilt = np.degrees(np.arctan2(np.hypot(north, east), up))
+    return tilt, np.degrees(np.arctan2(east, north)) % 360.0
+
+
+def by_rotation(data: Any, mount: Any) -> Any:
+    """A described tracker at the rotations of a record, None without that column."""
+    own = [label for label in data if printable(label) == ROTATION]
+    if not own or not isinstance(mount, SingleAxisTrackerMount):
+        return None
+    theta = data[own[0]].astype(float)
+    if (off := theta.abs() > 180.0).any():
+        at = int(np.argmax(off.to_numpy()))
+        raise ValueError(
+            f"{ROTATION} is {theta.iloc[at]:g}° at {theta.index[at]}; it is from -180 "
+            f"to 180°; {code(theta.iloc[at])}"
+        )
+    return ByColumns(data.index, rotated(theta.to_numpy(), mount), mount)
+
+
+def rotated(theta: Any, mount: Any) -> Any:
+    """Tilt and azimuth of a tracker at some rotations. [°]"""
+    with np.errstate(invalid="ignore"):
+        found = calc_surface_orientation(theta, mount.axis_tilt, mount.axis_azimuth)
+    return {name: np.asarray(found[name], dtype=float) for name in ANGLES}
+
+
+def code(value: Any) -> Any:
+    """The remedy where a number may stand for a missing value."""
+    return f"a code for missing values has to be missing (--missing {value:g})"

@@ -1,0 +1,162 @@
+"""Rain, the water film, soiling, and snow."""
+
+import numpy as np
+
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem.drivers._lagged_inputs import HOUR, smoothed
+
+MAGNUS = 17.62, 243.12  # constants of vapour pressure over water: -, °C
+#: latent loss per hPa relative to all other loss: Lewis's 1.5 for one wet face, divided
+#: among two faces that lose heat to the air, with a fifth by radiation [K/hPa]
+LATENT = 0.6
+NEWTON = 6  # steps, to an error far below a thousandth: the balance is convex
+SOAKED = 5.0  # the module is fully wet if the smoothed rain times this exceeds 1
+
+
+def saturation(celsius: np.ndarray) -> np.ndarray:
+    """Saturation vapour pressure over water, by Magnus. [hPa]"""
+    return 6.112 * np.exp(MAGNUS[0] * celsius / (MAGNUS[1] + celsius))
+
+
+def wetness(
+    precipitation: np.ndarray, inputs: Inputs, *, drying: float = 1800.0
+) -> np.ndarray:
+    """
+    Share of a module that is wet: 1 in rain, and drying after it. [-]
+
+    ``drying`` is the time constant of drying. [s]
+    """
+    falling = np.where(np.isnan(precipitation), np.nan, precipitation > 0)
+    return np.minimum(1.0, SOAKED * smoothed(falling, inputs, drying))
+
+
+def film_vapour(
+    wetness: np.ndarray,
+    relative_humidity: np.ndarray,
+    temp_air: np.ndarray,
+    temp_base: np.ndarray,
+    inputs: Inputs | None,
+) -> np.ndarray:
+    """
+    Excess vapour pressure of a wet module over the air, times wetness. [hPa]
+
+    The film makes the module colder than a dry one, ``temp_base``. In balance, its loss
+    by evaporation and to the air equals the loss of the dry module to the air, as for
+    a wet-bulb thermometer.
+    """
+    air = relative_humidity / 100.0 * saturation(temp_air)
+    wet, latent = temp_base, LATENT * wetness
+    for _ in range(NEWTON):
+        full = saturation(wet)
+        slope = full * MAGNUS[0] * MAGNUS[1] / (MAGNUS[1] + wet) ** 2
+        over = wet - temp_base + latent * (full - air)
+        wet = wet - over / (1.0 + latent * slope)
+    return wetness * np.maximum(saturation(wet) - air, 0.0)
+
+
+def days_since_rain(
+    precipitation: np.ndarray,
+    inputs: Inputs,
+    *,
+    cleaning: float = 1.0,
+    within: float = 3.0,
+    dirtiest: float = 60.0,
+) -> np.ndarray:
+    """
+    Time since rain cleaned the module, or the record began [1]_ [2]_. [days]
+
+    Rain cleans the module if more than ``cleaning`` [mm] fall ``within`` some hours:
+    1 mm as in :func:`pvlib.soiling.hsu`, 6 mm in 24 h as in
+    :func:`pvlib.soiling.kimber`. After ``dirtiest`` [days] soiling is constant.
+
+    References
+    ----------
+    .. [1] M. Coello and L. Boyle, "Simple Model for Predicting Time Series Soiling
+       of Photovoltaic Panels", IEEE J. Photovoltaics 9, 1382 (2019),
+       :doi:`10.1109/JPHOTOV.2019.2919628`.
+    .. [2] A. Kimber et al., "The Effect of Soiling on Large Grid-Connected
+       Photovoltaic Systems in California and the Southwest Region of the United
+       States", WCPEC 2006, :doi:`10.1109/WCPEC.2006.279690`.
+    """
+    seconds = inputs.seconds
+    rain = np.nan_to_num(precipitation)
+    hours = np.diff(seconds, prepend=seconds[0]) / HOUR
+    fallen = np.cumsum(rain * hours)
+    shower = fallen - np.interp(seconds - within * HOUR, seconds, fallen, left=0.0)
+    cleans = (rain > 0) & (shower >= cleaning)
+    last = np.maximum.accumulate(np.where(cleans, seconds, seconds[0]))
+    return np.minimum((seconds - last) / 86400.0, dirtiest)
+
+
+def snow_cover(
+    snow_depth: np.ndarray,
+    temp_air: np.ndarray,
+    poa_global: np.ndarray,
+    inputs: Inputs,
+    *,
+    snowfall: float = 0.5,
+) -> np.ndarray:
+    """
+    Whether snow lies on the module, from snow depth on the ground [1]_. [-]
+
+    Snow covers the module when the depth grows by more than ``snowfall`` [cm] in about
+    an hour, half a step of the usual gauge. It has slid off after one and a half
+    hours with more than 50 W/m² and air warmer than −G/80.
+
+    References
+    ----------
+    .. [1] B. Marion et al., "Measured and modeled photovoltaic system energy
+       losses from snow for Colorado and Wisconsin locations", Solar Energy 97,
+       112 (2013), :doi:`10.1016/j.solener.2013.07.029`, as in
+       :func:`pvlib.snow.coverage_nrel`.
+    """
+    known = 0.0 * (snow_depth + temp_air + poa_global)
+    depth = np.nan_to_num(snow_depth)
+    grows = depth - smoothed(depth, inputs, HOUR) > snowfall
+    warm = may_slide(temp_air, poa_global) & (poa_global > 50.0)
+    slid = smoothed(warm * 1.0, inputs, HOUR) > 1.0 - np.exp(-1.5)
+    rows = np.arange(len(depth))
+    grew, slid = (
+        np.maximum.accumulate(np.where(event, rows, -1)) for event in (grows, slid)
+    )
+    return known + (grew > slid)
+
+
+def snow_left(
+    snow_cover: np.ndarray,
+    snow_depth: np.ndarray,
+    temp_air: np.ndarray,
+    poa_global: np.ndarray,
+    inputs: Inputs,
+    *,
+    lying: float = 1.0,
+    sliding: float = 10.0,
+) -> np.ndarray:
+    """
+    Part of the module under remaining snow where ``snow_cover`` is 0. [-]
+
+    In air warmer than −G/80 snow slides off gradually: two tenths of the module per
+    hour, times the sine of the tilt [1]_. At 30° that takes ten hours, ``sliding``.
+    No snow remains if at most ``lying`` [cm] are on the ground [2]_.
+
+    References
+    ----------
+    .. [1] B. Marion et al., "Measured and modeled photovoltaic system energy
+       losses from snow for Colorado and Wisconsin locations", Solar Energy 97,
+       112 (2013), :doi:`10.1016/j.solener.2013.07.029`, as in
+       :func:`pvlib.snow.coverage_nrel`.
+    .. [2] D. Ryberg and J. Freeman, "Integration, Validation, and Application of a PV
+       Snow Coverage Model in SAM", NREL/TP-6A20-68705 (2017).
+    """
+    seconds = inputs.seconds
+    hours = np.diff(seconds, prepend=seconds[0]) / HOUR
+    warm = np.cumsum(may_slide(temp_air, poa_global) * hours)
+    rows = np.arange(len(hours))
+    covered = np.maximum.accumulate(np.where(snow_cover > 0.0, rows, 0))
+    left = np.clip(1.0 - (warm - warm[covered]) / sliding, 0.0, 1.0)
+    return (1.0 - snow_cover) * left * (snow_depth > lying)
+
+
+def may_slide(temp_air: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
+    """Whether snow can slide off a module at this air temperature and irradiance."""
+    return temp_air > poa_global / -80.0

@@ -1,0 +1,103 @@
+"""The effects that can be tested on a record, and user columns as effects."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import pandas as pd
+
+from pvlib_fem.drivers import behind, needed_for
+from pvlib_fem.effects import EFFECTS, find, several
+from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._user_column import of_column
+from pvlib_fem.reasons import Because, Reason, because, together
+
+MOST_HEAT = 500.0  # W/m² for one standard deviation of a user's own column
+#: arguments that a user gives instead of these columns
+SUN = {"solar_zenith": "location", "solar_azimuth": "location"}
+
+
+def candidates(
+    drivers: dict,
+    refused: dict,
+    effects: Any,
+    there: Iterable = (),
+    absent: Sequence = (),
+) -> tuple[list, dict]:
+    """
+    Effects whose drivers are there, and for other effects the reasons they are not.
+
+    ``absent`` are the usual columns that were not measured.
+    """
+    if effects is None:
+        known = {n for e in EFFECTS.values() for n in measured_for(e)}
+        own = [driver(n, column) for n, column in drivers.items() if n not in known]
+        wanted = [*EFFECTS, *own]
+    else:
+        wanted = several(effects)
+    testable, notes = [], {}
+    for choice in wanted:
+        effect = find(choice)
+        if effect.name in there:
+            continue
+        for variant in effect.forms:  # the best variant with all columns
+            if not missing_columns(variant, drivers, absent):
+                testable.append(variant)
+                break
+        else:
+            notes[effect.name] = why_not(effect, drivers, refused, absent)
+    return testable, notes
+
+
+def about_axis(effects: list, axis_azimuth: Any) -> list:
+    """Effects of a plane that turns about an axis with this azimuth; None if fixed."""
+    if axis_azimuth is None:
+        return [*effects]
+    return [
+        effect.made(axis_azimuth=axis_azimuth)
+        if "axis_azimuth" in effect.constants and "axis_azimuth" not in effect.settings
+        else effect
+        for effect in effects
+    ]
+
+
+def turning(effects: list, axis_azimuth: Any) -> tuple[list, dict]:
+    """
+    Effects about an axis, as :func:`about_axis` has them, and of others why not.
+
+    A plane that is fixed, or turns about no single axis, has none that turn.
+    """
+    none = axis_azimuth is None
+    notes = {e.name: because(Reason.NO_AXIS) for e in effects if none and e.turns}
+    left = [effect for effect in effects if effect.name not in notes]
+    return about_axis(left, axis_azimuth), notes
+
+
+def missing_columns(effect: Effect, drivers: dict, absent: Any) -> list:
+    """Columns that an effect needs and a record does not have."""
+    usual = [name for name in behind(effect.drivers) if name in absent]
+    return usual + [n for n in needed_for(effect.drivers) if n not in drivers]
+
+
+def why_not(effect: Effect, drivers: dict, refused: dict, absent: Any) -> Because:
+    """Why an effect cannot be tested."""
+    missing = missing_columns(effect, drivers, absent)
+    why = list(dict.fromkeys(refused[name] for name in missing if name in refused))
+    # one column of several is enough if each form needs one of its own
+    forms = [
+        [n for n in needed_for(f.drivers) if n not in drivers] for f in effect.forms
+    ]
+    if not why and len(forms) > 1 and all(len(form) == 1 for form in forms):
+        return because(Reason.LACKS_ALL, columns=[name for (name,) in forms])
+    if none := sorted({SUN.get(n, n) for n in missing if n not in refused}):
+        why.append(because(Reason.LACKS, columns=none))
+    return together(why)
+
+
+def measured_for(effect: Effect) -> list:
+    """Columns that any variant of an effect needs."""
+    return [n for variant in effect.forms for n in needed_for(variant.drivers)]
+
+
+def driver(name: str, column: pd.Series) -> Effect:
+    """A user's column as an effect: heat proportional to it."""
+    return of_column(name, float(column.mean()), MOST_HEAT / float(column.std()))

@@ -1,0 +1,44 @@
+"""A user's column as an effect: heat proportional to it."""
+
+from functools import partial
+
+import numpy as np
+
+from pvlib_fem.effects._effect import Effect, Parameter, Terms
+
+#: the same sunlight in other planes: no independent cause
+IRRADIANCES = ("ghi", "dni", "dhi", "poa_direct", "poa_diffuse")
+
+
+def follows(values: np.ndarray, *, heat: float, mean: float) -> Terms:
+    """Heat per unit of the column above its mean."""
+    return Terms(heat=heat * (values - mean))
+
+
+def of_column(column: str, mean: float, most: float) -> Effect:
+    """
+    The effect of a column.
+
+    Parameters
+    ----------
+    column : str
+    mean : float
+        Mean of the column in the tested record, in the column's unit.
+    most : float
+        Bound of its heat. [W/m² per unit]
+
+    Returns
+    -------
+    Effect
+        Its name is ``driver:<column>``.
+    """
+    return Effect(
+        f"driver:{column}",
+        partial(follows, mean=mean),
+        {"heat": Parameter(0.0, -most, most, f"W/m² per unit of {column}")},
+        columns=(column,),
+        column=column,
+        confounder=column in IRRADIANCES,
+        decided_by=f"what {column} stands for",
+        settings={"column": column, "mean": mean, "most": most},
+    )

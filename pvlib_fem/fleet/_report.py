@@ -1,0 +1,288 @@
+"""An HTML page on many systems."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._findings import Verdict
+from pvlib_fem._report.document import (
+    document,
+    link,
+    listed,
+    number,
+    paragraph,
+    rounded,
+    section,
+    table,
+)
+from pvlib_fem._report.page_parts import heading
+from pvlib_fem._stored import saved
+from pvlib_fem.fleet._results import Results
+from pvlib_fem.fleet._shared import few, shared
+from pvlib_fem.fleet._store import page_path, put_page
+from pvlib_fem.fleet._system_work import title_of
+from pvlib_fem.fleet._tasks import CLOCK, TASKS
+from pvlib_fem.types import FilePath
+
+SHOWN = 50  # rows of each table of the page
+VERDICTS = {str(verdict) for verdict in Verdict}
+OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
+
+
+def report(
+    out: FilePath,
+    path: FilePath | None = None,
+    by: str = "mounting",
+    title: str = "",
+) -> str:
+    """
+    One page on a folder of results, with links to the systems' own pages.
+
+    The page lists systems with clock or location faults; failures with their reasons,
+    such as wrong units; the systems with the largest energy errors; the findings by
+    effect and by site; and the spread of coefficients.
+
+    Parameters
+    ----------
+    out : path
+        Folder of the results of :func:`pvlib_fem.fleet._run`.
+    path : path, optional
+        File to write; by default none, and links are relative to the folder ``out``.
+    by : str, default "mounting"
+        Label of the table by which coefficients are grouped.
+    title : str, optional
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        If the folder holds no results.
+    """
+    found = Results(Path(out).absolute())
+    systems, findings = found.systems, found.findings
+    folder = found.out if path is None else Path(path).absolute().parent
+    pages = Pages(found, folder)
+    words = headline(systems)
+    parts = [
+        heading(words, title),
+        section("Clock and location faults", clock_faults(findings, pages)),
+        section("What failed", failures(systems)),
+        section("Systems to visit first", to_visit(systems, pages)),
+        section("What was found", by_effect(systems, findings)),
+        section("What systems of a site share", by_site(systems, findings, pages)),
+        section(f"Coefficients by {by}", coefficients(systems, found.coefficients, by)),
+    ]
+    return saved(document(" · ".join(filter(None, [title, words])), parts), path)
+
+
+class Pages:
+    """Links to the pages of systems; missing pages are written."""
+
+    def __init__(self, found, folder):
+        self.found, self.folder = found, folder
+        rows = found.systems.set_index("id")
+        self.sites = rows["site"].where(rows["state"] == "done")
+        self.paged = all(TASKS[name].paged for name in rows["task"].unique())
+
+    def __getitem__(self, identity):
+        if not self.paged:
+            return identity
+        path = page_path(self.found.out, identity)
+        if not path.exists():
+            title = title_of(identity, self.sites[identity])
+            html = self.found.result(identity).to_html(title=title)
+            put_page(self.found.out, identity, html)
+        try:
+            address = Path(os.path.relpath(path, self.folder)).as_posix()
+        except ValueError:  # on another drive
+            address = path.as_uri()
+        return link(identity, address)
+
+
+def headline(systems):
+    """Number of systems by state, and their median error."""
+    done = systems[systems["state"] == "done"]
+    words = f"{len(systems):,} systems, {len(done):,} done"
+    if lost := int((systems["state"] == "failed").sum()):
+        words += f", {lost:,} failed"
+    if left := int((systems["state"] == "not run").sum()):
+        words += f", {left:,} not run"
+    if len(done):
+        before, after = done[["rmse_before", "rmse_after"]].median()
+        words += f"; median error {number(before)} K before, {number(after)} K after"
+    return words
+
+
+def to_visit(systems, pages):
+    """Table of systems, with the largest energy error per year first."""
+    done = systems[systems["state"] == "done"]
+    share = done["energy_error_before"].fillna(done["energy_error_after"])
+    lost = share / 100.0 * done["insolation"]
+    known = bool(len(done)) and bool(done["pdc0"].notna().all())
+    loss = lost * done["pdc0"] / 1000.0 if known else lost
+    rows = done.assign(share=share, lost=loss)
+    rows = rows.sort_values(["lost", "id"], ascending=[False, True])
+    lines = [
+        (
+            pages[row.id],
+            row.site,
+            f"{row.lost:,.0f}" if known else f"{row.lost:.1f}",
+            number(row.share),
+            number(row.energy_error_after),
+            number(row.rmse_before),
+            number(row.rmse_after),
+            row.effects,
+        )
+        for row in rows.head(SHOWN).itertuples()
+    ]
+    unit = "kWh a year" if known else "kWh/kWp a year"
+    head = ("system", "site", f"#energy error [{unit}]", "#before [% of yield]")
+    head += ("#after [% of yield]",)
+    return shortened(
+        (*head, "#RMSE before [K]", "#RMSE after [K]", "found"),
+        lines,
+        len(rows),
+        "Absolute energy error that temperature errors of the model without effects "
+        "cause, on held-out days, at the insolation of the record; after is the error "
+        "of the model with all findings.",
+    )
+
+
+def clock_faults(findings, pages):
+    """Table of systems with wrong timestamps or a wrong location."""
+    if findings.empty or not (found := findings[findings["kind"] == CLOCK]).size:
+        return paragraph("None was found.")
+    found = found.sort_values(["added", "id"])  # uncorrected faults first
+    rows = [
+        (pages[row.id], row.site, row.verdict, row.why)
+        for row in found.head(SHOWN).itertuples()
+    ]
+    head = ("system", "site", "state", "fault and remedy")
+    words = (
+        "A fault that is not corrected can falsify all other findings of its system."
+    )
+    return shortened(head, rows, len(found), words, wraps=True)
+
+
+def by_effect(systems, findings):
+    """Table of the findings by effect: number of systems, sites and gains."""
+    if findings.empty:
+        return paragraph("No effect was tested, or none was found.")
+    done = max(int((systems["state"] == "done").sum()), 1)
+    groups = findings.groupby(["effect", "verdict"], sort=True)
+    rows = []
+    for (effect, verdict), some in groups:
+        count, gain = some["id"].nunique(), some["gain"]
+        sites = [site for site in some["site"].unique() if site]
+        rows.append(
+            (
+                -count,
+                (
+                    effect,
+                    Verdict(verdict).words if verdict in VERDICTS else verdict,
+                    f"{count:,}",
+                    f"{100.0 * count / done:.0f}",
+                    f"{len(sites):,}",
+                    number(gain.median()),
+                    number(gain.max()),
+                    few(sites),
+                ),
+            )
+        )
+    rows.sort(key=lambda row: row[0])
+    head = ("effect", "verdict", "#systems", "#share [%]", "#sites")
+    head += ("#median gain [K]", "#largest gain [K]")
+    return shortened((*head, "where"), [row for _, row in rows], len(rows))
+
+
+def by_site(systems, findings, pages):
+    """Table of causes that systems of a site share, or that one has alone."""
+    groups = shared(systems, findings) if len(findings) else []
+    if not groups:
+        return paragraph(
+            "No site has several systems with findings. Systems with the same value in "
+            "the column site of the table of systems share a weather station."
+        )
+    lines = [
+        (
+            group.site,
+            few(group.candidates, " or ", " or "),
+            group.words,
+            dates(group),
+            number(float(np.median([*group.systems.values()]))),
+            pages[min(group.systems, key=lambda one: (-group.systems[one], one))],
+        )
+        for group in groups[:SHOWN]
+    ]
+    head = ("site", "cause", "in how many", "when", "#median gain [K]", "clearest in")
+    return shortened(
+        head,
+        lines,
+        len(groups),
+        "For systems that share a weather station: a cause that all have at one time "
+        "is in the station, or acts on all of them; a cause of one system alone is at "
+        "its module.",
+        wraps=True,
+    )
+
+
+def dates(group):
+    if group.first is None:
+        return ""
+    same = group.first == group.last
+    return group.first if same else f"{group.first} to {group.last}"
+
+
+def coefficients(systems, found, by):
+    """Table of the spread of each coefficient, by a label."""
+    labels = systems.set_index("id")
+    which = labels[by] if by in labels else pd.Series("", labels.index)
+    own = found[found["coefficient"].isin(OWN)]
+    own = own.assign(by=own["id"].map(which))
+    lines = []
+    for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
+        low, middle, high = some["value"].quantile([0.1, 0.5, 0.9])
+        error = some["stderr"].median()
+        cells = (*map(digits, (low, middle, high)), rounded(error))
+        count = f"{len(some):,}"
+        lines.append((label or "not given", name, some["unit"].iloc[0], count, *cells))
+    if not lines:
+        return paragraph("No coefficients: no system was done.")
+    head = (by, "coefficient", "unit", "#systems", "#10 %", "#median", "#90 %")
+    words = "" if by in labels else f" The table of systems has no column {by}."
+    return shortened(
+        (*head, "#median ±"),
+        lines,
+        len(lines),
+        "Quantiles over the systems; the last column is the median standard error of "
+        "one coefficient." + words,
+    )
+
+
+def digits(value):
+    """Four digits, without an exponent."""
+    return f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
+
+
+def failures(systems):
+    """List of messages, with the systems that have them."""
+    failed = systems[systems["state"] == "failed"]
+    if failed.empty:
+        return paragraph("Nothing.")
+    groups = failed.groupby("message", sort=False)["id"].apply(list)
+    groups = sorted(groups.items(), key=lambda pair: (-len(pair[1]), pair[0]))
+    shown = [(few(names), message) for message, names in groups[:SHOWN]]
+    more = len(groups) - len(shown)
+    rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
+    return [listed(shown), *[rest] * (more > 0)]
+
+
+def shortened(head, rows, total, caption="", wraps=False):
+    """A table of the first rows; its caption has their total number."""
+    rest = f" The first {SHOWN} of {total:,}; all are in Parquet." * (total > SHOWN)
+    return table(head, rows[:SHOWN], (caption + rest).strip(), wraps)

@@ -1,0 +1,186 @@
+"""Results on disk: a file for each system, and tables made from them."""
+
+import hashlib
+import json
+import re
+from pathlib import Path
+
+from pvlib_fem._stored import plain, replacing, saved, stamped
+from pvlib_fem.fleet._systems_table import labels_of, systems_of
+from pvlib_fem.fleet._tasks import COEFFICIENT, FINDING, ROW
+
+NONE = stamped("pvlib_fem fleet, failed", {})  # a file without a result
+GROUP = 1000  # systems of a row group of a table
+TABLES = ("systems", "coefficients", "findings")
+
+
+def name_of(identity):
+    """A unique name for a system's files that is valid on any disk."""
+    code = hashlib.sha256(identity.encode("utf-8", "surrogatepass")).hexdigest()
+    plain = re.sub(r"[^A-Za-z0-9_-]+", "-", identity)[:60]
+    return f"{code[:2]}/{plain}-{code[:12]}"  # 256 folders
+
+
+def result_path(out, identity):
+    return Path(out, "results", f"{name_of(identity)}.json")
+
+
+def page_path(out, identity):
+    return Path(out, "pages", f"{name_of(identity)}.html")
+
+
+def keep(out, identity, head, result=None):
+    """
+    Write a system's result; a failed write leaves no file.
+
+    Parameters
+    ----------
+    out : path-like
+    identity : str
+    head : dict
+        ``key``, ``state``, ``message``, ``row``, ``coefficients``, ``findings``.
+    result : dict, optional
+        Content that ``to_json`` writes, so that ``from_json`` reads the file.
+    """
+    path = result_path(out, identity)
+    content = {**plain({"fleet": {"id": identity, **head}}), **(result or NONE)}
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        saved(text(content) + "\n", path)
+    except OSError as error:
+        raise OSError(
+            f"the result of system {identity} cannot be written to {out} "
+            f"({error.strerror or error}); earlier results are kept: make room, and "
+            "run the same again to go on"
+        ) from error
+
+
+def kept(out, identity):
+    """Content of a system's file, or None without a file that `keep` wrote."""
+    try:
+        path = result_path(out, identity)
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):
+        return None
+    head = content.get("fleet") if isinstance(content, dict) else None
+    whole = isinstance(head, dict) and {"key", "state", "message"} <= {*head}
+    return content if whole else None
+
+
+def put_page(out, identity, html):
+    """Write a system's page; None removes the page of an older result."""
+    path = page_path(out, identity)
+    if html is None:
+        path.unlink(missing_ok=True)
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    saved(html, path)
+
+
+def compact(out, table, task):
+    """
+    Make the tables of all results; a failed write leaves the old tables.
+
+    Parameters
+    ----------
+    out : path-like
+    table : DataFrame
+        An opened table of systems: its rows are the rows of the result, in order.
+    task : str
+
+    Returns
+    -------
+    dict of int
+        Systems by state.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    schemas = schemas_of(table)
+    counts = dict.fromkeys(("done", "failed", "not run"), 0)
+    rows = {name: [] for name in TABLES}
+    paths = [replacing(Path(out, f"{name}.parquet")) for name in TABLES]
+    with paths[0] as a, paths[1] as b, paths[2] as c:
+        files = dict(zip(TABLES, (a, b, c)))
+        writers = {
+            name: pq.ParquetWriter(files[name], schemas[name], compression="zstd")
+            for name in TABLES
+        }
+
+        def flush():
+            for name, writer in writers.items():
+                typed = [finite(row, schemas[name]) for row in rows[name]]
+                batch = pa.Table.from_pylist(typed, schema=schemas[name])
+                writer.write_table(batch)
+                rows[name].clear()
+
+        try:
+            for i, system in enumerate(systems_of(table), 1):
+                state = taken(rows, system, kept(out, system.id), task)
+                counts[state] += 1
+                if i % GROUP == 0:
+                    flush()
+            flush()
+        finally:
+            for writer in writers.values():
+                writer.close()
+    return counts
+
+
+def schemas_of(table):
+    """Names and types of the tables' columns."""
+    import pyarrow as pa
+
+    kinds = {str: pa.string(), float: pa.float64(), int: pa.int64(), bool: pa.bool_()}
+    head = {"id": str, **dict.fromkeys(labels_of(table), str)}
+    place = ("latitude", "longitude", "surface_tilt", "surface_azimuth", "pdc0")
+    state = {"file": str, "task": str, "state": str, "message": str}
+    columns = {
+        "systems": {**head, **dict.fromkeys(place, float), **state, **ROW},
+        "coefficients": {"id": str, **COEFFICIENT},
+        "findings": {"id": str, "site": str, **FINDING},
+    }
+    return {
+        name: pa.schema(
+            [(column, kinds[kind]) for column, kind in found.items()]
+            + [("json", pa.string())] * (name != "coefficients")
+        )
+        for name, found in columns.items()
+    }
+
+
+def taken(rows, system, content, task):
+    """Append the content of a system's file to the tables; return its state."""
+    head = content["fleet"] if content else {"state": "not run", "message": ""}
+    if head.get("task", task) != task:  # from another run into the same folder
+        content, head = None, {"state": "not run", "message": ""}
+    files = " | ".join(system.files)
+    row = {"id": system.id, **system.labels, **system.place, "pdc0": system.pdc0}
+    row |= {"file": files, "task": task, **head.get("row", {})}
+    row |= {name: head[name] for name in ("state", "message")}
+    if content and head["state"] == "done":
+        result = {name: part for name, part in content.items() if name != "fleet"}
+        row["json"] = text(result)
+    rows["systems"].append(row)
+    for one in head.get("coefficients", ()):
+        rows["coefficients"].append({"id": system.id, **one})
+    for one in head.get("findings", ()):
+        json_ = text(one["content"]) if "content" in one else None
+        head_ = {"id": system.id, "site": system.labels["site"], "json": json_}
+        rows["findings"].append({**one, **head_})
+    return head["state"]
+
+
+def finite(row, schema):
+    """A row with infinities as numbers instead of texts."""
+    kinds = {name: str(schema.field(name).type) for name in schema.names}
+    return {
+        name: float(row[name])
+        if kind == "double" and row.get(name) == "inf"
+        else row.get(name)
+        for name, kind in kinds.items()
+    }
+
+
+def text(content):
+    return json.dumps(content, ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,187 @@
+"""The work on one system, from its files to its result."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pvlib_fem._loop.threads import one_blas_thread
+from pvlib_fem._record.layout import Layout
+from pvlib_fem._record.logger_files import frame
+from pvlib_fem._report.loop_page import said_of
+from pvlib_fem._stored import plain, stamped
+from pvlib_fem.drivers._record_site import in_local_days, site_of
+from pvlib_fem.fleet._store import keep, kept, page_path, put_page
+from pvlib_fem.fleet._systems_table import PLACE, System
+from pvlib_fem.fleet._tasks import TASKS
+
+#: attributes of a file by which a change is detected, if its file system has them
+MARKS = ("size", "mtime", "ETag", "etag", "LastModified", "last_modified", "updated")
+
+
+@dataclass(frozen=True)
+class Work:
+    """Function that a worker calls with each system of a run."""
+
+    out: str
+    task: str
+    resume: bool = True
+    pages: bool = False
+    options: dict = field(default_factory=dict)
+
+    def __call__(self, system: System) -> dict:
+        """
+        Process one system, unless its result is there, and write the result.
+
+        Returns
+        -------
+        dict
+            ``id``, ``state`` (``"done"`` or ``"failed"``), ``message`` and whether
+            it was ``kept`` from an earlier run.
+
+        Raises
+        ------
+        OSError
+            If the result cannot be written. Other errors are stored in the result.
+        """
+        head: dict[str, Any] = {"key": "", "task": self.task}
+        content = page = None
+        with TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            try:
+                groups = [listed(file) for file in system.files]
+                head["key"] = self.key(system, groups)
+                if self.resume and (before := self.before(system, head["key"])):
+                    return answer(system, before, True)
+                head |= {"state": "done", "message": ""}
+                with one_blas_thread():
+                    result = self.result(system, groups, folder)
+                task = TASKS[self.task]
+                head["row"] = plain(task.row(result))
+                head["coefficients"] = task.coefficients(result)
+                head["findings"] = task.findings(result)
+                content = stamped(task.format, result.content())
+                if self.pages:
+                    page = result.to_html(
+                        title=title_of(system.id, system.labels["site"])
+                    )
+            except Exception as error:  # an error of one system stops no other
+                head, content = failure(head, error), None
+        put_page(self.out, system.id, page)
+        keep(self.out, system.id, head, content)
+        return answer(system, head)
+
+    def ended(self, system: System, error: Exception) -> dict:
+        """The answer of a system that ended every worker that took it."""
+        words = (
+            "it ended each worker that took it, probably because its data need more "
+            f"memory than a worker has: {' '.join(str(error).split())}"
+        )
+        head = {"key": "", "task": self.task, "state": "failed", "message": words}
+        keep(self.out, system.id, head)
+        return answer(system, head)
+
+    def before(self, system, key):
+        """The stored result with this key, if its page is there, too."""
+        content = kept(self.out, system.id)
+        if content is None or content["fleet"]["key"] != key:
+            return None
+        head = content["fleet"]
+        paged = not self.pages or page_path(self.out, system.id).exists()
+        return head if paged or head["state"] == "failed" else None
+
+    def key(self, system, groups):
+        """Hash of the files, row, task, options and version."""
+        from pvlib_fem import __version__
+
+        options = {name: said_of(value) for name, value in self.options.items()}
+        marks = [
+            {"name": path, **{n: str(info[n]) for n in MARKS if n in info}}
+            for disk, paths in groups
+            for path in paths
+            for info in [disk.info(path)]
+        ]
+        whole = [asdict(system), marks, self.task, options, __version__]
+        words = json.dumps(plain(whole), sort_keys=True, default=str)
+        return hashlib.sha256(words.encode("utf-8", "surrogatepass")).hexdigest()
+
+    def result(self, system, groups, folder):
+        """The result of the task."""
+        data = loaded(system, groups, folder)
+        place = [system.place.get(name) for name in PLACE]
+        data = in_local_days(data, place[1], system.layout.get("tz"))
+        site = site_of(data.index, *place, **system.tracker)
+        checked = system.reading.get("check_units", True)
+        options = {"check_units": checked, **self.options}
+        if system.steady_model:
+            options["model"] = system.steady_model
+        return TASKS[self.task].run(data, **site, **options)
+
+
+def title_of(identity, site):
+    """The title of a system's page."""
+    return ", ".join(filter(None, [site, identity]))
+
+
+def failure(head, error):
+    """The stored result of a failed system; without a key if it is tried again."""
+    words = " ".join(str(error).split())
+    if isinstance(error, FileNotFoundError):
+        words = f"there is no file {error.filename or words}"
+    sure = isinstance(error, ValueError)  # other errors may not occur again
+    if not sure and not isinstance(error, OSError):
+        words = f"{type(error).__name__}: {words}"
+    key = head["key"] if sure else ""
+    return {"key": key, "task": head["task"], "state": "failed", "message": words}
+
+
+def answer(system, head, kept=False):
+    """The answer of a worker."""
+    state = {name: head[name] for name in ("state", "message")}
+    return {"id": system.id, **state, "kept": kept}
+
+
+def listed(file):
+    """The file system of a path, pattern or URL, and the paths that match."""
+    from fsspec.core import url_to_fs
+
+    disk, path = url_to_fs(file)
+    if not any(sign in path for sign in "*?[") or disk.exists(path):
+        return disk, [path]
+    if not (found := sorted(disk.glob(path))):
+        raise FileNotFoundError(f"there is no file {file}")
+    return disk, found
+
+
+def loaded(system, groups, folder):
+    """The frame of a system; remote files are copied to this machine."""
+    local = []
+    for i, (disk, paths) in enumerate(groups):
+        folders = [Path(folder, f"{i}-{j}") for j in range(len(paths))]
+        local.append([here(disk, *both) for both in zip(paths, folders)])
+    layout = Layout(**system.layout)
+    reading = dict(system.reading)
+    data = frame(
+        [one if len(one) > 1 else one[0] for one in local],
+        [layout] * len(local),
+        system.columns,
+        reading.pop("convert_units", False),
+        system.units,
+        reading.pop("check_units", True),
+        reading.pop("module_area", None),
+    )
+    data.attrs = {}
+    return data
+
+
+def here(disk, path, folder):
+    """Path of a file on this machine; a remote file is copied to ``folder``."""
+    from fsspec.implementations.local import LocalFileSystem
+
+    if isinstance(disk, LocalFileSystem):
+        return Path(path)
+    folder.mkdir(exist_ok=True)
+    place = folder / path.rstrip("/").rpartition("/")[2]
+    disk.get_file(path, str(place))
+    return place

@@ -1,0 +1,45 @@
+"""Picture of the error that could still be explained."""
+
+from typing import Any
+
+from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, ink, new_axes, without_frame
+
+
+def plot_ceiling(ceiling: Any, ax: Any = None) -> Any:
+    """
+    One bar: the mean square of the paper's form, divided by what explains it.
+
+    The parts are explained by the loop, by trees on the same columns alone (hatched),
+    and by neither.
+
+    Parameters
+    ----------
+    ceiling : Ceiling
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = new_axes(ax, height=2.4)
+    paper, loop, trees = (e**2 for e in (ceiling.paper, ceiling.loop, ceiling.trees))
+    left = min(loop, trees)  # what neither explains
+    parts = (
+        ("explained by the loop", max(paper - loop, 0.0), dict(color=AFTER)),
+        ("explained by trees alone", loop - left, dict(color=BEFORE, hatch="//")),
+        ("explained by neither", left, dict(color=OTHER)),
+    )
+    at = 0.0
+    for name, size, look in parts:
+        edge = {"edgecolor": ink()} if "hatch" in look else {}
+        words = f"{name}: {size:.2f} K²"
+        ax.barh(0.0, size, 0.6, left=at, label=words, **look, **edge)
+        at += size
+    ax.set_yticks([])
+    ax.set_xlim(0.0, at)
+    ax.set_ylim(-0.4, 0.4)
+    ax.set_xlabel("mean square of the test weeks [K²]")
+    without_frame(ax, "top", "right", "left")
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
+    return ax

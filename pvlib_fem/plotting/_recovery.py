@@ -1,0 +1,39 @@
+"""Picture of the recovery of injected effects."""
+
+from typing import Any
+
+from pvlib_fem.plotting._style import COLOURS, MARKERS, OTHER, STYLES, new_axes
+
+
+def plot_recovery(recovery: Any, ax: Any = None) -> Any:
+    """
+    Share of injections found over multiples of the predicted size, by effect.
+
+    Parameters
+    ----------
+    recovery : Recovery
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure without it.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = new_axes(ax)
+    summary = recovery.summary.reset_index().dropna(subset="multiple")
+    for i, (name, part) in enumerate(summary.groupby("effect", sort=False)):
+        part = part.sort_values("multiple")
+        look = dict(color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)])
+        look["linestyle"] = STYLES[i // len(COLOURS) % len(STYLES)]
+        ax.plot(part["multiple"], part["found"], label=name, **look)
+    ax.axvline(1.0, color=OTHER, linewidth=0.8, zorder=0)
+    ax.axhline(0.5, color=OTHER, linewidth=0.8, zorder=0)
+    ax.set_xscale("log")
+    ticks = sorted(summary["multiple"].unique())
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.minorticks_off()
+    ax.set(xlabel="size / predicted size [-]", ylabel="share found [-]")
+    ax.set_ylim(-0.03, 1.03)
+    if len(summary):
+        ax.legend(fontsize="small")
+    return ax

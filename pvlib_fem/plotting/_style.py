@@ -1,0 +1,96 @@
+"""Common parts of all pictures: colours, axes, and names with units."""
+
+import numpy as np
+
+from pvlib_fem._record.column_names import UNITS
+
+# colours of Okabe and Ito, which colour-blind readers can distinguish
+BEFORE, AFTER, OTHER = "#d55e00", "#0072b2", "#8c8c8c"
+COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", OTHER)
+STYLES = ("-", "--", ":", "-.")
+MARKERS = "os^Dv"
+FAINT = 0.14  # opacity of the background: light on white, dark on black
+MOST_TICKS = 6  # dates on an axis; more would overlap
+LONGEST = 24  # characters of a name in a picture
+
+
+def new_axes(ax, projection=None, height=4.0):
+    """The given axes, or axes of a new figure with that height. [inch]"""
+    if ax is not None:
+        return ax
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise ImportError(
+            "pictures need matplotlib: pip install 'pvlib_fem[plot]'"
+        ) from error
+
+    size = (8, height) if projection is None else (6, 5)
+    kind = {"projection": projection}
+    return plt.subplots(figsize=size, layout="constrained", subplot_kw=kind)[1]
+
+
+def panels(ax, heights, gap=0.06):
+    """Divide the given axes into panels, one below the other, with one x axis."""
+    count, share = len(heights), np.array(heights) / sum(heights)
+    if place := ax.get_subplotspec():
+        rows = place.subgridspec(count, 1, height_ratios=heights, hspace=gap)
+        ax.set_subplotspec(rows[0])
+        below = [ax.figure.add_subplot(row, sharex=ax) for row in list(rows)[1:]]
+        return [ax, *below]
+    x, y, width, height = ax.get_position().bounds
+    bottom = y + height * (1.0 - np.cumsum(share))
+    ax.set_position([x, bottom[0], width, share[0] * height])
+    return [
+        ax,
+        *(
+            ax.figure.add_axes([x, low, width, 0.9 * part * height], sharex=ax)
+            for low, part in zip(bottom[1:], share[1:])
+        ),
+    ]
+
+
+def check_format(path):
+    """Refuse a picture file whose suffix matplotlib does not support."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    known = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix[1:].lower() not in known:
+        raise ValueError(
+            f"{path.name} ends with no format of a picture; name it such as "
+            f"{path.stem}.png, or with another of {', '.join(sorted(known))}"
+        )
+
+
+def ink():
+    """The text colour of the present style."""
+    from matplotlib import rcParams
+
+    return rcParams["text.color"]
+
+
+def without_frame(ax, *sides):
+    for side in sides:
+        ax.spines[side].set_visible(False)
+
+
+def dated_axis(ax):
+    """Few ticks of dates, each with what the one before it does not say."""
+    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+
+    places = AutoDateLocator(minticks=3, maxticks=MOST_TICKS)
+    ax.xaxis.set_major_locator(places)
+    ax.xaxis.set_major_formatter(ConciseDateFormatter(places))
+
+
+def label(name):
+    """A name, shortened and escaped for matplotlib."""
+    name = " ".join(str(name).split())
+    name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+    return name.replace("$", r"\$")
+
+
+def label_with_unit(name):
+    """A shortened name with its unit, if it is one of pvlib's names."""
+    unit = f" [{UNITS[name]}]" if name in UNITS else ""
+    return f"{label(name)}{unit}"

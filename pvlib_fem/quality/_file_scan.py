@@ -1,0 +1,277 @@
+"""What one pass over a record in files shows of its times and columns."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pvlib_fem._record.checks import datetime_steps
+from pvlib_fem._record.clean import NONE, CleanRecord, covered
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._record.parquet import Block, ParquetRecord
+from pvlib_fem._record.ranges import NO_CODE, as_codes, possible
+from pvlib_fem.quality._limits import FASTEST, POSSIBLE, Limits
+from pvlib_fem.quality._outliers import few, jumps
+from pvlib_fem.quality._stray_times import refuse_gap
+from pvlib_fem.quality._stuck import DRIVERS, STILL, Standing, whole_run
+
+SOME = 1 << 20  # rows from which the usual values of a column are taken
+
+
+@dataclass(eq=False)
+class Column:
+    """One column of a record so far."""
+
+    name: str
+    limits: Limits
+    unit: float  # of the times [s]
+    missing: int = 0
+    known: int = 0  # values that stand for one
+    low: float = np.inf  # of those that can be
+    high: float = -np.inf
+    least: float = np.inf  # of those that stand for one, possible or not
+    size: float = 0.0  # largest of those that stand for one, without its sign
+    odd: dict = field(default_factory=dict)  # kind to parts of row, time and value
+    tail: tuple = ()  # the last values that are there, with their rows and times
+    standing: Standing | None = None
+
+    def __post_init__(self) -> None:
+        if self.name in (*STILL, *DRIVERS):
+            self.standing = Standing(self.name, self.limits, self.unit)
+
+    def add(self, values: np.ndarray, start: int, times: np.ndarray) -> np.ndarray:
+        """Look at the next rows; what stands for a value of them comes back."""
+        low, high = np.fmin.reduce(values), np.fmax.reduce(values)
+        self.missing += (lacking := int(np.isnan(values).sum()))
+        bounds = possible(self.name)
+        least, most = bounds[:2] if bounds else NO_CODE
+        held = possible_ones = values
+        if low < least or high > most:
+            rows = np.flatnonzero((values < least) | (values > most))
+            code = as_codes(values[rows])[0]
+            self.note("fill value", rows[code], values, start, times)
+            if bounds:
+                held = without(values, rows[code])
+                lacking += int(code.sum())
+                self.note("out of range", rows[~code], values, start, times)
+                possible_ones = without(values, rows)
+            low, high = np.fmin.reduce(possible_ones), np.fmax.reduce(possible_ones)
+        self.known += len(values) - lacking
+        self.low, self.high = np.fmin(self.low, low), np.fmax(self.high, high)
+        least = np.fmin.reduce(held)
+        self.least = np.fmin(self.least, least)
+        largest = max(np.fmax.reduce(held), -least)
+        self.size = np.fmax(self.size, largest)
+        if self.name in FASTEST:
+            self.spikes(possible_ones, start, times)
+        if self.standing is not None:
+            clip = self.name == "poa_global" and low < 0
+            still = np.maximum(possible_ones, 0.0) if clip else possible_ones
+            self.standing.add(still, start, times)
+        return held
+
+    def note(
+        self,
+        kind: str,
+        rows: np.ndarray,
+        values: np.ndarray,
+        start: int,
+        times: np.ndarray,
+    ) -> None:
+        if len(rows):
+            part = rows + start, times[rows], values[rows]
+            self.odd.setdefault(kind, []).append(part)
+
+    def of(self, kind: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows, times and values of one kind of fault."""
+        parts = self.odd.get(kind, [])
+        if not parts:
+            return np.empty(0, int), np.empty(0, int), np.empty(0)
+        rows, times, values = map(np.concatenate, zip(*parts))
+        rows, first = np.unique(rows.astype(int), return_index=True)
+        return rows, times[first], values[first]
+
+    def spikes(self, values: np.ndarray, start: int, times: np.ndarray) -> None:
+        """Values that jump and return, some perhaps in the blocks before."""
+        rows = np.arange(start, start + len(values))
+        new = values, rows, times
+        if np.isnan(values.sum()):
+            there = np.flatnonzero(np.isfinite(values))
+            new = values[there], rows[there], times[there]
+        if not len(new[0]):
+            return
+        least, size = self.limits.spike, self.limits.few_rows + 1
+        before = [part[-1:] for part in self.tail] or [new[0][:1]]
+        steep = np.abs(np.diff(new[0], prepend=before[0])).max() > least
+        both = new
+        if self.tail and (steep or len(new[0]) < size):
+            both = [np.concatenate(parts) for parts in zip(self.tail, new)]
+        if steep:
+            x, rows, count = both
+            seconds = (count - count[0]) * self.unit
+            found = jumps(self.name, x, seconds, self.limits)
+            if found.any():
+                part = rows[found], count[found], x[found]
+                self.odd.setdefault("spike", []).append(part)
+        self.tail = tuple(part[-self.limits.few_rows - 1 :] for part in both)
+
+    @property
+    def never_moves(self) -> bool:
+        """Whether it has one value only, whatever is missing."""
+        if self.name == "poa_global":
+            return max(self.low, 0.0) == max(self.high, 0.0)
+        return self.low == self.high
+
+    def beyond(
+        self, clean: CleanRecord, sample: np.ndarray, factor: float, fewest: int
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """
+        Rows of one or two values that are ``factor`` times as large as all else.
+
+        As :func:`pvlib_fem.quality._outliers.beyond`, by a pass where it may be.
+        """
+        none = np.empty(0, int), np.empty(0, int), np.empty(0)
+        limits, sizes = self.limits, np.abs(sample[np.isfinite(sample)])
+        near = sizes * factor >= self.size
+        # what the sample has of them twice too often is no share that is in doubt
+        if not self.size or near.mean() > 2.0 * limits.few_share:
+            return none
+        if few(sizes[~near], limits):
+            return none
+        parts, rest = [], 0.0
+        for block in clean.blocks((self.name,)):
+            size = np.abs(block[self.name])
+            rows = np.flatnonzero(size * factor >= self.size)
+            parts.append(
+                (rows + block.start, block.times[rows], block[self.name][rows])
+            )
+            size[rows] = np.nan
+            rest = np.fmax(rest, np.fmax.reduce(size))
+        rows, times, values = map(np.concatenate, zip(*parts))
+        if len(rows) > limits.few_share * self.known:
+            return none
+        found, counts = np.unique(values, return_counts=True)
+        far = (np.abs(values) >= factor * rest).all()
+        if not far or len(found) > 2 or (counts < fewest).any():
+            return none
+        return rows, times, values
+
+
+def without(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    values = np.array(values)
+    values[rows] = np.nan
+    return values
+
+
+@dataclass(eq=False)
+class Look:
+    """A record so far: its times, its columns, and some of its rows."""
+
+    columns: dict
+    every: int  # of the rows one is in the sample
+    unit: float
+    rows: int = 0
+    ends: tuple = ()  # first and last time
+    steps: Counter = field(default_factory=Counter)
+    gaps: list = field(default_factory=list)  # row, time before and after
+    sample: list = field(default_factory=list)
+    taken: tuple | None = None  # the record of which they are one, and they
+    days: set = field(default_factory=set)
+
+    @classmethod
+    def of(cls, clean: CleanRecord, limits: Limits) -> Any:
+        """What a pass over a record shows."""
+        look = None
+        for block in clean.blocks():
+            if look is None:
+                unit = block.inputs.unit
+                columns = {n: Column(n, limits, unit) for n in clean.names}
+                look = cls(columns, max(1, -(-len(clean) // SOME)), unit)
+            look.add(block, limits)
+        return look
+
+    def add(self, block: Block, limits: Limits) -> None:
+        times, steps = block.times, block.inputs.steps
+        self.ends = (*self.ends[:1], times[-1]) if self.ends else (times[0], times[-1])
+        long = np.flatnonzero(steps * self.unit > limits.stray_gap)
+        self.gaps += [(block.start + i, times[i] - steps[i], times[i]) for i in long]
+        first = int(block.start == 0)
+        count_steps(self.steps, steps[first:])
+        self.days.update(np.unique(block.dates).tolist())
+        some = slice(-block.start % self.every, None, self.every)
+        kept = {}
+        for name, column in self.columns.items():
+            kept[name] = column.add(block[name], block.start, times)[some].copy()
+        self.sample.append((times[some], kept))
+        self.rows += len(block)
+
+    @property
+    def step(self) -> Any:
+        """Median step. [s]"""
+        return round(median(self.steps) * self.unit, 9)  # in µs 240 s are 3e-14 more
+
+    def refuse_gaps(self, limits: Limits, source: ParquetRecord) -> None:
+        """Refuse rows that are years from all others."""
+        for row, *ends in self.gaps:
+            start, before, after = map(source.at, (self.ends[0], *ends))
+            refuse_gap(row, self.rows, start, before, after, limits)
+
+    def sampled(self, clean: CleanRecord) -> Inputs:
+        """Every so many rows of a record, as they are screened so far."""
+        if self.taken is None:
+            times, kept = zip(*self.sample)
+            index = clean.source.index(np.concatenate(times))
+            columns = {n: np.concatenate([part[n] for part in kept]) for n in kept[0]}
+            how = *datetime_steps(index, "the time"), index, True
+            self.sample, self.taken = [], (None, Inputs(columns, *how))
+        before, inputs = self.taken
+        if before is not clean:
+            rows, columns = np.arange(len(inputs.index)) * self.every, {}
+            for name in self.columns:
+                holes = clean.of(name)
+                if holes is not (NONE if before is None else before.of(name)):
+                    lost = covered(holes, rows)
+                    columns[name] = np.where(lost, np.nan, inputs[name])
+            if clean.clip and (inputs["poa_global"] < 0).any():
+                poa = columns.get("poa_global", inputs["poa_global"])
+                columns["poa_global"] = np.maximum(poa, 0.0)
+            self.taken = clean, inputs.having(columns) if columns else inputs
+        return self.taken[1]
+
+    def forget(self) -> None:
+        """Let go of those rows, which what follows would keep."""
+        self.sample, self.taken = [], None
+
+    def standing(self, rests: dict) -> dict:
+        """Long repetitions of each column, by where its sensor rests."""
+        found = {}
+        for name, column in self.columns.items():
+            if column.standing is None:
+                continue
+            if not column.never_moves:
+                found[name] = column.standing.runs(rests[name])
+            elif name in POSSIBLE:  # another may be a number that stands for all
+                found[name] = whole_run(*[column.low, self.rows, *self.ends, self.unit])
+        return found
+
+
+def count_steps(counts: dict, steps: np.ndarray) -> None:
+    """Add how often each of some steps is there."""
+    if not len(steps):
+        return
+    if steps.min() == steps.max():
+        counts[int(steps[0])] += len(steps)
+        return
+    for step, number in zip(*np.unique(steps, return_counts=True)):
+        counts[int(step)] += int(number)
+
+
+def median(counts: dict) -> float:
+    """Median of values by how often they are there; NaN without any."""
+    if not counts:
+        return np.nan
+    values = np.array(sorted(counts))
+    number = np.cumsum([counts[value] for value in values.tolist()])
+    middle = np.searchsorted(number, [(number[-1] - 1) // 2, number[-1] // 2], "right")
+    return float(values[middle].mean())

@@ -1,0 +1,130 @@
+"""Where the middle of each day's light jumps, and by how much."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._onset import HOUR
+
+
+def jumps_of(
+    day: np.ndarray, middle: np.ndarray, limits: Limits, apart: bool = False
+) -> list:
+    """
+    Days at which the middle of the light moves for good, or for some days.
+
+    A list of dicts: ``day``, ``by`` [s] and ``within``, the days it may be on. Moves
+    near to whole hours are those; others need as long again on both sides. Where days
+    are ``apart``, by whole seasons, only whole hours are reported, and only of a middle
+    that deviates from the sun's: over shorter gaps neither a season nor shade moves it.
+    """
+    fewest = max(limits.noon_side // 2, 1)
+    tried = np.arange(fewest, len(day) - fewest + 1)
+    tried = tried[np.abs(moves(middle, limits.noon_side))[tried] >= limits.sun_slack]
+    found = filter(None, (jump_at(i, day, middle, limits, apart) for i in tried))
+    # neighbours see the same jump; it is where both sides are the most even
+    groups = []
+    for jump in found:
+        if groups and together(groups[-1][-1], jump, limits):
+            groups[-1].append(jump)
+        else:
+            groups.append([jump])
+    jumps = [evenest(group, limits) for group in groups]
+    ends = [0, *(jump["at"] for jump in jumps), len(day)]
+    sized = [
+        jump | {"by": size(day, middle, ends[i], jump["at"], ends[i + 2], limits)}
+        for i, jump in enumerate(jumps)
+    ]
+    return [widened(jump, day, middle, limits) for jump in sized if jump["by"]]
+
+
+def moves(middle: np.ndarray, side: int) -> np.ndarray:
+    """From the median of the days before each to that of the days after. [s]"""
+    days = pd.Series(np.append(middle, np.nan))
+    before = days.shift().rolling(side, min_periods=1).median()
+    after = days[::-1].rolling(side, min_periods=1).median()[::-1]
+    return (after - before).to_numpy()
+
+
+def together(one: dict, other: dict, limits: Limits) -> bool:
+    """Whether two days see one jump; there and back within days are two."""
+    near = other["day"] - one["day"] <= limits.noon_side
+    near |= other["at"] - one["at"] == 1  # the days on either side of a gap
+    return near and np.sign(one["by"]) == np.sign(other["by"])
+
+
+def jump_at(
+    i: int, day: np.ndarray, middle: np.ndarray, limits: Limits, apart: bool
+) -> dict | None:
+    """A jump before the i-th day, or None."""
+    first, last = max(i - limits.noon_side, 0), i + limits.noon_side
+    around = day[first:last]
+    by, error, rough = change(middle[first:i], middle[i:last])
+    far = around[-1] - around[0] > 4 * limits.noon_side
+    if far and not (apart and whole_hours(by, limits)):
+        return None
+    if abs(by) < limits.sun_slack or abs(by) < limits.sure * error:
+        return None
+    return dict(day=int(day[i]), before=int(day[i - 1]), at=i, by=by, rough=rough)
+
+
+def change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
+    """From one median to the other, its error, and how uneven both sides are. [s]"""
+    sides = before, after
+    centres = [np.median(side) for side in sides]
+    off = [np.abs(side - centre) for side, centre in zip(sides, centres)]
+    # of medians of normal deviates, by median deviations: a day may be an accident
+    error = 1.25 * 1.48 * np.hypot(*(np.median(o) / np.sqrt(len(o)) for o in off))
+    return centres[1] - centres[0], error, sum(o.mean() for o in off)
+
+
+def evenest(group: list, limits: Limits) -> dict:
+    """The jump with the most even sides, and the days that it may be on."""
+    best = min(group, key=lambda jump: jump["rough"])
+    # where noise has exponential tails, e times less likely for each mean deviation
+    scale = max(best["rough"] / 2, limits.noon_error) / limits.noon_side
+    near = [j for j in group if j["rough"] - best["rough"] <= limits.sure * scale]
+    return best | dict(within=(near[0]["before"] + 1, near[-1]["day"]))
+
+
+def size(
+    day: np.ndarray, middle: np.ndarray, first: int, at: int, end: int, limits: Limits
+) -> float:
+    """A jump's whole hours; else its minutes, if it holds for long; else 0. [s]"""
+    side = limits.noon_side
+    by, _, _ = change(
+        middle[max(first, at - side) : at], middle[at : min(end, at + side)]
+    )
+    if hour := whole_hours(by, limits):
+        return hour
+    if day[at] - day[at - 1] > 4 * side:
+        return 0.0
+    sides = middle[max(first, at - 3 * side) : at], middle[at : min(end, at + 3 * side)]
+    if min(map(len, sides)) < side:
+        return 0.0
+    by, error, _ = change(*sides)
+    if abs(by) < max(limits.sun_slack, 2 * limits.sure * error):
+        return 0.0
+    return whole_hours(by, limits) or 60.0 * round(by / 60)
+
+
+def widened(jump: dict, day: np.ndarray, middle: np.ndarray, limits: Limits) -> dict:
+    """The jump with adjacent days by neither clock, such as the day of setting."""
+    at, side, far = jump["at"], limits.noon_side, abs(jump["by"]) / 4
+    before, after = (
+        np.median(middle[max(at - side, 0) : at]),
+        np.median(middle[at : at + side]),
+    )
+    first, last = np.searchsorted(day, jump["within"])
+    least, most = max(first - side // 2, 1), min(last + side // 2, len(day) - 1)
+    while first > least and abs(middle[first - 1] - before) > far:
+        first -= 1
+    while last < most and abs(middle[last] - after) > far:
+        last += 1
+    return jump | dict(within=(int(day[first - 1]) + 1, int(day[last])))
+
+
+def whole_hours(by: float, limits: Limits) -> float:
+    """The whole hours that a move is near to, or 0. [s]"""
+    hours = HOUR * round(by / HOUR)
+    return float(hours) if abs(by - hours) < limits.sure * limits.noon_error else 0.0

@@ -1,0 +1,289 @@
+"""Is the module's logger late? What physics allows no model to hide.
+
+A module cannot answer before the sun asks. So the change of its temperature, seen
+lag by lag after the changes of irradiance, tells where the answer begins (`onset`):
+at no lag where both clocks agree. No thermal model is fitted; how much and how slowly
+the module answers is free, as long as it is a sum of decays that all begin at once.
+"""
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import median_abs_deviation, norm, t as student, theilslopes
+
+from pvlib_fem._record.checks import usual_step
+from pvlib_fem._record.inputs import Record
+from pvlib_fem.quality._hours import day_of, hours_of, listed, offsets, side_of
+from pvlib_fem.quality._lag import Lag, lag, retimed
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._onset import DAY, HOUR, Sums, daily_sums, measured_blocks, plain
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """
+    How late the module's logger is, from :func:`clock_shift`.
+
+    Notes
+    -----
+    Positive is late: what happened at ``t`` is written at ``t + late``, so that
+    ``temp_module(t + late)`` belongs to ``poa_global(t)``.
+    """
+
+    late: float = np.nan  # at the middle of the record, outside daylight saving [s]
+    stderr: float = np.nan  # [s]
+    drift: float = np.nan  # [s/day]
+    drift_stderr: float = np.nan  # [s/day]
+    blocks: pd.DataFrame = field(default_factory=pd.DataFrame)
+    jumps: tuple = ()  # (first day after it, seconds)
+    faults: dict = field(default_factory=dict)  # name: one line
+    why: str = ""  # one line; "" when the clock is fine
+    middle: float = 0.0  # of the record, from its start [s]
+    hours: tuple = ()  # (from here on [s], late by that [s])
+    limit: float = np.nan  # below which it is not at fault: a sample, and a sensor [s]
+
+    @property
+    def fault(self) -> bool:
+        return bool(self.faults)
+
+    def at(self, seconds: np.ndarray) -> np.ndarray:
+        """How late the clock is, of what its faults say; 0 if it has none. [s]"""
+        late = np.zeros(len(seconds))
+        if {"clock_shift", "clock_drift"} & set(self.faults):
+            late += self.late
+        if "clock_drift" in self.faults:
+            late += self.drift * (np.asarray(seconds) - self.middle) / DAY
+        return late + offsets(self.hours, seconds)
+
+    def corrected(self, seconds: np.ndarray, values: np.ndarray) -> Any:
+        """
+        A column of the module's logger by the clock of the irradiance.
+
+        Parameters
+        ----------
+        seconds : array
+            Times since the record's first row, as ``record.inputs.seconds``. [s]
+        values : array
+            ``temp_module``, or ``p_dc_per_area`` where the same logger wrote it.
+
+        Returns
+        -------
+        array
+            Interpolated to what happened at ``seconds``; NaN beyond the record's
+            ends, and next to a NaN. A clock without fault changes nothing.
+        """
+        values = np.asarray(values, dtype=float)
+        if not self.fault:
+            return values.copy()
+        return retimed(seconds, values, self.at(seconds))
+
+
+def clock_shift(
+    record: Record, skip: np.ndarray | None = None, limits: Limits | None = None
+) -> Clock:
+    """
+    How late ``temp_module`` is written against ``poa_global``, by causality.
+
+    Parameters
+    ----------
+    record : Record
+        From ``records.measured``; its rows are an hour apart at most.
+    skip : array of bool, optional
+        Rows that are not to be used, as those of a stuck sensor.
+    limits : Limits, optional
+
+    Returns
+    -------
+    Clock
+        ``late`` [s] with its ``stderr``, ``drift`` [s/day], ``jumps`` of an hour,
+        and ``blocks`` of some days each. ``late`` is NaN, and ``why`` says so,
+        where the record is too short, too coarse or too clear to tell. By rows more
+        than 15 min apart it is whole steps.
+
+    Notes
+    -----
+    Changes of temperature are regressed on changes of irradiance, lag by lag,
+    both less what is slower than an hour [1]_. The response is that of a sum of
+    decays, each with a weight that is not negative, seen by a contact sensor
+    (40 s) and held over each step; the time at which it begins is fitted. Errors
+    leave days whole, since clouds of one day are not independent.
+
+    The lag in whole steps is found first, by :func:`.lag.lag`: over
+    half a day either way and on rows up to an hour apart. By rows of 15 min or less
+    the onset is then looked for around that.
+
+    A clock is at fault if it is out by more than one sample and half a minute:
+    whether a row holds its step's mean or end moves it by half a sample, and
+    contact sensors differ by half a minute. A drift must add up to that over the
+    record.
+
+    References
+    ----------
+    .. [1] L. Ljung, "System identification", 1999, ch. 6: impulse response by
+       correlation; a delay is where it begins.
+    """
+    limits = limits or Limits()
+    seconds = record.inputs.seconds
+    if len(seconds) < 2 or seconds[-1] < limits.shortest_record:
+        return unknown("the record is shorter than two days")
+    if (base := usual_step(record.index)) > limits.coarsest:
+        return unknown(f"rows are {base / 60:.0f} min apart, longer than a response")
+    poa, module = record["poa_global"], record["temp_module"]
+    if skip is not None:
+        module = np.where(skip, np.nan, module)
+    found = lag(seconds, poa, record["temp_air"], module, limits)
+    if base > limits.coarsest_clock:
+        if found is None:
+            return unknown("hardly any light moves it")
+        return by_hours(record.index[0], found) if found.hours else by_rows(found)
+    far = found.late if found and abs(found.late) > HOUR else 0.0
+    if far:
+        module = retimed(seconds, module, far)
+    sums = daily_sums(seconds, base, poa, module, limits)
+    blocks = measured_blocks(sums, [], limits)
+    if changes := jumps_between(sums, blocks, limits):
+        blocks = measured_blocks(sums, [change["day"] for change in changes], limits)
+    if not blocks and far:
+        return by_rows(found)
+    if not blocks:
+        return unknown("too little broken cloud, whose edges show where it begins")
+    return judge(record.index[0], seconds, sums, blocks, changes, limits, far)
+
+
+def by_hours(origin: pd.Timestamp, found: Lag) -> Clock:
+    """The clock where the step in which an answer begins changes."""
+    (_, first), *rest = found.hours
+    hours = ((-np.inf, first), *rest)
+    moves = [late - before for (_, before), (_, late) in pairwise(hours)]
+    jumps = tuple((day_of(origin, at), by) for (at, _), by in zip(rest, moves))
+    line = f"the clock of temp_module jumps by {listed(jumps)}"
+    if len(jumps) > 1 and all(abs(by) == HOUR for by in moves):
+        line += ", as daylight-saving time does"
+    faults = {"dst": line}
+    return Clock(
+        0.0, 0.0, jumps=jumps, faults=faults, why=line, hours=hours, limit=found.step
+    )
+
+
+def by_rows(found: Any) -> Clock:
+    """The clock as far as whole steps tell."""
+    if not found.late:
+        return Clock(late=0.0, stderr=0.0, limit=found.step)
+    line = (
+        f"timestamps of temp_module run {abs(found.late) / HOUR:.3g} h "
+        f"{side_of(found.late)} those of poa_global, in whole steps of "
+        f"{found.step / 60:.0f} min"
+    )
+    faults = {"clock_shift": line}
+    return Clock(found.late, 0.0, faults=faults, why=line, limit=found.step)
+
+
+def unknown(reason: str) -> Clock:
+    return Clock(why=f"the module's clock was not checked: {reason}")
+
+
+def jumps_between(sums: Sums, blocks: list, limits: Limits) -> list:
+    """Days at which the clock moved by an hour, and by what. [s]"""
+    shape, found = plain(sums.step), []
+    for one, other, end in zip(blocks, blocks[1:], [*blocks[2:], {"day": len(sums)}]):
+        moved = abs(other["late"] - one["late"])
+        if abs(moved - HOUR) >= limits.noon_error:
+            continue
+        days = np.arange(one["day"], end["day"])
+        fit = (sums.later(block["coarse"], len(shape), days) for block in (one, other))
+        before, after = (np.einsum("ij,j->i", part, shape) for part in fit)
+        gain = np.concatenate(([0.0], np.cumsum(before - after)))
+        day = int(one["day"] + np.argmax(gain))
+        hour = HOUR * float(np.sign(other["late"] - one["late"]))
+        found.append({"day": day, "seconds": sums.begin(day), "by": hour})
+    return found
+
+
+def judge(
+    origin: pd.Timestamp,
+    seconds: np.ndarray,
+    sums: Sums,
+    blocks: list,
+    changes: list,
+    limits: Limits,
+    far: float = 0.0,
+) -> Clock:
+    """The line through the blocks, hours apart, and what is wrong with it."""
+    hours = hours_of(blocks, changes)
+    blocks, middle = pd.DataFrame(blocks), float(seconds[-1] / 2)
+    blocks["late"] += far
+    late = blocks["late"] - offsets(hours, blocks["seconds"])
+    days = (blocks["seconds"] - middle) / DAY
+    points = (days.to_numpy(), late.to_numpy(), blocks["stderr"].to_numpy())
+    value, stderr, drift, drift_stderr, centre, rest = line(*points, limits)
+    limit, faults = sums.step + limits.sensor_slack, {}
+    gained = drift * seconds[-1] / DAY / 60
+    if 60 * abs(gained) > limit and abs(drift) > sure(rest - 1, limits) * drift_stderr:
+        value -= drift * centre
+        verb = "gains" if drift > 0 else "loses"
+        faults["clock_drift"] = (
+            f"the clock of temp_module {verb} {abs(drift):.1f} ± {drift_stderr:.1f} s "
+            f"every day, {abs(gained):.0f} min over the record"
+        )
+    if abs(value) > limit and abs(value) > sure(rest, limits) * stderr:
+        faults["clock_shift"] = (
+            f"timestamps of temp_module run {abs(value) / 60:.1f} ± "
+            f"{left_open(stderr, limit) / 60:.1f} min {side_of(value)} those of "
+            "poa_global"
+        )
+    jumps = tuple((day_of(origin, c["seconds"]), c["by"]) for c in changes)
+    if jumps:
+        faults["dst"] = (
+            f"the clock of temp_module jumps by {listed(jumps)}, as daylight-saving "
+            "time does"
+        )
+    blocks["start"] = [day_of(origin, sums.begin(day)) for day in blocks["day"]]
+    return Clock(
+        float(value),
+        float(stderr),
+        float(drift),
+        float(drift_stderr),
+        blocks[["start", "seconds", "late", "stderr"]],
+        jumps,
+        faults,
+        "; ".join(faults.values()),
+        middle,
+        hours,
+        limit,
+    )
+
+
+def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tuple:
+    """Mean and slope of blocks with their errors, their centre, and how many more."""
+    if len(x) > 3:  # blocks that are out of line by an accident do not count
+        off = y - theilslopes(y, x).slope * x
+        usual = max(median_abs_deviation(off), limits.block_error)
+        # twice the standard deviations that are sure, of 1.48 median deviations
+        kept = np.abs(off - np.median(off)) <= 2 * 1.4826 * limits.sure * usual
+        x, y, stderr = x[kept], y[kept], stderr[kept]
+    stderr = np.hypot(stderr, limits.block_error)
+    weight, rest = stderr**-2, len(x) - 1
+    centre, mean = (np.average(v, weights=weight) for v in (x, y))
+    x, y = x - centre, y - mean
+    told = weight @ x**2
+    if rest < 2 or not told > 0:
+        spread = max(weight @ y**2 / max(rest, 1), 1.0)
+        error = np.sqrt(spread / weight.sum())
+        return mean, error, np.nan, np.nan, centre, rest
+    slope = weight @ (x * y) / told
+    spread = max(weight @ (y - slope * x) ** 2 / (rest - 1), 1.0)
+    error, slope_error = np.sqrt(spread / weight.sum()), np.sqrt(spread / told)
+    return mean, error, slope, slope_error, centre, rest
+
+
+def left_open(stderr: float, limit: float) -> float:
+    """Error of a clock with what a row's place in its step leaves open. [s]"""
+    return np.hypot(stderr, limit / np.sqrt(12.0))
+
+
+def sure(rest: int, limits: Limits) -> float:
+    """Standard errors that are three of a long record, by what was left over."""
+    return student.ppf(norm.cdf(limits.sure), max(rest, 2))

@@ -1,0 +1,122 @@
+"""Irradiance at times of night at which the nights around are dark."""
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.checks import dates_of
+from pvlib_fem._record.clean import CleanRecord
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._outliers import slots
+
+#: at the equator, and anywhere in winter, the day ends within that from noon [days]
+HALF_DAY = 0.25
+NEAR = 3  # parts of a day on either side that are taken with one
+LIT = 0.25  # share of their rows from which they are lit
+FEWEST = 3  # days around that have rows then
+
+
+class NightLight:
+    """
+    How light each time of each day is, from blocks of a record.
+
+    Parameters
+    ----------
+    ends : DatetimeIndex
+        First and last time.
+    limits : Limits
+    """
+
+    def __init__(self, ends: pd.DatetimeIndex, limits: Limits) -> None:
+        self.limits = limits
+        self.parts = round(86400.0 / limits.sun_slack)
+        self.first, last = dates_of(ends)
+        days = int(last) - int(self.first) + 1
+        self.known, self.lit, self.sum = (np.zeros((days, self.parts)) for _ in "abc")
+
+    def places(self, index: pd.DatetimeIndex) -> np.ndarray:
+        """Day and time of day of each row, as one number."""
+        day, part = slots(index, self.limits)
+        return (day - self.first) * self.parts + part
+
+    def add(self, index: pd.DatetimeIndex, poa: np.ndarray) -> None:
+        """Look at the next rows."""
+        there = np.isfinite(poa)
+        place, poa = self.places(index)[there], poa[there]
+        weights = None, poa > self.limits.light, poa
+        for table, weight in zip((self.known, self.lit, self.sum), weights):
+            found = np.bincount(place, weight, table.size)
+            table += found.reshape(table.shape)
+
+    def dark(self) -> np.ndarray:
+        """Whether light is an accident then, by that number."""
+        known, lit = beside(self.known), beside(self.lit)
+        there = known > 0
+        lit = there & (lit > LIT * known)
+        # a clock that was set for some days has many such nights, and its own are lit
+        seldom = share(lit, there, self.limits.noon_side) <= self.limits.lit_nights
+        seldom &= share(lit, there, self.limits.day_side) < 0.5
+        return (seldom & self.far_from_noon()).ravel()
+
+    def far_from_noon(self) -> np.ndarray:
+        """Whether a time of a day is more than a quarter of a day from its noon."""
+        mean = self.sum / np.maximum(self.known, 1.0)
+        part = (np.arange(self.parts) + 0.5) / self.parts
+        turn = around(mean, self.limits.noon_side) @ np.exp(2j * np.pi * part)
+        noon = np.angle(turn) / (2.0 * np.pi)
+        far = np.abs((part - noon[:, None] + 0.5) % 1.0 - 0.5)
+        return far > HALF_DAY + 1.0 / self.parts
+
+
+def beside(table: np.ndarray) -> np.ndarray:
+    """Sums of a time of day and of the adjacent ones."""
+    flat = np.cumsum(np.pad(table.ravel(), (NEAR + 1, NEAR)))
+    return (flat[2 * NEAR + 1 :] - flat[: -2 * NEAR - 1]).reshape(table.shape)
+
+
+def around(table: np.ndarray, side: int) -> np.ndarray:
+    """Sums over some days before and after, and the day itself."""
+    whole = np.cumsum(np.pad(table, ((side + 1, side), (0, 0))), axis=0)
+    return whole[2 * side + 1 :] - whole[: -2 * side - 1]
+
+
+def share(lit: np.ndarray, there: np.ndarray, side: int) -> np.ndarray:
+    """Share of lit ones of the days around, each without itself; NaN of few."""
+    number = around(there.astype(float), side) - there
+    many = around(lit.astype(float), side) - lit
+    return np.divide(
+        many, number, out=np.full(lit.shape, np.nan), where=number >= FEWEST
+    )
+
+
+def light_by_night(
+    clean: CleanRecord, ends: pd.DatetimeIndex, step: float, limits: Limits
+) -> list:
+    """
+    Rows of light by night, each with its time and value, of a record's blocks.
+
+    Parameters
+    ----------
+    clean : CleanRecord
+    ends : DatetimeIndex
+    step : float
+        Usual time between rows; none is found where it is long. [s]
+    limits : Limits
+
+    Returns
+    -------
+    list of tuple
+    """
+    if step > limits.coarsest:
+        return []
+    nights = NightLight(ends, limits)
+    for block in clean.blocks(("poa_global",)):
+        nights.add(block.index, block["poa_global"])
+    dark, parts = nights.dark(), []
+    if not (nights.lit.ravel()[dark] > 0).any():
+        return []
+    for block in clean.blocks(("poa_global",)):
+        poa = block["poa_global"]
+        rows = np.flatnonzero(poa > limits.light)
+        rows = rows[dark[nights.places(block.index[rows])]]
+        parts.append((rows + block.start, block.times[rows], poa[rows]))
+    return parts

@@ -1,0 +1,159 @@
+"""What a column cannot have measured, seen from the column alone."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.checks import dates_of
+from pvlib_fem._record.ranges import possible
+from pvlib_fem.quality._limits import FASTEST, Limits
+
+
+def apart(codes: np.ndarray, rest: np.ndarray, limits: Limits) -> np.ndarray:
+    """Codes in a column of unknown range that are no values."""
+    if not len(rest):
+        return codes
+    low, high = rest.min(), rest.max()
+    above = codes >= limits.far * max(abs(low), abs(high))
+    above &= not few(rest, limits)  # a switch may be on at any number
+    below = (codes < 0) & (codes <= limits.far * min(low, 0.0))
+    return codes[above | below]
+
+
+def few(values: np.ndarray, limits: Limits) -> bool:
+    """Whether a column has so few different values that it is a switch."""
+    some = values[:: max(1, len(values) // 20_000)]
+    return len(np.unique(some)) < limits.few_values
+
+
+def out_of_range(name: str, values: np.ndarray) -> np.ndarray:
+    """Rows of values that no sensor can have measured."""
+    bounds = possible(name)
+    if bounds is None:
+        return np.zeros(len(values), dtype=bool)
+    return outside(values, *bounds[:2])
+
+
+def outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Rows of values below the one or above the other."""
+    # of most columns the two ends tell, in a fraction of the time
+    if len(values) and np.fmin.reduce(values) >= low and np.fmax.reduce(values) <= high:
+        return np.zeros(len(values), dtype=bool)
+    return (values < low) | (values > high)
+
+
+def slots(index: pd.DatetimeIndex, limits: Limits) -> tuple[np.ndarray, np.ndarray]:
+    """Number of each row's day, and of its part of the day."""
+    local = (index if index.tz is None else index.tz_localize(None)).to_numpy()
+    day = local.astype("M8[D]")
+    seconds = (local - day) / np.timedelta64(1, "s")
+    return day.astype("i8"), (seconds // limits.sun_slack).astype(int)
+
+
+def is_light(usual: pd.DataFrame, day: Any, slot: Any, limits: Limits) -> Any:
+    """
+    Whether some parts of days are light on the days around.
+
+    ``usual`` is the mean of the light, a row for each day that is there and a column
+    for each part of it.
+    """
+    around = usual.rolling(2 * limits.day_side + 1, 1, center=True).max()
+    places = around.index.get_indexer(day), around.columns.get_indexer(slot)
+    return around.to_numpy()[places] > limits.sunny
+
+
+#: ends of a column at which its sensor, or a logger, may stop: most, and least. Light
+#: and wind have their least of themselves
+ENDS = {
+    "poa_global": (1.0,),
+    "wind_speed": (1.0,),
+    "temp_air": (1.0, -1.0),
+    "temp_module": (1.0, -1.0),
+}
+
+
+def range_ends(name: str, values: np.ndarray, index: pd.Index, limits: Limits) -> list:
+    """
+    Values beyond which a column does not go, since its sensor's range ends there.
+
+    There it stays, on several days, and is more often at that one value than anywhere
+    near it. What is measured has a tail instead.
+    """
+    found = []
+    for way in ENDS.get(name, ()):
+        most = (np.fmax if way > 0 else np.fmin).reduce(values)
+        at = values == most
+        rows = np.count_nonzero(at)
+        if rows < limits.few_values:
+            continue
+        size, most = way * values, way * most
+        if len(np.unique(dates_of(index[at]))) < limits.end_days:
+            continue
+        below = size[size < most]
+        if few(values[np.isfinite(values)], limits) or not len(below):
+            continue
+        # a coarse sensor has its next value further away
+        near = min(most - limits.few_share * (most - below.min()), below.max())
+        if rows > np.count_nonzero(below >= near):
+            found.append(float(way * most))
+    return found
+
+
+def at_end(
+    name: str,
+    values: np.ndarray,
+    seconds: np.ndarray,
+    ends: list,
+    limits: Limits,
+    since: float = -np.inf,
+) -> np.ndarray:
+    """
+    Rows of values at such ends, and rows that the module remembers them in.
+
+    What light, air and wind were while they stayed is not known, and the module still
+    has it when they are back. ``since`` is when they were last there before. [s]
+    """
+    rows = np.isin(values, ends)
+    if name == "temp_module" or not ends:
+        return rows
+    last = np.maximum.accumulate(np.where(rows, seconds, since))
+    return seconds - last <= limits.still_time
+
+
+def most_jump(name: str, time: np.ndarray, limits: Limits) -> np.ndarray:
+    """Change there and back within a time that may be, half of it there."""
+    most = limits.spike + FASTEST[name] * time / 2.0
+    if name == "temp_air":
+        short = time <= limits.still_air
+        return np.where(short, np.minimum(most, 2.0 * limits.spike), np.inf)
+    return most
+
+
+def jumps(
+    name: str, values: np.ndarray, seconds: np.ndarray, limits: Limits
+) -> np.ndarray:
+    """
+    Rows that lie on one side of those before and after by more than can be.
+
+    The longer the time between those two, the more can be.
+    """
+    result = np.zeros(len(values), dtype=bool)
+    known = np.isfinite(values)
+    x = values if known.all() else values[known]
+    # no jump there and back without one there, of which there are few
+    step, least = np.diff(x), limits.spike
+    begin = np.flatnonzero(outside(step, -least, least))
+    if not len(begin):
+        return result
+    there = np.flatnonzero(known)
+    for rows in range(1, limits.few_rows + 1):
+        begin = begin[begin + rows + 1 < len(x)]
+        first, end = x[begin], begin + rows + 1
+        limit = most_jump(name, seconds[there[end]] - seconds[there[begin]], limits)
+        inner = x[begin[:, None] + np.arange(1, rows + 1)]
+        up = inner.min(axis=1) - np.maximum(first, x[end]) > limit
+        down = np.minimum(first, x[end]) - inner.max(axis=1) > limit
+        for i in range(rows):
+            result[there[begin[up | down] + 1 + i]] = True
+    return result

@@ -1,0 +1,95 @@
+"""A record in files without what was not measured."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pvlib_fem._record.clean import CleanRecord
+from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.parquet import ParquetRecord
+from pvlib_fem.quality._file_scan import Look
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._screening import Screener, sentence
+from pvlib_fem.quality._unit_checks import oddities, refuse_doubtful, refuse_units
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """A record in files without what was not measured, and what that was."""
+
+    record: CleanRecord
+    look: Look
+    found: tuple = ()  # of Found
+    odd: tuple = ()  # what looks odd without being at fault
+    missing: dict = field(default_factory=dict)
+    clipped: int = 0
+
+    @property
+    def notes(self) -> tuple:
+        found = map(sentence, self.found)
+        source: Any = self.record.source  # of files, which have notes
+        return (*source.notes, *found, *self.odd)
+
+    @property
+    def impossible(self) -> dict:
+        """Rows of each column that were not measured, those that repeat aside."""
+        counts = Counter()
+        for one in self.found:
+            counts[one.column] += one.rows if one.kind != "stuck" else 0
+        return {name: counts[name] for name in self.record.names}
+
+
+def screened_blocks(
+    source: ParquetRecord,
+    drivers: Sequence = (),
+    limits: Limits | None = None,
+    check_units: bool = True,
+    needed: Any = None,
+) -> Screened:
+    """
+    A record in files without what was not measured, from few passes over them.
+
+    Rules that need the usual values of a column (its unit, codes where its range is not
+    known) are answered by a million of its rows, evenly taken.
+
+    Parameters
+    ----------
+    source : ParquetRecord
+    drivers : sequence of str
+        Columns in addition to the usual four.
+    limits : Limits, optional
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+    needed : sequence of str, optional
+        Columns that have to hold a value, by default all.
+
+    Returns
+    -------
+    Screened
+
+    Raises
+    ------
+    ValueError
+        As :func:`pvlib_fem.quality._screen.screened`.
+    """
+    clean = CleanRecord(source, (*COLUMNS, *drivers))
+    needed = clean.names if needed is None else needed
+    found = Screener.of(clean, limits or Limits())
+    limits = found.limits
+    found.look.refuse_gaps(limits, source)
+    missing = found.refuse_nothing(needed)
+    found.fills()
+    found.refuse_empty()
+    if check_units:
+        refuse_units(found.judged(), limits)
+    clipped = found.rules()
+    found.refuse_impossible()
+    found.ends()
+    found.standing()
+    sample = found.sampled()
+    if check_units:
+        refuse_doubtful(sample.columns, limits)
+    faults, odd = tuple(found.told()), tuple(oddities(sample, limits, source.absent))
+    found.look.forget()
+    return Screened(found.clean, found.look, faults, odd, missing, clipped)

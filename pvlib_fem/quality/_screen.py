@@ -1,0 +1,289 @@
+"""The screening of a record in memory, the same for all that takes one."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.clean import CleanRecord, FrameRecord
+from pvlib_fem._record.column_names import ALIASES, RENAMED, printable, with_aliases
+from pvlib_fem._record.inputs import Columns, Record, read
+from pvlib_fem.quality._limits import POSSIBLE, Limits
+from pvlib_fem.quality._screening import KINDS, Screener, sentence
+from pvlib_fem.quality._stray_times import refuse_stray
+from pvlib_fem.quality._unit_checks import oddities, refuse_doubtful, refuse_units
+
+
+@dataclass(frozen=True, eq=False)
+class Faults:
+    """What was found in the columns of a record."""
+
+    record: Record  # as it came
+    masks: dict = field(default_factory=dict)  # kind to column to rows
+    clipped: int = 0  # rows of a little negative irradiance by night
+
+    def of(self, name: str, besides: tuple = ()) -> np.ndarray:
+        """Rows in which a column is at fault."""
+        rows = np.zeros(len(self.record.index), dtype=bool)
+        for kind, columns in self.masks.items():
+            if kind not in besides and name in columns:
+                rows |= columns[name]
+        return rows
+
+    @property
+    def impossible(self) -> dict:
+        """Rows of each column that were not measured, those that repeat aside."""
+        found = {name: self.of(name, ("stuck",)) for name in self.record.inputs.columns}
+        return {name: int(np.count_nonzero(rows)) for name, rows in found.items()}
+
+    @property
+    def counts(self) -> Any:
+        """A row for each column and kind."""
+        rows = []
+        for kind, columns in self.masks.items():
+            for name, at in columns.items():
+                first = int(np.argmax(at))
+                time, value = self.record.index[first], float(self.record[name][first])
+                rows.append((name, kind, int(at.sum()), time, value))
+        return pd.DataFrame(rows, columns=["column", "kind", "rows", "first", "value"])
+
+    @property
+    def notes(self) -> tuple:
+        """The findings in sentences."""
+        return tuple(map(sentence, self.counts.itertuples()))
+
+    def and_in(self, rows: np.ndarray, other: "Faults") -> "Faults":
+        """The faults with those of temp_module in some rows from another."""
+        name, masks = "temp_module", {}
+        for kind in KINDS:
+            columns = dict(self.masks.get(kind, {}))
+            there = columns.get(name, False) | (
+                other.masks.get(kind, {}).get(name, False) & rows
+            )
+            if np.any(there):
+                columns[name] = there
+            if columns:
+                masks[kind] = columns
+        return replace(self, record=other.record, masks=masks)
+
+
+def screened(
+    record: Record, limits: Limits | None = None, check_units: bool = True
+) -> tuple[Record, Faults]:
+    """
+    A record without what was not measured, and what that is.
+
+    Parameters
+    ----------
+    record : Record
+        As it came.
+    limits : Limits, optional
+    check_units : bool, default True
+        Refuse columns that look to be in another unit.
+
+    Returns
+    -------
+    Record, Faults
+        NaN where a value is at fault; irradiance that is a little negative by night is
+        0.
+
+    Raises
+    ------
+    ValueError
+        Beside units: if one of the four columns holds nothing but fill values, is
+        impossible in more than a fifth of its rows, or never moves. Wind that never
+        moves may stand for no anemometer.
+    """
+    limits = limits or Limits()
+    refuse_stray(record.index, limits)
+    found, clipped = by_columns(record, limits, check_units)
+    found.standing()
+    if check_units:
+        refuse_doubtful(found.sampled().columns, limits)
+    return less(record, found, clipped)
+
+
+def alone(
+    record: Record,
+    limits: Limits,
+    check_units: bool = True,
+    names: tuple | None = None,
+    late: bool = False,
+) -> tuple[Record, Faults]:
+    """
+    Screen all but stuck sensors, which need other columns.
+
+    ``names`` are the screened columns, by default all. ``late`` has a module
+    pass whose clock is off by hours.
+    """
+    return less(record, *by_columns(record, limits, check_units, names, late))
+
+
+def by_columns(
+    record: Record,
+    limits: Limits,
+    check_units: bool = True,
+    names: tuple | None = None,
+    late: bool = False,
+) -> tuple[Screener, int]:
+    """What the rules find that look at one column, and rows of offset by night."""
+    found = screener(record, limits, names)
+    found.fills()
+    found.refuse_empty()
+    if check_units:
+        refuse_units(found.judged(), limits, late)
+    clipped = found.rules()
+    found.refuse_impossible()
+    found.ends()
+    return found, clipped
+
+
+def screener(record: Record, limits: Limits, names: tuple | None = None) -> Screener:
+    """The screening of a record in memory, before any rule."""
+    clean = CleanRecord(FrameRecord(record.inputs), tuple(record.inputs.columns))
+    return Screener.of(clean, limits, names)
+
+
+def less(record: Record, found: Screener, clipped: int) -> tuple[Record, Faults]:
+    """A record without what was found, and that."""
+    faults = Faults(record, found.masks(), clipped)
+    holes = {name: faults.of(name) for name in found.clean.holes}
+    clean = record.lacking(holes) if holes else record
+    if (below := clean["poa_global"] < 0).any():
+        clean = clean.put(0.0, {"poa_global": below})
+    return replace(clean, impossible=faults.impossible, clipped=clipped), faults
+
+
+@dataclass(frozen=True, eq=False)
+class Screening:
+    """
+    What a record holds that was not measured; ``print(found)`` says it.
+
+    Attributes
+    ----------
+    masks : dict of DataFrame
+        By kind (``"fill value"``, ``"out of range"``, ``"negative by day"``,
+        ``"light by night"``, ``"spike"``, ``"end of range"``, ``"stuck"``): booleans
+        in the form of the data, True where a value is at fault. They join with those
+        of pvanalytics by ``&`` and ``|``.
+    counts : DataFrame
+        A row for each column and kind that was found: ``column``, ``kind``, ``rows``,
+        ``first`` (its time) and ``value`` (there).
+    notes : tuple of str
+        The findings in sentences, and what looks odd without being at fault.
+    cleaned : DataFrame
+        The data with NaN where a value is at fault. Irradiance that is a little
+        negative by night, a pyranometer's offset, is 0.
+    clipped : int
+        Rows of that offset.
+    """
+
+    masks: dict = field(repr=False)
+    counts: pd.DataFrame
+    notes: tuple
+    cleaned: pd.DataFrame = field(repr=False)
+    clipped: int = 0
+
+    @property
+    def mask(self) -> pd.DataFrame:
+        """True where a value is at fault for any reason."""
+        found = np.any([mask.to_numpy() for mask in self.masks.values()], axis=0)
+        return pd.DataFrame(found, self.cleaned.index, self.cleaned.columns)
+
+    def __str__(self) -> str:
+        rows = f"{len(self.cleaned):,} rows"
+        if not self.notes:
+            return f"{rows}: nothing at fault was found"
+        return "\n".join([rows, *(f"note: {note}" for note in self.notes)])
+
+
+def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening:
+    """
+    Find what a record holds that was not measured, before anything is fitted.
+
+    :func:`pvlib_fem.fit_fem`, :func:`pvlib_fem.close_loop` and
+    :func:`pvlib_fem.rank_effects` leave out the same by themselves, and their notes
+    say what.
+
+    Parameters
+    ----------
+    data : DataFrame
+        With a DatetimeIndex and columns in pvlib's names: any of ``poa_global``
+        [W/m²], ``temp_air``, ``temp_module`` [°C], ``wind_speed`` [m/s], of the
+        drivers of effects, and of further ones, of which less is known. Columns that
+        are not numeric stay as they are.
+    limits : Limits, optional
+        The thresholds; by default those of :class:`pvlib_fem.quality._limits.Limits`.
+
+    Returns
+    -------
+    Screening
+
+    Raises
+    ------
+    ValueError
+        If the times are unusable, a column is there twice or holds an infinity.
+
+    Notes
+    -----
+    *Fill values* are a logger's codes (−999, −6999, 7999, −327.67, ...) where they lie
+    outside what the column can hold or, in a column that is not known, well away from
+    all else; and values that repeat at ten times all else. *Out of range* is what no
+    sensor can have measured. *Negative by day* is irradiance below 0 at a time of day
+    that is light on the days around; *light by night* irradiance above 20 W/m² more
+    than six hours from noon, at a time that is dark on four of five nights around and
+    has no light within an hour and a half of it. *Spikes* are changes there and back
+    that the heat capacity of module or air forbids. *End of range* is where a sensor or
+    its logger stops, and stays, on several days; of light, air and wind the half hour
+    after it is dropped, too, which a module remembers. *Stuck* are values that repeat
+    for far longer than their column's own changes make likely, while what moves them
+    moves: but for wind and drivers that takes all four columns. What is usual in a
+    column is taken from a million of its rows, evenly spaced. False findings are in
+    :doc:`/quality`.
+
+    Examples
+    --------
+    >>> import pvlib_fem as fem
+    >>> data = fem.datasets.synthetic(days=3, step=600)
+    >>> data.iloc[[60, 61], data.columns.get_loc("poa_global")] = -7999.0
+    >>> found = fem.screen_record(data)
+    >>> found.counts[["column", "kind", "rows", "value"]]
+           column        kind  rows   value
+    0  poa_global  fill value     2 -7999.0
+    >>> int(found.mask.to_numpy().sum()), int(found.cleaned["poa_global"].isna().sum())
+    (2, 2)
+    """
+    limits = limits or Limits()
+    record, labels = of_frame(data)
+    found = screener(record, limits)
+    found.fills()
+    odd = [*oddities(found.judged(), limits)]
+    clipped = found.rules()
+    odd += [f"{name} {reason}" for name, reason in found.doubts.items()]
+    found.ends()
+    found.standing(refuse=False)
+    clean, found = less(record, found, clipped)
+    masks = {kind: pd.DataFrame(False, data.index, data.columns) for kind in KINDS}
+    cleaned = data.copy()
+    for kind, columns in found.masks.items():
+        for name, rows in columns.items():
+            masks[kind][labels[name]] = rows
+    for name, label in labels.items():
+        if found.of(name).any() or (name == "poa_global" and found.clipped):
+            cleaned[label] = clean[name]
+    counts = found.counts.replace({"column": {n: str(c) for n, c in labels.items()}})
+    return Screening(masks, counts, (*found.notes, *odd), cleaned, found.clipped)
+
+
+def of_frame(data: pd.DataFrame) -> tuple[Record, dict]:
+    """The numeric columns of a frame as a record, and what the frame calls them."""
+    columns = with_aliases(data, ())
+    own = {printable(label): label for label in data}
+    others = {**ALIASES, **RENAMED}
+    own = {new: own[old] for old, new in others.items() if old in own} | own
+    numeric = {n: c for n, c in columns.items() if pd.api.types.is_numeric_dtype(c)}
+    inputs = read(numeric, purpose="a screening")
+    lacking = dict.fromkeys(POSSIBLE, np.full(len(data), np.nan))
+    inputs = replace(inputs, columns=Columns(lacking) | inputs.columns)
+    return Record(inputs, {}, {}, 0), {name: own[name] for name in numeric}

@@ -1,0 +1,410 @@
+"""The screening of a record block by block, whether it is in memory or in files."""
+
+from collections import Counter, namedtuple
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.clean import (
+    CleanRecord,
+    FrameRecord,
+    masked,
+    size,
+    spans,
+    united,
+)
+from pvlib_fem._record.column_names import GEOMETRY, ROTATION
+from pvlib_fem._record.header_units import of_any_unit
+from pvlib_fem._record.inputs import Inputs, Record
+from pvlib_fem._record.ranges import possible
+from pvlib_fem.quality._file_scan import Look
+from pvlib_fem.quality._limits import POSSIBLE, Limits
+from pvlib_fem.quality._nightlight import light_by_night
+from pvlib_fem.quality._outliers import (
+    apart,
+    at_end,
+    is_light,
+    outside,
+    range_ends,
+    slots,
+)
+from pvlib_fem.quality._stuck import (
+    DRIVERS,
+    becalmed,
+    frozen,
+    frozen_error,
+    may_rest,
+    rest_of,
+    standing_line,
+)
+from pvlib_fem.quality._unit_checks import doubtful
+from pvlib_fem.quality._values import never_moves
+
+PLACED = (*GEOMETRY, ROTATION)  # angles, which no rule checks
+PARTS = 1000  # of a day, more than there are
+
+#: what was found of one kind in one column, as Faults.counts has it
+Found = namedtuple("Found", "column kind rows first value")
+
+#: faults of a value, in the order in which they are checked, and how
+#: it is said after the column's name
+KINDS = {
+    "fill value": "holds the fill value {value:.7g}",
+    "negative by day": "is negative by day, as {value:.4g},",
+    "out of range": "is outside {low:g} … {high:g} {unit}, as {value:.5g},",
+    "light by night": "is light by night, as {value:.4g}, when other nights are dark,",
+    "spike": "jumps and returns faster than it can, as to {value:.5g},",
+    "end of range": "stays at {value:.5g}, the end of its range, or did just before,",
+    "stuck": "is stuck at {value:g}",
+}
+
+
+def sentence(row: Any) -> str:
+    """What was found in one column, in one line."""
+    low, high, unit = possible(row.column) or (0, 0, "")
+    what = KINDS[row.kind].format(value=row.value, low=low, high=high, unit=unit)
+    many = f"in {row.rows:,} rows, first at" if row.rows > 1 else "at"
+    return f"{row.column} {what} {many} {row.first}: not used"
+
+
+def empty_error(row: "Found") -> Any:
+    """The error of a column in which nothing but one kind of fault was found."""
+    return ValueError(
+        f"{row.column} holds nothing but the fill value {row.value:g}, from "
+        f"{row.first} on; check the column's name and the logger"
+    )
+
+
+def refuse_share(
+    name: str, share: float, value: float, time: pd.Timestamp, limits: Limits
+) -> None:
+    """Refuse a column of which too large a share cannot be, as ``value`` cannot."""
+    if share > limits.most_impossible:
+        low, high, unit = possible(name)
+        raise ValueError(
+            f"{share:.0%} of {name} is physically impossible (outside {low:g} … "
+            f"{high:g} {unit}), first {value:g} at {time}; check its unit and sensor"
+        )
+
+
+@dataclass(eq=False)
+class Screener:
+    """A record less what was found in it so far."""
+
+    clean: CleanRecord
+    limits: Limits
+    asked: tuple  # columns
+    look: Look
+    doubts: dict = field(default_factory=dict)  # columns in another unit, and why
+    found: dict = field(default_factory=dict)  # kind to column to spans of rows
+    first: dict = field(default_factory=dict)  # time and value of the first of them
+
+    @classmethod
+    def of(
+        cls, clean: CleanRecord, limits: Limits, asked: tuple | None = None
+    ) -> "Screener":
+        """The screening of a record, before any rule; of some columns or of all."""
+        look = Look.of(clean, limits)
+        return cls(clean, limits, clean.names if asked is None else asked, look)
+
+    def rules(self) -> int:
+        """Every other rule that looks at one column; rows of offset by night."""
+        sample, clipped = self.sampled(), 0
+        self.doubts = doubtful(sample.columns, self.limits)
+        if "poa_global" in self.asked:
+            clipped = self.negative_by_day()
+        for kind in ("out of range", "spike"):
+            for name, one in self.ruled():
+                self.note(kind, name, *one.of(kind))
+        for name, one in self.ruled():
+            if possible(name) is None:  # of which a lone one is a spike
+                far = self.limits.far**3
+                self.note("spike", name, *one.beyond(self.clean, sample[name], far, 1))
+        if "poa_global" in self.asked and "poa_global" not in self.doubts:
+            self.light_by_night()
+        return clipped
+
+    def sampled(self) -> Inputs:
+        """Some rows of the record, as it is screened so far."""
+        return self.look.sampled(self.clean)
+
+    def judged(self) -> Inputs:
+        """Rows without values that no unit explains; they identify the units."""
+        sample, lost = self.sampled(), {}
+        numbers = np.arange(len(sample.index)) * self.look.every
+        for name in POSSIBLE:
+            spikes = self.look.columns[name].of("spike")[0]
+            rows = outside(sample[name], *of_any_unit(name))
+            if (rows := rows | np.isin(numbers, spikes)).any():
+                lost[name] = rows
+        return sample.having(sample.columns.put(np.nan, lost)) if lost else sample
+
+    def ruled(self) -> Iterator:
+        """Columns that the rules check."""
+        for name, one in self.look.columns.items():
+            if name in self.asked and name not in self.doubts and name not in PLACED:
+                yield name, one
+
+    def note(
+        self,
+        kind: str,
+        name: str,
+        rows: np.ndarray,
+        times: np.ndarray,
+        values: np.ndarray,
+    ) -> None:
+        """Take rows of one kind out of a column, with what is said of the first."""
+        if len(rows):
+            at = int(np.argmin(rows))
+            time = self.clean.source.at(times[at])
+            self.take(kind, name, spans(np.sort(rows)), time, values[at])
+
+    def take(
+        self, kind: str, name: str, rows: np.ndarray, time: pd.Timestamp, value: float
+    ) -> None:
+        before = self.found.setdefault(kind, {}).get(name)
+        if before is None or rows[0, 0] < before[0, 0]:
+            self.first[kind, name] = time, float(value)
+        both = rows if before is None else united(before, rows)
+        self.found[kind][name] = both
+        self.clean = self.clean.lacking({name: rows})
+
+    def look_again(self) -> None:
+        """The look at the remaining values, if a rule removed some that others see."""
+        self.look = Look.of(self.clean, self.limits)
+
+    def refuse_nothing(self, needed: tuple) -> dict:
+        """Refuse a column without a value."""
+        at, rows = self.clean.source.at, self.look.rows
+        missing = {name: one.missing for name, one in self.look.columns.items()}
+        if empty := [name for name in needed if missing[name] == rows]:
+            first, last = map(at, self.look.ends)
+            raise ValueError(
+                f"{empty[0]} holds no value from {first} to {last}; check the column's "
+                "name and the logger"
+            )
+        return missing
+
+    def fills(self) -> None:
+        """Values that stand for none: codes, and what repeats far beyond all else."""
+        limits, again = self.limits, False
+        sample = self.sampled()
+        for name, one in self.ruled():
+            rows, times, values = one.of("fill value")
+            if possible(name) is None and len(rows):
+                rounded, rest = np.round(values, 2), sample[name]
+                rest = rest[np.isfinite(rest) & ~np.isin(rest, values)]
+                codes = apart(np.unique(rounded), rest, limits)
+                kept = np.isin(rounded, codes)
+                rows, times, values = rows[kept], times[kept], values[kept]
+                again |= len(rows) > 0
+            self.note("fill value", name, rows, times, values)
+        if again:
+            self.look_again()
+        sample, again = self.sampled(), False
+        for name, one in self.ruled():
+            if one.known:
+                far = limits.far**2, limits.few_rows
+                far = one.beyond(self.clean, sample[name], *far)
+                self.note("fill value", name, *far)
+                again |= len(far[0]) > 0
+        if again:
+            self.look_again()
+
+    def refuse_empty(self) -> None:
+        """Refuse one of the four columns without any remaining value."""
+        for row in self.told():
+            if row.column in POSSIBLE and not self.look.columns[row.column].known:
+                raise empty_error(row)
+
+    def negative_by_day(self) -> int:
+        """Take negative irradiance by day out; rows of it by night come back."""
+        if not self.look.columns["poa_global"].least < 0:
+            return 0
+        light, below = self.light(), [0]
+        parts = []
+        for block in self.clean.blocks(("poa_global",)):
+            poa = block["poa_global"]
+            rows = np.flatnonzero(poa < 0)
+            below.append(len(rows))
+            if light and len(rows):
+                day, slot = slots(block.index[rows], self.limits)
+                rows = rows[np.isin(day * PARTS + slot, list(light))]
+                parts.append((rows + block.start, block.times[rows], poa[rows]))
+        if parts and sum(len(rows) for rows, *_ in parts):
+            self.note(
+                "negative by day", "poa_global", *map(np.concatenate, zip(*parts))
+            )
+            self.look_again()
+        rows = size(self.found.get("negative by day", {}).get("poa_global", spans([])))
+        beyond = self.look.columns["poa_global"].of("out of range")[2]
+        return sum(below) - rows - int((beyond < 0).sum())
+
+    def light_by_night(self) -> None:
+        """Take irradiance out that is there at night, where other nights are dark."""
+        ends = pd.DatetimeIndex([*map(self.clean.source.at, self.look.ends)])
+        parts = light_by_night(self.clean, ends, self.look.step, self.limits)
+        if parts and sum(len(rows) for rows, *_ in parts):
+            self.note("light by night", "poa_global", *map(np.concatenate, zip(*parts)))
+            self.look_again()
+
+    def light(self) -> set:
+        """Parts of days that are light on the days around, as numbers."""
+        sums, counts, negative = Counter(), Counter(), set()
+        for block in self.clean.blocks(("poa_global",)):
+            poa = block["poa_global"]
+            day, slot = slots(block.index, self.limits)
+            keys, place = np.unique(day * PARTS + slot, return_inverse=True)
+            there = poa >= 0
+            total = np.bincount(place[there], poa[there], len(keys))
+            number = np.bincount(place[there], minlength=len(keys))
+            for key, one, many in zip(keys.tolist(), total, number):
+                sums[key] += one
+                counts[key] += many
+            negative.update(keys[np.unique(place[poa < 0])].tolist())
+        keys = np.array(sorted(sums))
+        mean = [sums[k] / counts[k] if counts[k] else np.nan for k in keys.tolist()]
+        days = [keys // PARTS, keys % PARTS]
+        usual = pd.Series(mean, days).unstack()  # noqa: PD010  of an index
+        light = is_light(usual, days[0], days[1], self.limits)
+        return set(keys[light].tolist()) & negative
+
+    def ends(self) -> None:
+        """Take out the end of a sensor's range; the offset of a night is 0."""
+        again = False
+        sample = self.sampled()
+        for name, _ in self.ruled():
+            ends = range_ends(name, sample[name], sample.index, self.limits)
+            parts, since = [], -np.inf  # when it was there last
+            for block in self.clean.blocks((name,)) if ends else ():
+                values, since_first = block[name], block.times - self.look.ends[0]
+                seconds = since_first * self.look.unit
+                given = name, values, seconds, ends, self.limits, since
+                rows = np.flatnonzero(at_end(*given))
+                parts.append((rows + block.start, block.times[rows], values[rows]))
+                there = np.isin(values, ends)
+                since = max(since, seconds[there].max(initial=since))
+            if parts:
+                self.note("end of range", name, *map(np.concatenate, zip(*parts)))
+                again = True
+        if again:
+            self.look_again()
+        self.clean = self.clean.clipped()
+
+    def refuse_impossible(self) -> None:
+        """Refuse a record of which too much cannot be, or is negative by day."""
+        for name in POSSIBLE:
+            kinds = "out of range", "negative by day"
+            there = [kind for kind in kinds if name in self.found.get(kind, {})]
+            if not there:
+                continue
+            found = {kind: self.found[kind][name] for kind in there}
+            total = self.look.columns[name].known
+            total += size(found.get("negative by day", spans([])))
+            share = sum(map(size, found.values())) / max(total, 1)
+            first = min(found, key=lambda kind, found=found: found[kind][0, 0])
+            time, value = self.first[first, name]
+            refuse_share(name, share, value, time, self.limits)
+
+    def standing(self, refuse: bool = True) -> None:
+        """Take out stuck values, or refuse a sensor that is always stuck."""
+        clean, columns = self.clean, self.look.columns
+        sample = self.sampled()
+        rests = {n: rest_of(n, sample[n], self.limits) for n in clean.names}
+        runs = self.look.standing(rests)
+        found, wind = frozen(clean, runs, rests, self.limits), columns["wind_speed"]
+        if refuse and wind.never_moves:  # a number that stands for all wind
+            found.pop("wind_speed", None)
+        whole = [n for n in found if n in POSSIBLE and columns[n].never_moves]
+        if whole and refuse:
+            first, last = map(clean.source.at, self.look.ends)
+            values = {name: max(columns[name].low, 0.0) for name in whole}
+            lines = [standing_line(n, v, first, last) for n, v in values.items()]
+            raise frozen_error(whole[0], lines)
+        for name, rows in found.items():
+            one = runs[name]
+            at = int(np.flatnonzero(one.first == rows[0, 0])[0])
+            time = clean.source.at(one.begin[at])
+            self.take("stuck", name, rows, time, one.value[at])
+        wind, rest = sample["wind_speed"], rests["wind_speed"]
+        usual = self.look.step * self.look.every
+        if not never_moves(wind) and may_rest(wind, rest, 2.0 * usual, self.limits):
+            calm = becalmed(clean, self.look.step, rest, self.limits)
+            self.note("stuck", "wind_speed", *calm)
+
+    def told(self) -> Iterator:
+        """What was found, in the order of kinds and columns."""
+        for kind in KINDS:
+            for name in self.clean.names:
+                if name in self.found.get(kind, {}):
+                    rows = size(self.found[kind][name])
+                    yield Found(name, kind, rows, *self.first[kind, name])
+
+    def masks(self) -> dict:
+        """Booleans of all rows, by kind and column."""
+        rows = len(self.clean)
+        return {
+            kind: {
+                name: masked(self.found[kind][name], rows)
+                for name in self.clean.names
+                if name in self.found[kind]
+            }
+            for kind in KINDS
+            if kind in self.found
+        }
+
+
+def stuck(record: Record, limits: Limits | None = None) -> dict[str, np.ndarray]:
+    """
+    Rows in which a sensor is stuck while its driver changes.
+
+    A value repeats by nature as long as its column's resolution, averaging and own
+    changes make it: a column that keeps its value from row to row with a share of *p*
+    keeps it *n* times with a chance of *pⁿ*. Repetitions count that have a chance below
+    1e-9, away from where the sensor rests: in the dark, at the lowest reading of an
+    anemometer, of power and of rain, at the highest humidity. Of these
+
+    * ``temp_module`` is stuck where it has felt irradiance change by 100 W/m², or the
+      air by 1 K and more over 3 h; at 0 °C, where snow melts, only after a day;
+    * ``temp_air`` where the module has changed by 10 K over 3 h;
+    * ``poa_global`` where the module's over-temperature has changed by 10 K; in the
+      dark (20 W/m²) over more than a day, or more than two hours from either end,
+      above the air, and by the module's own warmth;
+    * ``wind_speed`` after 6 h, and at its lowest reading after three days;
+    * ``relative_humidity``, ``longwave_down``, ``p_dc_per_area`` and ``precipitation``
+      after a day, ``wind_direction`` after three. Other columns may stay, as a
+      timetable does.
+
+    After three days in which the others move, the first three are stuck whatever
+    they usually do.
+
+    Parameters
+    ----------
+    record : Record
+        With the four columns that every fit needs.
+    limits : Limits, optional
+        The thresholds; those above by default.
+
+    Returns
+    -------
+    dict
+        Column to an array of booleans.
+
+    Notes
+    -----
+    A missing value ends a repetition, but in a column that has one value only, and in
+    wind at rest: of a record by day alone that may be weeks. There the measured time
+    counts.
+    """
+    columns = record.inputs.columns
+    names = [*POSSIBLE, *(n for n in DRIVERS if n in columns and n not in POSSIBLE)]
+    clean = CleanRecord(FrameRecord(record.inputs), tuple(names))
+    found = Screener.of(clean, limits or Limits())
+    found.standing(refuse=False)
+    still = found.masks().get("stuck", {})
+    still = {name: rows for name, rows in still.items() if name not in record.absent}
+    none = np.zeros(len(record.index), dtype=bool)
+    return {name: still.get(name, none) & np.isfinite(record[name]) for name in names}

@@ -1,0 +1,37 @@
+"""Rows whose time is years from all others."""
+
+from typing import Any
+
+import numpy as np
+
+from pvlib_fem._record.checks import instants
+from pvlib_fem.quality._limits import Limits
+
+
+def refuse_stray(index: Any, limits: Any) -> None:
+    """Refuse rows that are years from all others: their time is not theirs."""
+    gap = np.timedelta64(int(limits.stray_gap), "s")  # in ns too long a gap overflows
+    times = instants(index)
+    if times[-1] - times[0] <= gap:
+        return
+    for at in np.flatnonzero(np.diff(times) > gap) + 1:
+        refuse_gap(at, len(index), index[0], index[at - 1], index[at], limits)
+
+
+def refuse_gap(
+    at: Any, total: Any, start: Any, before: Any, after: Any, limits: Limits
+) -> None:
+    """Refuse the rows on one side of a gap before row ``at``, if they are few."""
+    early = at <= total / 2
+    rows = at if early else total - at
+    if rows > max(limits.few_share * total, 1):
+        return
+    ends = after.to_datetime64(), before.to_datetime64()
+    years = (ends[0] - ends[1]) / np.timedelta64(31_556_952, "s")
+    raise ValueError(
+        f"{'the row' if rows == 1 else f'{rows} rows'} at {start if early else after} "
+        f"{'is' if rows == 1 else 'are'} {years:.0f} years "
+        f"{'before' if early else 'after'} all others, which "
+        f"{'begin' if early else 'end'} at {after if early else before}:"
+        " a logger that lost its clock; drop such rows, or correct their times"
+    )

@@ -1,0 +1,469 @@
+"""A sensor that is stuck while its driver changes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.clean import (
+    CleanRecord,
+    covered,
+)
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._record.parquet import Block
+from pvlib_fem._relaxation import relax
+from pvlib_fem._spelling import argument, refusal
+from pvlib_fem.quality._limits import POSSIBLE, Limits
+from pvlib_fem.quality._values import never_moves
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Stretches of one value that are too long to be an accident."""
+
+    value: np.ndarray
+    first: np.ndarray  # row
+    last: np.ndarray  # row
+    begin: np.ndarray  # time of the first row
+    time: np.ndarray  # from the first to the last row [s]
+    odd: np.ndarray  # whether the column's own changes make it far too long
+
+    def some(self, kept: np.ndarray) -> "Runs":
+        """Some of them."""
+        return Runs(*(getattr(self, part.name)[kept] for part in fields(self)))
+
+    @property
+    def spans(self) -> np.ndarray:
+        """First row of each, and the one after its last."""
+        return np.column_stack([self.first, self.last + 1])
+
+
+SOME = 1 << 17  # rows that tell where a sensor rests
+#: columns whose sensors rest at their lowest value, whatever number that is
+FLOWS = ("wind_speed", "precipitation", "p_dc_per_area")
+
+
+@dataclass(eq=False)
+class Standing:
+    """Long repetitions of a column's value, of rows that come in blocks."""
+
+    name: str
+    limits: Limits
+    unit: float = 1.0  # of the times [s]
+    rows: int = 0  # values that are there
+    changes: int = 0  # those of them that are not as the one before
+    found: list = field(default_factory=list)
+    open: tuple | None = None  # the last one, which may go on
+
+    def add(self, values: Any, start: int, times: np.ndarray) -> "Standing":
+        """Look at the next rows, the first of which is row ``start``."""
+        if not len(values):
+            return self
+        edges = np.flatnonzero(values[1:] != values[:-1]) + 1
+        edges = np.concatenate(([0], edges, [len(values)]))
+        goes_on = self.open is not None and self.open[0] == values[0]
+        self.rows += int(np.count_nonzero(np.isfinite(values)))
+        begun = np.isfinite(values[edges[:-1]])
+        self.changes += int(np.count_nonzero(begun)) - int(goes_on)
+        many = np.flatnonzero(np.diff(edges) > self.limits.few_rows)
+        # the first may go on from the rows before, and the last in those that follow
+        many = np.union1d(many, [0, len(edges) - 2])
+        first, last = edges[many], edges[many + 1] - 1
+        runs = [values[first], first + start, last + start, times[first], times[last]]
+        if goes_on and self.open is not None:
+            runs[1][0], runs[3][0] = self.open[1], self.open[3]
+        else:
+            self.close()
+        self.open = tuple(part[-1] for part in runs)
+        self.keep(*(part[:-1] for part in runs))
+        return self
+
+    def close(self) -> None:
+        if self.open is not None:
+            self.keep(*(np.array([one]) for one in self.open))
+
+    def keep(
+        self,
+        value: np.ndarray,
+        first: np.ndarray,
+        last: np.ndarray,
+        begin: np.ndarray,
+        end: np.ndarray,
+    ) -> None:
+        time = (end - begin) * self.unit
+        long = (last - first >= self.limits.few_rows) & (time > self.limits.still_time)
+        if long.any():
+            self.found.append([x[long] for x in (value, first, last, begin, time)])
+
+    def runs(self, rest: float) -> Runs:
+        """All of them, after the last row, and which are odd for the column."""
+        self.close()
+        self.open = None
+        if not self.found:
+            none, rows = np.zeros(0), np.zeros(0, dtype=int)
+            return Runs(none, rows, rows, none, none, none > 0)
+        parts = [np.concatenate(part) for part in zip(*self.found)]
+        value, first, last, *_ = parts
+        resting = at_rest(self.name, value, rest)
+        rows = self.rows - (last - first + 1)[resting].sum()
+        changes = self.changes - np.count_nonzero(resting)
+        long = last - first > most_kept(rows, changes, self.limits)
+        return Runs(*[*parts, long])
+
+
+def most_kept(rows: int, changes: Any, limits: Limits) -> Any:
+    """
+    Rows in which a value may repeat the one before it by chance.
+
+    A value that is kept from row to row with a chance of p is kept n times with pⁿ.
+    """
+    if not 0 < changes < rows:
+        return 0.0
+    return np.log(limits.still_chance) / np.log1p(-changes / rows)
+
+
+def whole_run(value: float, rows: int, first: int, last: int, unit: float = 1.0) -> Any:
+    """The one repetition of a column that never moves, with its first and last time."""
+    ends = np.array([0]), np.array([rows - 1]), np.array([first])
+    time = np.array([(last - first) * unit])
+    return Runs(np.array([value]), *ends, time, np.array([True]))
+
+
+def rest_of(name: str, values: np.ndarray, limits: Limits) -> float:
+    """
+    Value at which a column's sensor rests; NaN of one that does not.
+
+    That is the dark, the lowest value of a flow, the highest humidity. An anemometer's
+    calm, or a night of an inverter, need not be 0; a few values may be beyond it.
+    """
+    if name == "poa_global":
+        return limits.light
+    way = 1.0 if name in FLOWS else -1.0
+    values = values[:: max(1, len(values) // SOME)]
+    seen = way * values[np.isfinite(values)]
+    if name not in (*FLOWS, "relative_humidity") or not len(seen):
+        return np.nan
+    at = int(limits.few_share * (len(seen) - 1))
+    rest = np.partition(seen, at)[at]
+    # where it rests it is more often than anywhere beyond, and not once
+    resting = seen == rest
+    once = longest_run(resting)
+    if 2 * (np.count_nonzero(resting) - once) < np.count_nonzero(seen <= rest) - once:
+        rest = seen.min()
+    return way * float(rest)
+
+
+def longest_run(rows: np.ndarray) -> int:
+    """How many rows follow each other at most."""
+    edges = np.flatnonzero(np.diff(rows, prepend=False, append=False))
+    return int(np.diff(edges)[::2].max(initial=0))
+
+
+def at_rest(name: str, values: np.ndarray, rest: float) -> np.ndarray:
+    """Whether values are where the column's sensor rests."""
+    return values >= rest if name == "relative_humidity" else values <= rest
+
+
+def seen_by(name: str, columns: dict) -> np.ndarray:
+    """A column, or what two of them make: over-temperature, and where it is warm."""
+    if name in columns:
+        return columns[name]
+    over = columns["temp_module"] - columns["temp_air"]
+    return over if name == "over" else np.maximum(over, 0.0)
+
+
+def too_long(runs: Runs, limits: Limits) -> np.ndarray:
+    """Repetitions that are odd for the column, or last while others move for days."""
+    return runs.odd | (runs.time > limits.calm)
+
+
+def still_irradiance(
+    runs: Runs, extent: Callable, steps: dict, limits: Limits
+) -> np.ndarray:
+    night = (runs.value <= limits.light) & (runs.time <= limits.still_day)
+    # a late clock has the sun at night; frost cools a module, and snow keeps it warm
+    warm = extent("warmth", limits.farthest_clock) > limits.warmed
+    warm &= extent("temp_module", limits.farthest_clock) > limits.warmed
+    return (extent("over") > limits.warmed) & (~night | warm)
+
+
+def still_air(runs: Runs, extent: Callable, steps: dict, limits: Limits) -> np.ndarray:
+    moved = extent("temp_module") > limits.warmed
+    return moved & (runs.time > limits.still_air)
+
+
+def still_module(
+    runs: Runs, extent: Callable, steps: dict, limits: Limits
+) -> np.ndarray:
+    of_sun = extent("felt") > limits.bright
+    of_air = extent("temp_air") > limits.temp_slack + 2 * sum(steps.values())
+    of_air &= runs.time > limits.still_air
+    melting = (np.abs(runs.value) <= limits.temp_slack) & (
+        runs.time <= limits.still_day
+    )
+    return (of_sun | of_air) & ~melting
+
+
+#: what makes a repetition of each column a fault while others move
+STILL = {
+    "temp_module": still_module,
+    "poa_global": still_irradiance,
+    "temp_air": still_air,
+}
+#: the limit of time of columns of which the others tell nothing
+DRIVERS = {
+    "wind_speed": "still_wind",
+    "relative_humidity": "still_day",
+    "longwave_down": "still_day",
+    "p_dc_per_area": "still_day",
+    "precipitation": "still_day",
+    "wind_direction": "calm",
+}
+
+
+def still_driver(name: str, runs: Runs, rest: float, limits: Limits) -> np.ndarray:
+    """Repetitions that none of the others explains."""
+    longest = limits.calm if name == "wind_speed" else np.inf
+    resting = at_rest(name, runs.value, rest)
+    most = np.where(resting, longest, getattr(limits, DRIVERS[name]))
+    return runs.odd & (runs.time > most)
+
+
+#: what each column is seen by, and the margin within its repetitions
+SEEN_BY = {
+    "temp_module": (("felt", ""), ("temp_air", "")),
+    "poa_global": (
+        ("over", ""),
+        ("warmth", "farthest_clock"),
+        ("temp_module", "farthest_clock"),
+    ),
+    "temp_air": (("temp_module", ""),),
+}
+
+
+def frozen(clean: CleanRecord, standing: dict, rests: dict, limits: Limits) -> dict:
+    """
+    Spans of rows in which a sensor is stuck, by column.
+
+    Parameters
+    ----------
+    clean : CleanRecord
+    standing : dict of Runs
+        Long repetitions of each column.
+    rests : dict
+        Value at which each sensor rests.
+    limits : Limits
+    """
+    seen = {n: standing[n].some(too_long(standing[n], limits)) for n in STILL}
+    found, left = {}, [name for name in STILL if len(seen[name].first)]
+    while left:
+        extents = Extents.of(clean, {name: seen[name] for name in left}, limits)
+        for name in list(left):
+            runs, extent = seen[name], extents.taker(name)
+            kept = STILL[name](runs, extent, extents.steps, limits)
+            left.remove(name)
+            if kept.any():
+                found[name] = runs.some(kept).spans
+                # a stuck module shows nothing of its drivers
+                clean = clean.lacking({name: found[name]})
+                break
+    for name in [name for name in DRIVERS if name in standing]:
+        runs = standing[name]
+        kept = still_driver(name, runs, rests[name], limits)
+        if kept.any():
+            found[name] = runs.some(kept).spans
+    return found
+
+
+@dataclass(eq=False)
+class Extents:
+    """Least and largest value of other columns in repetitions of some."""
+
+    standing: dict
+    limits: Limits
+    steps: dict  # smallest change of both temperatures
+    bounds: dict = field(default_factory=dict)  # least, largest, and the last value
+    before: dict = field(default_factory=dict)
+    felt: float | None = None
+    since: float = 0.0
+
+    @classmethod
+    def of(cls, clean: CleanRecord, standing: dict, limits: Limits) -> "Extents":
+        """The extents over a record, from one pass."""
+        steps = dict.fromkeys(("temp_air", "temp_module"), np.inf)
+        found = cls(standing, limits, steps)
+        for name, runs in standing.items():
+            for key in SEEN_BY[name]:
+                found.bounds[name, *key] = np.full((3, len(runs.first)), np.nan)
+        if found.bounds:
+            for block in clean.blocks(tuple(POSSIBLE)):
+                found.add(block)
+        found.steps = {n: s if s < np.inf else 0.0 for n, s in found.steps.items()}
+        return found
+
+    def add(self, block: Block) -> None:
+        columns = dict(block.inputs.columns)
+        others = {other for _, other, _ in self.bounds}
+        if "felt" in others:
+            columns["felt"] = self.as_felt(block)
+            for name in self.steps:
+                self.resolve(name, columns[name])
+        for name in {"over", "warmth"} & others:
+            columns[name] = seen_by(name, columns)
+        count = block.times
+        for name, runs in self.standing.items():
+            end = runs.last >= block.start
+            near = np.flatnonzero(end & (runs.first < block.start + len(block)))
+            for i in near:
+                for other, margin in SEEN_BY[name]:
+                    inner = getattr(self.limits, margin) if margin else 0.0
+                    rows = self.rows(block, count, runs, i, inner)
+                    merge(self.bounds[name, other, margin], i, columns[other][rows])
+
+    @staticmethod
+    def rows(block: Block, count: np.ndarray, runs: Runs, i: Any, margin: float) -> Any:
+        """Rows of a block that lie in the i-th repetition, within a margin."""
+        first = max(runs.first[i] - block.start, 0)
+        last = min(runs.last[i] + 1 - block.start, len(block))
+        if margin:
+            unit = block.inputs.unit
+            seconds = (count[first:last] - runs.begin[i]) * unit
+            end = np.searchsorted(seconds, runs.time[i] - margin, "right")
+            return slice(first + np.searchsorted(seconds, margin), first + end)
+        return slice(first, last)
+
+    def as_felt(self, block: Block) -> np.ndarray:
+        """Irradiance as the module feels it, carried on from the blocks before."""
+        poa, steps = block["poa_global"], block.inputs.steps.astype(float)
+        there = np.flatnonzero(np.isfinite(poa))
+        if not len(there):
+            self.since += steps.sum()
+            return poa
+        steps[0] += self.since
+        self.since = steps[there[-1] + 1 :].sum()
+        memory = self.limits.still_time / 5 / block.inputs.unit
+        felt = relax(poa, steps, memory, self.felt)
+        self.felt = felt[there[-1]]
+        return felt
+
+    def resolve(self, name: str, values: np.ndarray) -> None:
+        """Smallest change of a column so far."""
+        change = np.abs(np.diff(values, prepend=self.before.get(name, np.nan)))
+        self.before[name] = values[-1]
+        change = change[change > 1e-9]
+        if len(change):
+            self.steps[name] = min(self.steps[name], float(change.min()))
+
+    def taker(self, name: str) -> Callable:
+        """What tells the extent of another column in repetitions of one."""
+
+        def extent(other: str, margin: float = 0.0) -> np.ndarray:
+            key = name, other, "farthest_clock" if margin else ""
+            low, high, _ = self.bounds[key]
+            return np.nan_to_num(high - low)
+
+        return extent
+
+
+def merge(bounds: np.ndarray, i: Any, values: np.ndarray) -> None:
+    """
+    Take further values into the least and largest of the i-th repetition.
+
+    Its last row waits until another comes, as in memory.
+    """
+    if not len(values):
+        return
+    before = np.append(bounds[:, i], values[:-1])
+    bounds[:, i] = np.fmin.reduce(before), np.fmax.reduce(before), values[-1]
+
+
+def may_rest(wind: np.ndarray, rest: float, usual: float, limits: Limits) -> bool:
+    """Whether so many rows are at one value, or below, that a calm may be too long."""
+    _, counts = np.unique(wind[wind <= rest], return_counts=True)
+    return counts.max(initial=0) * usual > limits.calm
+
+
+def becalmed(clean: CleanRecord, usual: float, rest: float, limits: Limits) -> list:
+    """
+    Rows of wind at rest for longer than a calm lasts, with their times and values.
+
+    Gaps take no time: no row is further from the one before than a usual step. [s]
+    """
+    standing, number = Standing("wind_speed", limits), 0
+    elapsed, last = 0.0, None
+    for block in clean.blocks(("wind_speed",)):
+        values, times = block["wind_speed"], block.times
+        there = np.flatnonzero(np.isfinite(values))
+        if not len(there):
+            continue
+        times = times[there]
+        steps = np.diff(times, prepend=times[0] if last is None else last)
+        lasted = elapsed + np.cumsum(np.minimum(steps * block.inputs.unit, usual))
+        standing.add(values[there], number, lasted)
+        number, elapsed, last = number + len(there), lasted[-1], times[-1]
+    runs = standing.runs(rest)
+    calm = runs.some((runs.value <= rest) & (runs.time > limits.calm)).spans
+    parts, number = [[np.empty(0, int)] * 3], 0
+    for block in clean.blocks(("wind_speed",)) if len(calm) else ():
+        values = block["wind_speed"]
+        there = np.flatnonzero(np.isfinite(values))
+        rows = there[covered(calm, np.arange(number, number + len(there)))]
+        parts.append([rows + block.start, block.times[rows], values[rows]])
+        number += len(there)
+    return [np.concatenate(part) for part in zip(*parts)]
+
+
+def refuse_frozen(record: Record, frozen: dict) -> None:
+    """Refuse a record in which a sensor never moves, so that no row can be used."""
+    whole = [
+        name for name in frozen if frozen[name].any() and never_moves(record[name])
+    ]
+    if whole:
+        raise frozen_error(whole[0], [whole_line(record, name) for name in whole])
+
+
+def frozen_error(name: str, lines: list) -> Any:
+    """The error of sensors that never move, of which ``name`` is one."""
+    words = (
+        f"{'; '.join(lines)}, so no row is left; look at sensor and logger, or name "
+        f"the column of a sensor that moves as {name}"
+    )
+    calm = (", or give ", argument("model", "ross"), ", which needs no wind")
+    return refusal(words, *(calm if name == "wind_speed" else ()))
+
+
+def stuck_line(record: Record, frozen: dict) -> str:
+    """The stuck sensor, since when and at which value, in one line."""
+    lines = [one_line(record, name, rows) for name, rows in frozen.items()]
+    lines = "; ".join(filter(None, lines))
+    return f"{lines}: they are not used; look at sensor and logger"
+
+
+def one_line(record: Record, name: str, rows: np.ndarray) -> str:
+    """The line of one column, or nothing if it moves."""
+    values = record[name]
+    if not rows.any():
+        return ""
+    if never_moves(values):
+        return whole_line(record, name)
+    at = int(np.argmax(rows))
+    return (
+        f"{name} is stuck at {values[at]:g} from {record.index[at]} on, "
+        f"{rows.sum():,} rows in all"
+    )
+
+
+def whole_line(record: Record, name: str) -> Any:
+    """The line of a column that never moves."""
+    values = record[name]
+    seen = np.flatnonzero(np.isfinite(values))
+    first, last = record.index[seen[0]], record.index[seen[-1]]
+    return standing_line(name, values[seen[0]], first, last)
+
+
+def standing_line(
+    name: str, value: float, first: pd.Timestamp, last: pd.Timestamp
+) -> str:
+    return f"{name} is stuck at {value:g} for the whole record, from {first} to {last}"

@@ -1,0 +1,209 @@
+"""Days on which irradiance is that of a plane that stands, while a record's turns."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from pvlib.location import Location
+
+from pvlib_fem.drivers import sun
+from pvlib_fem.effects._standstill import in_words, rotations
+from pvlib_fem.effects._time_profiles import dates_in_words, written
+from pvlib_fem.quality._plane import WHOLE, Sky, at_rows
+
+LOWEST = 80.0  # ° from the vertical: in winter the sun of high latitudes is no higher
+CLEAR = 0.1  # of a day's irradiance, root mean square, by which a clear day may differ
+ANOTHER = 0.2  # by which it differs from a plane that is not its own
+BETTER = 4.0  # times as much, than one at which it stands
+FEWEST = 2  # clear days in one plane
+ALIKE = 10.0  # ° within which planes of several days are one
+FEWEST_ROWS = 10  # of a day with the sun up
+
+
+@dataclass(frozen=True)
+class Standing:
+    """
+    Days on which the irradiance is that of a plane that is stuck.
+
+    Attributes
+    ----------
+    start, end : str
+        First day, and the first day after it.
+    between : tuple of str
+        Days between which it began: after one with light of the plane that turns, and
+        up to the first clear day.
+    surface_tilt, surface_azimuth : float
+        Where it stands. [°]
+    days : int
+        Clear days that show it.
+    before, after : float
+        What a clear sky in the described plane, and in this one, leaves of these days:
+        root mean square as a share of that of the irradiance. [-]
+    """
+
+    start: str
+    end: str
+    between: tuple
+    surface_tilt: float
+    surface_azimuth: float
+    days: int
+    before: float
+    after: float
+
+    @classmethod
+    def stored(cls, content: Any) -> Any:
+        """The days of a part of a file."""
+        dates = {name: content.text(name) for name in ("start", "end")}
+        sizes = ("surface_tilt", "surface_azimuth", "before", "after")
+        numbers = {name: content.number(name) for name in sizes}
+        between, days = content.texts("between"), content.count("days")
+        return cls(**dates, **numbers, between=between, days=days)
+
+    @property
+    def when(self) -> Any:
+        """Its days in words."""
+        return dates_in_words({**asdict(self), "between": self.between})
+
+    def __str__(self) -> str:
+        return (
+            f"from {self.when} the irradiance sensor was stuck "
+            f"{in_words(self.surface_tilt, self.surface_azimuth)}, while the record "
+            f"describes a plane that turns: on {self.days} clear days a clear sky in "
+            f"the described plane leaves {self.before:.0%} of the irradiance, and in "
+            f"that one {self.after:.0%}; effects of the plane have its angles"
+        )
+
+    def rows(self, index: pd.DatetimeIndex) -> Any:
+        """Rows of some times on its days."""
+        local = index.tz_localize(None)
+        first, last = pd.Timestamp(self.start), pd.Timestamp(self.end)
+        return np.asarray((local >= first) & (local < last))
+
+
+def standing_of(
+    poa_global: Any,
+    index: pd.DatetimeIndex,
+    location: Location,
+    angles: tuple,
+    late: float = 0.0,
+) -> tuple[Standing, ...]:
+    """
+    Days on which an irradiance sensor does not follow the plane that is described.
+
+    On a clear day irradiance has the shape of a clear sky in the sensor's plane. If
+    that is not the plane that turns, but one of its angles at which it stands, and in
+    the same one on several days without a clear day of the other between them, the
+    sensor was stuck.
+
+    Parameters
+    ----------
+    poa_global : array
+        [W/m²]
+    index : DatetimeIndex
+        Without a zone in standard time at the location.
+    location : pvlib.location.Location
+    angles : tuple of array
+        Tilt and azimuth of the described plane. [°]
+    late : float
+        By how much the rows' times are late. [s]
+
+    Returns
+    -------
+    tuple of Standing
+    """
+    poa = np.asarray(poa_global, dtype=float)
+    try:
+        axis, turns = rotations(*(np.asarray(angle, dtype=float) for angle in angles))
+    except ValueError:  # nothing that turns
+        return ()
+    place = sun(index - pd.Timedelta(seconds=late), location)
+    zenith, azimuth = (place[name].to_numpy() for name in place.columns)
+    up = zenith < LOWEST
+    dates = np.asarray(index.tz_localize(None).normalize().as_unit("s").asi8) // 86400
+    light = np.flatnonzero(up & np.isfinite(poa + angles[0] + angles[1]))
+    first = dates.min()
+    counts, there = (
+        np.bincount(dates[rows] - first, minlength=int(np.ptp(dates)) + 1)
+        for rows in (np.flatnonzero(up), light)
+    )
+    whole = (there >= WHOLE * counts) & (there >= FEWEST_ROWS)
+    rows = light[whole[dates[light] - first]]
+    if not len(rows):
+        return ()
+    days = np.unique(dates[rows])
+    sky = Sky.of(poa[rows], zenith[rows], azimuth[rows], dates[rows], location)
+    moving = left_by_day(sky, at_rows(angles, rows))
+    planes = np.array([left_by_day(sky, plane) for plane in axis.planes(turns)])
+    best = planes.min(axis=0)
+    stands = (best < CLEAR) & (moving > np.maximum(ANOTHER, BETTER * best))
+    moves = (moving < CLEAR) & ~stands
+    at = turns[planes.argmin(axis=0)]
+    return tuple(
+        described(sky, axis, days, some, at, moving, *edges)
+        for some, *edges in runs(days, stands, moves, at)
+    )
+
+
+def left_by_day(sky: Any, plane: Any) -> Any:
+    """What a clear sky in a plane leaves of each day, as a share. [-]"""
+    modelled = sky.on_plane(plane)
+    whole, square, both = (
+        np.bincount(sky.day, column)
+        for column in (sky.poa**2, modelled**2, sky.poa * modelled)
+    )
+    left = whole - both**2 / np.maximum(square, 1e-9)
+    return np.sqrt(np.maximum(left, 0.0) / np.maximum(whole, 1e-9))
+
+
+def runs(days: Any, stands: Any, moves: Any, at: Any) -> Iterator:
+    """Groups of days that stand in one plane, and the clear days that move around."""
+    some: list[int] = []
+    last = days[0] - 1
+    for i in range(len(days) + 1):
+        ends = i == len(days) or moves[i]
+        other = not ends and stands[i] and some and abs(at[i] - at[some[-1]]) > ALIKE
+        if (ends or other) and some:
+            after = days[i] if i < len(days) else days[-1] + 1
+            if len(some) >= FEWEST:
+                yield some, last, after
+            last = days[some[-1]]
+            some = []
+        if i < len(days) and moves[i]:
+            last = days[i]
+        elif i < len(days) and stands[i]:
+            some = [*some, i]
+
+
+def described(
+    sky: Any,
+    axis: Any,
+    days: Any,
+    some: Any,
+    at: Any,
+    moving: Any,
+    last: Any,
+    after: Any,
+) -> Any:
+    """The days, and the plane that leaves least of them."""
+    there = np.isin(sky.day, some)
+    part = sky.rows(there)
+    middle = float(np.median(at[some]))
+    near = np.arange(middle - ALIKE, middle + ALIKE + 0.5)
+    planes = axis.planes(near)
+    left = [np.sqrt(np.mean(left_by_day(part, p)[some] ** 2)) for p in planes]
+    tilt, turn = planes[int(np.argmin(left))].round(1).tolist()
+    first, end = days[some[0]], days[some[-1]] + 1
+    # in the middle of the days that show neither
+    begin = int(last + 1 + first + 1) // 2
+    return Standing(
+        start=written(begin),
+        end=written(int(end + after) // 2),
+        between=(written(last + 1), written(first)),
+        surface_tilt=tilt,
+        surface_azimuth=turn,
+        days=len(some),
+        before=float(np.sqrt(np.mean(moving[some] ** 2))),
+        after=float(min(left)),
+    )

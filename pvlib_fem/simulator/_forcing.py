@@ -1,0 +1,184 @@
+"""Inputs of the module that do not depend on its temperature."""
+
+import numpy as np
+
+from pvlib_fem.simulator._air import VAPOUR, vapour
+from pvlib_fem.simulator._constants import (
+    DAY,
+    SIGMA,
+    ZERO,
+    clock,
+    lagged,
+    seconds,
+    winter,
+)
+from pvlib_fem.simulator._convection import FORCED, NATURAL
+from pvlib_fem.simulator._deposits import SNOW_BELOW, bright, dirt, snow_cover
+from pvlib_fem.simulator._ground import plane, shade
+from pvlib_fem.simulator._schedules import curtailed, undeclared
+from pvlib_fem.simulator._surroundings import AIR, BACK, GLASS, LIGHT, WIND, total
+from pvlib_fem.simulator._tracker import orientation
+
+IN_GLASS, IN_CELL = 0.03, 0.89  # share of sunlight; together τα = 0.92, as [2]_
+REAR_ABSORPTANCE = 0.6  # of a light back sheet with cells behind it
+EFFICIENCY, GAMMA, LOW_LIGHT = 0.20, -0.0035, 0.03  # crystalline silicon; 1, 1/K, 1
+EMISSIVITY = np.array([[0.88], [0.85]])  # front, back: pvlib's faiman_rad, [2]_
+MEET = 3.0  # m/s, where its straight line meets the forced convection
+AT_MODULE = 0.85  # wind at the module over wind at the mast
+SHELTER = 0.30  # wind from behind is slower by that, from the front faster
+CHANNEL = 0.3  # speed behind a roof module, share of the wind along it [2]_
+
+# ground of a rack and roof under a module; surface layer of some centimetres
+SURFACE = {
+    "rack": dict(capacity=9e4, lit=0.6, module=0.4, loss=9.0, cavity=0.0),
+    "roof": dict(capacity=9e4, lit=0.0, module=1.0, loss=4.0, cavity=0.5),
+}
+TO_DEEP = 4.0  # W m⁻² K⁻¹, to the layer below, which follows the air of three days
+GROUND_EMISSIVITY = 0.93
+HEAT_OF_WATER = 4186.0  # J kg⁻¹ K⁻¹
+SNOW_CONTACT = 40.0  # W m⁻² K⁻¹, of some centimetres on the glass
+
+
+def fresnel(cosine, index=1.526):
+    """Transmittance of a glass face over that at normal incidence."""
+    inside = np.sqrt(1.0 - (1.0 - cosine**2) / index**2)
+    across = ((cosine - index * inside) / (cosine + index * inside)) ** 2
+    along = ((inside - index * cosine) / (inside + index * cosine)) ** 2
+    normal = 1.0 - ((index - 1.0) / (index + 1.0)) ** 2
+    return (1.0 - (across + along) / 2) / normal
+
+
+def light(weather, site, on, covered, albedo):
+    """Irradiance through the glass, and heat that the back absorbs. [W/m²]"""
+    tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
+    beam, sky, ground, cosine = plane(
+        weather, tilt, azimuth, albedo, site.forms.transposition
+    )
+    beam = beam * shade(weather, site, on["shading"])
+    sun = beam * (1 + on["incidence_angle"] * (fresnel(cosine) - 1))
+    sun += (sky + ground) * (1 + on["incidence_angle"] * (0.955 - 1))
+    sun += total(LIGHT, weather, site, on)
+    sun *= 1 - on["soiling"] * dirt(weather, site)
+    sun *= 1 - 0.95 * np.minimum(covered, 1)
+    sun *= 1 + 0.04 * on["season"] * winter(site, clock(weather.index)[1])
+    tilt = np.cos(np.radians(tilt))
+    rear = 0.7 * albedo * weather["ghi"].to_numpy() * (1 + tilt) / 2  # 0.7: own shade
+    rear += weather["dhi"].to_numpy() * (1 - tilt) / 2
+    open_back = site.mounting == "rack"
+    return sun, REAR_ABSORPTANCE * on["rear_irradiance"] * open_back * rear
+
+
+def scattered(weather, site, on):
+    """Wind at the module over its expectation from the mast, 1 on average."""
+    scatter = 0.3 * on["wind_scatter"]
+    found = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
+    return found * np.maximum(1 - total(WIND, weather, site, on), 0.0)
+
+
+def heats(weather, site, on):
+    """Heat of undeclared sources on the glass and on the back. [W/m²]"""
+    air = weather["temp_air"].to_numpy()
+    front, back = undeclared(weather.index, air, on, site.forms)
+    front = front + total(GLASS, weather, site, on)
+    return front, back + total(BACK, weather, site, on)
+
+
+def output(sun, idle, on):
+    """Power as constant + slope·T_cell, with T_cell in °C. [W/m², W/(m² K)]"""
+    full = EFFICIENCY * sun * (1 - idle)
+    low = on["conversion"] * LOW_LIGHT * np.log(np.clip(sun, 10.0, None) / 1000.0)
+    slope = on["conversion"] * GAMMA * full
+    return full * (1 + low) - 25.0 * slope, slope
+
+
+def breeze(weather, site, on, calm):
+    """Forced convection of both faces: the form's, and a linear approximation."""
+    law = FORCED[site.forms.forced]
+    tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
+    around = np.radians(weather["wind_direction"].to_numpy() - azimuth)
+    facing = on["wind_direction"] * np.cos(around)
+    if site.tracker is not None:  # which has no front while it is level
+        facing = facing * np.sin(np.radians(tilt))
+    local = AT_MODULE * weather["wind_speed"].to_numpy() * scattered(weather, site, on)
+    local *= np.maximum(1 + SHELTER * facing, 0.0)
+    speed, facing = np.array([local, local]), np.array([facing, -facing])
+    luff = 0.5 + 0.5 * facing  # share of windward
+    if site.mounting == "roof":
+        along = np.abs(np.cos(around)) - 2 / np.pi  # less its mean over directions
+        share = np.maximum(2 / np.pi + on["wind_direction"] * along, 0.0)
+        speed[1] *= CHANNEL * share
+        facing[1] = luff[1] = 0.0
+    rise = (np.hypot(calm, law(MEET, 0.5)) - calm) / MEET
+    return law(speed, luff), (1 - on["wind_shape"]) * rise * speed * (1 + 0.5 * facing)
+
+
+def wet_bulb(celsius, humidity):
+    """Stull's fit [4]_. [°C]"""
+    return (
+        celsius * np.arctan(0.151977 * np.sqrt(humidity + 8.313659))
+        + np.arctan(celsius + humidity)
+        - np.arctan(humidity - 1.676331)
+        + 0.00391838 * humidity**1.5 * np.arctan(0.023101 * humidity)
+        - 4.686035
+    )
+
+
+def forcing(weather, site, on):
+    """All inputs of the module that do not depend on its temperature."""
+    celsius, step = weather["temp_air"].to_numpy(), seconds(weather.index)
+    ghi = weather["ghi"].to_numpy()
+    air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is
+    leaning, _ = orientation(weather, site, on["tracker_stuck"])
+    tilt, rack = np.cos(np.radians(leaning)), site.mounting == "rack"
+    covered = on["snow"] * snow_cover(weather, site)
+    albedo = bright(weather, site, on)
+    sun, rear = light(weather, site, on, covered, albedo)
+
+    idle = on["electrical_output"] * curtailed(weather)
+    constant, slope = output(sun, idle, on)
+    # longwave: all exchange is with black surroundings at air temperature; what
+    # the sky is colder than that is a sink that the module does not change
+    black = SIGMA * air**4
+    cold = on["sky_radiation"] * (black - weather["longwave_down"].to_numpy())
+    up, down = (1 + tilt) / 2, (1 - tilt) / 2
+    to_sky = faces(up, down if rack else 0.0)
+    to_ground = faces(down, up if rack else 1.0)
+    front, back = heats(weather, site, on)
+    heat = np.array([IN_GLASS * sun + front, rear + back])
+    # rain is at the wet-bulb temperature, snow not above 0 °C
+    fluid = weather["precipitation"].to_numpy() * (celsius >= SNOW_BELOW) / 3600.0
+    shed, held = on["rain"] * HEAT_OF_WATER * fluid, SNOW_CONTACT * covered
+    wet = wet_bulb(celsius, weather["relative_humidity"].to_numpy()) + ZERO
+    natural = NATURAL[site.forms.natural]
+    even = np.full((2, len(weather)), site.forms.calm_excess)
+    calm = natural(leaning)(even)
+    forced, straight = breeze(weather, site, on, calm)
+    ground = SURFACE[site.mounting]
+    # heat of the ground minus its loss with air at 0 K
+    lit = ground["lit"] * (1 - albedo) * ghi + ground["loss"] * air
+    lit += TO_DEEP * lagged(air, 3 * DAY / step)
+    lit += GROUND_EMISSIVITY * (1 - ground["module"]) * (black - cold)
+    surfaces = dict(natural=natural, saturation=VAPOUR[site.forms.vapour])
+    series = dict(
+        air=air,
+        heat=heat - EMISSIVITY * to_sky * cold,
+        cell=IN_CELL * sun,
+        output=constant - slope * ZERO,  # of a cell in kelvin
+        slope=slope,
+        forced=forced**2,
+        straight=straight,
+        drain=shed + held,
+        cooler=shed * wet + held * np.minimum(air, ZERO),
+        vapour=vapour(weather["temp_dew"].to_numpy(), site.forms.vapour),
+        capture=fluid * (on["rain"] > 0),
+        lit=lit,
+        calm=calm,
+        tilt=np.broadcast_to(leaning, len(weather)),
+        view=np.broadcast_to(EMISSIVITY * SIGMA * to_ground, calm.shape),
+    )
+    return surfaces | ground, series
+
+
+def faces(front, back):
+    """A number, or one for each row, of both faces."""
+    return np.array(np.broadcast_arrays(*np.atleast_1d(front, back)))

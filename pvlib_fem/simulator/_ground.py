@@ -1,0 +1,54 @@
+"""Irradiance on a plane, and obstacles before it."""
+
+import numpy as np
+from pvlib import irradiance
+from pvlib.atmosphere import get_relative_airmass
+
+from pvlib_fem.simulator._constants import SOLAR_CONSTANT
+
+
+def plane(weather, tilt, azimuth, albedo, form):
+    """Beam, sky and ground irradiance on a plane, and the cosine of incidence."""
+    elevation = weather["elevation"].to_numpy()
+    cosine = irradiance.aoi_projection(
+        tilt, azimuth, 90.0 - elevation, weather["azimuth"].to_numpy()
+    )
+    cosine = np.where(elevation > 0, np.maximum(cosine, 0.0), 0.0)
+    sky = sky_diffuse(form, weather, tilt, azimuth)
+    ground = irradiance.get_ground_diffuse(tilt, weather["ghi"].to_numpy(), albedo)
+    return weather["dni"].to_numpy() * cosine, sky, ground, cosine
+
+
+def sky_diffuse(form, weather, tilt, azimuth):
+    """Sky diffuse irradiance on a plane by one of pvlib's models. [W/m²]"""
+    zenith = 90.0 - weather["elevation"].to_numpy()
+    found = irradiance.get_sky_diffuse(
+        tilt,
+        azimuth,
+        zenith,
+        weather["azimuth"].to_numpy(),
+        *(weather[name].to_numpy() for name in ("dni", "ghi", "dhi")),
+        dni_extra=SOLAR_CONSTANT,
+        airmass=get_relative_airmass(zenith),
+        model=form,
+    )
+    return np.where(weather["dhi"] > 0, np.maximum(np.nan_to_num(found), 0.0), 0.0)
+
+
+def hidden(weather, obstacles):
+    """Share of the beam that obstacles block; the largest share if they overlap."""
+    azimuth, elevation = weather["azimuth"].to_numpy(), weather["elevation"].to_numpy()
+    share = np.zeros(len(weather))
+    for one in obstacles:
+        across = (azimuth - one.azimuth + 180.0) % 360.0 - 180.0
+        knots = np.linspace(-one.width / 2, one.width / 2, len(one.heights))
+        below = np.interp(across, knots, one.heights) - elevation
+        inside = np.minimum(one.width / 2 - np.abs(across), below)  # ° from an edge
+        dark = np.clip(inside / one.blur + 0.5, 0, 1) if one.blur else inside >= 0
+        share = np.maximum(share, one.covers * dark)
+    return share
+
+
+def shade(weather, site, amplitude):
+    """Share of the beam that obstacles transmit."""
+    return 1 - np.minimum(amplitude * hidden(weather, site.forms.obstacles), 1)

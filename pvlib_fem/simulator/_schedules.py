@@ -1,0 +1,53 @@
+"""Scheduled activities around a module."""
+
+import numpy as np
+
+from pvlib_fem.simulator._constants import clock, stream
+from pvlib_fem.simulator._submodels import Forms
+
+PLAIN = Forms()
+
+
+def curtailed(weather):
+    """Hours without output: midday, most often on weekends in spring."""
+    times, seed = weather.index, weather.attrs.get("seed", 0)
+    weekend = times.day_of_week.to_numpy() >= 5
+    spring = (times.month.to_numpy() >= 3) & (times.month.to_numpy() <= 6)
+    odds = np.where(weekend, 0.25, 0.08) + np.where(spring, 0.3, 0.0)
+    days = times.day_of_year.to_numpy() - 1
+    draw, first, last = stream(seed, "curtailment").random((3, 366))[:, days]
+    hour, _ = clock(times)
+    return (draw < odds) & (hour >= 9.5 + 2 * first) & (hour < 13.5 + 2.5 * last)
+
+
+def undeclared(times, air, on, forms=PLAIN):
+    """Heat of scheduled and neighbouring sources, on glass and back. [W/m²]"""
+    hour, month = clock(times)[0], times.month.to_numpy()
+    weekend = times.day_of_week.to_numpy() >= 5
+    exhaust = 120.0 * (weekend & (hour >= 9) & (hour < 16))
+    chiller = 100.0 * np.clip((air - 18.0) / 10.0, 0.0, 1.0)
+    chiller *= (month >= 6) & (month <= 8) & (hour >= 13) & (hour < 19)
+    animals = 50.0 * (((hour >= 20) | (hour < 6)) & ((month <= 4) | (month >= 10)))
+    watered = on_its_day(times, forms.watering) & (month >= 4) & (month <= 9)
+    back = on["weekend_exhaust"] * exhaust + on["chiller"] * chiller
+    back = back + on["fan"] * 100.0 * running(times, forms.fan)
+    return on["irrigation"] * -150.0 * watered, back + on["shelter"] * animals
+
+
+def on_its_day(times, timetable):
+    """Whether a timetable of days has something on, in local standard time."""
+    day = local(times, "D")
+    hour, _ = clock(times)
+    some = [(hour >= first) & (hour < last) for first, last in timetable.hours]
+    return np.any(some, axis=0) & (day % timetable.every == timetable.phase)
+
+
+def running(times, timetable):
+    """Whether a timetable of minutes has something on, in local standard time."""
+    minute = local(times, "s") / 60.0
+    return (minute - timetable.phase) % timetable.period < timetable.on
+
+
+def local(times, unit):
+    """Whole units since 1970-01-01 in local time."""
+    return times.tz_localize(None).to_numpy().astype(f"datetime64[{unit}]").astype(int)

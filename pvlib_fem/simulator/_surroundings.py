@@ -1,0 +1,214 @@
+"""
+Causes that are not in the catalogue of effects: heat, light, air, wind and readings.
+
+Each law has the name of its switch and returns amplitude 1. A site's hours, directions
+and limits are drawn from the weather's seed, with separate random numbers for each law.
+"""
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from pvlib_fem.simulator._constants import DAY, clock, lagged, seconds, stream, winter
+
+LOW_SUN, HIGH_SUN = 8.0, 40.0  # °, where a façade mirrors the sun onto a module
+
+
+def chance(weather, name):
+    """Random numbers of one law at one site."""
+    return stream(weather.attrs.get("seed", 0), name)
+
+
+def around(angle, centre):
+    """Distance of angles from another. [°]"""
+    return np.abs((angle - centre + 180.0) % 360.0 - 180.0)
+
+
+def between(weather, begin, length):
+    """Rows within some hours of the day."""
+    hour = clock(weather.index)[0]
+    return (hour >= begin) & (hour < begin + length)
+
+
+def warmer(weather, site, share):
+    """Rows with air above the annual mean by a share of the annual amplitude."""
+    limit = site.temp_mean + share * site.temp_amplitude
+    return weather["temp_air"].to_numpy() > limit
+
+
+def hours_of_sun(weather):
+    """Time since sunrise, 0 at night. [h]"""
+    rows = np.arange(len(weather))
+    dark = weather["elevation"].to_numpy() <= 0
+    return (rows - np.maximum.accumulate(rows * dark)) * seconds(weather.index) / 3600
+
+
+def reflection(weather, site):
+    """
+    Sun reflected by a façade near the module, which its sensor does not see. [W/m²]
+
+    Coated glass reflects 10 to 30 % of the sun; here the module gets 20 % of the beam.
+    """
+    random = chance(weather, "reflection")
+    azimuth, elevation = (weather[n].to_numpy() for n in ("azimuth", "elevation"))
+    low = (elevation > LOW_SUN) & (elevation < HIGH_SUN)
+    low = np.flatnonzero(low & (around(azimuth, 180.0) < 90.0))
+    if not len(low):  # no hours with such sun
+        return np.zeros(len(weather))
+    place = random.choice(low)
+    width, height = random.uniform(15.0, 30.0), random.uniform(8.0, 15.0)
+    there = around(azimuth, azimuth[place]) < width
+    there &= np.abs(elevation - elevation[place]) < height
+    return 0.2 * weather["dni"].to_numpy() * there
+
+
+def plume(weather, site):
+    """
+    Exhaust air in wind from one direction. [W/m²]
+
+    Air is 2 K warmer, at 25 W/(m² K) of both faces.
+    """
+    random = chance(weather, "plume")
+    direction = weather["wind_direction"].to_numpy()
+    centre = random.choice(direction)
+    return 50.0 * (around(direction, centre) < random.uniform(20.0, 35.0))
+
+
+def puddles(weather, site):
+    """
+    Wet ground behind the module, for half a day to two days after rain. [W/m²]
+
+    Wet ground is 10 to 15 K colder in full sun than dry ground. The back loses
+    6 W/(m² K) of that by longwave, and some more by its air.
+    """
+    dries = chance(weather, "puddles").uniform(12.0, 40.0)  # h
+    rows = np.arange(len(weather))
+    rain = weather["precipitation"].to_numpy() > 0
+    last = np.maximum.accumulate(np.where(rain, rows, -np.inf))
+    wet = np.exp((last - rows) * seconds(weather.index) / 3600.0 / dries)
+    return -0.1 * weather["ghi"].to_numpy() * wet
+
+
+def sea_breeze(weather, site):
+    """
+    Sea breeze that reaches the module but not the station. [K]
+
+    Air behind its front is colder by some kelvin: S. T. K. Miller et al., Rev. Geophys.
+    41, 1011 (2003), :doi:`10.1029/2003RG000124`. It blows on sunny days of the warm
+    half year.
+    """
+    random = chance(weather, "sea_breeze")
+    hours = between(weather, random.uniform(10.0, 13.0), random.uniform(5.0, 8.0))
+    sun = lagged(weather["ghi"].to_numpy(), 3 * 3600 / seconds(weather.index))
+    warm = winter(site, clock(weather.index)[1]) < 0
+    return -3.0 * (hours & warm & (sun > 300.0))
+
+
+def misters(weather, site):
+    """
+    Nozzles of a barn or a terrace that cool the module's air in heat. [K]
+
+    Fog systems remove 30 to 60 % of the wet-bulb depression, which is two thirds of air
+    temperature minus dew point; a module nearby gets half of that.
+    """
+    random = chance(weather, "misters")
+    hours = between(weather, random.uniform(8.0, 12.0), random.uniform(6.0, 10.0))
+    dry = (weather["temp_air"] - weather["temp_dew"]).to_numpy()
+    return -0.15 * dry * (hours & warmer(weather, site, random.uniform(0.2, 0.7)))
+
+
+def fog(weather, site):
+    """
+    Dew on the glass after a humid night, dried by the sun. [W/m²]
+
+    A night deposits 0.1 to 0.3 mm (J. L. Monteith and M. H. Unsworth, "Principles of
+    environmental physics"); 80 W/m² over 2 h evaporate 0.24 mm.
+    """
+    lasts = chance(weather, "fog").uniform(2.0, 4.0)  # h
+    humid = (weather["relative_humidity"].to_numpy() > 85.0).astype(float)
+    damp = lagged(humid, 3 * 3600 / seconds(weather.index))
+    since = hours_of_sun(weather)
+    return -80.0 * damp * ((since > 0) & (since < lasts))
+
+
+def inverter_hall(weather, site):
+    """
+    Exhaust of inverters by their power, if it is warm enough for the fans. [W/m²]
+
+    Air is 3 K warmer, at 25 W/(m² K) of both faces.
+    """
+    share = chance(weather, "inverter_hall").uniform(0.1, 0.6)
+    power = np.minimum(weather["ghi"].to_numpy() / 850.0, 1.0)
+    return 75.0 * power * warmer(weather, site, share)
+
+
+def compost(weather, site):
+    """
+    A heap that is turned once in 1 to 3 months and cools for weeks. [W/m²]
+
+    Windrows keep 55 °C for 15 days (40 CFR 503, appendix B): 40 K above air at
+    6 W/(m² K), and the module's view factor is a quarter.
+    """
+    random = chance(weather, "compost")
+    day = np.arange(len(weather)) * seconds(weather.index) / DAY
+    gaps = random.uniform(30.0, 90.0, 2 + int(day[-1] / 30.0))
+    turned = np.concatenate(([0.0], np.cumsum(gaps))) - random.uniform(0.0, 30.0)
+    age = day - turned[np.searchsorted(turned, day, side="right") - 1]
+    return 60.0 * (1 - np.exp(-age)) * np.exp(-age / random.uniform(8.0, 15.0))
+
+
+def lorries(weather, site):
+    """
+    Share of the wind that parked lorries block on workdays. [-]
+
+    A dense wall blocks half of it within five heights: G. M. Heisler and D. R.
+    DeWalle, Agric. Ecosyst. Environ. 22-23, 41 (1988). A row with gaps blocks less.
+    """
+    random = chance(weather, "lorries")
+    hours = between(weather, random.uniform(5.0, 9.0), random.uniform(8.0, 11.0))
+    return 0.3 * (hours & (weather.index.day_of_week.to_numpy() < 5))
+
+
+def charger(weather, site):
+    """
+    Error of a logger's cold junction that is warm while its battery charges. [K]
+
+    The battery charges from sunrise until the night's use is replaced. 3 W in a box of
+    0.5 m² that loses 5 W/(m² K) give 1.2 K.
+    """
+    share = chance(weather, "charger").uniform(0.2, 0.35)
+    step, since = seconds(weather.index), hours_of_sun(weather)
+    night = (weather["elevation"].to_numpy() <= 0).astype(float)
+    night = 24.0 * uniform_filter1d(night, max(round(DAY / step), 1), mode="nearest")
+    return 1.2 * lagged((since > 0) & (since < share * night), 1200 / step)
+
+
+def frozen_contact(weather, site):
+    """
+    Share of the over-temperature that a contact loses while it is frozen. [-]
+
+    With shrunk glue a sensor partly reads the air, as after a failed fixing.
+    """
+    limit = chance(weather, "frozen_contact").uniform(0.0, 4.0)  # °C
+    return 0.2 * (weather["temp_air"].to_numpy() < limit)
+
+
+#: laws by the changed quantity: heat on the glass and behind it, light on the module,
+#: its air, the wind there (share lost), its sensor's reading, its contact (share lost)
+GLASS = {"fog": fog}
+BACK = {
+    "plume": plume,
+    "puddles": puddles,
+    "inverter_hall": inverter_hall,
+    "compost": compost,
+}
+LIGHT = {"reflection": reflection}
+AIR = {"sea_breeze": sea_breeze, "misters": misters}
+WIND = {"lorries": lorries}
+READING = {"charger": charger}
+CONTACT = {"frozen_contact": frozen_contact}
+
+
+def total(laws, weather, site, on):
+    """Sum of the laws that are on; 0 without any."""
+    some = [on[name] * law(weather, site) for name, law in laws.items() if on[name]]
+    return sum(some, start=0.0)

@@ -1,0 +1,108 @@
+"""
+How much of two measured records could still be explained by their own columns.
+
+Run as
+``python studies/study_ceiling.py [--out docs/ceiling.md]``. The records are read,
+and every fifth week is left out, as in ``study_measured.py``.
+"""
+
+import argparse
+import platform
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import sklearn
+from pvlib.location import Location
+
+import pvlib_fem as fem
+from pvlib_fem._parallel import spread
+
+YEARS = ("eurac_bolzano", "nrel_stf")
+
+INTRO = """\
+# How much could still be explained
+
+Written by `studies/study_ceiling.py` on {day}, pvlib_fem {version},
+scikit-learn {sklearn}, numpy {numpy}, Python {python}; `make ceiling` makes it again.
+The records are those of {{doc}}`guide/public_records`, each with its location and
+nothing else. All errors are RMSE [K] on every fifth week, which no fit, decision or
+tree used.
+
+The trees are boosted trees on the same columns, with past values, hour and season, the
+sun's position and the date; {{py:meth}}`loop.ceiling <pvlib_fem.Loop.ceiling>`
+describes their training. The *share closed* refers to the squared error that the trees
+explain.
+
+| record | paper's form | the loop | trees | rows | share closed |
+|---|---|---|---|---|---|
+"""
+WITHOUT = """
+## What the trees follow
+
+Without one group of columns the trees have a larger error. The group with the largest
+increase may have the cause of the rest. This is no proof: groups share information, and
+the date represents all that lasts for weeks.
+
+| record | {groups} |
+|---|{rules}|
+"""
+
+
+def measured(name):
+    """The ceiling of one record."""
+    data = fem.datasets.load(name)
+    site = [data.attrs[part] for part in ("latitude", "longitude", "tz")]
+    return fem.close_loop(data, location=Location(*site)).ceiling()
+
+
+def page(found, day):
+    """Both tables, as Markdown."""
+    yield INTRO.format(
+        day=day,
+        version=fem.__version__,
+        sklearn=sklearn.__version__,
+        numpy=np.__version__,
+        python=platform.python_version(),
+    ).rstrip()
+    for name, one in found.items():
+        errors = " | ".join(f"{e:.2f}" for e in (one.paper, one.loop, one.trees))
+        yield f"| `{name}` | {errors} | {one.rows:,} | {100 * one.closed:.0f} % |"
+    groups = list(
+        dict.fromkeys(group for one in found.values() for group in one.without)
+    )
+    head = dict(groups=" | ".join(groups), rules="|".join(["---"] * len(groups)))
+    yield WITHOUT.format(**head).rstrip()
+    for name, one in found.items():
+        cells = [without(one, group) for group in groups]
+        yield f"| `{name}` | {' | '.join(cells)} |"
+    yield ""
+
+
+def without(ceiling, group):
+    """The error of trees without a group, in bold where it is the largest."""
+    if group not in ceiling.without:
+        return "–"
+    words = f"{ceiling.without[group]:.2f}"
+    return f"**{words}**" if group == ceiling.most else words
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
+    parser.add_argument("--date", default=date.today().isoformat())
+    parser.add_argument("--processes", type=int, default=2)
+    options = parser.parse_args()
+    tasks = [(name,) for name in YEARS]
+    found = dict(zip(YEARS, spread(measured, tasks, options.processes)))
+    for one in found.values():
+        print(one)
+    text = "\n".join(page(found, options.date))
+    if options.out:
+        options.out.write_text(text, encoding="utf-8", newline="\n")
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""
+How much is found at the measured plants, and how often a name is false.
+
+Run as
+``python studies/study_reliability.py [--trials 20] [--out FILE]``. The two
+measured records of years are scrambled, and every effect that has its columns is put
+into them at a drawn date. What is done is kept in ``--folder``, from where a run goes
+on that was interrupted. ``--sizes`` without a number puts nothing in.
+"""
+
+import argparse
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import pandas as pd
+from pvlib.location import Location
+
+import pvlib_fem as fem
+from pvlib_fem._recovery.recovery_text import KINDS, interval, lines
+from pvlib_fem._recovery.trial import CLEARLY, false_names
+from pvlib_fem._statistics.jeffreys import share_between
+
+YEARS = ("eurac_bolzano", "nrel_stf")
+SIZES = (1.5,)  # times the predicted one
+
+INTRO = """\
+# Completeness and reliability at two measured plants
+
+Written by `studies/study_reliability.py` on {day}, pvlib_fem
+{version}; `make reliability` makes it again. The records are those of
+{{doc}}`guide/public_records`, each with its location. {{doc}}`guide/recovery` says what
+both numbers are. Completeness is of effects put in at {clearly:g} times the size from
+which each should be found, each instrument along each course, at a drawn date.
+Reliability is of {trials} scrambled records of each kind. Intervals hold 90 %.
+
+| record | found | false names | false classes | records |
+|---|---|---|---|---|
+"""
+
+
+def run(trials, sizes, processes, folder):
+    """What is named in scrambled records, and found in each record as it is."""
+    folder.mkdir(parents=True, exist_ok=True)
+    found = {}
+    for name in YEARS:
+        how = dict(sizes=(), reliability=True, trials=trials)
+        found[name] = recovered(name, processes, folder / f"scrambled_{name}.json", how)
+    for name in YEARS if sizes else ():
+        path = folder / f"put_into_{name}.json"
+        put_in = recovered(name, processes, path, dict(sizes=sizes, draws=1))
+        parts = ("trials", "planned_trials", "not_scrambled")
+        known = {part: getattr(found[name], part) for part in parts}
+        found[name] = replace(put_in, **known)
+    return found
+
+
+def recovered(name, processes, path, how):
+    """One record, with what the file has of it already."""
+    data = fem.datasets.load(name)
+    site = [data.attrs[part] for part in ("latitude", "longitude", "tz")]
+    how = how | dict(location=Location(*site), processes=processes, path=path)
+    return fem.recover_effects(data, **how)
+
+
+def page(found, trials, day):
+    """The page, as Markdown."""
+    how = dict(day=day, version=fem.__version__, clearly=CLEARLY, trials=trials)
+    yield INTRO.format(**how).rstrip()
+    for name, one in found.items():
+        clear = one.table["found"][one.table["multiple"] >= CLEARLY - 1e-9]
+        count, of = int(clear.sum()), len(clear)
+        told = [trial for trial in one.trials if not trial.refused]
+        names, classes = (
+            sum(len(getattr(trial, part)) for trial in told)
+            for part in ("named", "classes")
+        )
+        share = interval(count, of, *share_between(count, of))
+        kinds = ", ".join(
+            f"{sum(trial.kind == kind for trial in told)} with {words}"
+            for kind, words in KINDS.items()
+            if any(trial.kind == kind for trial in told)
+        )
+        yield f"| `{name}` | {share} | {names} | {classes} | {kinds} |"
+    yield ""
+    for name, one in found.items():
+        mean, (low, high) = false_names(one.trials)
+        yield (
+            f"Expected in a record like `{name}`: {mean:.2f} false names "
+            f"({low:.2f} to {high:.2f}).\n"
+        )
+    for name, one in found.items():
+        yield f"## {name}\n"
+        yield "```text"
+        yield from lines(one)
+        yield "```\n"
+        yield from false(one)
+
+
+def false(recovery):
+    """What was false, the most frequent first."""
+    told = [n for trial in recovery.trials for n in (*trial.named, *trial.classes)]
+    if not told:
+        return
+    yield "| false name or class | times |"
+    yield "|---|---|"
+    for words, times in pd.Series(told).value_counts().items():
+        yield f"| {' / '.join(words.split(' | '))} | {times} |"
+    yield ""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--trials", type=int, default=20)
+    parser.add_argument("--sizes", type=float, nargs="*", default=SIZES)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--folder", type=Path, default=Path("docs/_build"))
+    parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
+    parser.add_argument("--date", default=date.today().isoformat())
+    options = parser.parse_args()
+    how = (tuple(options.sizes), options.processes, options.folder)
+    found = run(options.trials, *how)
+    text = "\n".join(page(found, options.trials, options.date))
+    if options.out:
+        options.out.write_text(text, encoding="utf-8", newline="\n")
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()

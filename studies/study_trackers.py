@@ -1,0 +1,169 @@
+"""
+What the loop finds in records of single-axis trackers, with the bars of fixed planes.
+
+One family of the study on a page of its own. Run as
+``python studies/study_trackers.py
+[--shift 4310000] [--processes 2] [--table FILE] [--out docs/study_trackers.md]``.
+"""
+
+import argparse
+import subprocess
+import time
+from datetime import date
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from study import BARS, done, misses, run
+from study_gate import judged
+from study_worlds import TRACKERS
+
+from pvlib_fem.effects._time_profiles import number
+
+SHIFT = 4310000  # of all seeds, on which nothing was looked at before
+WRONG, MISLED = 0.003, 0.03  # most records with a wrong name, sets without the truth
+
+INTRO = """\
+# What the loop finds in records of single-axis trackers
+
+Written by `make study-trackers` on {day} with version {version}: {count} records in
+{minutes:.0f} min, shift {shift} of all seeds.
+
+{{doc}}`study` has the method. Here each site has a tracker: an axis within 20° of
+north and south, 45 to 60° of rotation, backtracking in most, and an irradiance sensor
+in the plane of the modules. Half of the records have columns of its angles. The other
+half have none, and the loop gets pvlib's description of the tracker. A third of the
+records has no power. The records are physics alone, one effect or fault, a cause
+outside the catalogue, modules that are stuck for 5 to 35 days while the sensor moves,
+the same with radiation to the sky, and a sensor that is stuck with the modules.
+
+## Bars
+
+| bar | kept | met |
+|---|---|---|
+"""
+
+
+EDGES = """\
+A standstill begins and ends on any day. No decision sees the module temperature of test
+weeks. Where a standstill begins or ends in one, power shows its days there. Without
+power they are not known, the error of that week remains, and it can rise by what the
+other coefficients no longer take of it."""
+
+
+def line(words, kept, of, met):
+    """A row of the table of bars."""
+    share = f"{kept} of {of} ({kept / of:.1%})" if of else "none applies"
+    return f"| {words} | {share} | {'yes' if met else '**no**'} |"
+
+
+def bars(table):
+    """The bars of the gate, those of the family, and those of all records."""
+    found = [judged(row) for _, row in table.iterrows() if done(row)]
+    wrong = sum(any(one.wrong for one in some) for some in found)
+    most = f"records without a wrong name: ≥ {1 - WRONG:.1%}"
+    yield line(most, len(found) - wrong, len(found), wrong <= WRONG * len(found))
+    sets = [one for some in found for one in some]
+    misled = sum(not one.right for one in sets)
+    most = f"sets that hold the truth: ≥ {1 - MISLED:.0%}"
+    yield line(most, len(sets) - misled, len(sets), misled <= MISLED * len(sets))
+    for bar in BARS:
+        if bar.family in (TRACKERS, "all"):
+            least = "all" if bar.least == 1 else f"≥ {bar.least:.3g}"
+            yield line(f"{bar.words}: {least}", *bar.met(table))
+
+
+def standstills(table):
+    """What was found of each row of modules that was stuck."""
+    head = ("days", "power", "angle found", "days found", "size", "error", "verdict")
+    yield f"| {' | '.join(head)} |"
+    yield "|---" * len(head) + "|"
+    for _, row in table.iterrows():
+        if "tracker_stuck" not in row["sizes"]:
+            continue
+        true, error = row["stuck"], f"{row['before']:.2f} → {row['after']:.2f} K"
+        length = number(true["end"]) - number(true["start"])
+        power = "no" if "p_dc_per_area" in row["truth"] else "yes"
+        found = [one for one in row["standstills"] if "start" in one]
+        if not found:
+            yield f"| {length:.0f} | {power} | | | | {error} | not in the model |"
+            continue
+        (one,) = found
+        begins, ends = (number(one[n]) - number(true[n]) for n in ("start", "end"))
+        size = [f for f in row["sets"] if f["effect"] == "tracker_stuck"]
+        verdict = size[0]["verdict"] if size else ""
+        gain = dict(row["gains"] or {}).get("tracker_stuck", np.nan)
+        yield (
+            f"| {length:.0f} | {power} | {apart(one, true):.0f}° off | starts "
+            f"{begins:+.0f}, ends {ends:+.0f} d | {gain:.2f} K | {error} | {verdict} |"
+        )
+
+
+def apart(one, other):
+    """Angle between two planes. [°]"""
+    ways = []
+    for plane in (one, other):
+        tilt, turn = (
+            np.radians(plane[name]) for name in ("surface_tilt", "surface_azimuth")
+        )
+        flat = np.sin(tilt)
+        ways.append([flat * np.sin(turn), flat * np.cos(turn), np.cos(tilt)])
+    return float(np.degrees(np.arccos(np.clip(np.dot(*ways), -1.0, 1.0))))
+
+
+def page(table, seconds, shift, version):
+    """The page, as Markdown."""
+    yield INTRO.format(
+        day=date.today().isoformat(),
+        version=version,
+        count=len(table),
+        minutes=seconds / 60,
+        shift=shift,
+    ).rstrip("\n")
+    yield from bars(table)
+    yield ""
+    yield EDGES
+    yield ""
+    yield "## Modules that are stuck"
+    yield ""
+    yield from standstills(table)
+    yield ""
+    yield "## Misses"
+    yield ""
+    lines = [
+        f"* seed {row['seed']} ({row['site']}), {row['truth']}: {words}. Said: "
+        f"{row['findings'] or 'nothing'}. Error {row['before']:.2f} → "
+        f"{row['after']:.2f} K, with the truth {row['oracle']:.2f} K"
+        for row, words in misses(table)
+    ]
+    yield from lines or ["None."]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--shift", type=int, default=SHIFT)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--table", type=Path, help="all rows, pickled")
+    parser.add_argument("--read", type=Path, help="rows that --table wrote, not made")
+    parser.add_argument("--out", type=Path, help="Markdown; standard output if none")
+    given = parser.parse_args()
+    begin = time.perf_counter()
+    how = ["git", "rev-parse", "--short", "HEAD"]
+    version = subprocess.run(how, capture_output=True, text=True, check=True).stdout
+    if given.read:
+        table = pd.read_pickle(given.read)
+    else:
+        table = run([TRACKERS], False, given.processes, (given.shift,))
+        table.attrs["seconds"] = time.perf_counter() - begin
+    if given.table:
+        table.to_pickle(given.table)
+    seconds = table.attrs.get("seconds", 0.0)
+    text = "\n".join(page(table, seconds, given.shift, version.strip())) + "\n"
+    if given.out:
+        given.out.write_text(text, encoding="utf-8")
+    else:
+        print(text)
+
+
+if __name__ == "__main__":
+    main()

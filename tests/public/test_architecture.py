@@ -1,0 +1,178 @@
+"""Imports go down only; outside libraries stay where they belong."""
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import pvlib_fem
+
+PACKAGE = Path(pvlib_fem.__file__).parent
+#: each may import those before it
+ORDER = (
+    "types",
+    "_spelling",
+    "_parallel",
+    "simulator",
+    "layers",
+    "reasons",
+    "_stored",
+    "_record",
+    "_relaxation",
+    "_statistics",
+    "scores",
+    "power",
+    "drivers",
+    "effects",
+    "quality",
+    "_thermal",
+    "_translation",
+    "datasets",
+    "_modelchain",
+    "plotting",
+    "_findings",
+    "_budget",
+    "_report",
+    "_thermal_parameters",
+    "_fitting",
+    "_correction",
+    "_ceiling",
+    "_statements",
+    "_loop",
+    "paper",
+    "_fit",
+    "_sensors",
+    "detect",
+    "_recovery",
+    "fleet",
+    "_cli",
+    "__main__",
+)
+FLOORS = 5  # inside a package
+FILES = {
+    ".".join(
+        part
+        for part in path.relative_to(PACKAGE).with_suffix("").parts
+        if part != "__init__"
+    ): path
+    for path in PACKAGE.rglob("*.py")
+    if path != PACKAGE / "__init__.py"
+}
+
+
+@cache
+def imports(name):
+    """What a module imports: the module, and the name in it."""
+    found = []
+    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found += [(alias.name, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            found += [(node.module, f"{node.module}.{a.name}") for a in node.names]
+    return found
+
+
+def own_imports(name):
+    """Modules of the package that a module imports."""
+    for source, whole in imports(name):
+        if source.split(".")[0] == "pvlib_fem" and whole != "pvlib_fem.__version__":
+            inner = whole.removeprefix("pvlib_fem.")
+            yield inner if inner in FILES else source.removeprefix("pvlib_fem.")
+
+
+def room(name):
+    """The package, or the module at the top, that a module is in."""
+    return name.split(".")[0]
+
+
+@cache
+def floor(name):
+    """Longest way down from a module inside its own package."""
+    below = [n for n in own_imports(name) if room(n) == room(name) and n != name]
+    return 1 + max(map(floor, below), default=0)
+
+
+def test_the_order_is_of_all_that_there_is():
+    assert sorted(ORDER) == sorted({room(name) for name in FILES})
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_imports_go_down_only(name):
+    for other in own_imports(name):
+        if room(other) != room(name):
+            assert ORDER.index(room(other)) < ORDER.index(room(name)), other
+
+
+@pytest.mark.parametrize("name", ORDER)
+def test_a_package_has_few_floors(name):
+    # a circle of imports would end in a RecursionError
+    assert max(floor(n) for n in FILES if room(n) == name) <= FLOORS
+
+
+def test_effects_do_not_stand_on_each_other():
+    catalogue = [n for n in FILES if n.startswith("effects.catalogue.")]
+    for name in catalogue:
+        assert not set(own_imports(name)) & {*catalogue}, name
+    assert {n.split(".")[-1] for n in catalogue} == set(pvlib_fem.effects.PHYSICS)
+
+
+def test_the_simulator_and_the_models_share_nothing():
+    assert all(
+        room(other) != "simulator" or room(name) in ("simulator", "_cli")
+        for name in FILES
+        for other in own_imports(name)
+    )
+
+
+def test_the_paper_is_asked_by_the_choice_of_a_method_alone():
+    asks = {
+        name
+        for name in FILES
+        for other in own_imports(name)
+        if room(other) == "paper" != room(name)
+    }
+    assert asks == {"_fit"}
+
+
+def test_outside_libraries_have_one_place_each():
+    places = {
+        "matplotlib": "plotting",
+        "jinja2": "_report",
+        "markupsafe": "_report",
+        "click": "_cli",
+        "tqdm": "_loop",
+        "threadpoolctl": "_loop",
+        "sklearn": "_ceiling",
+        "pooch": "datasets",
+        "distributed": "fleet",
+        "dask": "fleet",
+        "fsspec": "fleet",
+        "numba": "_thermal",
+    }
+    for name in FILES:
+        for outside, _ in imports(name):
+            assert places.get(outside.split(".")[0], room(name)) == room(name)
+
+
+DESIGN = Path(__file__).parents[2] / "docs" / "design.md"
+
+
+def first_cells(head):
+    """Names in the first column of a table of the page of the design."""
+    page = DESIGN.read_text("utf-8")
+    table = page.split(f"| {head} | content |\n")[1].split("\n\n")[0].splitlines()[1:]
+    return [
+        name for row in table for name in re.findall(r"`(\S+?)`", row.split("|")[1])
+    ]
+
+
+def test_packages_stand_in_the_order_of_their_imports():
+    packages = [name.rstrip("/") for name in first_cells("package")]
+    assert packages == [name for name in ORDER if name != "__main__"]
+
+
+def test_files_of_the_loop_are_those_that_there_are():
+    there = {path.name for path in (PACKAGE / "_loop").glob("*.py")}
+    assert {*first_cells("file")} == there - {"__init__.py"}

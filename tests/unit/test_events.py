@@ -1,0 +1,221 @@
+"""Outages and covers by a plant's power: which effect, which hours, and none else."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pvlib_fem as fem
+from pvlib_fem._findings import Verdict
+from pvlib_fem.simulator import PHYSICS
+
+SEED = 4
+PLANT = 33.0  # m²
+
+
+def record(seed=SEED, days=365, **effects):
+    """Simulated physics by the half hour, with the power of a plant."""
+    data = fem.simulator.record(
+        effects=PHYSICS | effects, days=days, step=1800, seed=seed
+    )
+    data["power_ac"] = PLANT * data["p_dc_per_area"]
+    return data.drop(columns=["p_dc_per_area", "longwave_down", "snow_depth"])
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return record()
+
+
+def covered(data, rows, left):
+    """Modules with that part of the light; a string has the square of it."""
+    over = data["temp_module"] - data["temp_air"]
+    data.loc[rows, "temp_module"] -= (1.0 - left) * over[rows]
+    data.loc[rows, "power_ac"] *= left**2
+
+
+def sensor_covered(data, rows, left):
+    data.loc[rows, "poa_global"] *= left
+
+
+def outage(data, rows, left):
+    """Modules that are warmer by a fifth, without power."""
+    over = data["temp_module"] - data["temp_air"]
+    data.loc[rows, "temp_module"] += 0.2 * over[rows]
+    data.loc[rows, "power_ac"] = -0.5
+
+
+HAPPENS = {
+    "modules_covered": covered,
+    "sensor_covered": sensor_covered,
+    "outage": outage,
+}
+
+
+def bright_days(data, count, seed=0, first=10, last=16):
+    """Rows from 10 to 16 h of some days with light, apart from each other."""
+    day = data.between_time(f"{first}:00", f"{last - 1}:59")
+    means = day["poa_global"].resample("D").mean()
+    bright = means.index[means > 400.0][::2]
+    chosen = np.random.default_rng(seed).choice(len(bright), count, replace=False)
+    for start in bright[np.sort(chosen)]:
+        hours = [start + pd.Timedelta(hours=hour) for hour in (first, last)]
+        yield (data.index >= hours[0]) & (data.index < hours[1])
+
+
+def with_events(data, kind, count=20, left=0.6, seed=0):
+    data, places = data.copy(), [*bright_days(data, count, seed)]
+    for rows in places:
+        HAPPENS[kind](data, rows, left)
+    return data, places
+
+
+@pytest.mark.parametrize("kind", HAPPENS)
+def test_events_of_six_hours_are_found_as_what_they_are(clean, kind):
+    data, places = with_events(clean, kind)
+    events = fem.close_loop(data).events
+    assert set(events["effect"]) == {kind}
+    found = 0
+    for rows in places:
+        times = data.index[rows]
+        own = events[(events["start"] <= times[-1]) & (events["end"] >= times[0])]
+        found += len(own) == 1 and own["hours"].iloc[0] >= 5
+    assert found >= 0.9 * len(places)
+    assert len(events) <= len(places)
+    way = {"modules_covered": -1.0, "sensor_covered": 1.0, "outage": 1.0}[kind]
+    assert (way * events["size"] > 1.0).all()
+
+
+@pytest.mark.parametrize("seed", [SEED, 5])
+@pytest.mark.parametrize(
+    "effects", [{}, {"soiling_sensor": 1.0}, {"sky_radiation": 1.0, "rain": 1.0}]
+)
+def test_a_record_without_events_has_at_most_one_a_year(seed, effects):
+    loop = fem.close_loop(record(seed, **effects))
+    assert len(loop.events) <= 1
+    assert not {*loop.effects} & {*HAPPENS}
+
+
+def test_power_alone_is_no_event(clean):
+    """A meter that loses half of the power, with modules as warm as before."""
+    data = clean.copy()
+    for rows in bright_days(data, 20):
+        data.loc[rows, "power_ac"] *= 0.5
+    assert fem.close_loop(data).events.empty
+
+
+def test_an_outage_of_days_is_one_event(clean):
+    data = clean.copy()
+    rows = (data.index >= "2023-07-03 11:00+01:00") & (
+        data.index < "2023-07-06 15:00+01:00"
+    )
+    outage(data, rows, 0.0)
+    (row,) = fem.close_loop(data).events.to_dict("records")
+    assert row["effect"] == "outage"
+    assert abs(row["start"] - data.index[rows][0]) <= pd.Timedelta(hours=1)
+    assert abs(row["end"] - data.index[rows][-1]) <= pd.Timedelta(hours=1)
+    assert row["power"] < 0.01 and row["hours"] > 40
+
+
+@pytest.fixture(scope="module")
+def snowed(clean):
+    """A tenth of the days with covered modules."""
+    return fem.close_loop(with_events(clean, "modules_covered", 36, 0.4)[0])
+
+
+def test_many_events_are_an_effect_of_the_model(snowed):
+    finding = next(f for f in snowed.finding_objects if f.effect == "modules_covered")
+    assert finding.verdict is Verdict.NAMED
+    assert finding.coefficients["modules_covered.share"] == pytest.approx(1.0, abs=0.2)
+    errors = snowed.table["rmse_test"]
+    assert errors[snowed.last] < 0.6 * errors["fem"]
+
+
+def test_the_report_and_the_file_have_them(snowed, tmp_path):
+    report = " ".join(snowed.report().split())
+    assert "power shows the modules were covered, 3" in report
+    assert "K colder than modelled" in report and "of the expected power" in report
+    assert {"event"} <= {*snowed.statements["verdict"]}
+    path = tmp_path / "loop.json"
+    snowed.to_json(path)
+    again = fem.Loop.from_json(path)
+    pd.testing.assert_frame_equal(again.events, snowed.events)
+    assert again.fit.effects[-1].spec == snowed.fit.effects[-1].spec
+    page = snowed.to_html()
+    assert "Power shows that the modules were covered" in page
+
+
+def test_a_loop_from_a_file_predicts_another_year_by_the_relation(snowed, tmp_path):
+    """Also one day alone, which has too few rows to say what a plant should give."""
+    path = tmp_path / "loop.json"
+    snowed.to_json(path)
+    again = fem.Loop.from_json(path)
+    other = record(seed=SEED)
+    (rows,) = bright_days(other, 1, seed=9)
+    covered(other, rows, 0.4)
+    day = other[rows]
+    left = again.residual(day)
+    assert (
+        left.abs().mean() < 0.35 * again.residual(day.assign(power_ac=1e9)).abs().mean()
+    )
+    pd.testing.assert_series_equal(left, snowed.residual(day))
+
+
+def test_power_in_the_dark_may_be_missing(clean):
+    data = with_events(clean, "modules_covered", 36, 0.4)[0]
+    lit = fem.close_loop(
+        data.assign(power_ac=data["power_ac"].where(data["poa_global"] > 5))
+    )
+    assert lit.effects == fem.close_loop(data).effects
+    assert (
+        lit.predict(data.assign(power_ac=np.nan))[data["poa_global"] < 5].notna().all()
+    )
+
+
+def test_curtailed_power_heats_without_an_area(clean):
+    """Half of the power is not taken at noon on a third of the warm days."""
+    data = clean.copy()
+    over = data["temp_module"] - data["temp_air"]
+    for rows in bright_days(data["2023-05":"2023-09"], 30):
+        rows = data.index.isin(data["2023-05":"2023-09"].index[rows])
+        data.loc[rows, "temp_module"] += 0.12 * over[rows]
+        data.loc[rows, "power_ac"] *= 0.5
+    loop = fem.close_loop(data)
+    finding = next(f for f in loop.finding_objects if f.effect == "electrical_output")
+    assert finding.added
+    assert 0.15 < finding.coefficients["electrical_output.share"] < 0.35
+    (effect,) = (e for e in loop.fit.effects if e.name == "electrical_output")
+    assert effect.source == "power_ac"
+
+
+def test_curtailment_to_nothing_in_simulated_physics_is_an_outage():
+    loop = fem.close_loop(record(electrical_output=1.0))
+    finding = next(f for f in loop.finding_objects if f.effect == "outage")
+    assert finding.verdict is Verdict.NAMED
+    assert 0.1 < finding.coefficients["outage.share"] < 0.35
+    assert set(loop.events["effect"]) == {"outage"} and len(loop.events) > 10
+
+
+def test_without_power_there_are_none(clean):
+    loop = fem.close_loop(clean.drop(columns="power_ac"))
+    assert loop.events.empty and "power shows" not in loop.report()
+    why = "no power_dc or power_ac"
+    assert {str(loop.untestable[kind]) for kind in HAPPENS} == {why}
+
+
+def test_events_that_are_put_into_a_record_are_found_again(clean):
+    found = fem.recover_events(clean, size=2.0, draws=8)
+    shares = found.groupby("effect")["found"].mean()
+    assert set(shares.index) == {*HAPPENS} and (shares >= 0.9).all()
+    assert (found["hours"] == 6).all() and found["light"].between(0.02, 1.0).all()
+    assert found.attrs["own"] == dict.fromkeys(HAPPENS, 0)
+    again = fem.recover_events(clean, "outage", size=2.0, draws=8, seed=0)
+    assert len(again) == 8 and again["found"].all()
+
+
+def test_what_cannot_be_put_in_is_refused(clean):
+    with pytest.raises(ValueError, match="rain is no event; there are modules_covered"):
+        fem.recover_events(clean, "rain")
+    with pytest.raises(ValueError, match="data lack power_dc or power_ac"):
+        fem.recover_events(clean.drop(columns="power_ac"))
+    with pytest.raises(ValueError, match="no day has room for outage of 30 K"):
+        fem.recover_events(clean, "outage", size=30.0)

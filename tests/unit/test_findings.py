@@ -1,0 +1,132 @@
+"""What the loop can say: checks that decide, and reasons that become words once."""
+
+import ast
+import json
+import re
+from pathlib import Path
+from string import Formatter
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import pvlib_fem
+from pvlib_fem import Criteria
+from pvlib_fem._findings import Check, Correction, Finding, Verdict
+from pvlib_fem._loop.conclude import member_of
+from pvlib_fem.effects import find
+from pvlib_fem.reasons import Reason, because, together
+
+PACKAGE = Path(pvlib_fem.__file__).parent
+
+
+@pytest.mark.parametrize(
+    ("statistic", "most", "passed"),
+    [
+        (0.2, False, True),
+        (0.15, False, True),
+        (0.1, False, False),
+        (0.2, True, False),
+        (0.15, True, True),
+        (np.nan, False, False),
+        (np.nan, True, True),  # where nothing can be measured nothing contradicts
+    ],
+)
+def test_a_check_passes_at_its_threshold(statistic, most, passed):
+    check = Check("gain", "min_gain", statistic, 0.15, most, "K")
+    assert check.passed is passed
+    assert ("FAILED" in str(check)) is not passed
+    assert "min_gain" in str(check) and "0.15 K" in str(check)
+
+
+def test_the_first_failure_is_the_rule_that_decided():
+    checks = tuple(Check(n, n, s, 1.0) for n, s in (("a", 2.0), ("b", 0.5), ("c", 0.1)))
+    why = because(Reason.NOT_MATERIAL, least=1.0)
+    finding = Finding("x", ("x",), Verdict.SUGGESTIVE, 0.5, {}, {}, why, checks)
+    assert finding.failed.name == "b" and not finding.added
+    assert [line.split()[0] for line in str(finding).splitlines()[2:]] == [
+        "passed",
+        "FAILED",
+        "FAILED",
+    ]
+    content = json.loads(json.dumps(finding.content()))
+    assert [check["passed"] for check in content["checks"]] == [True, False, False]
+    assert content["because"] == [
+        {"reason": "NOT_MATERIAL", "least": 1.0, "words": finding.why}
+    ]
+
+
+def test_names_are_joined_as_their_sentence_has_it():
+    some = because(Reason.WOULD_DECIDE, measurements=["a look", "a camera"])
+    assert str(some) == "a look; or a camera would decide"
+    lacks = because(Reason.LACKS, columns=["precipitation", "snow_depth"])
+    assert str(lacks) == "no precipitation, snow_depth"
+    both = together([because(Reason.EMPTY, column="x"), lacks])
+    assert str(both) == "x holds no value; no precipitation, snow_depth"
+    assert [one.reason for one in both.all] == [Reason.EMPTY, Reason.LACKS]
+
+
+def test_a_correction_says_error_before_and_after():
+    why = because(Reason.CORRECTED, fault="the clock is 10 min late")
+    clock = Correction(
+        "clock_shift", ("temp_module",), {"late": 10.0}, {}, 2.0, 1.0, "K", why
+    )
+    assert str(clock).splitlines() == [
+        "clock_shift: corrected, 2.00 → 1.00 K",
+        "  the clock is 10 min late",
+    ]
+
+
+def reasons_given():
+    """Every reason that the package gives, with the names of its values."""
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "because":
+                (reason,) = node.args
+                if is_reason(reason):
+                    yield reason.attr, {word.arg for word in node.keywords}
+            # those of an effect whose search finds nothing have no numbers
+            name = getattr(node, "arg", getattr(getattr(node, "target", 0), "id", ""))
+            if name == "not_found" and is_reason(node.value):
+                yield node.value.attr, set()
+
+
+def is_reason(node):
+    owner = getattr(node, "value", None)
+    return isinstance(node, ast.Attribute) and getattr(owner, "id", "") == "Reason"
+
+
+def test_every_reason_is_given_with_the_numbers_of_its_sentence():
+    given = list(reasons_given())
+    assert {name for name, _ in given} == {reason.name for reason in Reason}
+    for name, values in given:
+        fields = {field for _, field, _, _ in Formatter().parse(Reason[name].value)}
+        assert values == fields - {None}, name
+
+
+def test_no_code_takes_a_sentence_apart():
+    """Reasons are read by their type; words are for people."""
+    parsing = re.compile(
+        r"(why|because|note|words|sentence\(\))\)?\.(split|partition|r?partition|startswith)"
+        r"|(startswith|removeprefix)\(\"driver:"
+        r"|\" in (finding|f|hint)\.why"
+    )
+    for path in PACKAGE.rglob("*.py"):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            # the first line of a docstring is a heading, and no reason
+            assert not parsing.search(line) or "words.strip()" in line, (path, line)
+
+
+def test_a_candidate_has_the_coefficients_that_the_record_determines():
+    """One hour of snow determines one of its effect's coefficients."""
+    effect = find("wind_direction")
+    key = "wind_direction.north"
+    score = SimpleNamespace(coefficients={key: -1.0}, errors={key: 0.1})
+    choice = SimpleNamespace(
+        members={effect.name: SimpleNamespace(effect=effect)},
+        scores={effect.name: score},
+    )
+    member = member_of(choice, effect.name, Criteria())
+    assert member.coefficients == {key: -1.0} and member.stderr == {key: 0.1}
+    low, high = member.ranges[key]
+    assert low < -1.1 and high > -0.9

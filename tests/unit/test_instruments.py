@@ -1,0 +1,325 @@
+"""Instruments and mountings that change: from a date on, slowly, for a while."""
+
+import json
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import study_instruments
+from conftest import COLUMNS, DRIVERS
+from pvlib.location import Location
+from test_effects import coefficients, model_with
+
+import pvlib_fem as fem
+from pvlib_fem import datasets, simulator
+from pvlib_fem._findings import Verdict
+from pvlib_fem._loop.close import searched
+from pvlib_fem._thermal.model import ThermalModel
+from pvlib_fem._thermal.steady_models import STEADY_MODELS
+from pvlib_fem.effects import CHANGES, EFFECTS, SENSOR_FAULTS, find
+from pvlib_fem.effects._time_profiles import number, weights_of
+
+#: sizes that are found outdoors
+SIZES = {
+    "sensitivity": 0.1,
+    "contact": -0.15,
+    "mounting": -0.15,
+    "wind_gain": 3.0,
+    "wind_stall": 4.0,
+    "air_offset": 1.0,
+    "air_shelter": 2.0,
+    "module_offset": 1.0,
+}
+#: dates amid the record of ``years``
+DATES = {
+    "step": {"at": "2023-09-15"},
+    "drift": {"since": "2023-06-01"},
+    "episode": {"start": "2023-08-01", "end": "2023-10-20"},
+}
+every = pytest.mark.parametrize("name", CHANGES)
+
+
+def course(name):
+    return name.rsplit("_", 1)[1]
+
+
+def size(name):
+    (row,) = CHANGES[name].parameters.values()
+    return float(
+        np.clip(SIZES[name.rsplit("_", 1)[0]], 0.8 * row.lower, 0.8 * row.upper)
+    )
+
+
+def dated(name, **dates):
+    return find({"name": name, **(dates or DATES[course(name)])})
+
+
+@pytest.fixture(scope="module")
+def half_a_year():
+    """Two hundred days at half an hour, whose sensor has an error of hours."""
+    return datasets.synthetic(200, 1800, seed=3, noise=0).tz_localize(None)
+
+
+def with_change(data, *names, seed=0, noise=0.4, **sizes):
+    """The record whose module answers changes of some names."""
+    effects = tuple(map(dated, names))
+    model = ThermalModel(STEADY_MODELS["faiman"], "balance", effects)
+    values = coefficients("balance")
+    for name, effect in zip(names, effects):
+        (key,) = effect.rows()
+        values[key] = sizes.get(name, size(name))
+        if effect.channel == "wind_gain":  # so much less is read of the same wind
+            days = (data.index.normalize() - pd.Timestamp(0)).days
+            less = 1.0 + values[key] * weights_of(effect, days) / values["u1"]
+            data = data.assign(wind_speed=data["wind_speed"] / less)
+    module = model.predict(*(data[n] for n in DRIVERS), values)
+    random = np.random.default_rng(seed).normal(0.0, noise, len(data))
+    rest = pd.Series(random, data.index).ewm(halflife=4).mean() * 2.0
+    return data[list(DRIVERS)].assign(temp_module=module + rest), values
+
+
+@every
+def test_before_and_after_its_course_a_change_is_nothing_and_all(half_a_year, name):
+    """An episode of all days is the channel itself; at its start nothing is added."""
+    channel = next(c for c in SENSOR_FAULTS if name.rsplit("_", 1)[0] == c.name)
+    usual = [half_a_year[n] for n in DRIVERS]
+    plain = model_with("balance").predict(*usual, coefficients("balance"))
+
+    def answer(effect, value):
+        model = ThermalModel(STEADY_MODELS["faiman"], "balance", (effect,))
+        (key,) = effect.rows()
+        return model.predict(*usual, {**coefficients("balance"), key: value})
+
+    np.testing.assert_allclose(answer(dated(name), 0.0), plain, rtol=1e-12)
+    found = answer(dated(name), size(name))
+    if course(name) == "drift":
+        year = answer(dated(name, since="2022-06-01"), size(name))
+        whole = answer(channel, size(name))
+        at = pd.Timestamp("2023-06-01 18:00")
+        assert year[at] - plain[at] == pytest.approx(whole[at] - plain[at], rel=0.02)
+        return
+    first = number(next(iter(DATES[course(name)].values())))
+    before = (half_a_year.index - pd.Timestamp(0)) / pd.Timedelta("1D") < first
+    np.testing.assert_allclose(found[before], plain[before], rtol=1e-12)
+    whole = answer(channel, size(name))
+    inside = slice("2023-09-20", "2023-10-15")  # beyond the module's memory
+    np.testing.assert_allclose(found[inside], whole[inside], atol=1e-6)
+
+
+@every
+def test_a_change_of_known_dates_is_fitted(half_a_year, name):
+    data, values = with_change(half_a_year, name)
+    fit = fem.fit_fem(
+        *(data[n] for n in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        night=True,
+        effects=[dated(name)],
+    )
+    (key,) = dated(name).rows()
+    assert abs(fit.coefficients[key] - values[key]) < 4 * fit.stderr[key]
+
+
+@pytest.mark.parametrize("size", [-0.2, 0.2, 0.4])
+@pytest.mark.parametrize("name", ["contact_step", "mounting_step"])
+def test_a_share_is_one_of_what_was_there_before(half_a_year, name, size):
+    """Of the model's own over-temperature or loss, by a fit and by the loop."""
+    data, values = with_change(half_a_year, name, **{name: size})
+    usual = [data[n] for n in COLUMNS]
+    how = dict(model="faiman", dynamics="balance", night=True)
+    fit = fem.fit_fem(*usual, **how, effects=[dated(name)])
+    loop = closed(data, effects=[name])
+    assert loop.effects == [name]
+    for one in (fit, loop.fit):
+        (key,) = dated(name).rows()
+        assert abs(one.coefficients[key] - size) < 4 * one.stderr[key]
+        assert one.coefficients["u0"] == pytest.approx(values["u0"], rel=0.01)
+
+
+@every
+def test_it_is_found_again_by_its_name_and_its_dates(name):
+    effect = dated(name)
+    again = find(json.loads(json.dumps(effect.spec)))
+    assert again.settings == effect.settings and again.rows() == effect.rows()
+    assert pickle.loads(pickle.dumps(effect)).spec == effect.spec
+
+
+@pytest.mark.parametrize(
+    ("spec", "words"),
+    [
+        ({"name": "contact_step", "at": "April"}, "'April' is no date"),
+        ({"name": "contact_step", "on": "2012-04-01"}, "has no setting on"),
+        (
+            {"name": "contact_episode", "start": "2012-04-02", "end": "2012-04-01"},
+            "is not before end",
+        ),
+    ],
+)
+def test_dates_that_are_none_are_refused(spec, words):
+    with pytest.raises(ValueError, match=words):
+        find(spec)
+
+
+def test_a_step_without_its_date_says_how_to_give_it(half_a_year):
+    with pytest.raises(ValueError, match="contact_step has no date; give at, as"):
+        fem.fit_fem(
+            *(half_a_year[n] for n in COLUMNS), model="faiman", effects="contact_step"
+        )
+
+
+def closed(data, **options):
+    return fem.close_loop(data, check_units=False, **options)
+
+
+@pytest.mark.parametrize("channel", SIZES)
+def test_a_step_is_found_with_its_date(half_a_year, channel):
+    name = f"{channel}_step"
+    data, _ = with_change(half_a_year, name)
+    loop = closed(data)
+    first = loop.finding_objects[0]
+    assert first.added and name in first.candidates
+    changes = [n for n in first.candidates if n in CHANGES]
+    assert {course(n) for n in changes} == {"step"}
+    effect = next(e for e in loop.fit.effects if e.name == first.effect)
+    low, high = effect.settings["between"]
+    assert low <= "2023-09-15" <= high
+    assert number(high) - number(low) < 30
+
+
+def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
+    """From a day on its cups do not turn in winds below 1.8 m/s."""
+    data = datasets.synthetic(400, 3600, seed=3, noise=0).tz_localize(None)
+    data, _ = with_change(data)
+    wind, day = data["wind_speed"], "2023-08-15"
+    data["wind_speed"] = wind.where((wind >= 1.8) | (data.index < day), 0.0)
+    loop = closed(data)
+    first = loop.finding_objects[0]
+    assert first.added and "wind_stall_step" in first.candidates
+    (effect,) = (e for e in loop.fit.effects if e.name == "wind_stall_step")
+    low, high = effect.settings["between"]
+    assert low <= day <= high and number(high) - number(low) < 70
+
+
+def of_a_world(seed, *change):
+    """The loop of a record with full physics and a change of one sensor."""
+    _, data, (world, *drawn) = study_instruments.made(seed)
+    assert drawn[:2] == [*change]
+    data = data.drop(columns="p_dc_per_area", errors="ignore")
+    return fem.close_loop(data, check_units=False, **world.place)
+
+
+def test_a_short_fault_is_no_other_one():
+    """A pyranometer reads a seventh more for two months: found as that, or not."""
+    loop = of_a_world(21037, "sensitivity", "episode")
+    for found in loop.finding_objects:
+        if found.added and {*found.candidates} & {*CHANGES}:
+            assert "sensitivity_episode" in found.candidates
+
+
+def test_snow_under_a_low_sun_is_not_named_an_obstacle():
+    """
+    At 56° north the sun of midwinter crosses a window of the sky that no other sees.
+
+    What snow takes then is not there on the days of that window that have no snow.
+    """
+    loop = of_a_world(21036, "contact", "episode")
+    named = {f.effect for f in loop.finding_objects if f.verdict is Verdict.NAMED}
+    assert "shading" not in named
+
+
+def test_an_episode_is_no_step(half_a_year):
+    data, _ = with_change(half_a_year, "module_offset_episode")
+    first = closed(data).finding_objects[0]
+    assert first.added and "module_offset_episode" in first.candidates
+    assert "module_offset_step" not in first.candidates
+
+
+def test_a_drift_over_years_is_no_step():
+    data = datasets.synthetic(800, 3600, seed=3, noise=0).tz_localize(None)
+    data, _ = with_change(data, "sensitivity_drift", sensitivity_drift=0.08)
+    first = closed(data).finding_objects[0]
+    assert first.added and "sensitivity_drift" in first.candidates
+    assert "sensitivity_step" not in first.candidates
+
+
+def test_where_nothing_changes_nothing_is_found():
+    """Ten records of noise with a memory of hours: no date in any."""
+    for seed in range(10):
+        data = datasets.synthetic(200, 3600, seed=seed, noise=0).tz_localize(None)
+        data, _ = with_change(data, seed=seed)
+        loop = closed(data)
+        assert not [f for f in loop.finding_objects if f.effect in CHANGES], seed
+
+
+def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
+    """By temperatures alone: 19 % more over-temperature, an ambiguous finding."""
+    loop = fem.close_loop(bolzano[list(COLUMNS)])
+    first = loop.finding_objects[0]
+    assert {"contact_step", "mounting_step"} <= {*first.candidates}
+    effect = next(e for e in loop.fit.effects if e.name == first.effect)
+    assert abs(number(effect.settings["at"]) - number("2012-04-01")) < 14
+    (change,) = first.coefficients.values()
+    # so much more over-temperature, or so much less loss
+    less = first.effect == "mounting_step"
+    share = 1.0 / (1.0 + change) - 1.0 if less else change
+    assert share == pytest.approx(0.18, abs=0.02)
+    assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"]["fem"] - 0.1
+
+
+@pytest.mark.parametrize("name", ["mounting_step", "contact_step", "sensitivity_step"])
+def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
+    """By its tangent as by the fit: no other tangent, no misfit has a part of it."""
+    data, _ = with_change(half_a_year, name, **{name: -0.3})
+    no_place = fem.drivers.checked_place(None)
+    how = dict(holdout=None, effects=None, fixed=None, criteria=fem.Criteria())
+    search, loop = searched(data, "faiman", no_place, None, **how)
+    assert loop.finding_objects[0].added
+    steps = [*search.steps.values()][-1 - len(loop.effects) :]
+    before, after = (one.error(search.case.fitting) ** 2 for one in steps[:2])
+    assert search.last.choices[0].fall == pytest.approx(before - after, rel=0.2)
+
+
+@pytest.mark.parametrize("source", ["measured longwave", "humidity"])
+@pytest.mark.parametrize("channel", ["air_offset", "air_shelter"])
+def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
+    """With it the model has equal temperatures by the wrong and by the true air."""
+    days = simulator.record(effects=simulator.PHYSICS, days=20, step=600)
+    site = simulator.RHINE
+    place = Location(site.latitude, site.longitude)
+    days = days.join(fem.drivers.sun(days.index, place))
+    days[["surface_tilt", "surface_azimuth"]] = site.surface_tilt, site.surface_azimuth
+    sky = EFFECTS["sky_radiation"].made(source=source)
+    true = ThermalModel(STEADY_MODELS["faiman"], "balance", (sky,))
+    values = dict(u0=25.0, u1=4.0, capacity=17e3, bias=0.0)
+    values |= {"sky_radiation.share": 1.2}
+    change = dated(f"{channel}_step", at="2022-12-31")
+    changed = replace(true, effects=(sky, change), base=dict(values))
+    (key,) = change.rows()
+    drivers = {name: days[name] for name in true.drivers}
+    light, air, wind = (days[name] for name in DRIVERS)
+    by = -1.0 if channel == "air_offset" else light / 1000.0
+    expected = true.predict(light, air, wind, values, **drivers)
+    wrong = true.predict(light, air + by, wind, values, **drivers)
+    found = changed.predict(light, air + by, wind, values | {key: 1.0}, **drivers)
+    left, before = ((one - expected).abs().max() for one in (found, wrong))
+    assert left < 0.05 * before
+
+
+def test_a_fit_of_a_change_beside_a_sky_is_the_same_from_its_file(tmp_path):
+    """Its base has the sky, and an offset of the air compensates a part of it."""
+    data = simulator.record(effects=simulator.PHYSICS, days=60, step=1800)
+    change = dated("air_offset_step", at=f"{data.index[len(data) // 2]:%Y-%m-%d}")
+    data.loc[data.index[len(data) // 2] :, "temp_air"] -= 1.0
+    columns = [data[name] for name in COLUMNS]
+    how = dict(model="faiman", dynamics="balance", night=True)
+    sky = {"longwave_down": data["longwave_down"]}
+    fit = fem.fit_fem(*columns, **how, effects=["sky_radiation", change], **sky)
+    assert "sky_radiation.share" in fit.base
+    fit.to_json(tmp_path / "fit.json")
+    again = fem.FemFit.from_json(tmp_path / "fit.json")
+    usual = columns[:3]
+    assert again.predict(*usual, **sky).equals(fit.predict(*usual, **sky))
+    (key,) = change.rows()
+    assert fit.coefficients[key] == pytest.approx(1.0, abs=4 * fit.stderr[key])

@@ -1,0 +1,229 @@
+"""Files as portals, historians and scripts write them: each opens as is proposed."""
+
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import call, proposed
+
+import pvlib_fem as fem
+from pvlib_fem import simulator
+from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.months import in_english
+from pvlib_fem._record.names import usual_name
+from pvlib_fem._record.numbers import marks_of
+
+HOUR, DAY = pd.Timedelta(hours=1), pd.Timedelta(days=1)
+SPANISH = {5: "may"}
+MODULES = ("temp_module", "temp_module_2", "temp_module_3")
+
+
+@pytest.fixture(scope="module")
+def plant():
+    """Twenty days at 10 min with three module sensors, without a zone."""
+    data = simulator.record(days=20, step=600, start="2023-05-01", seed=5)
+    data = data[list(COLUMNS)].tz_localize(None)
+    rng = np.random.default_rng(1)
+    for name, offset in zip(MODULES[1:], (0.4, -0.3)):
+        noise = rng.normal(0.0, 0.1, len(data))
+        data[name] = data["temp_module"] + offset + noise
+    return data.round(2)
+
+
+def called(data, *names):
+    """Columns under names of their own, in the order of the data."""
+    return data.set_axis(list(names), axis=1)
+
+
+def portal(data, path):
+    """UTF-16, semicolons to the end of each line, decimal commas, km/h, in German."""
+    data = data.assign(wind_speed=(3.6 * data["wind_speed"]).round(2))
+    names = "Einstrahlung Modulebene [W/m²]", "Außentemperatur [°C]"
+    names += ("Windgeschwindigkeit [km/h]",)
+    data = called(data, *names, *(f"Modultemperatur {n} [°C]" for n in (1, 2, 3)))
+    data = data.set_axis(data.index.strftime("%d.%m.%Y %H:%M:%S"))
+    text = data.to_csv(sep=";", decimal=",", index_label="Datum").replace("\n", ";\n")
+    path.write_text("Anlage;;;;;;;;\n" + text, "utf-16")
+
+
+def historian(data, path):
+    """A row for each reading."""
+    tags = "MET.POA_IRR", "MET.AMB_TEMP", "MET.WIND_SPD"
+    data = called(data, *tags, *(f"ARR{n}.MOD_TEMP" for n in (1, 2, 3)))
+    rows = data.rename_axis("Timestamp").melt(
+        var_name="Tag", value_name="Value", ignore_index=False
+    )
+    rows.assign(Quality="Good").sort_index(kind="stable").to_csv(path)
+
+
+def dates_once(data, path):
+    """The date in the first row of each day alone."""
+    first = ~pd.Series(data.index.date).duplicated().to_numpy()
+    date, time = data.index.strftime("%d/%m/%Y"), data.index.strftime("%H:%M")
+    data = called(data, "Irr (W/m2)", "Tamb", "Wind", "TC1", "TC2", "TC3")
+    data.insert(0, "Date", np.where(first, date, ""))
+    data.insert(1, "Time", time)
+    data.to_csv(path, index=False)
+
+
+def of_a_script(data, path):
+    """Spaces between columns, days since the year 0, and lines that begin with #."""
+    days = (data.index - pd.Timestamp("1970-01-01")) / pd.Timedelta(days=1) + 719529
+    rows = np.column_stack([days, data])
+    head = "station 4, values each 10 min\ndatenum G Ta ws Tm1 Tm2 Tm3"
+    np.savetxt(path, rows, fmt=["%.8f"] + 6 * ["%8.2f"], header=head)
+
+
+def in_spanish(data, path):
+    """Months in another language, half days with full stops, and marked values."""
+    clock = [
+        f"{t.day} {SPANISH[t.month]} {t.year} {t.hour % 12 or 12}:{t.minute:02d} "
+        f"{'a.m.' if t.hour < 12 else 'p.m.'}"
+        for t in data.index
+    ]
+    names = "Irradiancia inclinada", "Temp. ambiente", "Vel. viento"
+    data = called(data, *names, *(f"Temp. módulo {n}" for n in (1, 2, 3)))
+    marked = data.astype(str)
+    marked.iloc[::50, 1] += "*"
+    marked.iloc[7::60, 3] += " *"
+    marked.set_axis(clock).to_csv(path, index_label="Fecha")
+
+
+FILES = {
+    portal: {"--encoding": "utf-16", "--decimal": ",", "--skip-rows": "1"},
+    historian: {"--tag": "Tag", "--value": "Value"},
+    dates_once: {"--time": "Date,Time", "--time-format": "%d/%m/%Y %H:%M"},
+    of_a_script: {"--time-format": "matlab", "--sep": " ", "--skip-rows": "1"},
+    in_spanish: {"--time-format": "%d %b %Y %I:%M %p", "--missing": "*"},
+}
+
+
+@pytest.mark.parametrize("form", FILES, ids=lambda form: form.__name__)
+def test_an_odd_file_opens_as_it_is_proposed(form, plant, tmp_path):
+    form(plant, path := tmp_path / "plant.csv")
+    guessed = call("modules", path, "--guess")
+    assert guessed.exit_code == 0, guessed.output
+    words = proposed(guessed)
+    told = dict(pairwise(words))
+    assert {option: told[option] for option in FILES[form]} == FILES[form]
+    maps = [word for flag, word in pairwise(words) if flag == "--map"]
+    assert [word.partition("=")[0] for word in maps if word[:5] == "temp_"] == [
+        *("temp_module", "temp_air", "temp_module_2", "temp_module_3")
+    ]
+    compared = call(*words)
+    assert compared.exit_code == 0 and "3 module sensors" in compared.output
+    # the same options, on another command, read what was measured
+    cleaned = tmp_path / "cleaned.csv"
+    shown = call("screen", *words[1:], "--cleaned", cleaned)
+    assert shown.exit_code == 0 and f"{len(plant):,} rows" in shown.output
+    read = fem.read_file(cleaned)
+    for name in plant:
+        there = read[name].notna()
+        assert there.mean() > 0.97
+        want = plant[name].clip(lower=0.0) if name == "poa_global" else plant[name]
+        assert read[name][there].to_numpy() == pytest.approx(want[there], abs=0.01)
+    assert (read.index == plant.index).all()
+
+
+def test_dates_that_are_filled_in_are_counted(plant, tmp_path):
+    dates_once(plant, path := tmp_path / "plant.csv")
+    how = dict(time=("Date", "Time"), time_format="%d/%m/%Y %H:%M")
+    data = fem.read_file(path, **how)
+    rows = len(plant) - 20
+    assert any(f"taken for the rows below: {rows:,}" in n for n in data.attrs["notes"])
+
+
+def test_rows_of_readings_keep_the_order_of_the_file(plant, tmp_path):
+    """A date and a time of day, which as texts are in another order."""
+    data = plant["2023-05-19":].set_axis(plant["2023-05-19":].index + 12 * DAY)
+    clock = {
+        "Date": data.index.strftime("%d/%m/%Y"),
+        "Time": data.index.strftime("%H:%M"),
+    }
+    rows = data[list(COLUMNS)].assign(**clock).melt(["Date", "Time"], var_name="what")
+    rows.to_csv(path := tmp_path / "plant.csv", index=False)
+    how = dict(time=("Date", "Time"), time_format="%d/%m/%Y %H:%M")
+    read = fem.read_file(path, **how, tag="what", value="value")
+    assert (read.index == data.index).all() and [*read] == list(COLUMNS)
+    np.testing.assert_array_equal(read, data[list(COLUMNS)])
+
+
+def test_readings_that_are_not_good_and_times_of_their_own_are_told(plant, tmp_path):
+    historian(plant, path := tmp_path / "plant.csv")
+    rows = pd.read_csv(path)
+    mixed = rows.assign(Quality=np.where(rows.index % 90, "Good", "Bad"))
+    mixed.to_csv(path, index=False)
+    assert "any 'Quality' are taken, 'Good' and 'Bad'" in call("fit", path).output
+    tags = rows["Tag"].astype("category").cat.codes
+    own = pd.to_datetime(rows["Timestamp"]) + pd.to_timedelta(tags, unit="s")
+    rows.assign(Timestamp=own).to_csv(path, index=False)
+    with pytest.raises(ValueError, match=r"times of their own.*a file for each tag"):
+        fem.read_file(path, tag="Tag", value="Value")
+    pd.concat([rows, rows.iloc[[9, 9]]]).to_csv(path, index=False)
+    with pytest.raises(ValueError, match=r"has a second reading at 2023-.*2 are"):
+        fem.read_file(path, tag="Tag", value="Value")
+    with pytest.raises(ValueError, match="no column 'Point' to make columns of"):
+        fem.read_file(path, tag="Point", value="Value")
+
+
+def test_columns_with_times_of_their_own_are_noted(plant, tmp_path):
+    """Read at the times of the rows, they would be off by what only the file shows."""
+    later = plant.index + pd.to_timedelta(np.arange(len(plant)) % 50, unit="s")
+    data = plant[list(COLUMNS)].assign(module_time=later, utc=plant.index - HOUR)
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    result = call("fit", path)
+    assert result.exit_code == 0
+    assert "'module_time' holds times, too, up to 49 s off" in result.output
+    assert "'utc'" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("text", "english"),
+    [
+        ("1 Mai 2023", "1 May 2023"),
+        ("03-Dez-22 10:00", "03-Dec-22 10:00"),
+        ("2 févr. 2024", "2 Feb 2024"),
+        ("14 août 2023 03:00", "14 Aug 2023 03:00"),
+        ("9 giugno 2023", "9 Jun 2023"),
+        ("Jan 5, 2023 3:15 p.m.", "Jan 5, 2023 3:15 PM"),
+        ("Mon 1 Set 2023 1:00 am", "Mon 1 Sep 2023 1:00 AM"),
+    ],
+)
+def test_months_of_other_languages_are_read(text, english):
+    assert in_english(text, whole=False) == english
+
+
+def test_units_and_words_are_no_marks():
+    column = pd.Series(["1.5", "2.5", "3", "7", "4.0*", "5 *", "6?"])
+    assert marks_of([column], ".") == ("*", "?")
+    assert marks_of([column + " °C"], ".") == ()
+    assert marks_of([pd.Series(["1", "2", "calm", "3*"])], ".") == ()
+
+
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("Température module", "temp_module"),
+        ("Temperatura esterna", "temp_air"),
+        ("Vitesse du vent", "wind_speed"),
+        ("Velocidade do vento", "wind_speed"),
+        ("Rayonnement incliné", "poa_global"),
+        ("Thermocouple 3", "temp_module"),
+        ("Event", None),
+        ("TC_status", None),
+    ],
+)
+def test_headers_of_other_languages_are_known(header, name):
+    assert usual_name(header) == name
+
+
+def test_a_file_is_screened_by_a_command(plant, tmp_path):
+    data = plant[list(COLUMNS)].copy()
+    data.iloc[10:13, 1] = -999.0
+    data.to_csv(path := tmp_path / "plant.csv", index_label="time")
+    shown = call("screen", path)
+    assert shown.exit_code == 0
+    assert "temp_air holds the fill value -999 in 3 rows" in shown.output
+    refused = call("screen", path, "--cleaned", path)
+    assert refused.exit_code == 1 and "would overwrite" in refused.output

@@ -1,0 +1,166 @@
+"""Names that have changed: the old one works, and says what to write."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+import pvlib_fem as fem
+from pvlib_fem import simulator
+from pvlib_fem._cli import main
+from pvlib_fem._record.column_names import COLUMNS, with_aliases
+from pvlib_fem._record.guess import guess
+from pvlib_fem._record.layout import Layout
+from pvlib_fem._record.logger_files import read_file
+from pvlib_fem._record.parquet import open_parquet
+from pvlib_fem.fleet._systems_table import opened, systems_of
+
+NOW = "p_dc is called p_dc_per_area now.*power_dc for W of a module or a plant"
+
+
+ROOT = Path(__file__).parents[2]
+FUNCTIONS = {
+    "compare": "compare_models",
+    "recover": "recover_effects",
+    "screen": "screen_record",
+    "translate": "translate_coefficients",
+}
+
+
+@pytest.mark.parametrize(("before", "after"), FUNCTIONS.items())
+def test_a_function_has_its_old_name_until_the_next_release(before, after):
+    instead = f"pvlib_fem.{before} is called {after} now.*0.2.*write pvlib_fem.{after}"
+    for get in (lambda: getattr(fem, before), lambda: imported(before)):
+        with pytest.warns(FutureWarning, match=instead) as said:
+            assert get() is getattr(fem, after)
+        assert {warning.filename for warning in said} == {__file__}
+    assert after in fem.__all__ and before not in fem.__all__
+    page = (ROOT / "docs" / "stability.md").read_text("utf-8")
+    assert f"| `pvlib_fem.{before}` | `{after}` | 0.2 |" in page
+
+
+def test_what_goes_in_a_release_is_gone_in_it():
+    top = (ROOT / "CHANGELOG.md").read_text("utf-8").split("\n## ")[1]
+    rows = (ROOT / "docs" / "stability.md").read_text("utf-8").splitlines()
+    goes = [row.split("|")[-2].strip() for row in rows if row.startswith("| `pvlib_")]
+    assert goes and all(release > top.split()[0] for release in goes)
+
+
+def imported(name):
+    space = {}
+    exec(compile(f"from pvlib_fem import {name}", __file__, "exec"), space)
+    return space[name]
+
+
+def test_a_name_that_never_was_has_no_warning():
+    with pytest.raises(AttributeError, match="compares"):
+        fem.compares  # noqa: B018
+
+
+@pytest.fixture(scope="module")
+def plant():
+    data = simulator.record(days=10, step=1800, seed=3)
+    return data[[*COLUMNS, "p_dc_per_area"]]
+
+
+@pytest.fixture(scope="module")
+def old(plant):
+    return plant.rename(columns={"p_dc_per_area": "p_dc"})
+
+
+def test_a_frame_of_the_old_name_gives_what_the_new_one_gives(plant, old):
+    want = fem.fit_fem(plant, effects="electrical_output").coefficients
+    with pytest.warns(FutureWarning, match=NOW):
+        assert fem.fit_fem(old, effects="electrical_output").coefficients == want
+    columns = [plant[name] for name in COLUMNS]
+    with pytest.warns(FutureWarning, match=NOW):
+        found = fem.fit_fem(*columns, effects="electrical_output", p_dc=old["p_dc"])
+    assert found.coefficients == want
+
+
+def test_beside_the_new_name_the_old_one_is_a_column_as_any(plant):
+    """As pvlib has it: W, and not by area."""
+    both = with_aliases(plant.assign(p_dc=1.0))
+    assert {"p_dc", "p_dc_per_area"} <= {*both}
+
+
+def test_files_of_the_old_name_are_read(old, plant, tmp_path):
+    old.to_csv(tmp_path / "plant.csv", index_label="time")
+    old.to_parquet(tmp_path / "plant.parquet")
+    for path, read in (("plant.csv", read_file), ("plant.parquet", open_parquet)):
+        with pytest.warns(FutureWarning, match=NOW):
+            found = read(tmp_path / path)
+        names = found.columns
+        assert "p_dc_per_area" in names and "p_dc" not in names
+
+
+@pytest.mark.filterwarnings("default")
+def test_options_and_tables_of_the_old_name_are_understood(old, tmp_path):
+    path = tmp_path / "plant.csv"
+    plant = old.drop(columns="p_dc").assign(power=old["p_dc"] * 24.0 / 1000.0)
+    plant.to_csv(path, index_label="time")
+    words = ["fit", path, "--map", "p_dc=power", "--unit", "p_dc=kW", "--effects"]
+    words += ["electrical_output", "--module-area", "24"]
+    done = CliRunner().invoke(main, [*map(str, words)])
+    assert done.exit_code == 0 and re.search(NOW, done.output), done.output
+    assert "p_dc_per_area converted from kW to W/m²" in done.output
+    table = pd.DataFrame({"id": ["a"], "file": [path], "p_dc": "power"})
+    table = table.assign(p_dc_unit="kW", module_area=24.0)
+    with pytest.warns(FutureWarning, match=NOW):
+        (system,) = systems_of(opened(table))
+    assert system.columns == {"p_dc_per_area": "power"}
+    assert system.units == {"p_dc_per_area": "kW"}
+
+
+def test_an_effect_of_ones_own_may_have_the_old_name(plant):
+    def terms(p_dc, *, share):
+        return fem.Terms(heat=-share * p_dc)
+
+    rows = {"share": fem.Parameter(0.0, 0.0, 4.0, "-")}
+    with pytest.warns(FutureWarning, match=NOW):
+        found = fem.fit_fem(plant, effects=fem.Effect("output", terms, rows))
+    want = fem.fit_fem(plant, effects="electrical_output").residual
+    pd.testing.assert_series_equal(found.residual, want)
+    named = replace(fem.Effect("output", terms, rows), columns=("p_dc_per_area",))
+    pd.testing.assert_series_equal(fem.fit_fem(plant, effects=named).residual, want)
+
+
+POWERS = {
+    "P_DC (kW)": "power_dc",
+    "p_dc": "power_dc",
+    "DC Power [W/m²]": "power_dc",
+    "System Power (kW)": "power_ac",
+    "inverter_power": "power_ac",
+}
+
+
+@pytest.mark.parametrize("header", POWERS)
+def test_no_guess_takes_power_for_power_by_area(header, plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    power = plant["p_dc_per_area"]
+    data = plant.drop(columns="p_dc_per_area").assign(**{header: power})
+    data.to_csv(path, index_label="time")
+    found = guess([path], [Layout()], {})
+    assert found.columns[POWERS[header]] == header
+    assert "p_dc_per_area" not in found.columns
+
+
+def test_power_by_area_under_its_own_name_is_not_mapped_to_anything(plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    plant.to_csv(path, index_label="time")
+    assert "power_dc" not in guess([path], [Layout()], {}).columns
+
+
+@pytest.mark.parametrize(("unit", "watt"), [("W", 1.0), ("kW", 1e3), ("MW", 1e6)])
+def test_power_of_a_plant_is_converted_and_its_codes_stay(unit, watt, plant, tmp_path):
+    path = tmp_path / "plant.csv"
+    power = plant["p_dc_per_area"].to_numpy(copy=True)
+    power[7] = -9999.0
+    plant[[*COLUMNS]].assign(p=power).to_csv(path, index_label="time")
+    data = read_file(path, {"power_ac": "p"}, {"power_ac": unit})["power_ac"]
+    want = np.where(power == -9999.0, power, watt * power)
+    np.testing.assert_allclose(data, want)

@@ -1,0 +1,465 @@
+"""How the loop decides: weekly sums, single effects, and causes outside."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from pvlib_fem import Criteria, close_loop, simulator
+from pvlib_fem._findings import OUTSIDE
+from pvlib_fem._loop.design import Design, independent
+from pvlib_fem._loop.dictionary import Candidate, Changed, Scan, dated, first_days
+from pvlib_fem._loop.noise import (
+    misfits,
+    random_effects,
+    shares,
+    with_outside,
+)
+from pvlib_fem._loop.selection import Choice, Selection, existence
+from pvlib_fem._statistics.tables import Table
+from pvlib_fem._statistics.weekly_sums import LeastSquares, alike, held_out, products
+from pvlib_fem.effects import CHANGES, EFFECTS
+from pvlib_fem.effects._time_profiles import number, weights_of
+
+START = 19_358  # 2023-01-01
+CRITERIA = Criteria()
+
+
+def design(residual, columns, days, hours, changing=(), own=(), **places):
+    """A design of some columns, of which those of ``own`` are an effect's."""
+    rows = len(residual)
+    made = Design.of_columns(
+        residual, columns, np.ones(rows), START + days, changing or CHANGES.values()
+    )
+    order = {name: i for i, name in enumerate(made.names)}
+    mine = {
+        name: tuple(order[key] for key in EFFECTS[name].rows() if key in order)
+        for name in own
+    }
+    taken = {place for places in mine.values() for place in places}
+    usual = {name: np.zeros(rows) for name in ("poa_global", "wind_speed", "temp_air")}
+    clock = {"hour": hours, "month": 1 + days // 31 % 12, "weekend": days % 7 >= 5}
+    return replace(
+        made,
+        base=tuple(place for place in made.base if place not in taken),
+        own=mine,
+        effects={name: EFFECTS[name] for name in own},
+        changing=tuple(changing),
+        places=usual | clock | places,
+    )
+
+
+def clock(days):
+    """Day and hour of each cell of some days."""
+    return np.repeat(np.arange(days), 24), np.tile(np.arange(24), days)
+
+
+def noise(random, size, memory=0.5):
+    """Noise that remembers an hour."""
+    found = np.empty(size)
+    found[0] = random.normal()
+    for i in range(1, size):
+        found[i] = memory * found[i - 1] + random.normal() * np.sqrt(1 - memory**2)
+    return found
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_products_with_a_change_are_those_of_its_column(seed):
+    random, (days, hours) = np.random.default_rng(seed), clock(70)
+    one, other, rest = random.normal(size=(3, len(days)))
+    made = design(rest, {"one": one, "other": other}, days, hours)
+    step = CHANGES["contact_step"].make(at="2023-02-10")
+    drift = CHANGES["contact_drift"].make(since="2023-01-05")
+    changes = [Changed.of(3, effect) for effect in (step, drift)]
+    found = made.by_week([1, *changes])
+    columns = [made.cells[:, 0], made.cells[:, 1]]
+    columns += [made.cells[:, 3] * weights_of(e, START + days) for e in (step, drift)]
+    table = np.column_stack(columns)
+    np.testing.assert_allclose(found.sum(axis=0), table.T @ table, rtol=1e-9)
+    for change, column in zip(changes, columns[2:]):
+        np.testing.assert_allclose(made.values(change), column)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 2))
+def test_shifts_are_those_of_fits_without_each_week(seed, size):
+    random = np.random.default_rng(seed)
+    table = random.normal(size=(12, 9, 4))
+    found = LeastSquares(np.einsum("wri,wrj->wij", table, table), size)
+    rows = table.reshape(-1, 4)
+    whole = np.linalg.lstsq(rows[:, 1:], rows[:, 0], rcond=None)[0][-size:]
+    np.testing.assert_allclose(found.estimate, whole, rtol=1e-5, atol=1e-8)
+    for week in range(12):
+        rows = np.delete(table, week, axis=0).reshape(-1, 4)
+        other = np.linalg.lstsq(rows[:, 1:], rows[:, 0], rcond=None)[0][-size:]
+        np.testing.assert_allclose(
+            found.shifts[week], other - whole, rtol=1e-4, atol=1e-6
+        )
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_held_out_square_is_that_of_fits_without_each_fold(seed):
+    random = np.random.default_rng(seed)
+    table = random.normal(size=(10, 8, 3))
+    folds = (np.arange(10) % 5 == np.arange(5)[:, None]).astype(float)
+    expected = 0.0
+    for fold in range(5):
+        out = np.arange(10) % 5 == fold
+        rows = table[~out].reshape(-1, 3)
+        size = np.linalg.lstsq(rows[:, 1:], rows[:, 0], rcond=None)[0]
+        left = table[out].reshape(-1, 3)
+        expected += np.square(left[:, 0] - left[:, 1:] @ size).sum()
+    weekly = np.einsum("wri,wrj->wij", table, table)
+    assert held_out(weekly, folds) == pytest.approx(expected, rel=1e-5)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_best_step_is_that_of_all_fits(seed):
+    """Against least squares of every date, where all days are usual ones."""
+    random, (days, hours) = np.random.default_rng(seed), clock(60)
+    one, rest = random.normal(size=(2, len(days)))
+    made = design(rest, {"one": one}, days, hours)
+    scan = replace(Scan.of(made, [1], 7), trust=np.ones(60))
+    sums = scan.sums(2)
+    starts = np.arange(7, 54)
+    falls = scan.worth(sums[-1] - sums[starts], -1.0, 1.0)
+    for start, fall in zip(starts[::9], falls[::9]):
+        both = np.column_stack([one, np.ones(len(days)) * (days >= start)])
+        before = rest - one * (one @ rest) / (one @ one)
+        after = rest - both @ np.linalg.lstsq(both, rest, rcond=None)[0]
+        assert fall == pytest.approx(before @ before - after @ after, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("course", "dates"),
+    [("step", ("2023-05-01",)), ("episode", ("2023-04-01", "2023-06-20"))],
+)
+def test_the_date_of_a_change_is_within_its_interval(course, dates):
+    """In thirty records; a step of one standard deviation of the noise of an hour."""
+    right = 0
+    for seed in range(30):
+        random, (days, hours) = np.random.default_rng(seed), clock(240)
+        first, *last = (number(day) - START for day in dates)
+        there = (days >= first) & (days < (last[0] if last else np.inf))
+        rest = 1.0 * there + noise(random, len(days), 0.9)
+        changing = [CHANGES[f"module_offset_{course}"]]
+        made = design(rest, {"one": random.normal(size=len(days))}, days, hours)
+        made = replace(made, changing=tuple(changing))
+        (found,) = dated(made, [1], 21, 0.025)
+        score = Selection(made, CRITERIA).score(found, [1])
+        errors = abs(score.estimate[0]) / score.stderr[0]
+        between = first_days(made, found, [1], 21, errors).settings["between"]
+        low, high = between
+        right += low <= dates[0] <= high
+        assert number(high) - number(low) < 80
+    assert right >= 27
+
+
+def test_the_more_a_change_could_be_the_less_it_is_believed():
+    """Odds fall with the bounds of a size and the number of dates, and rise with it."""
+    effect = CHANGES["contact_step"].make(at="2023-02-10")
+    one = Candidate(effect, (), np.log(0.025))
+    (row,) = effect.rows().values()
+    wide = replace(row, lower=10.0 * row.lower, upper=10.0 * row.upper)
+
+    def odds(size, rows=(row,), **more):
+        cov = np.array([[0.01**2]])
+        one_more = replace(one, **more)
+        return existence(one_more, [*rows], np.array([size]), cov, 50.0)
+
+    sizes = [odds(size) for size in (0.0, 0.02, 0.04, 0.08, 0.2)]
+    assert sizes == sorted(sizes) and sizes[0] < 0.025 < 0.99 < sizes[-1]
+    assert odds(0.04, rows=(wide,)) < odds(0.04)
+    assert odds(0.04, log_dates=np.log(300.0)) < odds(0.04)
+
+
+def test_noise_is_rarely_taken_for_an_effect():
+    """A hundred years of noise with a memory of ten hours, and all changes."""
+    found = []
+    for seed in range(100):
+        random, (days, hours) = np.random.default_rng(seed), clock(365)
+        columns = {"one": np.cos(2 * np.pi * hours / 24)}
+        columns["rain.film"] = np.maximum(random.normal(size=len(days)) - 1.5, 0.0)
+        rest = noise(random, len(days), 0.9)
+        made = design(rest, columns, days, hours, own=["rain"])
+        made = replace(made, changing=(CHANGES["module_offset_step"],))
+        selection = Selection(made, replace(CRITERIA, min_gain=1e-3, min_share=1e-6))
+        found += [one.top.name for one in selection.run()]
+    assert len(found) <= 2
+
+
+def test_what_nothing_tells_apart_has_equal_shares():
+    """Two columns that are one; and one that explains less has less."""
+    random, (days, hours) = np.random.default_rng(0), clock(200)
+    own = random.normal(size=len(days))
+    rest = own + noise(random, len(days))
+    columns = {"one": np.ones(len(days)), "rain.film": own}
+    twin = {"air_elsewhere.share": own}
+    for other, low, high in ((own, 0.49, 0.51), (own + 0.5 * rest[::-1], 0.0, 0.3)):
+        names = columns | dict.fromkeys(twin, other)
+        made = design(rest, names, days, hours, own=["rain", "air_elsewhere"])
+        selection = Selection(made, CRITERIA)
+        members = {
+            one.name: replace(one, log_prior=0.0)
+            for one in selection.candidates([*made.base])
+            if one.name in made.own
+        }
+        shares = selection.posterior(members, [*made.base], members["rain"], 10.0)
+        assert sum(shares.values()) == pytest.approx(1.0)
+        assert low <= shares["air_elsewhere"] <= high
+
+
+def chosen(rest, own, days, hours, **places):
+    """The choice of one effect, with the probability of a cause outside."""
+    columns = {"one": np.ones(len(days)), "rain.film": own}
+    made = design(rest, columns, days, hours, own=["rain"], **places)
+    selection = Selection(made, CRITERIA)
+    (one,) = (c for c in selection.candidates([*made.base]) if c.name == "rain")
+    score = selection.score(one, [*made.base])
+    choice = selection.weighed(Choice(one, score), [])
+    return made, one, with_outside(made, choice, [*made.base], CRITERIA)
+
+
+def test_a_true_effect_keeps_its_size_within_every_table():
+    random, (days, hours) = np.random.default_rng(2), clock(300)
+    own = np.maximum(random.normal(size=len(days)) + np.cos(hours / 4.0), 0.0)
+    made, one, choice = chosen(2.0 * own + noise(random, len(days)), own, days, hours)
+    for share, error in shares(made, one, [*made.base]):
+        assert abs(share - 1.0) < 4.0 * error + 0.02
+    assert choice.probabilities["rain"] > 0.95
+    assert sum(choice.probabilities.values()) == pytest.approx(1.0)
+
+
+def test_what_stands_for_an_unknown_schedule_is_outside():
+    """A pump of the mornings from May to August, and rain that falls then the most."""
+    random, (days, hours) = np.random.default_rng(3), clock(300)
+    pump = ((hours >= 6) & (hours < 10) & (days > 120) & (days < 240)).astype(float)
+    own = pump + 0.3 * np.abs(random.normal(size=len(days)))
+    rest = 3.0 * pump + noise(random, len(days))
+    made, one, choice = chosen(rest, own, days, hours)
+    share, _ = shares(made, one, [*made.base])[0]  # by hour and month
+    assert share < 0.3
+    assert choice.probabilities[OUTSIDE] > 0.5
+
+
+@pytest.mark.parametrize("hours_of_day", [(0, 24), (20, 24)])
+def test_a_sensor_that_has_changed_does_so_at_every_hour(hours_of_day):
+    """An offset of 50 days; heat of the evenings of these days is no offset."""
+    random, (days, hours) = np.random.default_rng(5), clock(300)
+    first, last = hours_of_day
+    there = (days >= 100) & (days < 150) & (hours >= first) & (hours < last)
+    size = 24.0 / (last - first)  # as much in the mean of a day
+    rest = size * there + noise(random, len(days))
+    changing = [CHANGES["module_offset_episode"]]
+    columns = {"one": random.normal(size=len(days))}
+    made = replace(design(rest, columns, days, hours), changing=tuple(changing))
+    selection = Selection(made, CRITERIA)
+    (one,) = selection.candidates([1])
+    score = selection.score(one, [1])
+    assert score.probability > 0.95
+    (misfit,) = misfits(made, one, [1], score.fall)
+    choice = selection.weighed(Choice(one, score), [])
+    outside = with_outside(made, choice, [1], CRITERIA).probabilities[OUTSIDE]
+    if hours_of_day == (0, 24):
+        assert misfit < 0.3 and outside < 0.1
+    else:
+        assert misfit > 1.0 and outside > 0.9
+
+
+@pytest.mark.parametrize("treated", [3, 6, 50])
+def test_few_weeks_of_a_change_have_the_noise_of_all_weeks(treated):
+    """A hundred weeks of noise; its variance is known, and their own is a poor one."""
+    own, both = [], []
+    for seed in range(200):
+        random = np.random.default_rng(seed)
+        weeks, rows = 100, 20
+        column = np.repeat(np.arange(weeks) < treated, rows).astype(float)
+        cells = np.column_stack(
+            [random.normal(size=weeks * rows), np.ones(weeks * rows)]
+        )
+        cells = np.column_stack([cells, column])
+        ends = np.arange(0, weeks * rows + 1, rows)
+        found = LeastSquares(products(cells, np.ones(weeks * rows), ends), 1)
+        variance, freedom = found.by_all_weeks()
+        own.append(float(found.covariance[0, 0]))
+        both.append(float(variance[0, 0]))
+    true = 1.0 / (rows * treated * (1.0 - treated / weeks))
+    assert np.mean(both) == pytest.approx(true, rel=0.15)
+    assert freedom > found.freedom
+    assert np.std(both) < (0.6 if treated < 10 else 1.0) * np.std(own)
+
+
+def test_noise_that_lasts_for_weeks_makes_a_change_less_sure():
+    random, weeks, rows = np.random.default_rng(0), 100, 20
+    slow = noise(random, weeks, 0.6)
+    column = np.repeat(np.arange(weeks) < 6, rows).astype(float)
+    sizes = []
+    for level in (slow, random.permutation(slow)):
+        rest = np.repeat(level, rows) + random.normal(size=weeks * rows)
+        cells = np.column_stack([rest, np.ones(weeks * rows), column])
+        ends = np.arange(0, weeks * rows + 1, rows)
+        found = LeastSquares(products(cells, np.ones(weeks * rows), ends), 1)
+        sizes.append(float(found.by_all_weeks()[0][0, 0]))
+    assert sizes[0] > 1.5 * sizes[1]
+
+
+def test_the_placebo_of_white_noise_is_its_textbook_error():
+    random, (days, hours) = np.random.default_rng(4), clock(400)
+    own, rest = random.normal(size=(2, len(days)))
+    made = design(rest, {"rain.film": own}, days, hours, own=["rain"])
+    weekly = made.by_week([2, 1])
+    covariance, _ = made.placebo([2], [1], LeastSquares(weekly, 1))
+    assert covariance[0, 0] == pytest.approx(1.0 / len(days), rel=0.15)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-3.0, 3.0))
+def test_more_of_a_column_is_estimated_as_so_much_more(seed, more):
+    random, (days, hours) = np.random.default_rng(seed), clock(80)
+    own, rest = random.normal(size=(2, len(days)))
+    made = design(rest, {"rain.film": own}, days, hours, own=["rain"])
+    step = Changed.of(2, CHANGES["module_offset_step"].make(at="2023-02-01"))
+    for column in (1, step):
+        before = LeastSquares(made.by_week([column]), 1).estimate
+        after = LeastSquares(made.adding({column: more}).by_week([column]), 1).estimate
+        (scale,) = made.scales([column])
+        assert (after - before) / scale == pytest.approx(more, abs=1e-6)
+
+
+def test_every_finding_holds_a_cause_outside_and_its_shares_are_one():
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0, "wind_direction": 1.0}
+    loop = close_loop(simulator.record(effects=effects, days=150, step=900, seed=2))
+    added = [finding for finding in loop.finding_objects if finding.added]
+    assert {"sky_radiation", "wind_direction"} <= {f.effect for f in added}
+    for finding in added:
+        shares = finding.probabilities
+        assert OUTSIDE in shares and sum(shares.values()) == pytest.approx(1.0)
+        assert finding.effect == max(
+            (n for n in shares if n != OUTSIDE), key=shares.get
+        )
+        held = sum(shares[n] for n in (*finding.candidates,))
+        sure = loop.criteria.probability
+        assert (finding.verdict == "named") == (shares[finding.effect] >= sure)
+        if finding.verdict == "named":
+            assert finding.candidates == (finding.effect,)
+        else:
+            assert held + shares[OUTSIDE] >= sure
+
+
+def grouped_design(random, groups, columns=2):
+    """A design of random columns whose cells are in some groups, and those."""
+    days, hours = clock(70)
+    names = [f"column {i}" for i in range(columns)]
+    table = dict(zip(names, random.normal(size=(columns, len(days)))))
+    made = design(random.normal(size=len(days)), table, days, hours)
+    return made, random.integers(0, groups, len(days))
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 10.0))
+def test_whitened_least_squares_is_generalised_least_squares(seed, ratio):
+    """Against the inverse of the covariance of a random effect, written out."""
+    random = np.random.default_rng(seed)
+    made, groups = grouped_design(random, 12)
+    size = np.bincount(groups, minlength=12)
+    shares = ratio * size / (ratio * size + 1.0)  # variance over that of noise
+    white = made.whitened([Table((), groups, ratio, 9.0, size * 0.0, shares, size)])
+    there = np.eye(12)[groups]
+    covariance = np.eye(len(groups)) + ratio * there @ there.T
+    table = made.cells[:, :3]
+    expected = table.T @ np.linalg.solve(covariance, table)
+    np.testing.assert_allclose(white.by_week([1, 2]).sum(axis=0), expected, rtol=1e-8)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_change_is_whitened_as_any_column(seed):
+    random = np.random.default_rng(seed)
+    made, groups = grouped_design(random, 9)
+    other = random.integers(0, 5, len(groups))
+    tables = []
+    for one, many in ((groups, 9), (other, 5)):
+        size, shares = np.bincount(one, minlength=many), random.uniform(0, 1, many)
+        tables.append(Table((), one, 1.0, 9.0, size * 0.0, shares, size))
+    white = made.whitened(tables)
+    step = Changed.of(3, CHANGES["contact_step"].make(at="2023-02-10"))
+    free = white.values(step)
+    np.testing.assert_allclose(free, white.freed(made.values(step), tables))
+    found = white.by_week([1, step]).sum(axis=0)
+    assert found[0, 2] == pytest.approx(white.cells[:, 0] @ free)
+    assert found[2, 2] == pytest.approx(free @ free)
+    assert found[1, 2] == pytest.approx(white.cells[:, 1] @ free)
+
+
+def test_an_effect_is_surer_beside_a_pattern_that_is_known():
+    """As where an exhaust warms a module at weekends and wind cools it."""
+    random, (days, hours) = np.random.default_rng(8), clock(126)
+    weekend = (days % 7 >= 5) & (hours >= 9) & (hours < 16)
+    sky = np.repeat(random.normal(size=126), 24)
+    rest = 3.0 * weekend + 0.2 * sky + 0.3 * noise(random, len(days))
+    columns = {"bias": np.ones(len(days)), "sky_radiation.share": sky}
+    made = design(rest, columns, days, hours, own=["sky_radiation"])
+    plain = Selection(made, CRITERIA)
+    known = random_effects(made, [1], plain.least)
+    assert known
+    known = replace(plain, noise=tuple(known), known={})
+    one = Candidate(made.effects["sky_radiation"], (2,), np.log(CRITERIA.prior))
+    before, after = (s.score(one, [1]) for s in (plain, known))
+    assert after.null[0, 0] < 0.5 * before.null[0, 0]
+    assert after.seen[0] == pytest.approx(0.2, abs=4 * np.sqrt(after.null[0, 0]))
+    assert after.probability > max(before.probability, CRITERIA.probability)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 2), st.integers(1, 2))
+def test_what_another_would_explain_is_its_fit_to_what_the_first_explains(
+    seed, size, rival
+):
+    """By the columns themselves, given others; twice the same explains all of it."""
+    random = np.random.default_rng(seed)
+    table = random.normal(size=(200, 3 + size + rival))
+    rest, known = table[:, 0], table[:, 1:3]
+    own, other = table[:, 3 : 3 + size], table[:, 3 + size :]
+
+    def beyond(columns):
+        return columns - known @ np.linalg.lstsq(known, columns, rcond=None)[0]
+
+    rest, own, other = map(beyond, (rest, own, other))
+    part = own @ np.linalg.lstsq(own, rest, rcond=None)[0]
+    stands_in = other @ np.linalg.lstsq(other, part, rcond=None)[0]
+    whole = table.T @ table
+    expected = (stands_in @ stands_in) / (part @ part)
+    assert alike(whole, size, rival) == pytest.approx(expected, rel=1e-4, abs=1e-6)
+    twice = np.column_stack([table[:, : 3 + size], table[:, 3 : 3 + size]])
+    assert alike(twice.T @ twice, size, size) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_law_that_is_not_exact_keeps_its_size_where_it_changes():
+    """
+    A drift, whose mean of each month is in a table, is seen within the months.
+
+    The sensor's column follows the wind, and the truth does so by a third less: within
+    hours of a month that is more than the drift, and none of it.
+    """
+    random, (days, hours) = np.random.default_rng(1), clock(360)
+    wind = random.gamma(2.0, 1.0, len(days))
+    seen, true = (1.0 / (1.0 + a * wind) for a in (0.3, 0.2))
+    drift = next(e for e in CHANGES.values() if e.name == "air_offset_drift")
+    drift = drift.dates(since="2023-01-01")
+    rest = 3.0 * weights_of(drift, START + days) * true
+    rest += 0.3 * noise(random, len(days))
+    usual = {"flat": np.ones(len(days)), "windy": seen}
+    made = design(rest, usual, days, hours, changing=[drift])
+    made.cells[:, -1] = seen / np.sqrt(np.mean(seen**2))
+    one = Candidate(drift, (Changed.of(len(made.names) - 1, drift),), 0.0)
+    months, *_ = shares(made, one, [*made.base])
+    assert months[0] == pytest.approx(1.0, abs=max(0.2, 2.0 * months[1]))
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-2.0, 2.0).filter(lambda x: abs(x) > 1e-3))
+def test_columns_that_are_sums_of_others_are_no_columns_of_an_effect(seed, times):
+    """Of an hour of snow its cover and what stays of it are one."""
+    random = np.random.default_rng(seed)
+    cells = random.normal(size=(50, 4))
+    cells[:, 2] = times * cells[:, 1]
+    rows = random.integers(1, 12, 50).astype(float)
+    assert independent(cells, rows, [1, 2, 3]) == (1, 3)
+    assert independent(cells, rows, [0, 1, 3]) == (0, 1, 3)
+    cells[1:, 1:] = 0.0
+    assert independent(cells, rows, [1, 2, 3]) == (1,)

@@ -1,0 +1,298 @@
+"""A tracker whose modules are stuck while the irradiance sensor moves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pvlib
+import pytest
+from conftest import COLUMNS
+from pvlib.location import Location
+
+import pvlib_fem as fem
+from pvlib_fem import simulator
+from pvlib_fem._findings import CheckOutcome
+from pvlib_fem._record.inputs import read
+from pvlib_fem.drivers import completed, geometry
+from pvlib_fem.drivers._solar import on_plane
+from pvlib_fem.effects import find
+from pvlib_fem.effects._standstill import rotations
+from pvlib_fem.effects._time_profiles import number
+from pvlib_fem.quality._tracker_standstill import standing_of
+from pvlib_fem.reasons import Reason
+from pvlib_fem.simulator import PHYSICS, RHINE, Stuck, Tracker
+
+WHERE = Location(RHINE.latitude, RHINE.longitude, tz=RHINE.tz)
+USUAL = [*COLUMNS, "surface_tilt", "surface_azimuth"]
+STUCK = {"tracker_stuck": 1.0}
+
+
+def tracking(stuck, *effects, seed=3, **changes):
+    """A year of a tracker that is stuck, and what is switched on."""
+    site = replace(RHINE, tracker=Tracker(stuck=stuck), **changes)
+    on = PHYSICS | dict.fromkeys(effects, 1.0)
+    return simulator.record(site, on, days=365, step=900.0, seed=seed)
+
+
+@pytest.fixture(scope="module")
+def sound():
+    return tracking(Stuck())
+
+
+@pytest.fixture(scope="module")
+def loop_of_sound(sound):
+    return fem.close_loop(sound[USUAL], location=WHERE)
+
+
+# ------------------------------------------------------------------ the planes
+@pytest.mark.parametrize("axis_tilt, axis_azimuth", [(0.0, 180.0), (20.0, 150.0)])
+def test_planes_are_those_that_the_tracker_can_have(axis_tilt, axis_azimuth):
+    turns = np.linspace(-55.0, 55.0, 500)
+    own = pvlib.tracking.calc_surface_orientation(turns, axis_tilt, axis_azimuth)
+    axis, angles = rotations(own["surface_tilt"], own["surface_azimuth"])
+    assert np.ptp(angles) == pytest.approx(110.0, abs=1e-6)
+    assert np.abs(np.diff(angles)).max() <= 10.0
+    tilt, azimuth = axis.planes(angles).T
+    way = np.sign(angles[0] * turns[0])
+    there = pvlib.tracking.calc_surface_orientation(
+        way * angles, axis_tilt, axis_azimuth
+    )
+    np.testing.assert_allclose(tilt, there["surface_tilt"], atol=1e-6)
+    apart = (azimuth - there["surface_azimuth"] + 180.0) % 360.0 - 180.0
+    assert np.abs(apart[tilt > 1.0]).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "tilt, azimuth, words",
+    [
+        (np.full(50, 35.0), np.full(50, 180.0), "fixed"),
+        (np.tile([10.0, 60.0, 60.0], 20), np.tile([180.0, 90.0, 210.0], 20), "axis"),
+    ],
+)
+def test_what_does_not_turn_about_one_axis_is_refused(tilt, azimuth, words):
+    with pytest.raises(ValueError, match=words):
+        rotations(tilt, azimuth)
+
+
+def test_light_on_the_described_plane_is_what_was_measured(sound):
+    """And on another plane it is what the simulator has there."""
+    days = sound["2023-06-01":"2023-06-20"]
+    inputs = read({"poa_global": days["poa_global"]})
+    place = geometry(days.index, WHERE, 35.0, 180.0)
+    place |= {name: days[name] for name in USUAL[-2:]}
+    inputs = inputs.having({name: c.to_numpy() for name, c in place.items()})
+    inputs = completed(inputs, ["clearness"])
+    sky = [inputs[n] for n in ("clearness", "solar_zenith", "solar_azimuth")]
+    same = on_plane(*sky, inputs["surface_tilt"], inputs["surface_azimuth"])
+    clear = inputs["clearness"] < 0.99  # more light than any sky has
+    np.testing.assert_allclose(same[clear], inputs["poa_global"][clear], atol=1.0)
+    stands = tracking(Stuck("2023-06-01", "2023-06-21", 40.0), "tracker_stuck_sensor")
+    stands = stands.loc[days.index, "poa_global"]
+    west = on_plane(*sky, 40.0, 270.0)
+    assert np.corrcoef(west, stands)[0, 1] > 0.98
+    assert west.sum() == pytest.approx(stands.sum(), rel=0.03)
+
+
+# ------------------------------------------------------------------ the effect
+def test_its_heat_is_the_light_that_is_missing_on_its_days(sound):
+    effect = find(
+        {
+            "name": "tracker_stuck",
+            "start": "2023-07-03",
+            "end": "2023-07-05",
+            "surface_tilt": 35.0,
+            "surface_azimuth": 90.0,
+        }
+    )
+    days = np.repeat(number("2023-07-02") + np.arange(4.0), 2) + 0.5
+    sky = np.full(8, 0.7), np.full(8, 40.0), np.tile([100.0, 260.0], 4)
+    heat = effect.terms(np.full(8, 800.0), *sky, days, share=1.0).heat
+    there = np.repeat([False, True, True, False], 2)
+    assert (heat[~there] == 0.0).all()
+    morning, afternoon = heat[there].reshape(2, 2).T
+    # the sun is before the plane, and 69° from its normal
+    assert (morning > 50.0).all() and (afternoon < -300.0).all()
+    with pytest.raises(ValueError, match="is not before"):
+        find({"name": "tracker_stuck", "start": "2023-07-05", "end": "2023-07-03"})
+
+
+CASES = [(-35.0, "2023-06-12", "2023-06-26"), (20.0, "2023-04-17", "2023-05-15")]
+
+
+@pytest.mark.parametrize("angle, start, end", CASES)
+def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
+    data = tracking(Stuck(start, end, angle), "tracker_stuck")
+    loop = fem.close_loop(data[USUAL], location=WHERE)
+    (effect,) = (e for e in loop.fit.effects if e.name == "tracker_stuck")
+    dates = effect.settings
+    low, high = map(number, dates["between"])
+    assert low <= number(start) <= high
+    # all fitting days but those of less than half the light, and no others
+    found, true = (
+        np.arange(number(ends["start"]), number(ends["end"]))
+        for ends in (dates, dict(start=start, end=end))
+    )
+    weeks = loop.weeks.tz_localize(None)
+    fitting = set(weeks.index[weeks == "fitting"].normalize().map(number))
+    assert {*found} & fitting <= {*true}
+    light = data["poa_global"].tz_localize(None).resample("D").sum()
+    light.index = light.index.map(number)
+    for day in {*true} & fitting - {*found}:
+        assert light[day] < 0.5 * light[[*true]].median()
+    side = 90.0 if angle < 0 else 270.0
+    assert dates["surface_tilt"] == pytest.approx(abs(angle), abs=6.0)
+    assert dates["surface_azimuth"] == pytest.approx(side, abs=2.0)
+    assert loop.fit.coefficients["tracker_stuck.share"] == pytest.approx(1.0, abs=0.2)
+    assert loop.table["rmse_train"].iloc[-1] < 0.7 * loop.table["rmse_train"][loop.base]
+    assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"][loop.base]
+    statement = loop.statements.iloc[0]
+    way = "east" if angle < 0 else "west"
+    assert "were stuck at about" in statement["text"] and way in statement["text"]
+    assert dates["start"] in statement["text"] and dates["end"] in statement["text"]
+    assert (statement["since"], statement["device"]) == (dates["start"], "tracker")
+    assert "drive of the tracker" in statement["action"] or "To decide" in str(
+        statement
+    )
+    loop.to_json(tmp_path / "loop.json")
+    again = fem.Loop.from_json(tmp_path / "loop.json")
+    assert again.statements["text"].iloc[0] == statement["text"]
+
+
+def test_power_agrees_by_the_light_that_the_modules_miss():
+    data = tracking(Stuck("2023-05-22", "2023-06-26", -40.0), "tracker_stuck")
+    loop = fem.close_loop(data[[*USUAL, "p_dc_per_area"]], location=WHERE)
+    (finding,) = (f for f in loop.finding_objects if f.effect == "tracker_stuck")
+    (heard,) = (w for w in finding.heard if w.effect == "tracker_stuck")
+    assert heard.opinion is CheckOutcome.AGREES
+    assert heard.expected < -0.05
+    assert heard.size == pytest.approx(heard.expected, rel=0.3)
+    assert finding.verdict == "named"
+
+
+def test_power_shows_the_days_of_test_weeks():
+    """And without it they stay as the fitting weeks have them."""
+    stuck = Stuck("2023-05-31", "2023-06-14", -40.0)
+    data = tracking(stuck, "tracker_stuck", clear_share=0.5)
+    known, unknown = (
+        fem.close_loop(data[columns], location=WHERE)
+        for columns in ([*USUAL, "p_dc_per_area"], USUAL)
+    )
+    weeks = known.weeks[stuck.start : "2023-06-13"]
+    assert (weeks == "test").any() and (weeks == "fitting").any()
+    for loop, right in ((known, True), (unknown, False)):
+        (effect,) = (e for e in loop.fit.effects if e.name == "tracker_stuck")
+        dates = effect.settings["start"], effect.settings["end"]
+        assert (dates == (stuck.start, stuck.end)) == right
+    assert known.table["rmse_test"].iloc[-1] < unknown.table["rmse_test"].iloc[-1]
+
+
+def test_a_sensor_that_reads_less_for_weeks_is_no_standstill(sound):
+    data = sound.copy()
+    weeks = slice("2023-05-22", "2023-07-10")
+    data.loc[weeks, "poa_global"] *= 0.75
+    loop = fem.close_loop(data[[*USUAL, "p_dc_per_area"]], location=WHERE)
+    named = [f.effect for f in loop.finding_objects if f.verdict == "named"]
+    assert named == ["sensitivity_episode"]
+    assert "tracker_stuck" not in loop.effects
+
+
+def test_a_tracker_that_moves_shows_no_standstill(loop_of_sound):
+    why = loop_of_sound.untestable["tracker_stuck"]
+    assert why.reason is Reason.NO_STANDSTILL
+    assert not loop_of_sound.effects
+
+
+def test_a_fixed_plane_cannot_stand_still(sound):
+    data = simulator.record(RHINE, PHYSICS, days=70, step=1800.0)[[*COLUMNS]]
+    place = dict(location=WHERE, surface_tilt=35.0, surface_azimuth=180.0)
+    loop = fem.close_loop(data, **place)
+    assert loop.untestable["tracker_stuck"].reason is Reason.NO_AXIS
+    unknown = fem.close_loop(data)
+    assert unknown.untestable["tracker_stuck"].reason is Reason.LACKS
+    ranked = fem.rank_effects(loop.fit, data, ["tracker_stuck"], **place)
+    assert "does not turn about an axis" in ranked.loc["tracker_stuck", "note"]
+
+
+def test_it_can_be_fitted_at_known_days():
+    stuck = Stuck("2023-07-03", "2023-07-17", -35.0)
+    data = tracking(stuck, "tracker_stuck")
+    settings = dict(start=stuck.start, end=stuck.end)
+    settings |= dict(surface_tilt=35.0, surface_azimuth=90.0)
+    place = geometry(data.index, WHERE)
+    fit = fem.fit_fem(
+        *(data[name] for name in COLUMNS),
+        model="faiman",
+        dynamics="balance",
+        effects=[{"name": "tracker_stuck", **settings}],
+        **{name: pd.Series(c, data.index) for name, c in place.items()},
+        **{name: data[name] for name in USUAL[-2:]},
+    )
+    assert fit.coefficients["tracker_stuck.share"] == pytest.approx(1.0, abs=0.15)
+
+
+# ------------------------------------------------------------------ the record
+BOTH = ("tracker_stuck", "tracker_stuck_sensor")
+
+
+@pytest.mark.parametrize("by_columns", [True, False])
+def test_a_sensor_that_stands_with_the_modules_is_seen_by_its_light(
+    by_columns, tmp_path
+):
+    """Temperature and irradiance agree; the described plane is not theirs."""
+    stuck = Stuck("2023-07-03", "2023-07-17", 30.0)
+    data = tracking(stuck, *BOTH, clear_share=0.6)
+    how = dict(location=WHERE)
+    if not by_columns:
+        data = data.drop(columns=USUAL[-2:])
+        how["mount"] = pvlib.pvsystem.SingleAxisTrackerMount(0, 180, 60, True, 0.35)
+    loop = fem.close_loop(data[[n for n in USUAL if n in data]], **how)
+    (found,) = loop.standings
+    low, high = map(number, found.between)
+    assert low <= number(stuck.start) <= high
+    assert abs(number(found.end) - number(stuck.end)) <= 3
+    assert found.surface_tilt == pytest.approx(30.0, abs=8.0)
+    assert found.surface_azimuth == pytest.approx(270.0, abs=2.0)
+    assert found.after < 0.25 * found.before
+    assert not loop.effects
+    one = loop.statements.iloc[0]
+    assert (one["cause"], one["device"]) == ("sensor_stuck", "tracker")
+    assert "west" in one["text"] and found.start in one["text"]
+    assert one["text"].endswith("the plane that the record describes")
+    assert "1 irradiance sensor that was stuck" in " ".join(str(loop).split())
+    assert "was stuck" in loop.report()
+    # effects of the plane have the angles at which it stood, on its days only
+    tilt = pd.Series(loop.fit.record["surface_tilt"], loop.fit.record.index)
+    during = found.rows(tilt.index)
+    assert (tilt[during] == found.surface_tilt).all()
+    assert np.ptp(tilt[~during]) > 50.0
+    loop.to_json(tmp_path / "loop.json")
+    again = fem.Loop.from_json(tmp_path / "loop.json")
+    assert again.standings == loop.standings
+    assert again.statements["text"].iloc[0] == one["text"]
+
+
+def test_modules_that_go_on_are_said_not_to_stand_with_the_sensor():
+    stuck = Stuck("2023-07-03", "2023-07-17", 30.0)
+    data = tracking(stuck, "tracker_stuck_sensor", clear_share=0.6)
+    loop = fem.close_loop(data[USUAL], location=WHERE)
+    one = loop.statements.iloc[0]
+    assert one["cause"] == "sensor_stuck"
+    assert one["text"].endswith("while the modules went on or stood elsewhere")
+
+
+@pytest.mark.parametrize(
+    "effects", [(), ("tracker_stuck",), ("shading_sensor", "soiling_sensor")]
+)
+def test_light_of_the_described_plane_is_no_standstill(effects):
+    """Whatever the modules do, and obstacles before the sensor."""
+    data = tracking(Stuck(), *effects, seed=5, clear_share=0.6)
+    loop = fem.close_loop(data[USUAL], location=WHERE)
+    assert loop.standings == ()
+
+
+def test_light_of_a_sensor_that_is_set_wrong_is_no_standstill():
+    site = replace(RHINE, tracker=Tracker(), clear_share=0.6)
+    on = PHYSICS | {"poa_misalignment": 12.0}
+    data = simulator.record(site, on, days=365, step=900.0, seed=6)
+    angles = tuple(data[name].to_numpy() for name in USUAL[-2:])
+    assert standing_of(data["poa_global"], data.index, WHERE, angles) == ()

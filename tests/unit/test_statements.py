@@ -1,0 +1,247 @@
+"""Statements name the device, the direction, the size, the dates and the action."""
+
+import html
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import COLUMNS
+from pvlib.location import Location
+from test_clock import late_by
+from test_corrected import (  # noqa: F401 (fixtures)
+    CASES,
+    ambiguous,
+    effect_of,
+    faulty,
+    found,
+    named_one,
+    sound,
+    true,
+)
+from test_instruments import DATES
+
+import pvlib_fem as fem
+from pvlib_fem import simulator
+from pvlib_fem._findings import Kind, Member, Verdict
+from pvlib_fem._statements.causes import READS, SPECIAL, clause_of, reading_of
+from pvlib_fem._statements.loop_summary import LINES, WIDTH
+from pvlib_fem.effects import EFFECTS
+
+DEVICES = {
+    "poa_global": "irradiance sensor",
+    "wind_speed": "anemometer",
+    "temp_air": "air temperature sensor",
+    "temp_module": "module temperature sensor",
+}
+LESS, MORE = ("less", "low", "loses", "little"), ("more", "high")
+
+
+@pytest.mark.parametrize("name, size", CASES)
+def test_each_fault_has_its_device_direction_and_size(true, sound, name, size):  # noqa: F811
+    """In the table, in words, on the page and in the file."""
+    effect = effect_of(name)
+    data = faulty(true, effect, size)
+    loop = found(sound, data, effect)
+    (one,) = [s for s in loop.statements.itertuples() if s.cause == name]
+    (column,) = [n for n in COLUMNS if not data[n].equals(true[n])]
+    assert one.device == DEVICES[column]
+    beyond = data[column] - true[column]
+    if effect.channel == "contact":  # of the over-temperature, which may be negative
+        beyond *= np.sign(true[column] - true["temp_air"])
+    less = beyond.sum() < 0
+    assert (one.value < 0) == less
+    assert any(word in one.text for word in (LESS if less else MORE))
+    assert not any(f" {word}" in one.text for word in (MORE if less else LESS))
+    assert one.device in one.text and one.action
+    page, stored = html.unescape(loop.to_html()), json.loads(loop.to_json())
+    (kept,) = [s for s in stored["statements"] if s["cause"] == name]
+    assert kept["text"] == one.text and kept["value"] == pytest.approx(one.value)
+    printed = " ".join(str(loop).split())
+    assert one.text in page and one.text in printed
+    assert one.action in page and one.action in printed
+
+
+#: of a reading whose error is the same share, or the same K, at all times
+STEPS = [case for case in CASES if case[0].endswith("_step") and "stall" not in case[0]]
+
+
+@pytest.mark.parametrize("name, size", STEPS)
+def test_the_range_of_a_step_holds_what_is_read_beyond_the_truth(
+    true,  # noqa: F811
+    sound,  # noqa: F811
+    name,
+    size,
+):
+    effect = effect_of(name)
+    data = faulty(true, effect, size)
+    (one,) = found(sound, data, effect).statements.itertuples()
+    kind = effect.channel
+    wanted = {
+        "sensitivity": 100.0 * (1.0 / (1.0 + size) - 1.0),
+        "wind_gain": 100.0 * (1.0 / (1.0 + size) - 1.0),
+        "contact": 100.0 * (1.0 / (1.0 + size) - 1.0),
+    }.get(kind, -size)
+    assert one.unit == ("%" if kind in ("sensitivity", "wind_gain", "contact") else "K")
+    assert one.low <= wanted <= one.high
+    assert one.since == DATES["step"]["at"] and one.until == ""
+    assert f"From {one.since}" in one.text
+
+
+def test_a_drift_has_the_slope_of_the_reading(true, sound):  # noqa: F811
+    """A sensor that loses a tenth a year of what it read at first."""
+    effect = effect_of("sensitivity_drift")
+    years = (true.index - true.index[0]).days / 365.2425
+    data = true.assign(poa_global=true["poa_global"] * (1.0 - 0.1 * years))
+    (one,) = found(sound, data, effect).statements.itertuples()
+    assert one.unit == "%/year" and "each year since" in one.text
+    assert one.value == pytest.approx(-10.0, abs=1.0)
+
+
+def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    one = loop.statements.iloc[0]
+    assert one["verdict"] == "class" and "Ambiguous" in one["certainty"]
+    assert ", or the " in one["text"] and one["action"].startswith("To decide")
+    assert set(one["alternatives"]) == {*loop.finding_objects[0].members}
+
+
+def test_findings_are_a_table_of_the_objects(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    table, objects = loop.findings, loop.finding_objects
+    assert [*table] == [
+        *("effect", "verdict", "probability", "alternatives", "value"),
+        *("standard_error", "low", "high", "unit", "from", "to", "gain"),
+    ]
+    assert [*table["effect"]] == [finding.effect for finding in objects]
+    assert [*table["gain"]] == [finding.gain for finding in objects]
+    first, (statement, *_) = table.iloc[0], loop.statements.itertuples()
+    assert {*first["alternatives"]} == {*objects[0].members}
+    assert first["low"] <= first["value"] == statement.value <= first["high"]
+    assert f"{first['from']:%Y-%m-%d}" == statement.since and pd.isna(first["to"])
+    none, kinds = replace(loop, finding_objects=()).findings, ["value", "from", "to"]
+    assert none.empty and (none.dtypes[kinds] == table.dtypes[kinds]).all()
+
+
+def test_a_row_by_number_says_where_the_object_is(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    with pytest.raises(KeyError, match=r"DataFrame.*finding_objects\[0\]"):
+        loop.findings[0]
+    with pytest.raises(KeyError, match=r"^'device'$"):
+        loop.findings["device"]
+
+
+def test_a_named_fault_says_what_agrees(named_one):  # noqa: F811
+    _, loop = named_one
+    one = loop.statements.iloc[0]
+    assert one["device"] == "irradiance sensor" and "less" in one["text"]
+    assert "power_ac agrees" in one["certainty"]
+    assert one["probability"] > 0.95
+    assert one["low"] <= 100.0 * (1.0 / 1.12 - 1.0) <= one["high"]
+
+
+@pytest.mark.parametrize(
+    "hours, way, turn", [(1, "ahead of", "back"), (-2, "behind", "forward")]
+)
+def test_a_clock_is_set_the_right_way(hours, way, turn):
+    """Timestamps that are later than what happened run ahead."""
+    data = simulator.record(days=60, step=1800.0, start="2023-05-01")
+    loop = fem.close_loop(late_by(data, hours)[list(COLUMNS)], effects=[])
+    one = loop.statements.iloc[0]
+    assert f"run {abs(hours)} h {way} those of poa_global" in one["text"]
+    assert f"{turn} by {60 * abs(hours)} min" in one["action"]
+    assert one["value"] == 60.0 * hours and one["verdict"] == "corrected"
+    for text in (str(loop), loop.report(), loop.to_html(), loop.to_json()):
+        assert f"h {way} those of" in " ".join(text.split())
+
+
+@pytest.mark.parametrize("drift, verb", [(30.0, "gains"), (-30.0, "loses")])
+def test_a_drifting_clock_gains_or_loses(drift, verb):
+    effects = simulator.PHYSICS | {"clock_drift": drift}
+    data = simulator.record(effects=effects, days=60, step=60.0, start="2023-05-01")
+    loop = fem.close_loop(data[list(COLUMNS)], effects=[])
+    assert f"clock of temp_module {verb}" in loop.statements["text"].iloc[0]
+
+
+@pytest.mark.parametrize("minutes, way", [(120.0, "ahead of"), (-120.0, "behind")])
+def test_a_file_in_another_zone_runs_ahead_or_behind(minutes, way):
+    effects = simulator.PHYSICS | {"file_shift": minutes}
+    data = simulator.record(effects=effects, days=40, step=1800, start="2023-04-01")
+    site = simulator.RHINE
+    where = Location(site.latitude, site.longitude, tz=site.tz)
+    loop = fem.close_loop(data[list(COLUMNS)], location=where, effects=[])
+    one = loop.statements.iloc[0]
+    assert re.search(rf"run 1(19|2[01]) min {way} the sun", one["text"])
+    assert one["verdict"] == "not corrected"
+
+
+@pytest.mark.parametrize("name", sorted(EFFECTS))
+def test_every_effect_has_words(name):
+    """Of its own title, or of its instrument's reading, in either direction."""
+    effect = EFFECTS[name]
+    if effect.channel:
+        effect = effect_of(name)
+    kind = effect.channel or effect.name
+    assert kind in READS or kind in SPECIAL or effect.title
+    for sign in (1, -1):
+        ends = {
+            key: 0.1 * (row.upper if sign > 0 else row.lower)
+            for key, row in effect.rows().items()
+        }
+        numbers = Member({}, ends, dict.fromkeys(ends, 0.01), {})
+        days = ("2023-01-01", "2024-12-31")
+        clause = clause_of(effect, numbers, {"u1": 6.0}, *days)
+        assert clause.device and clause.words
+        assert "nan" not in clause.words and "{" not in clause.words
+    # a record may not determine a coefficient
+    clause = clause_of(effect, Member({}, {}, {}, {}), {"u1": 6.0}, *days)
+    assert clause.device and clause.words and "{" not in clause.words
+
+
+@pytest.mark.parametrize("share", [-0.3, -0.1, 0.1, 0.5])
+def test_a_trend_that_leaves_nothing_keeps_its_direction(share):
+    """Eight years of -30 % a year would turn the sign of the reading."""
+    value, error, low, high = reading_of(
+        (share, 0.01, share - 0.02, share + 0.02), "-", 8.0
+    )
+    assert np.sign(value) == -np.sign(share) and error > 0.0 and low <= value <= high
+
+
+def test_the_summary_is_short_and_narrow(ambiguous, named_one):  # noqa: F811
+    for _, loop in (ambiguous, named_one):
+        lines = str(loop).splitlines()
+        assert len(lines) <= LINES and max(map(len, lines)) <= WIDTH
+        assert "RMSE" in str(loop) and len(loop.report()) > len(str(loop))
+
+
+def test_a_long_list_is_cut_with_the_number_of_the_rest(ambiguous):  # noqa: F811
+    _, loop = ambiguous
+    many = replace(loop, finding_objects=loop.finding_objects[:1] * 20)
+    lines = str(many).splitlines()
+    assert len(lines) <= LINES
+    shown = sum(bool(re.match(r" *\d+\. ", line)) for line in lines)
+    rest = int(
+        next(line for line in lines if "more are in loop.statements" in line).split()[0]
+    )
+    assert shown + rest == len(many.statements)
+
+
+@pytest.mark.parametrize("kind", [Kind.COLUMN, Kind.OWN])
+def test_a_hint_of_an_effect_that_no_registry_knows_has_a_statement(ambiguous, kind):  # noqa: F811
+    """A column of the user's own that was seen and not added."""
+    _, loop = ambiguous
+    hint = replace(
+        loop.finding_objects[0],
+        effect="driver:fan",
+        candidates=("driver:fan", "rain"),
+        verdict=Verdict.SUGGESTIVE,
+        kind=kind,
+        members={},
+    )
+    seen = replace(loop, finding_objects=(hint,))
+    (one,) = (s for s in seen.statements.itertuples() if s.cause == "driver:fan")
+    assert "driver:fan" in one.text and "evaporating rain" in one.text
+    assert one.verdict == "suggestive" and one.alternatives == ("rain",)
+    assert "driver:fan" in str(seen) and "driver:fan" in seen.to_html()

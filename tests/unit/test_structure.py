@@ -1,0 +1,143 @@
+"""Where a residual lives, against residuals that are put somewhere."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pvlib_fem._statistics.axes import axes, sorted_by
+from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.tables import Table, largest, ways
+
+TIMES = pd.date_range("2023-01-02", periods=96 * 364, freq="15min", tz="Etc/GMT-1")
+DATES = TIMES.tz_localize(None).to_numpy().astype("datetime64[D]").astype(int)
+WEEKS = np.unique(calendar_weeks(DATES), return_inverse=True)[1]
+ROWS = np.ones(len(TIMES))
+RANDOM = np.random.default_rng(3)
+WIND = RANDOM.weibull(2.0, len(TIMES)) * 3
+CLOUDS = RANDOM.uniform(0.1, 1.0, len(TIMES))
+SUN = CLOUDS * np.maximum(0, 900 * np.sin((TIMES.hour - 6) * np.pi / 12)).to_numpy()
+DIRECTION = RANDOM.uniform(0, 360, len(TIMES))
+DRIVERS = {"poa_global": SUN, "wind_speed": WIND, "wind_direction": DIRECTION}
+HOUR, WEEKDAY = np.asarray(TIMES.hour), np.asarray(TIMES.day_of_week)
+CLOCK = {"hour": HOUR, "month": np.asarray(TIMES.month), "weekend": WEEKDAY >= 5}
+
+
+def strongest(residual, without=(), columns=DRIVERS):
+    columns = {name: c for name, c in columns.items() if name not in without}
+    sorts = list(axes(CLOCK | columns, DATES))
+    return largest(ways(sorts), residual, ROWS, WEEKS, 0.0)
+
+
+def noise(sd=0.5):
+    return RANDOM.normal(0, sd, len(TIMES))
+
+
+PLACES = {
+    "hour × weekend": (
+        (WEEKDAY >= 5) & (HOUR >= 9) & (HOUR < 16),
+        {"hour": (9, 16), "weekend": ("weekend", "weekend")},
+        "between 9 and 16 h at weekends",
+    ),
+    "hour × month": (
+        (TIMES.month >= 6) & (TIMES.month <= 8) & (HOUR >= 13) & (HOUR < 19),
+        {"hour": (13, 19), "month": (6, 8)},
+        "between 13 and 19 h from June to August",
+    ),
+    "hour": (
+        (HOUR >= 22) | (HOUR < 4),
+        {"hour": (22, 4)},
+        "between 22 and 4 h",  # over midnight
+    ),
+    "wind_direction": (
+        (DIRECTION > 247.5) & (DIRECTION < 292.5),
+        {"wind_direction": ("W", "W")},
+        "with wind from W",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PLACES)
+def test_it_is_found_where_it_was_put(name):
+    there, ranges, words = PLACES[name]
+    residual = noise() + 3.0 * np.asarray(there)
+    found = strongest(residual - residual.mean())
+    assert found.name == name
+    assert found.ranges == ranges and found.where == words
+    share = np.mean(there)
+    assert found.size == pytest.approx(3.0 * (1 - share), rel=0.2)
+    variance = 9.0 * share * (1 - share)
+    assert found.gain == pytest.approx(np.sqrt(variance), rel=0.12)
+
+
+def test_its_values_are_of_other_weeks():
+    """What one week has alone foretells nothing of it."""
+    residual = np.zeros(len(TIMES))
+    residual[: 96 * 7] = 5.0
+    found = strongest(residual)
+    assert found is None or found.gain < 0.3
+    there = PLACES["hour × weekend"][0]
+    residual = 3.0 * there - 3.0 * there.mean()
+    found = strongest(residual)
+    left = residual - found.values
+    gain = np.sqrt(np.mean(residual**2) - np.mean(left**2))
+    assert gain == pytest.approx(found.gain, rel=0.02)
+
+
+@pytest.mark.parametrize("variance", [0.0, 0.05, 0.5])
+def test_the_variance_of_a_table_is_recovered_from_noise_of_weeks(variance):
+    """Weeks that are each off by themselves are none of it."""
+    random, found = np.random.default_rng(3), []
+    (axis,) = (one for one in axes(CLOCK, DATES) if one.name == "hour")
+    for _ in range(40):
+        own = np.sqrt(variance) * random.normal(size=24)
+        weeks = random.normal(size=(WEEKS[-1] + 1, 24))  # another one in each hour
+        rest = own[HOUR] + 0.7 * weeks[WEEKS, HOUR] + random.normal(size=len(HOUR))
+        found.append(Table.of((axis,), rest, ROWS, WEEKS))
+    variances = [one.variance for one in found]
+    assert np.mean(variances) == pytest.approx(variance, rel=0.15, abs=0.01)
+    sure = np.mean([one.errors > 3.0 for one in found])
+    assert sure == 1.0 if variance else sure <= 0.05
+
+
+def test_noise_lives_nowhere():
+    """Not even noise that remembers a day."""
+    steps = noise(1.0)
+    slow = pd.Series(steps).ewm(alpha=0.02).mean().to_numpy()
+    slow = slow / slow.std()
+    for residual in (noise(1.0), slow):
+        found = strongest(residual)
+        assert found is None or found.gain < 0.12
+
+
+def test_a_driver_can_be_left_out():
+    there = PLACES["wind_direction"][0]
+    found = strongest(noise() + 2.0 * there, without=("wind_direction",))
+    assert found is None or found.gain < 0.1
+
+
+def test_a_driver_that_does_not_vary_sorts_nothing():
+    columns = {"still": np.full(len(TIMES), 3.0), "none": np.full(len(TIMES), np.nan)}
+    names = {axis.name for axis in axes(CLOCK | columns, DATES)}
+    assert names == {"hour", "weekend", "month"}
+
+
+def test_few_days_have_no_weekend():
+    rows = slice(0, 96 * 7)
+    clock = {name: values[rows] for name, values in CLOCK.items()}
+    names = {axis.name for axis in axes(clock, DATES[rows])}
+    assert names == {"hour"}
+
+
+@pytest.mark.parametrize("name", ["wind_direction", "relative_humidity"])
+def test_rows_without_a_driver_are_a_bin_of_their_own(name):
+    """They are sorted to no value, and what lives there is said so."""
+    values = np.linspace(0.0, 100.0, 2000)
+    whole = sorted_by(name, values)
+    values[::7] = np.nan
+    axis = sorted_by(name, values)
+    gone = np.isnan(values)
+    last = len(axis.labels) - 1
+    assert (axis.bins[gone] == last).all() and (axis.bins[~gone] < last).all()
+    assert axis.labels[last] == ("missing", "missing")
+    assert len(axis.labels) == len(whole.labels) + 1
+    assert "missing" in axis.words([last], 0.1)

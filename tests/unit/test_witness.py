@@ -1,0 +1,295 @@
+"""What other columns say of an instrument that has changed."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pvlib
+import pytest
+import study_instruments
+from pvlib.location import Location
+from test_instruments import DATES, closed, dated, half_a_year, with_change  # noqa: F401
+
+from pvlib_fem import close_loop, simulator
+from pvlib_fem._findings import CheckOutcome, Finding, Verdict
+from pvlib_fem._loop.references import (
+    COMPARISONS,
+    SKY,
+    USUAL_WIND,
+    DailyDeviation,
+    apart,
+    opinion_of,
+    usual,
+)
+from pvlib_fem._record.column_names import COLUMNS, is_power, twin_of, vouches
+from pvlib_fem._stored import Stored
+
+
+def witnessed(data, step, **more):
+    """The record with power and second sensors, which know of no change."""
+    random = np.random.default_rng(5)
+    share = 1.0 + random.normal(0.0, 0.02, len(data))
+    warm = data["temp_module"] - 25.0
+    power = 5000.0 * data["poa_global"] / 1000.0 * (1.0 - 0.004 * warm) * share
+    return data.assign(power_ac=power, **more)
+
+
+def after(data):
+    return (data.index >= "2023-09-15").astype(float)
+
+
+def test_power_names_the_irradiance_sensor(half_a_year):  # noqa: F811
+    """It reads a tenth less from a date on, and power does not."""
+    data, _ = with_change(half_a_year)
+    data = witnessed(data, 0.1)
+    data["poa_global"] /= 1.0 + 0.1 * after(data)
+    first = closed(data).finding_objects[0]
+    assert first.effect == "sensitivity_step" and first.verdict is Verdict.NAMED
+    (witness,) = (one for one in first.witnesses if one.effect == first.effect)
+    assert witness.column == "power_ac" and witness.opinion is CheckOutcome.AGREES
+    assert witness.size == pytest.approx(np.log(1.1), abs=3 * witness.stderr + 0.005)
+    assert "power_ac deviate from the sensor" in first.why
+
+
+def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
+    half_a_year,  # noqa: F811
+):
+    data, _ = with_change(half_a_year, "mounting_step")
+    loop = closed(witnessed(data, 0.0))
+    first = loop.finding_objects[0]
+    assert first.verdict is Verdict.CLASS
+    assert "mounting_step" in first.candidates
+    assert "sensitivity_step" not in first.candidates
+    opinions = {
+        (o.effect, o.opinion) for o in first.witnesses if o.column == "power_ac"
+    }
+    assert opinions == {("sensitivity_step", CheckOutcome.CONTRADICTS)}
+    assert "power_ac contradicts" in loop.report()
+    assert "driver:power_ac" not in loop.ranking.index
+
+
+@pytest.mark.parametrize(
+    ("usual", "column", "channel", "size"),
+    [
+        ("poa_global", "poa_global_2", "sensitivity", 0.1),
+        ("wind_speed", "wind_speed_mast", "wind_gain", 3.0),
+        ("temp_air", "temp_air_2", "air_offset", 1.5),
+        ("temp_module", "temp_module_2", "contact", -0.15),
+        ("temp_module", "temp_module_2", "module_offset", 1.5),
+    ],
+)
+def test_a_second_sensor_names_the_first(
+    half_a_year,  # noqa: F811
+    usual,
+    column,
+    channel,
+    size,
+):
+    """The twin sees what was there; the usual column what its sensor made of it."""
+    data, _ = with_change(half_a_year)
+    random = np.random.default_rng(2)
+    twin = data[usual] * (1.0 + random.normal(0.0, 0.01, len(data)))
+    there, air = after(data), data["temp_air"]
+    if channel == "module_offset":
+        data[usual] = data[usual] + size * there
+    elif usual == "temp_module":
+        data[usual] = air + (data[usual] - air) * (1.0 + size * there)
+    elif usual == "temp_air":
+        data[usual] = data[usual] - size * there
+    else:
+        share = size / 6.84 if usual == "wind_speed" else size  # of Faiman's u1
+        data[usual] = data[usual] / (1.0 + share * there)
+    first = closed(data.assign(**{column: twin})).finding_objects[0]
+    assert first.effect == f"{channel}_step" and first.verdict is Verdict.NAMED
+    mine = {one.opinion for one in first.witnesses if one.effect == first.effect}
+    assert mine == {CheckOutcome.AGREES}
+
+
+def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
+    data, _ = with_change(half_a_year, "mounting_step")
+    first = closed(witnessed(data, 0.0)).finding_objects[0]
+    content = json.loads(json.dumps(first.content()))
+    assert Finding.stored(Stored(content, "loop.json")).witnesses == first.witnesses
+
+
+@pytest.mark.parametrize(
+    ("name", "usual", "power"),
+    [
+        ("poa_global_2", "poa_global", False),
+        ("poa_modelled", "poa_global", False),
+        ("temp_module_16", "temp_module", False),
+        ("poa_global", None, False),
+        ("power_ac", None, True),
+        ("p_dc_per_area", None, True),
+        ("power", None, True),
+        ("precipitation", None, False),
+        ("pressure", None, False),
+    ],
+)
+def test_a_name_says_what_a_column_vouches_for(name, usual, power):
+    assert twin_of(name) == usual and is_power(name) == power
+    assert vouches(name) == (usual is not None or (power and name != "p_dc_per_area"))
+
+
+PLACE = Location(40.0, -105.0, "Etc/GMT+7", 1700.0)
+
+
+def under_clouds(fading=0.0, tilt=20.0, late=0, seed=0):
+    """Two hourly years below a sky of which two days in three have clouds."""
+    index = pd.date_range("2021-01-01", periods=2 * 8760, freq="1h")
+    sun = PLACE.get_solarposition(index.tz_localize(PLACE.tz))
+    air = pvlib.atmosphere.get_relative_airmass(sun["apparent_zenith"])
+    clear = pvlib.clearsky.ineichen(sun["apparent_zenith"], air, 2.5, PLACE.altitude)
+    poa = pvlib.irradiance.get_total_irradiance(
+        tilt,
+        180.0,
+        sun["apparent_zenith"],
+        sun["azimuth"],
+        clear["dni"],
+        clear["ghi"],
+        clear["dhi"],
+        albedo=0.2,
+    )["poa_global"].fillna(0.0)
+    random = np.random.default_rng(seed)
+    cloudy = random.uniform(size=731) < 0.67
+    passing = (
+        1.0 - random.uniform(0.1, 0.9, len(index)) * cloudy[np.arange(len(index)) // 24]
+    )
+    years = np.arange(len(index)) / 8766.0
+    values = poa.to_numpy() * passing / (1.0 + fading * years)
+    return pd.Series(np.roll(values, late), index)
+
+
+def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0, searched=None, **more):
+    """All comparisons of a record with that irradiance and that wind."""
+    dates = (poa.index.normalize() - pd.Timestamp(0)).days.to_numpy()
+    columns = {"poa_global": poa.to_numpy(), "wind_speed": wind, **more}
+    names = ("location", "surface_tilt", "surface_azimuth", "mount")
+    places = dict(zip(names, (place, *angles, None)))
+
+    class Record(dict):
+        index, dates, absent = poa.index, None, ()
+
+    record = Record(columns)
+    record.dates = dates
+    others = tuple(name for name in more if not name.startswith("temp"))
+    case = SimpleNamespace(record=record, witnesses=others, place=places, late=late)
+    case.searched = np.ones(len(poa), dtype=bool) if searched is None else searched
+    return {one.column: one for one in apart(case)}
+
+
+@pytest.mark.parametrize("fading", [0.0, 0.15])
+@pytest.mark.parametrize(
+    ("angles", "late"), [((None, None), 0), ((20.0, 180.0), 0), ((None, None), 1)]
+)
+def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
+    """With angles and without, by a clock that is right or an hour late."""
+    poa = under_clouds(fading, late=late)
+    found = asked(poa, np.full(len(poa), 2.0), angles=angles)[SKY]
+    years = (found.days - found.days[0]) / 365.2425
+    size, error, _ = found.along(years)
+    assert size == pytest.approx(np.log1p(2.0 * fading) / 2.0, abs=0.015)
+    assert error > 0.01  # two years: turbidity alone could do as much
+    wanted = dated("sensitivity_drift", since="2021-01-01")
+    opinion = opinion_of(size, found.expected(wanted, 0.15, years, {}), error)
+    assert opinion is (CheckOutcome.AGREES if fading else CheckOutcome.CONTRADICTS)
+    if not fading:
+        little = found.expected(wanted, 0.03, years, {})
+        assert opinion_of(size, little, error) is CheckOutcome.CANNOT_TELL
+
+
+def test_what_needs_no_module_is_compared_on_all_weeks():
+    """Its temperature on the weeks of the test is for the test alone."""
+    poa = under_clouds()
+    wind = np.random.default_rng(1).uniform(1.0, 4.0, len(poa))
+    searched = np.arange(len(poa)) // (24 * 7) % 5 != 4
+    more = {"poa_global_2": poa.to_numpy(), "power_ac": 5.0 * poa.to_numpy()}
+    more["temp_module"] = np.where(searched, 25.0 + 0.03 * poa, np.nan)
+    known = asked(poa, wind, searched=searched, **more)
+    more["temp_module"] = 25.0 + 0.03 * poa.to_numpy()
+    found = asked(poa, wind, searched=searched, **more)
+    out = np.unique(np.flatnonzero(~searched) // 24) + found[USUAL_WIND].days[0]
+    for name in (SKY, USUAL_WIND, "poa_global_2"):
+        assert np.isin(out, found[name].days).mean() > 0.1  # clear days are few
+    assert not np.isin(out, found["power_ac"].days).any()
+    for name, one in found.items():
+        np.testing.assert_array_equal(one.apart, known[name].apart)
+
+
+def test_without_a_place_no_clear_sky_is_asked():
+    poa = under_clouds()
+    assert SKY not in asked(poa, np.full(len(poa), 2.0), place=None)
+
+
+def test_what_changes_for_a_while_is_no_outlier_however_sharp_a_comparison():
+    """A dozen standard errors for three weeks; snow, whose days differ, is one."""
+    random = np.random.default_rng(0)
+    values = random.normal(0.05, 0.01, 260)
+    values[40:61] -= 0.12
+    snow = np.arange(80, 100)
+    values[snow] -= random.uniform(0.1, 2.0, len(snow))
+    values[70] = np.nan
+    kept = usual(values)
+    assert not kept[70]
+    assert kept[snow].sum() <= 2
+    assert np.delete(kept, [70, *snow]).mean() > 0.98
+
+
+def test_what_differs_from_year_to_year_is_in_the_error():
+    """A step and a drift of a series that forgets over a year, drawn often."""
+    days = np.arange(0, 4 * 365, 7) + 18_000
+    comparison = next(c for c in COMPARISONS if c.serves(USUAL_WIND))
+    apart_ = np.abs(np.subtract.outer(days, days))
+    root = np.linalg.cholesky(np.exp(-apart_ / 365.25) + 1e-9 * np.eye(len(days)))
+    random = np.random.default_rng(4)
+    for weights in (days > days[100], days / 365.25):
+        found = DailyDeviation(comparison, USUAL_WIND, days, np.zeros(len(days)))
+        columns = [np.ones(len(days)), *found.year(), np.asarray(weights, dtype=float)]
+        table = np.column_stack(columns)
+        draws = comparison.wanders * root @ random.normal(size=(len(days), 2000))
+        spread = (np.linalg.pinv(table)[-1] @ draws).std()
+        assert np.sqrt(found.wandering(table)) == pytest.approx(spread, rel=0.1)
+
+
+def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa: F811
+    """Half of the wind is lost from a date on, or the mounting changes."""
+    data, _ = with_change(half_a_year)
+    data["wind_speed"] /= 1.0 + 1.0 * after(data)
+    first = closed(data).finding_objects[0]
+    assert first.effect == "wind_gain_step" and first.verdict is Verdict.NAMED
+    said = {(one.column, one.opinion) for one in first.witnesses}
+    assert said == {(USUAL_WIND, CheckOutcome.AGREES)}
+    assert "usual wind deviate from the sensor" in first.why
+
+
+def test_what_a_class_shares_with_the_model_is_not_fitted_twice():
+    """Snow is in the model when an episode of the sensor is found in addition."""
+    data, _, (world, *_) = study_instruments.made(11001)
+    loop = close_loop(data, check_units=False, **world.place)
+    names = [effect.name for effect in loop.fit.effects]
+    assert "snow" in names and len(names) == len({*names})
+
+
+@pytest.mark.parametrize("own_logger", [False, True])
+def test_power_of_a_logger_that_is_off_is_held_to_the_right_time(own_logger):
+    """Power agrees with a sensor that fades, whichever logger wrote it."""
+    effects = simulator.PHYSICS | {"clock_shift": 0.0 if own_logger else 60.0}
+    how = {"days": 400, "step": 1800.0, "start": "2022-01-01", "seed": 3}
+    data = simulator.record(effects=effects, **how)
+    years = (data.index - data.index[0]).days / 365.25
+    power = 5000.0 * data["p_dc_per_area"]
+    data = data[list(COLUMNS)].assign(power_dc=power)
+    data["poa_global"] *= 1.0 - 0.1 * years
+    if own_logger:
+        data["temp_module"] = data["temp_module"].shift(2)
+    loop = close_loop(data)
+    assert loop.corrections[0].applied
+    (drift,) = (f for f in loop.finding_objects if f.effect == "sensitivity_drift")
+    (one,) = (w for w in drift.witnesses if w.column == "power_dc")
+    assert one.opinion is CheckOutcome.AGREES and one.size == pytest.approx(
+        0.1, abs=0.03
+    )
+    actions = loop.corrected(data).actions
+    retimed = {*actions["column"][actions["cause"] == "clock_shift"]}
+    assert retimed == {"temp_module"} | ({"power_dc"} if not own_logger else set())
