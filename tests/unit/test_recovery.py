@@ -260,21 +260,27 @@ def test_the_picture_has_the_shares_by_size(recovery):
 
 
 UNGUARDED = """
+import os, pathlib
 import pvlib_fem as fem
+from pvlib_fem._recovery import recover as room
 
+def searched(*args, search=room.searched, **how):
+    pathlib.Path({folder!r}, str(os.getpid())).touch()
+    return search(*args, **how)
+
+room.searched = searched
 data = fem.simulator.record(days=70, step=3600)
-found = fem.recover_effects(
-    data, "module_offset_step", sizes=[3], draws=2, processes=2, progress=False
-)
-print("finds", found.summary["found"].tolist())
+room.recover_effects(data, "module_offset_step", sizes=[3], draws=2, processes=2)
 """
 
 
-def test_a_script_needs_no_guard_of_its_main_module(tmp_path):
+def test_a_script_without_its_guard_closes_one_loop_and_is_told(tmp_path):
     script = tmp_path / "script.py"
-    script.write_text(UNGUARDED, encoding="utf-8")
+    (tmp_path / "loops").mkdir()
+    script.write_text(UNGUARDED.format(folder=str(tmp_path / "loops")))
     ended = subprocess.run(
         [sys.executable, script], capture_output=True, text=True, timeout=300
     )
-    assert ended.returncode == 0, ended.stderr
-    assert ended.stdout.count("finds") == 1
+    assert ended.returncode != 0
+    assert "has to call this under `if __name__ == '__main__':`" in ended.stderr
+    assert len([*(tmp_path / "loops").iterdir()]) == 1
