@@ -105,7 +105,7 @@ def fit_fem(
         intercept of the regression in calm air; a number [K]; or None to subtract
         nothing (k keeps its line's intercept). The docs' page on the paper compares
         them.
-    limits : pvlib_fem.quality._limits.Limits, optional
+    limits : pvlib_fem.quality.Limits, optional
         Thresholds of the screening.
     **drivers : Series
         Further columns that the effects need, by name: ``wind_direction`` [°

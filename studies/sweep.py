@@ -367,7 +367,7 @@ HEAD = "## Sensors and clocks"
 LIMITS = """
 {head}
 
-On {day} every field of `quality.limits.Limits` was halved and doubled for {count}
+On {day} every field of `quality.Limits` was halved and doubled for {count}
 records: faults of clocks and loggers of the study, sound records, and records with
 traps for the loop. The checks come before any fit. A cell has the number of records
 with other faults, or, if there are none, with the same faults in other numbers.

@@ -79,7 +79,7 @@ def transpose_record(
         time, Series, or columns of ``data`` with these names. [°]
     transposition : str, default "perez"
         Model of the sky: ``"perez"`` [2]_ or ``"haydavies"`` [3]_.
-    limits : pvlib_fem.quality._limits.Limits, optional
+    limits : pvlib_fem.quality.Limits, optional
         Thresholds of the screening of ``ghi``.
     mount : pvlib.pvsystem.SingleAxisTrackerMount, optional
         A tracker, instead of the orientation.

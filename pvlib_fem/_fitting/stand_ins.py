@@ -103,7 +103,7 @@ def fill_record(
     stand_ins : str or sequence of str
         Columns such as ``temp_air_2`` [°C] or ``wind_speed_airport`` [m/s], which stand
         in for the column that their names begin with.
-    limits : pvlib_fem.quality._limits.Limits, optional
+    limits : pvlib_fem.quality.Limits, optional
         Thresholds of the screening.
 
     Returns

@@ -47,7 +47,7 @@ def report(
     Parameters
     ----------
     out : path
-        Folder of the results of :func:`pvlib_fem.fleet._run`.
+        Folder of the results of :func:`pvlib_fem.fleet.run`.
     path : path, optional
         File to write; by default none, and links are relative to the folder ``out``.
     by : str, default "mounting"

@@ -214,7 +214,7 @@ def screen_record(data: pd.DataFrame, limits: Limits | None = None) -> Screening
         drivers of effects, and of further ones, of which less is known. Columns that
         are not numeric stay as they are.
     limits : Limits, optional
-        The thresholds; by default those of :class:`pvlib_fem.quality._limits.Limits`.
+        The thresholds; by default those of :class:`pvlib_fem.quality.Limits`.
 
     Returns
     -------
