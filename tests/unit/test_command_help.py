@@ -305,6 +305,8 @@ def test_an_interrupted_fleet_says_how_to_go_on_and_goes_on(plant, tmp_path):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # a job in the background of a shell ignores it, and so do its children
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     begin = time.monotonic()
     while not [*out.rglob("results/*/*.json")] and time.monotonic() - begin < 60:
