@@ -20,6 +20,7 @@ import pvlib
 import scipy
 import study_ranges
 import study_worlds
+from study_page import publish
 from study_records import (
     judged,
 )
@@ -533,10 +534,7 @@ def main():
     if options.table:
         table.to_pickle(options.table)
     text = "\n".join(page(table, seconds, options.date, options.quick)) + "\n"
-    if options.out:
-        options.out.write_text(text, encoding="utf-8")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import sklearn
 from pvlib.location import Location
+from study_page import publish
 
 import pvlib_fem as fem
 from pvlib_fem._parallel import spread
@@ -98,10 +99,7 @@ def main():
     for one in found.values():
         print(one)
     text = "\n".join(page(found, options.date))
-    if options.out:
-        options.out.write_text(text, encoding="utf-8", newline="\n")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from study_page import publish
 
 from pvlib_fem import datasets, fem_temperature, fit_fem, heat_balance
 from pvlib_fem._parallel import spread
@@ -238,10 +239,7 @@ def main():
     table = run(options.records, options.shift, options.processes)
     lines = page(table, options.records, options.shift, options.date)
     text = "\n".join(lines)
-    if options.out:
-        options.out.write_text(text, encoding="utf-8")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 import study_detectors_known as known
 from pvlib.location import Location
+from study_page import publish
 
 import pvlib_fem as fem
 
@@ -321,10 +322,7 @@ def main():
     options = parser.parse_args()
     warnings.simplefilter("ignore")  # of pandas, by dates of the hub's files
     text = "\n".join(page(options.hub, options.wheel, options.date))
-    if options.out:
-        options.out.write_text(text, encoding="utf-8", newline="\n")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from pvlib.location import Location
+from study_page import publish
 
 from pvlib_fem import Criteria, close_loop, datasets
 from pvlib_fem._findings import Verdict
@@ -255,10 +256,7 @@ def main():
     options = parser.parse_args()
     found = run(options.draws, options.processes)
     text = "\n".join(page(found, options.date))
-    if options.out:
-        options.out.write_text(text, encoding="utf-8")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

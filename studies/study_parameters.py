@@ -30,6 +30,7 @@ from study_coverage import (
     drawn,
     error,
 )
+from study_page import publish
 
 from pvlib_fem import datasets, fit_fem
 from pvlib_fem._parallel import spread
@@ -206,10 +207,7 @@ def main():
     table = run(options.worlds, options.shift, options.processes)
     lines = page(table, options.worlds, options.shift, options.date)
     text = "\n".join(lines)
-    if options.out:
-        options.out.write_text(text, encoding="utf-8")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 from pvlib.location import Location
+from study_page import publish
 
 from pvlib_fem import datasets, recover_effects
 from pvlib_fem._recovery.recovery_result import middle_of
@@ -156,10 +157,7 @@ def main():
     options = parser.parse_args()
     how = (options.draws, options.processes, options.folder, options.effects)
     text = "\n".join(page(run(*how), options.draws, options.date))
-    if options.out:
-        options.out.write_text(text, encoding="utf-8", newline="\n")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 from pvlib.location import Location
+from study_page import publish
 
 import pvlib_fem as fem
 from pvlib_fem._recovery.recovery_text import KINDS, interval, lines
@@ -121,10 +122,7 @@ def main():
     how = (tuple(options.sizes), options.processes, options.folder)
     found = run(options.trials, *how)
     text = "\n".join(page(found, options.trials, options.date))
-    if options.out:
-        options.out.write_text(text, encoding="utf-8", newline="\n")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import study_worlds
+from study_page import publish
 from study_records import said, seen
 from study_worlds import PHYSICS, Case, World, site
 
@@ -422,10 +423,7 @@ def main():
         limits = run(looked_at, instruments(), options.processes)
         lines += page_of_limits(limits, options.date)
     text = "\n".join(lines) + "\n"
-    if options.out:
-        options.out.write_text(text, encoding="utf-8")
-    else:
-        print(text)
+    publish(text, options.out)
 
 
 if __name__ == "__main__":

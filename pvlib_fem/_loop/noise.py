@@ -14,7 +14,7 @@ import numpy as np
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
 from pvlib_fem._statistics.axes import CLOCK, Axis, sorted_by
-from pvlib_fem._statistics.tables import Table, joined, largest
+from pvlib_fem._statistics.tables import Table, group_means, joined, largest
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
@@ -140,13 +140,12 @@ def of_hours(design, one, rest):
     the change.
     """
     (hour,) = (axis for axis in design.axes if axis.name == "hour")
-    sums = np.bincount(hour.bins, rest * design.rows)
-    means = sums / np.maximum(np.bincount(hour.bins, design.rows), 1.0)
     (column,) = one.columns
     weight = design.weight(column)
     much = (weight > weight @ design.rows / design.count).astype(int)
     side = Axis("change", much, ((0, 0), (1, 1)))
-    return Table.of((hour, side), rest - means[hour.bins], design.rows, design.weeks)
+    rest = rest - group_means(hour.bins, design.rows)(rest)
+    return Table.of((hour, side), rest, design.rows, design.weeks)
 
 
 def own_columns(effect):
@@ -187,19 +186,17 @@ def within(design, given, own, groups):
     A change counts as far as its weight differs within a group. Variation of the
     sensor's column within a group is no evidence of a change.
     """
-    count = np.bincount(groups, design.rows)
+    mean = group_means(groups, design.rows)
     columns = [design.cells[:, 0], *map(design.values, given)]
     for column in own:
         values = design.values(column)
         if not isinstance(column, int):
-            weights = design.weight(column)
-            means = np.bincount(groups, weights * design.rows) / count
-            values = values - means[groups] * design.cells[:, column.place]
+            means = mean(design.weight(column))
+            values = values - means * design.cells[:, column.place]
         columns.append(values)
     values = np.column_stack(columns)
-    for i in range(values.shape[1]):
-        means = np.bincount(groups, values[:, i] * design.rows) / count
-        values[:, i] -= means[groups]
+    for column in values.T:
+        column -= mean(column)
     starts = np.append(design.first[design.clusters], len(design.rows))
     return products(values, design.rows, starts)
 

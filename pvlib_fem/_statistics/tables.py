@@ -6,6 +6,7 @@ between cells is estimated from products of different weeks in the same cell, so
 error of one week alone does not contribute.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
@@ -151,6 +152,12 @@ class Table:
         """The places in words."""
         words = [place.words for place in self.places if place.words]
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
+
+
+def group_means(groups: np.ndarray, rows: np.ndarray) -> Callable:
+    """A function from values, each the mean of some rows, to the mean of its group."""
+    count = np.maximum(np.bincount(groups, rows), 1.0)
+    return lambda values: (np.bincount(groups, values * rows) / count)[groups]
 
 
 def joined(axes: tuple) -> tuple[np.ndarray, int]:

@@ -48,11 +48,15 @@ class LeastSquares:
         return self.solved[-self.size :]
 
     @cached_property
+    def scores(self):
+        """Products of all columns with what the fit leaves of each week."""
+        return self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
+
+    @cached_property
     def shifts(self):
         """Change of the estimate without each week in turn."""
-        others = self.whole - self.weekly
-        scores = self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
-        found = np.linalg.solve(steady(others[:, 1:, 1:]), scores[..., None])[..., 0]
+        squares = steady((self.whole - self.weekly)[:, 1:, 1:])
+        found = np.linalg.solve(squares, self.scores[..., None])[..., 0]
         return -found[:, -self.size :]
 
     @cached_property
@@ -65,16 +69,24 @@ class LeastSquares:
         return plain * lasting(along)
 
     @cached_property
-    def freedom(self):
-        """Effective number of weeks that determine the estimate, minus one."""
+    def mix(self):
+        """The tested columns without what the others explain of them."""
         projection = np.linalg.solve(
             steady(self.whole[1:, 1:])[: -self.size, : -self.size],
             self.whole[1 : -self.size, -self.size :],
         )
-        mix = np.vstack([-projection, np.eye(self.size)])
-        weights = np.einsum("iq,wij,jq->w", mix, self.weekly[:, 1:, 1:], mix)
-        weights = np.maximum(weights, 0.0)
-        many = weights.sum() ** 2 / max((weights**2).sum(), 1e-300)
+        return np.vstack([-projection, np.eye(self.size)])
+
+    @cached_property
+    def weights(self):
+        """Square of these columns in each week."""
+        found = np.einsum("iq,wij,jq->w", self.mix, self.weekly[:, 1:, 1:], self.mix)
+        return np.maximum(found, 0.0)
+
+    @cached_property
+    def freedom(self):
+        """Effective number of weeks that determine the estimate, minus one."""
+        many = self.weights.sum() ** 2 / max((self.weights**2).sum(), 1e-300)
         return max(many - 1.0, 1.0)
 
     def by_all_weeks(self):
@@ -103,16 +115,10 @@ class LeastSquares:
            differential expression in microarray experiments", Statistical Applications
            in Genetics and Molecular Biology 3, 3, 2004. :doi:`10.2202/1544-6115.1027`
         """
-        squares = steady(self.whole[1:, 1:])
-        explained = np.linalg.solve(squares[:-1, :-1], squares[:-1, -1])
-        mix = np.append(-explained, 1.0)
-        square = np.einsum("i,wij,j->w", mix, self.weekly[:, 1:, 1:], mix)
-        scores = self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
-        known = square > SOME * square.max()
-        along = (scores @ mix)[known] / np.sqrt(square[known])
-        many = max(len(along) - 1.0, 1.0)
-        pooled = along @ along / many / square.sum() * lasting(along)
-        few = self.freedom
+        known = self.weights > SOME * self.weights.max()
+        along = (self.scores @ self.mix)[known, 0] / np.sqrt(self.weights[known])
+        many, few = max(len(along) - 1.0, 1.0), self.freedom
+        pooled = along @ along / many / self.weights.sum() * lasting(along)
         both = (many * pooled + few * self.covariance) / (many + few)
         return both, many + few
 
