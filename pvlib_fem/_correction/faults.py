@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pvlib_fem._correction.repairs import repair_of
-from pvlib_fem._findings import Finding
+from pvlib_fem._findings import Finding, Member
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._effect import Effect
 
@@ -22,7 +22,7 @@ class Fault:
     why: str = ""
 
     @classmethod
-    def of(cls, effect: Effect, numbers: Finding) -> "Fault":
+    def of(cls, effect: Effect, numbers: Finding | Member) -> "Fault":
         """Of an effect, with the numbers of a finding or of one of its members."""
         return cls(
             effect.name, effect, numbers.coefficients, numbers.stderr, numbers.ranges

@@ -5,7 +5,9 @@ A correction adds to a reading what its instrument reads too little. A statement
 the reading: it has the other sign, and as a share it is the inverse.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypedDict
 
 import numpy as np
 
@@ -16,12 +18,16 @@ from pvlib_fem._correction.repairs import (
     repair_of,
     unit_of,
 )
+from pvlib_fem._findings import Finding, Member
 from pvlib_fem._report.document import with_error
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._standstill import in_words
 from pvlib_fem.effects._time_profiles import YEAR, course_of, is_dated, number
 
 MODEL, MODULES = "model", "modules"
 PER_YEAR = " each year"
+#: what has coefficients, standard errors and ranges
+Numbers = Finding | Member
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,16 @@ class Clause:
     since: str = ""
     until: str = ""
     course: str = ""
+
+
+class Estimate(TypedDict, total=False):
+    """The numbers of a clause; empty where an effect has no or several coefficients."""
+
+    value: float
+    error: float
+    low: float
+    high: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -100,7 +116,13 @@ SIDES = (
 )
 
 
-def clause_of(effect, numbers, coefficients, first, last):
+def clause_of(
+    effect: Effect,
+    numbers: Numbers,
+    coefficients: Mapping[str, float],
+    first: str,
+    last: str,
+) -> Clause:
     """
     A cause as a clause.
 
@@ -130,7 +152,7 @@ def clause_of(effect, numbers, coefficients, first, last):
     return dated(clause, effect, first, last)
 
 
-def dated(clause, effect, first, last):
+def dated(clause: Clause, effect: Effect, first: str, last: str) -> Clause:
     """The clause with the dates of its effect."""
     if not is_dated(effect):
         return clause
@@ -141,7 +163,13 @@ def dated(clause, effect, first, last):
     return replace(clause, since=since, until=until, course=course_of(effect))
 
 
-def of_instrument(effect, numbers, coefficients, first, last):
+def of_instrument(
+    effect: Effect,
+    numbers: Numbers,
+    coefficients: Mapping[str, float],
+    first: str,
+    last: str,
+) -> Clause:
     """What an instrument reads beyond the truth."""
     kind, repair = effect.channel or effect.name, repair_of(effect)
     reads = READS[kind]
@@ -163,12 +191,14 @@ def of_instrument(effect, numbers, coefficients, first, last):
     return Clause(device, words, reads.action, value, error, low, high, unit)
 
 
-def plain(device):
+def plain(device: str) -> str:
     """A device without its article."""
     return device.removeprefix("the ")
 
 
-def reading_of(added, unit, years):
+def reading_of(
+    added: tuple[float, float, float, float], unit: str, years: float
+) -> tuple[float, float, float, float]:
     """
     What is read beyond the truth, of what is to be added to the reading.
 
@@ -179,101 +209,105 @@ def reading_of(added, unit, years):
     if unit == "K":
         return -value, error, -high, -low
 
-    def read(share):
-        left = 1.0 + share * years
-        return SHARE * (-share if left <= 0.0 else (1.0 / left - 1.0) / years)
+    def read(share: float) -> float:
+        remaining = 1.0 + share * years
+        return SHARE * (-share if remaining <= 0.0 else (1.0 / remaining - 1.0) / years)
 
     half = 0.5 * abs(read(value + error) - read(value - error))
     return read(value), half, read(high), read(low)
 
 
-def sized(effect, numbers, times=1.0):
+def sized(effect: Effect, numbers: Numbers, times: float = 1.0) -> Estimate:
     """The only coefficient of an effect with its error and range."""
     keys = [key for key in effect.rows() if key in numbers.coefficients]
     if len(keys) != 1:
         return {}
     (key,) = keys
     low, high = numbers.ranges.get(key, (np.nan, np.nan))
-    value, error = numbers.coefficients[key], numbers.stderr.get(key, np.nan)
-    names = ("value", "error", "low", "high")
-    found = dict(zip(names, (times * n for n in (value, error, low, high))))
-    row = effect.rows()[key]
-    return {**found, "unit": row.unit if times == 1.0 else "%"}
+    error = numbers.stderr.get(key, np.nan)
+    return Estimate(
+        value=times * numbers.coefficients[key],
+        error=times * error,
+        low=times * low,
+        high=times * high,
+        unit=effect.rows()[key].unit if times == 1.0 else "%",
+    )
 
 
-def spoken(found):
+def spoken(estimate: Estimate) -> str:
     """The absolute size with its error."""
-    unit = "" if found["unit"] == "-" else f" {found['unit']}"
-    return f"{with_error(abs(found['value']), found['error'])}{unit}"
+    unit = "" if estimate["unit"] == "-" else f" {estimate['unit']}"
+    return f"{with_error(abs(estimate['value']), estimate['error'])}{unit}"
 
 
-def of_model(effect, numbers):
+def of_model(effect: Effect, numbers: Numbers) -> Clause:
     """An effect that is missing from the model."""
     words = f"{effect.title or effect.name} is missing from the model"
     return Clause(MODEL, words, **sized(effect, numbers))
 
 
-def of_column(effect, numbers):
+def of_column(effect: Effect, numbers: Numbers) -> Clause:
     """A column of the user's own that the error follows."""
-    found = sized(effect, numbers)
+    estimate = sized(effect, numbers)
     words = f"the error follows the column {effect.column}"
-    if found:
-        words += f", by {with_error(found['value'], found['error'])} {found['unit']}"
+    if estimate:
+        size = with_error(estimate["value"], estimate["error"])
+        words += f", by {size} {estimate['unit']}"
     action = f"Find out how {effect.column} heats or cools the modules"
-    return Clause(effect.column, words, action, **found)
+    return Clause(effect.column, words, action, **estimate)
 
 
-def mounting(effect, numbers):
-    found = sized(effect, numbers, SHARE)
-    size = f"{spoken(found)} " if found else ""
-    more, each = "more" if not found or found["value"] > 0 else "less", ""
+def mounting(effect: Effect, numbers: Numbers) -> Clause:
+    estimate = sized(effect, numbers, SHARE)
+    size = f"{spoken(estimate)} " if estimate else ""
+    more, each = "more" if not estimate or estimate["value"] > 0 else "less", ""
     if course_of(effect) == "drift":
-        found["unit"] = "%/year"
+        estimate["unit"] = "%/year"
         size, each = size.replace("/year", ""), PER_YEAR
     action = "Inspect the mounting, and what was built or grew around the modules"
     words = f"the modules lose {size}{more} heat to the air{each}"
-    return Clause("mounting", words, action, **found)
+    return Clause("mounting", words, action, **estimate)
 
 
-def soiling(effect, numbers):
-    if not (found := sized(effect, numbers, SHARE)):
+def soiling(effect: Effect, numbers: Numbers) -> Clause:
+    if not (estimate := sized(effect, numbers, SHARE)):
         words = "dirt gathers between rains on the irradiance sensor or the modules"
         return Clause("irradiance sensor or modules", words)
-    found["unit"] = "%/day"
-    sensor = found["value"] > 0
-    size = f"{with_error(abs(found['value']), found['error'])} %"
+    estimate["unit"] = "%/day"
+    sensor = estimate["value"] > 0
+    size = f"{with_error(abs(estimate['value']), estimate['error'])} %"
     rest = f"another {size} by soiling with each day without rain"
     if sensor:
         device, words = "irradiance sensor", f"the irradiance sensor loses {rest}"
     else:
         device, words = MODULES, f"the modules lose {rest}"
-    found = {**found, "value": -abs(found["value"])}
-    found["low"], found["high"] = sorted(
-        -abs(found[name]) if np.isfinite(found[name]) else np.nan
-        for name in ("low", "high")
+    estimate["value"] = -abs(estimate["value"])
+    estimate["low"], estimate["high"] = sorted(
+        -abs(end) if np.isfinite(end) else np.nan
+        for end in (estimate["low"], estimate["high"])
     )
-    return Clause(device, words, f"Clean the {device}", **found)
+    return Clause(device, words, f"Clean the {device}", **estimate)
 
 
-def shading(effect, numbers):
+def shading(effect: Effect, numbers: Numbers) -> Clause:
     windows = effect.settings.get("windows", ())
     where = " and ".join(
         f"azimuth {a:.0f}° to {b:.0f}°, elevation {c:.0f}° to {d:.0f}°"
         for a, b, c, d in windows
     )
-    found = sized(effect, numbers)
+    estimate = sized(effect, numbers)
     if effect.settings.get("sensor"):
         device, words = "irradiance sensor", "the irradiance sensor is shaded"
-    elif found and found["value"] < 0:
+    elif estimate and estimate["value"] < 0:
         device = MODULES
         words = "the modules receive more beam irradiance than the irradiance sensor"
     else:
         device, words = MODULES, "the modules are shaded"
     action = f"Look from the {device} for an obstacle or a reflecting surface there"
-    return Clause(device, f"{words} while the sun is at {where}", action, **found)
+    return Clause(device, f"{words} while the sun is at {where}", action, **estimate)
 
 
-def poa_misalignment(effect, numbers):
+def poa_misalignment(effect: Effect, numbers: Numbers) -> Clause:
     if "axis_azimuth" in effect.settings:
         return on_a_tracker(effect, numbers)
     parts = []
@@ -292,7 +326,7 @@ def poa_misalignment(effect, numbers):
     return Clause("irradiance sensor", words, action)
 
 
-def on_a_tracker(effect, numbers):
+def on_a_tracker(effect: Effect, numbers: Numbers) -> Clause:
     """What turns about an axis is off by an angle about it, or about the vertical."""
     parts = []
     if angle := angle_of(f"{effect.name}.tilt", numbers):
@@ -308,7 +342,7 @@ def on_a_tracker(effect, numbers):
     return Clause("irradiance sensor", words, action)
 
 
-def angle_of(name, numbers):
+def angle_of(name: str, numbers: Numbers) -> tuple[float, str] | None:
     """An angle, and its size with its error in words; None if it is not known."""
     if name not in numbers.coefficients:
         return None
@@ -316,25 +350,25 @@ def angle_of(name, numbers):
     return value, f"{with_error(abs(value), error)}°"
 
 
-def temperature_gain(effect, numbers):
-    found = sized(effect, numbers)
+def temperature_gain(effect: Effect, numbers: Numbers) -> Clause:
+    estimate = sized(effect, numbers)
     words = "the module temperature sensor has another slope than the air's"
-    if found:
-        more = "more" if found["value"] > 0 else "less"
+    if estimate:
+        more = "more" if estimate["value"] > 0 else "less"
         words = (
-            f"the module temperature sensor reads {spoken(found)} K {more} for each "
+            f"the module temperature sensor reads {spoken(estimate)} K {more} for each "
             "kelvin of air temperature"
         )
     action = "Recalibrate the module temperature sensor"
-    return Clause("module temperature sensor", words, action, **found)
+    return Clause("module temperature sensor", words, action, **estimate)
 
 
-def snow(effect, numbers):
+def snow(effect: Effect, numbers: Numbers) -> Clause:
     words = "snow covers the modules, and less of it the irradiance sensor"
     return Clause(MODULES, words, "Check the modules on days after snow")
 
 
-def modules_covered(effect, numbers):
+def modules_covered(effect: Effect, numbers: Numbers) -> Clause:
     words = (
         "snow, leaves or shade cover the modules for hours, and power and temperature "
         "are both low"
@@ -343,7 +377,7 @@ def modules_covered(effect, numbers):
     return Clause(MODULES, words, action, **sized(effect, numbers))
 
 
-def sensor_covered(effect, numbers):
+def sensor_covered(effect: Effect, numbers: Numbers) -> Clause:
     words = (
         "snow, leaves or shade cover the irradiance sensor for hours, and power and "
         "temperature are both high for what it reads"
@@ -352,13 +386,13 @@ def sensor_covered(effect, numbers):
     return Clause("irradiance sensor", words, action, **sized(effect, numbers))
 
 
-def outage(effect, numbers):
+def outage(effect: Effect, numbers: Numbers) -> Clause:
     words = "the modules are warmer for hours in which the plant gives no power"
     action = "Look up the hours of loop.events in the inverter's log"
     return Clause("plant", words, action, **sized(effect, numbers))
 
 
-def tracker_stuck(effect, numbers):
+def tracker_stuck(effect: Effect, numbers: Numbers) -> Clause:
     plane = (effect.settings[name] for name in ("surface_tilt", "surface_azimuth"))
     where = in_words(*plane)
     words = f"the modules were stuck {where}, while the irradiance sensor moved"

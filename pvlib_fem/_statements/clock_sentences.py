@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pvlib_fem._findings import Correction
 from pvlib_fem._statements.statement import Statement
 
 LOGGER, FILE = "clock of the module's logger", "clock of the file"
@@ -17,7 +18,7 @@ ACTIONS = {
 }
 
 
-def clock_statement(correction):
+def clock_statement(correction: Correction) -> Statement:
     """
     A fault of a clock as a statement.
 
@@ -38,9 +39,9 @@ def clock_statement(correction):
     if faults == ["clock_shift"]:
         way = "back" if value > 0 else "forward"
         action += f" {way} by {abs(value):.3g} min"
-    said = correction.because.all[0].values
-    text = said["fault"]
-    certainty = APPLIED if correction.applied else f"Not corrected: {said['remedy']}"
+    values = correction.because.all[0].values
+    text = values["fault"]
+    certainty = APPLIED if correction.applied else f"Not corrected: {values['remedy']}"
     return Statement(
         cause=correction.fault,
         device=device,
@@ -55,7 +56,7 @@ def clock_statement(correction):
     )
 
 
-def gain_of(correction):
+def gain_of(correction: Correction) -> float:
     """By how much the correction lowers the error. [K]"""
     if correction.unit != "K" or not correction.applied:
         return np.nan

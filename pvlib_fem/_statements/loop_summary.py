@@ -1,20 +1,26 @@
 """A loop in at most 25 lines: conclusion, steps, findings and what to do."""
 
+from collections.abc import Iterator
 from textwrap import TextWrapper
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pvlib_fem._report.ceiling_text import sentence
 from pvlib_fem._report.loop_text import cell, length
 from pvlib_fem._statements.make import PATTERN, STUCK
+from pvlib_fem._statements.statement import Statement
 from pvlib_fem.plotting._step_plots import step_name
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3
 MORE = "loop.report() (--details) has every check, hint and note."
 
 
-def summary(loop):
+def summary(loop: "Loop") -> list[str]:
     """
     The lines of ``print(loop)``.
 
@@ -27,15 +33,15 @@ def summary(loop):
     list of str
         At most 25, none wider than 100 signs.
     """
-    found = loop.statement_objects
-    said = [line for words in conclusion(loop, found) for line in wrapped(words)]
-    head = [*heading(loop), *said, "", *steps(loop), ""]
+    statements = loop.statement_objects
+    words = [line for one in conclusion(loop, statements) for line in wrapped(one)]
+    head = [*heading(loop), *words, "", *steps(loop), ""]
     room = LINES - len(head) - 2
-    body = findings(found, room)
+    body = findings(statements, room)
     return [*head, *body, MORE]
 
 
-def heading(loop):
+def heading(loop: "Loop") -> Iterator[str]:
     fit, record = loop.fit, loop.fit.summary
     yield from wrapped(
         f"pvlib_fem: the loop on {length(record)}, "
@@ -44,7 +50,7 @@ def heading(loop):
     )
 
 
-def instead(loop):
+def instead(loop: "Loop") -> str:
     """What was not measured, and what stands for it."""
     calm = "wind_speed" not in loop.fit.summary.columns
     words = "; no wind_speed" * calm
@@ -55,14 +61,14 @@ def instead(loop):
     return words
 
 
-def part(loop):
+def part(loop: "Loop") -> tuple[str, str]:
     """The days that the errors are of, and the ending of their columns."""
     if loop.fit.test_days:
         return f"{loop.fit.test_days} test days", "test"
     return "the fitted days (there are no test days)", "train"
 
 
-def conclusion(loop, found):
+def conclusion(loop: "Loop", statements: list[Statement]) -> Iterator[str]:
     """How good the model was and is, what was found, and what remains."""
     which, end = part(loop)
     error, energy = loop.table[f"rmse_{end}"], loop.table["energy_error_test"]
@@ -75,24 +81,23 @@ def conclusion(loop, found):
         both = dict.fromkeys(f"{energy[n]:.2f}" for n in (loop.base, loop.last))
         words += f"; absolute energy error: {' → '.join(both)} %"
     yield f"Error (RMSE) on {which}: {words}."
-    yield counted(loop, found)
+    yield counted(loop, statements)
     if loop.known_ceiling is not None:
         yield sentence(loop.known_ceiling)
 
 
-def counted(loop, found):
+def counted(loop: "Loop", statements: list[Statement]) -> str:
     """What was found and what remains, by numbers."""
     if not loop.weighed:
         return "The record is too short to weigh any effect."
+    verdicts = [one.verdict for one in statements if one.cause != STUCK]
     counts = {
-        "clock fault": sum(
-            one.verdict.endswith("corrected") and one.cause != STUCK for one in found
-        ),
-        "irradiance sensor that was stuck": sum(one.cause == STUCK for one in found),
-        "identified cause": sum(one.verdict == "named" for one in found),
-        "ambiguous finding": sum(one.verdict == "class" for one in found),
-        PATTERN: sum(one.device == PATTERN for one in found),
-        "hint": sum(one.verdict == "suggestive" for one in found),
+        "clock fault": sum(verdict.endswith("corrected") for verdict in verdicts),
+        "irradiance sensor that was stuck": len(statements) - len(verdicts),
+        "identified cause": verdicts.count("named"),
+        "ambiguous finding": verdicts.count("class"),
+        PATTERN: sum(one.device == PATTERN for one in statements),
+        "hint": verdicts.count("suggestive"),
     }
     parts = [f"{n} {words}{'s' * (n > 1)}" for words, n in counts.items() if n]
     words = f"Found: {', '.join(parts)}." if parts else "No cause was found."
@@ -102,7 +107,7 @@ def counted(loop, found):
     return words
 
 
-def steps(loop):
+def steps(loop: "Loop") -> Iterator[str]:
     """The table of errors: models without effects, then the last effects."""
     _, end = part(loop)
     keys = (f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}")
@@ -118,10 +123,10 @@ def steps(loop):
         yield f"{step_name(name):<26}{cells}"
 
 
-def findings(found, room):
+def findings(statements: list[Statement], room: int) -> list[str]:
     """Numbered statements, as many as there is room for, and how many more."""
     lines = []
-    for i, one in enumerate(found):
+    for i, one in enumerate(statements):
         sizes = [f"{one.gain:.2f} K"] if np.isfinite(one.gain) else []
         if np.isfinite(one.energy):
             sizes.append(f"{one.energy:.2g} kWh/kWp a year")
@@ -130,12 +135,12 @@ def findings(found, room):
         action = f" → {one.action}." if one.action else ""
         block = wrapped(f"{i + 1:>2}. {words}.{action}", "    ")
         if len(lines) + len(block) > room:
-            return [*lines, f"    {len(found) - i} more are in loop.statements."]
+            return [*lines, f"    {len(statements) - i} more are in loop.statements."]
         lines += block
     return lines
 
 
-def wrapped(text, indent=""):
+def wrapped(text: str, indent: str = "") -> list[str]:
     """Lines of a text, none wider than a window."""
     wrapper = TextWrapper(
         WIDTH,

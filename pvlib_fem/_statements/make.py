@@ -1,14 +1,18 @@
 """A loop's findings as statements, the most valuable first."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem._findings import (
     LEAST,
     OUTSIDE,
     OUTSIDE_WORDS,
     CheckOutcome,
+    Finding,
     Kind,
     Member,
     Verdict,
@@ -18,9 +22,13 @@ from pvlib_fem._statements.causes import MODEL, MODULES, Clause, clause_of
 from pvlib_fem._statements.clock_sentences import APPLIED, clock_statement
 from pvlib_fem._statements.statement import Statement
 from pvlib_fem.effects import find
-from pvlib_fem.effects._effect import deciding
+from pvlib_fem.effects._effect import Effect, deciding
 from pvlib_fem.effects._standstill import in_words
 from pvlib_fem.effects._time_profiles import number, written
+from pvlib_fem.quality._tracker_standstill import Standing
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 PATTERN = "unexplained pattern"
 DAYS = "days that stand out"
@@ -30,7 +38,7 @@ STUCK = "sensor_stuck"  # cause of a tracker's irradiance sensor that does not t
 SIZE = ("value", "error", "low", "high", "unit", "since", "until")
 
 
-def statements_of(loop, energies):
+def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement]:
     """
     All statements of a loop.
 
@@ -71,13 +79,13 @@ def statements_of(loop, energies):
     ]
 
 
-def days_of(loop):
+def days_of(loop: "Loop") -> tuple[str, str]:
     """First and last day of a loop's record."""
     record = loop.fit.summary
     return f"{record.start:%Y-%m-%d}", f"{record.end:%Y-%m-%d}"
 
 
-def finding_statement(finding, loop):
+def finding_statement(finding: Finding, loop: "Loop") -> Statement:
     """A finding as a statement."""
     own = {effect.name: effect for effect in loop.fit.effects}
     effects = [effect_of(name, finding, own) for name in finding.candidates]
@@ -100,7 +108,7 @@ def finding_statement(finding, loop):
     )
 
 
-def effect_of(name, finding, own):
+def effect_of(name: str, finding: Finding, own: Mapping[str, Effect]) -> Effect | None:
     """The effect of a candidate with its settings; None if it is unknown."""
     if name == finding.effect and name in own:
         return own[name]
@@ -111,7 +119,9 @@ def effect_of(name, finding, own):
         return None
 
 
-def clause_or_name(name, effect, finding, loop):
+def clause_or_name(
+    name: str, effect: Effect | None, finding: Finding, loop: "Loop"
+) -> Clause:
     """A candidate as a clause; of an unknown effect, such as a hint of a column."""
     if effect is None:
         if finding.kind is Kind.COLUMN:
@@ -122,7 +132,7 @@ def clause_or_name(name, effect, finding, loop):
     return clause_of(effect, numbers, loop.fit.coefficients, *days_of(loop))
 
 
-def sentence(finding, clauses):
+def sentence(finding: Finding, clauses: list[Clause]) -> str:
     """The clauses of all causes with the dates of the first."""
     first, *others = clauses
     parts = [words_of(first, finding.place)]
@@ -137,7 +147,7 @@ def sentence(finding, clauses):
     return f"{text[:1].upper()}{text[1:]}"
 
 
-def words_of(clause, place=""):
+def words_of(clause: Clause, place: str = "") -> str:
     """A clause with its dates; ``place`` has the days between which it began."""
     if clause.course == "step":
         return f"from {place or clause.since or 'some date'} on {clause.words}"
@@ -150,15 +160,15 @@ def words_of(clause, place=""):
     return clause.words
 
 
-def certainty_of(finding):
+def certainty_of(finding: Finding) -> str:
     """How sure a finding is, in words."""
-    said = [
+    checks = [
         f"{witness.column} {'agrees' if agrees else 'contradicts ' + witness.effect}"
         for witness in finding.heard
         if (agrees := witness.opinion is CheckOutcome.AGREES) or not finding.added
         if agrees or witness.effect == finding.effect
     ]
-    agree = f"; {', '.join(dict.fromkeys(said))}" if said else ""
+    agree = f"; {', '.join(dict.fromkeys(checks))}" if checks else ""
     if finding.verdict is Verdict.NAMED:
         share = finding.probabilities.get(finding.effect)
         words = f" (probability {share:.0%})" if share is not None else ""
@@ -168,7 +178,7 @@ def certainty_of(finding):
     return f"A hint, not in the model: {finding.why}"
 
 
-def shares_of(finding):
+def shares_of(finding: Finding) -> str:
     """Probabilities of the causes in their order, and of a cause outside."""
     known = finding.probabilities
     parts = [f"{known[n]:.0%}" for n in finding.candidates if n in known]
@@ -177,7 +187,7 @@ def shares_of(finding):
     return f" ({', '.join(parts)})" if parts else ""
 
 
-def action_of(finding, clauses, effects):
+def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) -> str:
     """What to do about a finding."""
     if finding.verdict is Verdict.CLASS and len(clauses) > 1:
         return f"To decide: {', or '.join(deciding(effects))}"
@@ -186,7 +196,7 @@ def action_of(finding, clauses, effects):
     return clauses[0].action
 
 
-def pattern_statement(finding):
+def pattern_statement(finding: Finding) -> Statement:
     """An unexplained pattern as a statement."""
     mean = finding.coefficients.get("mean", np.nan)
     way = "warmer" if mean > 0 else "colder"
@@ -206,7 +216,7 @@ def pattern_statement(finding):
     )
 
 
-def event_statements(loop):
+def event_statements(loop: "Loop") -> Iterator[Statement]:
     """Events of each kind as a statement."""
     for name, rows in events.by_kind(loop).items():
         device, happened = events.WORDS[name]
@@ -226,7 +236,7 @@ def event_statements(loop):
         )
 
 
-def standing_statement(standing, episodes):
+def standing_statement(standing: Standing, episodes: pd.DataFrame) -> Statement:
     """Days on which the irradiance sensor does not turn as a statement."""
     where = in_words(standing.surface_tilt, standing.surface_azimuth)
     alone = apart_on(standing, episodes) > HALF
@@ -246,7 +256,7 @@ def standing_statement(standing, episodes):
     )
 
 
-def apart_on(standing, episodes):
+def apart_on(standing: Standing, episodes: pd.DataFrame) -> float:
     """Share of the days of a standstill on which the modules stand out."""
     first, last = number(standing.start), number(standing.end)
     some = (
@@ -256,7 +266,7 @@ def apart_on(standing, episodes):
     return sum(max(days, 0.0) for days in some) / (last - first)
 
 
-def date_statements(loop):
+def date_statements(loop: "Loop") -> Iterator[Statement]:
     """Days that stand out as statements."""
     for row in loop.episodes.to_dict("records")[: budget.MOST]:
         days, words = budget.span(row), budget.apart(row)

@@ -1,6 +1,8 @@
 """One sentence of a report, with the numbers in it."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -63,16 +65,16 @@ class Statement:
     alternatives: tuple = ()
     energy: float = np.nan
 
-    def content(self):
+    def content(self) -> dict[str, Any]:
         """The statement for a file."""
         return asdict(self)
 
-    def __str__(self):
+    def __str__(self) -> str:
         sentences = (self.text, self.certainty, self.action)
         return " ".join(f"{one.rstrip('.')}." for one in sentences if one)
 
 
-def as_table(statements):
+def as_table(statements: Iterable[Statement]) -> pd.DataFrame:
     """A row for each statement."""
     names = [field.name for field in fields(Statement)]
     rows = [[getattr(one, name) for name in names] for one in statements]

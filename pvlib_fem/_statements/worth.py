@@ -1,14 +1,21 @@
 """What each finding is worth: the yearly energy that it changes."""
 
-import numpy as np
+from typing import TYPE_CHECKING
 
-from pvlib_fem._record.inputs import read
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.inputs import Record, read
 from pvlib_fem._record.resampling import coarse
 from pvlib_fem._statements.causes import READS, SPECIAL
 from pvlib_fem._thermal.model import as_in_a_fit
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import YEAR
 from pvlib_fem.quality._lag import retimed
 from pvlib_fem.scores import GAMMA, kilowatt_hours
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 STEP = 300.0  # s, over which shorter rows are averaged
 REFERENCE = 25.0  # °C, of the power that a kWp is
@@ -26,7 +33,7 @@ LIGHT = (
 )
 
 
-def energies(loop, gamma=GAMMA):
+def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     r"""
     Absolute change of the expected DC energy by each finding, in a year.
 
@@ -66,9 +73,9 @@ def energies(loop, gamma=GAMMA):
     record = loop.fit.record
     if record is None:
         return {}
-    found = clocks(loop, record, gamma)
+    changes = clocks(loop, record, gamma)
     if not loop.fit.effects:
-        return found
+        return changes
     record = coarse(record, STEP)
     light, frame = kilowatt_hours(record.inputs), record.inputs.frame()
     parts = loop.contributions(frame, correct_times=False)
@@ -85,11 +92,13 @@ def energies(loop, gamma=GAMMA):
             if kind not in (*READS, *SPECIAL):
                 warmer = beyond_others(record, temperature, warmer)
             change = light * gamma * warmer
-        found[effect.name] = per_year(record, change)
-    return found
+        changes[effect.name] = per_year(record, change)
+    return changes
 
 
-def received(loop, usual, drivers, effect):
+def received(
+    loop: "Loop", usual: list[pd.Series], drivers: dict[str, pd.Series], effect: Effect
+) -> np.ndarray:
     """Irradiance that the modules receive in addition to the reading. [W/m²]"""
     poa, air, wind = usual
     columns = {"poa_global": poa, "temp_air": air, **drivers}
@@ -100,7 +109,9 @@ def received(loop, usual, drivers, effect):
     return heat + np.zeros(len(inputs.index))
 
 
-def beyond_others(record, temperature, warmer):
+def beyond_others(
+    record: Record, temperature: np.ndarray, warmer: np.ndarray
+) -> np.ndarray:
     """The part of an effect that bias, loss and its dependence on wind do not make."""
     over = temperature - record["temp_air"]
     columns = [np.ones(len(over)), over]
@@ -112,28 +123,28 @@ def beyond_others(record, temperature, warmer):
     return warmer - table @ size
 
 
-def efficiency(temperature, gamma):
+def efficiency(temperature: np.ndarray, gamma: float) -> np.ndarray:
     """Power over that at 25 °C. [-]"""
     return 1.0 + gamma * (temperature - REFERENCE)
 
 
-def per_year(record, change):
+def per_year(record: Record, change: np.ndarray) -> float:
     """Sum of absolute changes of rows, for the days of a year."""
     known = np.isfinite(change)
     days = len(np.unique(record.dates[known]))
     return float(np.abs(change[known]).sum() * YEAR / days) if days else np.nan
 
 
-def clocks(loop, record, gamma):
+def clocks(loop: "Loop", record: Record, gamma: float) -> dict[str, float]:
     """Of the clock of the module's logger, where it was corrected."""
-    found = {}
+    changes = {}
     if loop.times is None or not loop.times.module.fault:
-        return found
+        return changes
     light = kilowatt_hours(record.inputs)
     seconds, module = record.inputs.seconds, record["temp_module"]
     written = retimed(seconds, module, -loop.times.module.at(seconds))
     for one in loop.corrections:
         if one.applied and one.columns == ("temp_module",):
             change = light * gamma * (written - module)
-            found[one.fault] = per_year(record, change)
-    return found
+            changes[one.fault] = per_year(record, change)
+    return changes

@@ -62,11 +62,24 @@ FILES = {
 }
 
 
+def is_of_types(node):
+    """Whether a node is ``if TYPE_CHECKING:``, which does not run."""
+    return isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
+
+
+def nodes(tree):
+    """All nodes but those that only a type checker reads."""
+    for node in ast.iter_child_nodes(tree):
+        if not is_of_types(node):
+            yield node
+            yield from nodes(node)
+
+
 @cache
 def imports(name):
     """What a module imports: the module, and the name in it."""
     found = []
-    for node in ast.walk(ast.parse(FILES[name].read_text(encoding="utf-8"))):
+    for node in nodes(ast.parse(FILES[name].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found += [(alias.name, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
