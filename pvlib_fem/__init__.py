@@ -1,6 +1,7 @@
 """The temperature of photovoltaic modules, second by second, for pvlib users."""
 
 import warnings
+from typing import Any
 
 import lazy_loader
 
@@ -16,7 +17,7 @@ _RENAMED = {
 }
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> Any:
     if name == "__version__":
         return _version()
     if name not in _RENAMED:
@@ -30,7 +31,7 @@ def __getattr__(name):
     return _attribute(_RENAMED[name])
 
 
-def _version():
+def _version() -> str:
     """The version of the tag from which the package was built."""
     from importlib.metadata import PackageNotFoundError, version
 

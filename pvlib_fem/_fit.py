@@ -1,10 +1,13 @@
 """Fit the FEM coefficients to a measured record, with standard errors."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
+from pvlib.pvsystem import AbstractMount
 
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._fitting.frame_rows import as_frame
@@ -16,7 +19,7 @@ from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, is_data_set
 from pvlib_fem._spelling import LEAST_SQUARES, ShellText, argument, refusal
-from pvlib_fem._thermal.model import thermal_model
+from pvlib_fem._thermal.model import ThermalModel, thermal_model
 from pvlib_fem.drivers import checked_place, geometry, needed_for
 from pvlib_fem.drivers._mounts import axis_of
 from pvlib_fem.effects import EffectLike, find, several
@@ -159,13 +162,14 @@ def fit_fem(
         raise ValueError(f"unknown method {method!r}; they are {', '.join(METHODS)}")
     if method == "paper":
         refuse_paper(target, fixed, night)
-    columns = [poa_global, temp_air, wind_speed, temp_module]
+    others = [temp_air, wind_speed, temp_module]
+    columns = [poa_global, *others]
     how = (holdout, night, limits, check_units)
     if is_data_set(poa_global):
-        refuse_columns(columns[1:], drivers, method)
+        refuse_columns(others, drivers, method)
         return fit_files(in_files(poa_global, target), target, *how)
     if isinstance(poa_global, pd.DataFrame):
-        refuse_columns(columns[1:], drivers)
+        refuse_columns(others, drivers)
         there = with_aliases(poa_global, (*ALWAYS, *target.drivers))
         columns = [there.get(name) for name in COLUMNS]
         drivers = {name: there[name] for name in target.drivers}
@@ -181,16 +185,16 @@ def fit_fem(
 
 
 def fit_frame(
-    data,
-    effects=(),
-    location=None,
-    surface_tilt=None,
-    surface_azimuth=None,
-    transposition=None,
-    stand_ins=(),
-    mount=None,
-    **options,
-):
+    data: pd.DataFrame,
+    effects: EffectLike | Iterable[EffectLike] = (),
+    location: Location | None = None,
+    surface_tilt: float | pd.Series | None = None,
+    surface_azimuth: float | pd.Series | None = None,
+    transposition: str | None = None,
+    stand_ins: str | Iterable[str] = (),
+    mount: AbstractMount | None = None,
+    **options: Any,
+) -> FemFit:
     """
     Fit a frame, with the drivers that its effects need.
 
@@ -198,7 +202,7 @@ def fit_frame(
     ----------
     data : DataFrame
         Record, see :func:`pvlib_fem.close_loop`.
-    effects : sequence of str, dict or Effect
+    effects : str, dict, Effect or sequence of them
     location, surface_tilt, surface_azimuth, mount
         Site and plane, see :func:`pvlib_fem.close_loop`; none is estimated.
     transposition, stand_ins
@@ -231,7 +235,11 @@ def fit_frame(
     return replace(fit, notes=(*notes, *fit.notes)) if notes else fit
 
 
-def refuse_columns(columns, drivers, method=""):
+def refuse_columns(
+    columns: Sequence[pd.Series | None],
+    drivers: Mapping[str, pd.Series],
+    method: str = "",
+) -> None:
     """Refuse columns in addition to a frame or files, and the paper's recipe."""
     if any(column is not None for column in columns) or drivers:
         raise ValueError(
@@ -243,7 +251,7 @@ def refuse_columns(columns, drivers, method=""):
         raise refusal(paper, " takes no files; give it columns, or use ", LEAST_SQUARES)
 
 
-def refuse_coefficients(target, drivers):
+def refuse_coefficients(target: ThermalModel, drivers: Mapping[str, Any]) -> None:
     """Refuse the number of a coefficient among the columns."""
     for name, value in drivers.items():
         if name in target.parameters or (np.isscalar(value) and name in MEMORIES):

@@ -6,13 +6,30 @@ from itertools import pairwise
 
 import numpy as np
 
+#: one sum of squares, or one of each of several matrices
+Squares = np.float64 | np.ndarray
 RIDGE = 1e-9  # of a column's square: an undetermined coefficient stays 0
 SOME = 1e-9  # of the square of a column in the largest week, to count as present
 MOST_MEMORY = 0.9  # autocorrelation of weeks above which it looks like a trend
 
 
-def products(cells, rows, ends):
-    """Sums of products of all columns between each end and the next."""
+def products(cells: np.ndarray, rows: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """
+    Sums of products of all columns between each end and the next.
+
+    Parameters
+    ----------
+    cells : array, shape (cells, columns)
+        Means over the rows of each cell.
+    rows : array, shape (cells,)
+        Number of rows of each cell.
+    ends : array of int, shape (days + 1,)
+        First cell of each day, and the number of cells.
+
+    Returns
+    -------
+    array, shape (days, columns, columns)
+    """
     weighted = cells * np.sqrt(rows)[:, None]
     size = cells.shape[1]
     found = np.empty((len(ends) - 1, size, size))
@@ -35,32 +52,32 @@ class LeastSquares:
     size: int
 
     @cached_property
-    def whole(self):
+    def whole(self) -> np.ndarray:
         return self.weekly.sum(axis=0)
 
     @cached_property
-    def solved(self):
+    def solved(self) -> np.ndarray:
         """All coefficients."""
         return solve(self.whole)
 
     @property
-    def estimate(self):
+    def estimate(self) -> np.ndarray:
         return self.solved[-self.size :]
 
     @cached_property
-    def scores(self):
+    def scores(self) -> np.ndarray:
         """Products of all columns with what the fit leaves of each week."""
         return self.weekly[:, 1:, 0] - self.weekly[:, 1:, 1:] @ self.solved
 
     @cached_property
-    def shifts(self):
+    def shifts(self) -> np.ndarray:
         """Change of the estimate without each week in turn."""
         squares = steady((self.whole - self.weekly)[:, 1:, 1:])
         found = np.linalg.solve(squares, self.scores[..., None])[..., 0]
         return -found[:, -self.size :]
 
     @cached_property
-    def covariance(self):
+    def covariance(self) -> np.ndarray:
         """Covariance of the estimate by the jackknife over autocorrelated weeks."""
         shifts, weeks = self.shifts - self.shifts.mean(axis=0), len(self.weekly)
         # collinear columns shift together
@@ -69,7 +86,7 @@ class LeastSquares:
         return plain * lasting(along)
 
     @cached_property
-    def mix(self):
+    def mix(self) -> np.ndarray:
         """The tested columns without what the others explain of them."""
         projection = np.linalg.solve(
             steady(self.whole[1:, 1:])[: -self.size, : -self.size],
@@ -78,18 +95,18 @@ class LeastSquares:
         return np.vstack([-projection, np.eye(self.size)])
 
     @cached_property
-    def weights(self):
+    def weights(self) -> np.ndarray:
         """Square of these columns in each week."""
         found = np.einsum("iq,wij,jq->w", self.mix, self.weekly[:, 1:, 1:], self.mix)
         return np.maximum(found, 0.0)
 
     @cached_property
-    def freedom(self):
+    def freedom(self) -> float:
         """Effective number of weeks that determine the estimate, minus one."""
         many = self.weights.sum() ** 2 / max((self.weights**2).sum(), 1e-300)
         return max(many - 1.0, 1.0)
 
-    def by_all_weeks(self):
+    def by_all_weeks(self) -> tuple[np.ndarray, float]:
         """
         Variance of a single tested column with the noise of all weeks, and its freedom.
 
@@ -123,7 +140,7 @@ class LeastSquares:
         return both, many + few
 
 
-def lasting(scores):
+def lasting(scores: np.ndarray) -> float:
     """Factor of a variance of means for the memory of scores of successive weeks."""
     memory, power = 0.0, scores @ scores
     if len(scores) > 3 and power > 0:
@@ -132,38 +149,54 @@ def lasting(scores):
     return (1.0 + memory) / (1.0 - memory)
 
 
-def solve(whole):
-    """Coefficients from sums of products; the first row is that of the residual."""
+def solve(whole: np.ndarray) -> np.ndarray:
+    """
+    Coefficients from sums of products; the first row is that of the residual.
+
+    Parameters
+    ----------
+    whole : array, shape (..., columns + 1, columns + 1)
+
+    Returns
+    -------
+    array, shape (..., columns)
+    """
     return np.linalg.solve(steady(whole[..., 1:, 1:]), whole[..., 1:, 0, None])[..., 0]
 
 
-def steady(squares):
+def steady(squares: np.ndarray) -> np.ndarray:
     """Products with a ridge, so that undetermined coefficients stay 0."""
     diagonal = np.abs(np.einsum("...ii->...i", squares))
     ridge = RIDGE * (diagonal + 1e-3 * diagonal.max(axis=-1, keepdims=True)) + 1e-30
     return squares + ridge[..., None] * np.eye(squares.shape[-1])
 
 
-def fall(whole, size):
-    """Decrease of the sum of squares by the last columns."""
-    return left(whole[..., : -size or None, : -size or None]) - left(whole)
+def fall(whole: np.ndarray, size: int) -> Squares:
+    """Decrease of the sum of squares by the last ``size`` columns."""
+    without = whole[..., : -size or None, : -size or None]
+    return residual_squares(without) - residual_squares(whole)
 
 
-def left(whole):
+def residual_squares(whole: np.ndarray) -> Squares:
     """Residual sum of squares of some columns."""
     found = solve(whole)
     return whole[..., 0, 0] - np.einsum("...i,...i->...", found, whole[..., 1:, 0])
 
 
-def alike(whole, size, rival):
+def alike(whole: np.ndarray, size: int, rival: int) -> Squares:
     """
     Share of the contribution of some columns that the last columns can explain.
 
     Parameters
     ----------
-    whole : array
+    whole : array, shape (..., columns + 1, columns + 1)
         Sums of products of the residual, given columns, ``size`` columns, and the
         ``rival`` last columns.
+    size, rival : int
+
+    Returns
+    -------
+    float, or array of one value for each matrix
     """
     own = whole.shape[-1] - 1 - size - rival
     squares = steady(whole[..., 1:, 1:])
@@ -179,8 +212,17 @@ def alike(whole, size, rival):
     return explained / np.maximum((found * (mine @ found)).sum(axis=(-2, -1)), 1e-300)
 
 
-def held_out(weekly, folds):
-    """Residual sum of squares by cross-validation over groups of weeks."""
+def held_out(weekly: np.ndarray, folds: np.ndarray) -> float:
+    """
+    Residual sum of squares by cross-validation over groups of weeks.
+
+    Parameters
+    ----------
+    weekly : array, shape (weeks, columns + 1, columns + 1)
+        Sums of products; the first row is that of the residual.
+    folds : array, shape (groups, weeks)
+        1 where a week is in a group, else 0.
+    """
     parts = np.einsum("fw,wij->fij", folds, weekly)
     found = solve(parts.sum(axis=0) - parts)
     crossed = np.einsum("fi,fi->f", found, parts[:, 1:, 0])

@@ -6,6 +6,7 @@ rotations about one axis. The response to each of some planes is known; between 
 them it is linear in the angle.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,7 @@ COMPASS = (
     *("south", "south-west", "west", "north-west"),
 )
 BETWEEN = (0.1, 0.2, 0.3, 0.4, 0.5)  # of the way from a plane to the next
+Day = int | np.ndarray  # number of a day among those that have rows, or of several
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +46,14 @@ class Axis:
     aside: np.ndarray
 
     @classmethod
-    def of(cls, normal):
+    def of(cls, normal: np.ndarray) -> "Axis":
         """
         The axis about which some planes are rotations.
+
+        Parameters
+        ----------
+        normal : array, shape (planes, 3)
+            To north, to east and up.
 
         Raises
         ------
@@ -66,27 +73,38 @@ class Axis:
         up = up / np.linalg.norm(up)
         return cls(up, np.cross(along, up))
 
-    def angles(self, normal):
-        """Rotation about the axis, from where the plane is flattest. [°]"""
+    def angles(self, normal: np.ndarray) -> np.ndarray:
+        """Rotation of each normal about the axis, 0 where it is flattest. [°]"""
         return np.degrees(np.arctan2(normal @ self.aside, normal @ self.up))
 
-    def planes(self, angles):
-        """Tilt and azimuth of some rotations. [°]"""
+    def planes(self, angles: np.ndarray) -> np.ndarray:
+        """Tilt and azimuth of some rotations, a row each. [°]"""
         turn = np.radians(angles)[:, None]
         normal = np.cos(turn) * self.up + np.sin(turn) * self.aside
         return np.column_stack(angles_of(*normal.T))
 
 
-def in_words(tilt, azimuth):
+def in_words(tilt: float, azimuth: float) -> str:
     """Where a plane stands: ``"at about 35° east"``, or ``"level"``."""
     if tilt < LEVEL:
         return "level"
     return f"at about {tilt:.0f}° {COMPASS[round(azimuth / 45.0) % 8]}"
 
 
-def rotations(tilt, azimuth):
+def rotations(tilt: np.ndarray, azimuth: np.ndarray) -> tuple[Axis, np.ndarray]:
     """
-    Axis of a plane that moves, and the angles at which it may stand. [°]
+    Axis of a plane that moves, and the angles at which it may stand.
+
+    Parameters
+    ----------
+    tilt, azimuth : array, shape (rows,)
+        Angles of the plane; NaN where they are unknown. [°]
+
+    Returns
+    -------
+    axis : Axis
+    angles : array
+        Rotations about it, from the first to the last. [°]
 
     Raises
     ------
@@ -115,13 +133,13 @@ class Days:
     dates: np.ndarray
 
     @classmethod
-    def of(cls, rest, basis, day):
+    def of(cls, rest: np.ndarray, basis: np.ndarray, day: np.ndarray) -> "Days":
         dates = np.floor(day).astype(int)
         first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
         return cls(rest, basis, first, dates[first])
 
     @property
-    def lengths(self):
+    def lengths(self) -> np.ndarray:
         """Numbers of days that are tried."""
         most = int(LONGEST * len(self.dates))
         count = max(int(np.log(max(most / EVERY, 1.0)) / np.log(LONGER)), 0)
@@ -129,19 +147,23 @@ class Days:
         every = np.arange(SHORTEST, min(EVERY, most) + 1)
         return np.unique(np.append(every, longer.astype(int)))
 
-    def sums(self, tangent):
-        """Products of a tangent with all, up to the beginning of each day."""
+    def sums(self, tangent: np.ndarray) -> np.ndarray:
+        """Sums of products of a tangent with all, before each day: columns + 2 rows."""
         products = [tangent * self.rest, tangent**2, *(self.basis.T * tangent)]
         daily = np.add.reduceat(np.array(products), self.first, axis=1)
         return np.pad(daily, [(0, 0), (1, 0)]).cumsum(axis=1)
 
-    def beyond(self, total, first, last):
+    def beyond(
+        self, total: np.ndarray, first: Day, last: Day
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Products with residual and itself between two days, given the fit."""
         score, square, *known = total[:, last] - total[:, first]
         left = square - np.sum(np.square(known), axis=0)
         return score, np.where(left > UNSEEN * np.maximum(square, 1e-12), left, 0.0)
 
-    def falls(self, total, first, last):
+    def falls(
+        self, total: np.ndarray, first: Day, last: Day
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Fall of the sum of squares by a standstill between two days, and its size."""
         score, square = self.beyond(total, first, last)
         size = np.divide(score, square, out=np.zeros_like(score), where=square > 0.0)
@@ -149,18 +171,18 @@ class Days:
         falls = 2.0 * likely * score - likely**2 * square
         return np.where((size > POSSIBLE[0]) & (size < POSSIBLE[1]), falls, 0.0), size
 
-    def best(self, total, lengths):
+    def best(self, total: np.ndarray, lengths: np.ndarray) -> tuple[float, int, int]:
         """The best standstill of some lengths: its fall, first day, first day after."""
         found = (0.0, 0, 0)
-        for length in lengths:
+        for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
             falls, _ = self.falls(total, first, first + length)
             at = largest(falls)
             if falls[at] > found[0]:
-                found = float(falls[at]), at, at + int(length)
+                found = float(falls[at]), at, at + length
         return found
 
-    def errors(self, total, first, last):
+    def errors(self, total: np.ndarray, first: int, last: int) -> float:
         """
         Standard errors of its size, from what the same plane explains on other days.
 
@@ -184,10 +206,12 @@ class Days:
         memory = max(float(np.corrcoef(chance[1:], chance[:-1])[0, 1]), 0.0)
         wider = (1.0 + memory) / max(1.0 - memory, 1e-3)
         score, square = self.beyond(total, first, last)
-        own = score / np.sqrt(max(square, 1e-300) * wider * np.mean(chance**2))
-        return as_normal(own, max(len(others) / wider, 1.0))
+        noise = np.sqrt(max(float(square), 1e-300) * wider * np.mean(chance**2))
+        return as_normal(score / noise, max(len(others) / wider, 1.0))
 
-    def edges(self, total, first, last, errors):
+    def edges(
+        self, total: np.ndarray, first: int, last: int, errors: float
+    ) -> tuple[int, int, tuple[int, int]]:
         """
         The first day, the first day after it, and the days between which it began.
 
@@ -196,33 +220,40 @@ class Days:
         """
         begins, ends = np.arange(last), np.arange(first + 1, len(self.dates) + 1)
         falls, _ = self.falls(total, begins, np.full(len(begins), last))
-        lacks = 1.0 - falls / falls.max()
-        start = int(self.dates[begins[lacks * errors**2 <= NOTHING][-1]])
-        good = begins[lacks * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
+        shortfall = 1.0 - falls / falls.max()
+        start = int(self.dates[begins[shortfall * errors**2 <= NOTHING][-1]])
+        good = begins[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         before = self.dates[good[0] - 1] + 1 if good[0] else self.dates[0]
         between = int(before), int(self.dates[good[-1]])
         falls, _ = self.falls(total, np.full(len(ends), first), ends)
-        lacks = 1.0 - falls / falls.max()
-        end = int(self.dates[ends[lacks * errors**2 <= NOTHING][0] - 1]) + 1
+        shortfall = 1.0 - falls / falls.max()
+        end = int(self.dates[ends[shortfall * errors**2 <= NOTHING][0] - 1]) + 1
         return start, max(end, start + 1), between
 
 
-def find_standstill(rest, tangents, angles, basis, day, least):
+def find_standstill(
+    rest: np.ndarray,
+    tangents: Sequence[np.ndarray],
+    angles: np.ndarray,
+    basis: np.ndarray,
+    day: np.ndarray,
+    least: float,
+) -> tuple[float, int, int, tuple[int, int]] | None:
     """
     The days on which a tracker stands, and the angle.
 
     Parameters
     ----------
-    rest : array
+    rest : array, shape (rows,)
         Residual of a fit. [K]
-    tangents : sequence of array
+    tangents : sequence of array, shape (rows,)
         Responses of the temperature to a tracker that stands at each of the angles.
         [K]
-    angles : array
+    angles : array, shape (len(tangents),)
         [°]
-    basis : array
-        Rows by columns: orthonormal, of the tangents of all fitted coefficients.
-    day : array
+    basis : array, shape (rows, columns)
+        Orthonormal, of the tangents of all fitted coefficients.
+    day : array, shape (rows,)
         Of each row, from 1970-01-01.
     least : float
         Least gain. [K]
