@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,8 @@ from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.inputs import Columns, Record
 from pvlib_fem._stored import Stored
+
+Rows = TypeVar("Rows")
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,22 @@ class Summary:
         """The content for a file."""
         ends = {"start": self.start.isoformat(), "end": self.end.isoformat()}
         return {**asdict(self), **ends}
+
+
+def present(rows: Rows | None) -> Rows:
+    """
+    Rows of a result: its record, residual or the like.
+
+    Raises
+    ------
+    ValueError
+        If there are none, since the result was read from a file.
+    """
+    if rows is None:
+        raise ValueError(
+            "a result that was read from a file has no rows to plot; compute it again"
+        )
+    return rows
 
 
 def summary_of(record: Any) -> Summary:

@@ -1,9 +1,16 @@
 """The remaining error by time scale, in words."""
 
+from collections.abc import Hashable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+import pandas as pd
 
 from pvlib_fem._budget.unusual_days import FEWEST
 from pvlib_fem._report.document import number
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 MOST = 3  # episodes that are reported one by one
 SMALL = 0.005  # K or K²: nothing in two decimals
@@ -29,36 +36,36 @@ CAUSES = {
 }
 
 
-def scales(loop):
+def scales(loop: "Loop") -> pd.Series:
     """Mean squares of the remaining error by time scale, the largest first."""
     budget = loop.budget
     parts = budget.loc[budget["kind"].isin(["episodes", "scale"]), "mean_square"]
     return parts.sort_values(ascending=False, kind="stable")
 
 
-def in_time(loop):
+def in_time(loop: "Loop") -> str:
     """A sentence on the time scales of the remaining error; "" if none is known."""
     budget, parts = loop.budget, scales(loop)
-    left = budget["mean_square"][budget["kind"] == "left"].iloc[0]
-    if not left > 0.0:
+    remaining = budget["mean_square"][budget["kind"] == "left"].iloc[0]
+    if not remaining > 0.0:
         return ""
-    of = budget["mean_square"].iloc[0]
+    start = budget["mean_square"].iloc[0]
     sizes = (f"{square:.2f} K² {name}" for name, square in parts.items())
     known = [words for words, size in zip(sizes, parts) if size >= SMALL]
     words = (
-        f"{np.sqrt(left):.2f} K remain ({left:.2f} of {of:.2f} K², {left / of:.0%} of "
-        "the squared error)"
+        f"{np.sqrt(remaining):.2f} K remain ({remaining:.2f} of {start:.2f} K², "
+        f"{remaining / start:.0%} of the squared error)"
     )
     if known:
         words += f": {', '.join(known)}"
-    if parts.iloc[0] > 0.5 * left:
+    if parts.iloc[0] > 0.5 * remaining:
         words += f"; most of it {CAUSES[parts.index[0]]}"
     if loop.fit.summary.days < FEWEST:
         return f"{words}; at least {FEWEST} days are needed to find days that stand out"
     return words + ("" if len(loop.episodes) else "; no days stand out by date")
 
 
-def dates(loop, most=MOST):
+def dates(loop: "Loop", most: int | None = MOST) -> Iterator[tuple[str, str]]:
     """Days that stand out and what is said of them, the largest share first."""
     rows = loop.episodes.to_dict("records")
     for row in rows[:most]:
@@ -66,19 +73,19 @@ def dates(loop, most=MOST):
         yield span(row), f"{apart(row)}, {share}"
 
 
-def more(loop):
+def more(loop: "Loop") -> str:
     """How many further ones there are."""
     count = len(loop.episodes) - MOST
     return f"{count} more in loop.episodes" if count > 0 else ""
 
 
-def span(row):
+def span(row: Mapping[Hashable, Any]) -> str:
     """From and to of an episode."""
     start, end = (f"{row[name]:%Y-%m-%d}" for name in ("start", "end"))
     return start if start == end else f"{start} to {end}"
 
 
-def apart(row):
+def apart(row: Mapping[Hashable, Any]) -> str:
     """How much warmer or colder the module was than modelled, by day and by night."""
     words = []
     for when in ("day", "night"):
@@ -88,9 +95,9 @@ def apart(row):
     return " and ".join(words) + " than modelled" if words else "now warmer, now colder"
 
 
-def cells(loop):
+def cells(loop: "Loop") -> Iterator[tuple[str, ...]]:
     """Rows of the budget for a page."""
     for name, row in loop.budget.iterrows():
         values = (row["mean_square"], row["error"], 100 * row["share"])
-        words = PARTS[row["kind"]].format(name.removeprefix("+"))
+        words = PARTS[row["kind"]].format(str(name).removeprefix("+"))
         yield words, *map(number, values), row["weeks"]

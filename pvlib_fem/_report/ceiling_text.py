@@ -1,9 +1,14 @@
 """How much could still be explained, as a sentence."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from pvlib_fem._ceiling.ceiling_result import Ceiling
 
-def sentence(ceiling):
+
+def sentence(ceiling: "Ceiling") -> str:
     """What the loop has closed of what trees on the same columns close."""
     errors = (
         f"On the test weeks the paper's form leaves {ceiling.paper:.2f} K, the loop "

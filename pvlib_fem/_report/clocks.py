@@ -1,18 +1,26 @@
 """Pictures of clocks by date: the file against the sun, the module against light."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._report.rows import Rows
+from pvlib_fem._findings import Correction
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._report.rows import Picture, Rows
 from pvlib_fem.plotting._evidence import Daily
 from pvlib_fem.quality._noon import solar_noon_shift
 from pvlib_fem.quality._onset import DAY, night
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.corrected_times import Times
+    from pvlib_fem._loop.loop_result import Loop
 
 BRIGHT_DAY = 0.3  # of the light of a bright day; darker days have no clear middle
 WHOLE = 0.8  # of the usual rows of a day
 
 
-def picture_of_clock(correction, loop):
+def picture_of_clock(correction: Correction, loop: "Loop") -> Picture | None:
     """
     The clock that a correction is of, by date.
 
@@ -33,13 +41,13 @@ def picture_of_clock(correction, loop):
     return of_module(rows, correction)
 
 
-def of_file(rows, correction):
+def of_file(rows: Rows, correction: Correction) -> Picture | None:
     """The middle of each day's light against the sun."""
     if rows.location is None:
         return None
     place = (rows.location, *(rows.plane or (None, None)))
     noon = solar_noon_shift(rows.record["poa_global"], rows.index, *place)
-    days = noon.days.index.tz_localize(None)
+    days = pd.DatetimeIndex(noon.days.index).tz_localize(None)
     minutes = noon.days.to_numpy() / 60.0
     if len(days) < 2:
         return None
@@ -48,7 +56,7 @@ def of_file(rows, correction):
     return rows.by_date(series, "ahead of the sun [min]", caption)
 
 
-def of_module(rows, correction):
+def of_module(rows: Rows, correction: Correction) -> Picture | None:
     """The middle of each day's warmth against that of its light."""
     record = rows.record
     days, minutes = warmth_after_light(record)
@@ -66,7 +74,13 @@ def of_module(rows, correction):
     return rows.by_date(series, "module after irradiance [min]", caption)
 
 
-def written(rows, correction, days, minutes, by):
+def written(
+    rows: Rows,
+    correction: Correction,
+    days: pd.DatetimeIndex,
+    minutes: np.ndarray,
+    by: np.ndarray,
+) -> dict[str, Daily]:
     """A clock as the file has it and as corrected, by what was added. [min]"""
     if not correction.applied:
         return {"as in the file": Daily(days, minutes)}
@@ -76,7 +90,7 @@ def written(rows, correction, days, minutes, by):
     }
 
 
-def added(times, days):
+def added(times: "Times | None", days: pd.DatetimeIndex) -> np.ndarray:
     """What was added to the file's times on some days. [min]"""
     if times is None or not times.offsets:
         return np.zeros(len(days))
@@ -86,7 +100,7 @@ def added(times, days):
     return by[np.maximum(begins.searchsorted(noon, side="right") - 1, 0)]
 
 
-def warmth_after_light(record):
+def warmth_after_light(record: Record) -> tuple[pd.DatetimeIndex, np.ndarray]:
     """Days, and by how much the middle of their warmth is after that of light. [min]"""
     seconds, poa = record.inputs.seconds, np.asarray(record["poa_global"])
     front = night(seconds, poa)

@@ -1,14 +1,18 @@
 """What a page is made of: texts, lists, tables, pictures; and numbers for readers."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from pvlib_fem._record.column_names import printable
+
+if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
 
 #: kinds of columns by the first sign of their head: of numbers, of dates
 KINDS = {"#": "n", "@": "date"}
@@ -20,7 +24,7 @@ class Section:
 
     kind: ClassVar = "section"
     title: str
-    body: list
+    body: "list[Block]"
 
 
 @dataclass(frozen=True)
@@ -44,8 +48,8 @@ class Listing:
     """Items of a list: pairs of a name and the text on it, or texts."""
 
     kind: ClassVar = "listing"
-    pairs: list
-    texts: list
+    pairs: list[tuple[str, str]]
+    texts: list[str]
     ordered: bool = False
 
 
@@ -54,9 +58,9 @@ class Table:
     """A table whose cells are texts or links; each column has a style."""
 
     kind: ClassVar = "table"
-    head: list
-    styles: list
-    rows: list
+    head: list[str]
+    styles: list[str]
+    rows: "list[list[str | Link]]"
     caption: str = ""
     wraps: bool = False
 
@@ -73,7 +77,7 @@ class Figure:
 @dataclass(frozen=True)
 class Figures:
     kind: ClassVar = "figures"
-    figures: list
+    figures: list[Figure]
 
 
 @dataclass(frozen=True)
@@ -93,8 +97,14 @@ class Link:
     address: str
 
 
+#: what a page is made of
+Block = Section | Heading | Paragraph | Listing | Table | Figures | Verbatim
+#: blocks, and sequences of them
+Parts = Sequence["Block | Parts"]
+
+
 @cache
-def environment():
+def environment() -> Environment:
     """Templates that escape every value, and show what would steer a page or a file."""
 
     def shown(value: Any) -> Any:
@@ -111,15 +121,15 @@ def environment():
     )
 
 
-def flat(parts):
+def flat(parts: Parts) -> list[Block]:
     """Blocks of nested lists, in order."""
-    found = []
+    blocks: list[Block] = []
     for one in parts:
-        found += flat(one) if isinstance(one, list | tuple) else [one]
-    return found
+        blocks += flat(one) if isinstance(one, Sequence) else [one]
+    return blocks
 
 
-def document(title, parts):
+def document(title: str, parts: Parts) -> str:
     """
     One self-contained HTML file that runs no script.
 
@@ -138,31 +148,36 @@ def document(title, parts):
     )
 
 
-def fragment(parts):
+def fragment(parts: Parts) -> str:
     """Blocks as HTML inside another page, such as a notebook."""
     return environment().get_template("fragment.html").render(parts=flat(parts))
 
 
-def section(title, *body):
+def section(title: str, *body: Block | Parts) -> Section:
     """Blocks under a title."""
     return Section(title, flat(body))
 
 
-def paragraph(text, style=""):
+def paragraph(text: str, style: str = "") -> Paragraph:
     return Paragraph(text, style)
 
 
-def link(words, address):
+def link(words: str, address: str) -> Link:
     """A link, for a cell of a table."""
     return Link(words, address)
 
 
-def listed(items, ordered=False):
+def listed(items: Iterable[tuple[str, str]], ordered: bool = False) -> Listing:
     """A list of pairs: a name, and the text on it."""
     return Listing(list(items), [], ordered)
 
 
-def table(head, rows, caption="", wraps=False):
+def table(
+    head: Sequence[str],
+    rows: Iterable[Sequence[str | Link]],
+    caption: str = "",
+    wraps: bool = False,
+) -> Table:
     """
     A table of formatted cells.
 
@@ -174,22 +189,22 @@ def table(head, rows, caption="", wraps=False):
     return Table(names, styles, [list(row) for row in rows], caption, wraps)
 
 
-def figures(pictures):
+def figures(pictures: Iterable[tuple[str, ...]]) -> Figures:
     """A grid of ``svg`` elements, each with what it shows and perhaps a title."""
     return Figures([Figure(Markup(svg), *words) for svg, *words in pictures])
 
 
-def number(value):
+def number(value: float) -> str:
     """Two decimals, without a negative zero; a dash where there is none."""
     return f"{value:z.2f}" if np.isfinite(value) else "–"
 
 
-def rounded(error):
+def rounded(error: float) -> str:
     """Two digits, and never 2e+03; a dash where there is none."""
     return f"{float(f'{error:.2g}'):g}" if np.isfinite(error) else "–"
 
 
-def spanned(low, high):
+def spanned(low: float, high: float) -> str:
     """From and to, to two digits of half of what is between them."""
     half = (high - low) / 2.0
     if not half > 0:
@@ -198,17 +213,18 @@ def spanned(low, high):
     return f"{low:z.{digits}f} … {high:z.{digits}f}"
 
 
-def value_and_error(fit, name):
+def value_and_error(fit: "FemFit", name: str) -> tuple[str, str]:
     """Cells of a table: a coefficient and its error."""
     value, error = fit.coefficients[name], fit.stderr[name]
     if name in fit.fixed:
         return f"{value:.5g}", "held"
     if not error > 0:
         return f"{value:.5g}", "–"
-    return tuple(with_error(value, error).split(" ± "))
+    size, _, margin = with_error(value, error).partition(" ± ")
+    return size, margin
 
 
-def with_error(value, error):
+def with_error(value: float, error: float) -> str:
     """A value to the two digits of its error, and that; alone without one."""
     if not (np.isfinite(error) and error > 0):
         return f"{value:.4g}"

@@ -1,6 +1,13 @@
 """Events that power shows, in words."""
 
+from collections.abc import Hashable, Mapping
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+import pandas as pd
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 #: what happened to which device, and what would tell more
 WORDS = {
@@ -8,10 +15,10 @@ WORDS = {
     "sensor_covered": ("irradiance sensor", "the irradiance sensor was covered"),
     "outage": ("plant", "the plant gave no power"),
 }
-MOST = 3  # events of a kind that are told one by one
+MOST = 3  # events of a kind that are reported one by one
 
 
-def by_kind(loop):
+def by_kind(loop: "Loop") -> dict[str, pd.DataFrame]:
     """Events of each kind, the largest first; kinds by their share."""
     if not len(loop.events):
         return {}
@@ -20,7 +27,7 @@ def by_kind(loop):
     return {name: kinds.get_group(name) for name in shares.index}
 
 
-def all_of(events):
+def all_of(events: pd.DataFrame) -> str:
     """How many there are, and what share of the error they have."""
     count, hours = len(events), int(events["hours"].sum())
     return (
@@ -29,7 +36,7 @@ def all_of(events):
     )
 
 
-def told(row):
+def described(row: pd.Series | Mapping[Hashable, Any]) -> str:
     """One event: when, how much, and what else the record says."""
     way = "warmer" if row["size"] > 0 else "colder"
     parts = [f"{abs(row['size']):.1f} K {way} than modelled"]
@@ -42,16 +49,16 @@ def told(row):
     return f"{span(row)}: {', '.join(parts)}"
 
 
-def span(row):
+def span(row: pd.Series | Mapping[Hashable, Any]) -> str:
     """From and to of an event."""
     start, end = row["start"], row["end"]
     until = f"{end:%H:%M}" if start.date() == end.date() else f"{end:%Y-%m-%d %H:%M}"
     return f"{start:%Y-%m-%d %H:%M} to {until}"
 
 
-def largest(events, most=MOST):
+def largest(events: pd.DataFrame, most: int = MOST) -> str:
     """The largest events in words, and how many more there are."""
     rows = events.to_dict("records")
-    parts = [told(row) for row in rows[:most]]
+    parts = [described(row) for row in rows[:most]]
     more = len(rows) - len(parts)
     return "; ".join([*parts, *([f"{more} more in loop.events"] if more else [])])

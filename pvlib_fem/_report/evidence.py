@@ -1,14 +1,19 @@
 """Pictures that show each finding by measured columns, without the thermal model."""
 
+from collections.abc import Callable, Mapping
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._findings import Finding
 from pvlib_fem._record.column_names import PLANT_POWER
+from pvlib_fem._record.file_summary import present
 from pvlib_fem._report.rows import DATES, Picture, Rows, day_of
 from pvlib_fem.drivers._sky_deficit import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from pvlib_fem.effects import EFFECTS
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.plotting._evidence import (
     Daily,
     plot_against,
@@ -20,14 +25,19 @@ from pvlib_fem.plotting._style import label_with_unit
 from pvlib_fem.power import GAMMA, expected_power
 from pvlib_fem.quality._clearsky import clear_sky
 
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
+
 BRIGHT = 200.0  # W/m², above which light is compared
 YEAR = 366  # days from which months are compared with themselves
 AROUND = pd.Timedelta(days=2)  # before and after an event
 DARK = 0.0  # W/m², up to which it is night
 TEMPERATURE_RISE = "rise per irradiance [K m²/kW]"
+#: a picture of a finding from the rows of its loop; None where they do not show it
+Show = Callable[[Rows, Effect], Picture | None]
 
 
-def relative(daily):
+def relative(daily: Daily | None) -> Daily | None:
     """Daily values over their median, without the season of several years."""
     if daily is None:
         return None
@@ -35,7 +45,7 @@ def relative(daily):
     return Daily(daily.days, daily.values / np.median(daily.values))
 
 
-def power_at_25(rows):
+def power_at_25(rows: Rows) -> tuple[np.ndarray, str] | None:
     """Power of the plant at 25 °C, and its name; None without power."""
     for name in (*PLANT_POWER, "p_dc_per_area"):
         if (power := rows.column(name)) is not None:
@@ -44,29 +54,29 @@ def power_at_25(rows):
     return None
 
 
-def irradiance(rows, effect):
+def irradiance(rows: Rows, effect: Effect) -> Picture | None:
     """Irradiance over what else shows it: a clear sky, power, second sensors."""
     poa, series = rows.record["poa_global"], {}
     bright = poa > BRIGHT
     if rows.location is not None and not rows.moves:
         sky = clear_sky(poa, rows.index, rows.location, rows.plane, rows.late)
         series["clear sky"] = rows.daily(bright, poa, sky)
-    if (found := power_at_25(rows)) is not None:
-        series[found[1]] = rows.daily(bright & (found[0] > 0.0), poa, found[0])
+    if (power := power_at_25(rows)) is not None:
+        series[power[1]] = rows.daily(bright & (power[0] > 0.0), poa, power[0])
     for name, twin in rows.twins("poa_global").items():
         series[name] = rows.daily(bright, poa, twin)
     series = {name: relative(one) for name, one in series.items() if one is not None}
-    names = [f"{n} at 25 °C" if found and n == found[1] else n for n in series]
+    names = [f"{n} at 25 °C" if power and n == power[1] else n for n in series]
     caption = f"Irradiance sensor over {' and over '.join(names)}, relative to a median"
     caption += " of 1. If the sensor has changed, all change alike" * (len(names) > 1)
     return rows.by_date(series, "irradiance over reference [-]", caption, seasonal=True)
 
 
-def anemometer(rows, effect):
+def anemometer(rows: Rows, effect: Effect) -> Picture | None:
     """Distribution of the wind before and after, or outside and within a period."""
     if (wind := rows.column("wind_speed")) is None:
         return None
-    days, dates, told = rows.days, rows.settings, ""
+    days, dates, note = rows.days, rows.settings, ""
     ends = [day_of(dates[name]) for name in ("at", "start", "end") if name in dates]
     if len(ends) == 2:
         inside = (days >= ends[0]) & (days < ends[1])
@@ -78,20 +88,21 @@ def anemometer(rows, effect):
         parts = {"first third": days < days[0] + third}
         parts["last third"] = days > days[-1] - third
     months = np.asarray(rows.index.month)
-    shared = np.intersect1d(*(np.unique(months[part]) for part in parts.values()))
+    one, other = (months[part] for part in parts.values())
+    shared = np.intersect1d(one, other)
     long = days[-1] - days[0] > YEAR
     if long and len(shared) and not np.isin(months, shared).all():
         parts = {name: part & np.isin(months, shared) for name, part in parts.items()}
-        told = ", in the months that both have"
+        note = ", in the months that both have"
     parts = {name: wind[part & np.isfinite(wind)] for name, part in parts.items()}
     if not all(len(part) for part in parts.values()):
         return None
     draw = partial(plot_distribution, parts, label_with_unit("wind_speed"))
     words = " and ".join(parts)
-    return Picture(draw, f"Distribution of the wind speed {words}{told}.")
+    return Picture(draw, f"Distribution of the wind speed {words}{note}.")
 
 
-def wind_by_date(rows, effect):
+def wind_by_date(rows: Rows, effect: Effect) -> Picture | None:
     """Wind over a second anemometer, or its daily mean."""
     if (wind := rows.column("wind_speed")) is None:
         return None
@@ -104,7 +115,7 @@ def wind_by_date(rows, effect):
     return rows.by_date(series, "wind_speed [m/s]", "Daily mean wind speed")
 
 
-def temperature_rise(rows, effect):
+def temperature_rise(rows: Rows, effect: Effect) -> Picture | None:
     """Temperature of the module over air, per irradiance, by date."""
     record = rows.record
     poa, over = record["poa_global"], record["temp_module"] - record["temp_air"]
@@ -114,7 +125,7 @@ def temperature_rise(rows, effect):
     return rows.by_date(series, TEMPERATURE_RISE, caption, seasonal=True)
 
 
-def at_night(rows, effect):
+def at_night(rows: Rows, effect: Effect) -> Picture | None:
     """Temperature of the module over air at night, by date."""
     record = rows.record
     over = record["temp_module"] - record["temp_air"]
@@ -125,10 +136,10 @@ def at_night(rows, effect):
     )
 
 
-def second(usual, by_day):
+def second(usual: str, by_day: bool) -> Show:
     """The difference of two sensors by date, by day for 1000 W/m², or at night."""
 
-    def picture(rows, effect):
+    def picture(rows: Rows, effect: Effect) -> Picture | None:
         own, poa = rows.column(usual), rows.record["poa_global"]
         some, other = (poa > BRIGHT, poa / 1000.0) if by_day else (poa <= DARK, None)
         series = {
@@ -142,7 +153,7 @@ def second(usual, by_day):
     return picture
 
 
-def night_by_sky(rows, effect):
+def night_by_sky(rows: Rows, effect: Effect) -> Picture | None:
     """Temperature of the module over air at night, by the sky."""
     record = rows.record
     dark = record["poa_global"] <= DARK
@@ -161,10 +172,10 @@ def night_by_sky(rows, effect):
     return Picture(draw, f"{caption}.")
 
 
-def rise_by(name):
+def rise_by(name: str) -> Show:
     """Temperature rise per irradiance, by a column."""
 
-    def picture(rows, effect):
+    def picture(rows: Rows, effect: Effect) -> Picture | None:
         record = rows.record
         if (other := rows.column(name)) is None:
             return None
@@ -180,7 +191,7 @@ def rise_by(name):
     return picture
 
 
-def night_by_air(rows, effect):
+def night_by_air(rows: Rows, effect: Effect) -> Picture:
     """Temperature of the module over air at night, by air temperature."""
     record = rows.record
     dark = record["poa_global"] <= DARK
@@ -190,12 +201,12 @@ def night_by_air(rows, effect):
     return Picture(draw, "Module minus air temperature at night: median and quartiles.")
 
 
-def by_column(rows, effect):
+def by_column(rows: Rows, effect: Effect) -> Picture | None:
     """Error without the finding, by the column that it follows."""
     name = effect.column or effect.source or next(iter(effect.drivers), "")
     if (values := rows.column(name)) is None:
         return None
-    error = rows.loop.residual_before.to_numpy()
+    error = present(rows.loop.residual_before).to_numpy()
     words = ("measured − modelled [K]", label_with_unit(name))
     draw = partial(plot_against, error, values, words)
     return Picture(
@@ -203,11 +214,11 @@ def by_column(rows, effect):
     )
 
 
-def by_sun(rows, effect):
+def by_sun(rows: Rows, effect: Effect) -> Picture | None:
     """Error without the finding, by the position of the sun."""
     if rows.sun is None:
         return None
-    residual = rows.loop.residual_before
+    residual = present(rows.loop.residual_before)
     azimuth, elevation = rows.sun
     known = residual.notna().to_numpy() & (elevation > 0.0)
     if not known.any():
@@ -223,7 +234,7 @@ def by_sun(rows, effect):
     )
 
 
-def power_deficit(rows, effect):
+def power_deficit(rows: Rows, effect: Effect) -> Picture | None:
     """Power and expected power around the largest event, or their ratio by date."""
     names = [name for name in PLANT_POWER if rows.column(name) is not None]
     if not names:
@@ -244,7 +255,7 @@ def power_deficit(rows, effect):
     return rows.by_date(series, "power over expected [-]", caption)
 
 
-def around(rows, event, columns):
+def around(rows: Rows, event: pd.Series, columns: Mapping[str, np.ndarray]) -> Picture:
     """Power around an event."""
     index, ends = rows.index, (event["start"], event["end"])
     near = (index >= ends[0] - AROUND) & (index <= ends[1] + AROUND)
@@ -291,7 +302,7 @@ SHOWN = {
 }
 
 
-def pictures_of(finding, loop):
+def pictures_of(finding: Finding, loop: "Loop") -> list[Picture]:
     """
     Pictures that show a finding, each once.
 
@@ -310,12 +321,12 @@ def pictures_of(finding, loop):
     main = own.get(finding.effect)
     settings = dict(main.settings) if main is not None else {}
     dates = {n: settings[n] for n in (*DATES, "between") if n in settings}
-    found = {}
+    drawn = {}
     for name in finding.candidates:
         if (effect := own.get(name) or EFFECTS.get(name)) is None:
             continue
         rows = Rows(loop, settings if name == finding.effect else dates)
         for picture in SHOWN.get(effect.channel or effect.name, (by_column,)):
             if (one := picture(rows, effect)) is not None:
-                found.setdefault(one.words, one)
-    return [*found.values()]
+                drawn.setdefault(one.words, one)
+    return [*drawn.values()]

@@ -1,6 +1,10 @@
 """A fit as a page of its own, and as a table in a notebook."""
 
+from typing import TYPE_CHECKING, Any
+
 from pvlib_fem._report.document import (
+    Parts,
+    Table,
     document,
     figures,
     fragment,
@@ -23,6 +27,9 @@ from pvlib_fem._report.page_pictures import pictures_of_fit
 from pvlib_fem._report.treatment import screened
 from pvlib_fem.scores import GAMMA
 
+if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
+
 STEPS = {
     "standard": "steady, fitted to all rows",
     "filter": "steady, fitted to the rows that count",
@@ -33,7 +40,7 @@ STEPS = {
 }
 
 
-def fit_page(fit, title="", gamma=GAMMA):
+def fit_page(fit: "FemFit", title: str = "", gamma: float = GAMMA) -> str:
     """
     The report of a fit as one HTML file, as that of a loop.
 
@@ -51,7 +58,7 @@ def fit_page(fit, title="", gamma=GAMMA):
     """
     record, drawn = fit.summary, fit.record is not None
     words = headline(fit)
-    parts = [
+    parts: Parts = [
         heading(f"Module temperature: {words}", title),
         paragraph(about(fit), "soft"),
         section("Error by step", errors(fit)),
@@ -68,18 +75,18 @@ def fit_page(fit, title="", gamma=GAMMA):
     return document(" · ".join(filter(None, [title, words])), parts)
 
 
-def brief(fit):
+def brief(fit: "FemFit") -> str:
     """The headline, the coefficients and the errors, for a notebook."""
     words = f"{fit.model}, {fit.dynamics}: {headline(fit)}"
     return fragment([heading(words, tag="h4"), coefficients(fit), errors(fit)])
 
 
-def part(fit):
+def part(fit: "FemFit") -> tuple[str, str]:
     """The days of the reported errors, and the ending of their columns."""
     return ("held-out", "test") if fit.test_days else ("fitted", "train")
 
 
-def headline(fit):
+def headline(fit: "FemFit") -> str:
     error = fit.scores[f"rmse_{part(fit)[1]}"]
     if fit.dynamics == "steady":
         return f"{error.iloc[-1]:.2f} K"
@@ -87,7 +94,7 @@ def headline(fit):
     return f"{steady:.2f} K steady, {error.iloc[-1]:.2f} K with this fit"
 
 
-def about(fit):
+def about(fit: "FemFit") -> str:
     record = fit.summary
     days = f"{fit.train_days} day{'s' * (fit.train_days != 1)} fitted"
     return (
@@ -98,12 +105,12 @@ def about(fit):
     )
 
 
-def errors(fit):
+def errors(fit: "FemFit") -> Table:
     """What each step bought."""
     which, end = part(fit)
     keys = (f"rmse_{end}", f"mae_{end}", f"mbe_{end}", "rmse_train")
     rows = [
-        (name, *(number(row[key]) for key in keys), STEPS.get(name, ""))
+        (str(name), *(number(row[key]) for key in keys), STEPS.get(str(name), ""))
         for name, row in fit.scores.iterrows()
     ]
     return table(
@@ -114,9 +121,13 @@ def errors(fit):
     )
 
 
-def call(fit):
+def call(fit: "FemFit") -> str:
     """The call that made it."""
-    arguments = {"model": fit.model, "dynamics": fit.dynamics, "method": fit.method}
+    arguments: dict[str, Any] = {
+        "model": fit.model,
+        "dynamics": fit.dynamics,
+        "method": fit.method,
+    }
     if fit.effects:
         arguments["effects"] = [effect.spec for effect in fit.effects]
     if fit.fixed:

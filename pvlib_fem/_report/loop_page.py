@@ -1,12 +1,14 @@
 """A closed loop as one page that opens anywhere: a mail, a phone, in the dark."""
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from numbers import Real
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._findings import CORRECTED, Verdict
+from pvlib_fem._findings import CORRECTED, Finding, Verdict
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._report import (
     budget_text as budget,
@@ -14,7 +16,13 @@ from pvlib_fem._report import (
     next_measurement as advice,
 )
 from pvlib_fem._report.document import (
+    Block,
     Heading,
+    Listing,
+    Paragraph,
+    Parts,
+    Section,
+    Table,
     document,
     figures,
     fragment,
@@ -40,8 +48,11 @@ from pvlib_fem._report.shown import shown
 from pvlib_fem._report.treatment import treatment
 from pvlib_fem.effects import CHANGES
 from pvlib_fem.plotting._step_plots import spaced
-from pvlib_fem.reasons import Reason
+from pvlib_fem.reasons import Because, Reason
 from pvlib_fem.scores import GAMMA
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 MOST_EVENTS = 10  # of a kind that a page has
 NOT_SHOWN = "smaller than this record can show"
@@ -94,7 +105,13 @@ VERDICTS = {
 }
 
 
-def page(loop, statements, never=(), title=None, gamma=GAMMA):
+def page(
+    loop: "Loop",
+    statements: pd.DataFrame,
+    never: Sequence[str] = (),
+    title: str | None = None,
+    gamma: float = GAMMA,
+) -> str:
     """
     The report of a closed loop as one HTML file.
 
@@ -120,7 +137,7 @@ def page(loop, statements, never=(), title=None, gamma=GAMMA):
     fit = loop.fit
     title = name_of(loop) if title is None else title
     drawn = fit.record is not None
-    parts = [
+    parts: Parts = [
         heading(
             f"Module temperature: {headline(loop)}",
             title,
@@ -149,19 +166,19 @@ def page(loop, statements, never=(), title=None, gamma=GAMMA):
     return document(" · ".join(filter(None, [title, headline(loop)])), parts)
 
 
-def evidence(loop, statements):
+def evidence(loop: "Loop", statements: pd.DataFrame) -> Parts:
     """Each finding with its pictures, then the error of the model in pictures."""
-    found = shown(loop, statements)
-    drawn = [(svg, words, one.text) for one in found for svg, words in one.pictures]
+    items = shown(loop, statements)
+    drawn = [(svg, words, one.text) for one in items for svg, words in one.pictures]
     return [
         figures(drawn) if drawn else [],
-        [paragraph(f"{one.text}: {one.note}") for one in found if one.note],
+        [paragraph(f"{one.text}: {one.note}") for one in items if one.note],
         Heading("The error of the model", "h3"),
         figures(pictures(loop)),
     ]
 
 
-def could_be(loop):
+def could_be(loop: "Loop") -> Iterator[Section]:
     """How much could still be explained, where that was computed."""
     if (ceiling := loop.known_ceiling) is not None:
         words = [paragraph(one) for one in loop.conclusion[2:]]
@@ -169,22 +186,22 @@ def could_be(loop):
         yield section("How much could still be explained", words, bar)
 
 
-def to_do(statements, gamma):
+def to_do(statements: pd.DataFrame, gamma: float) -> list[Block]:
     """What was found and what to do about it, the most valuable first."""
     hints = statements["verdict"] == Verdict.SUGGESTIVE
     rows = [
         (
-            one.text,
-            one.action or "–",
-            one.device,
-            one.since or "–",
-            number(one.gain),
-            f"{one.energy:.1f}" if np.isfinite(one.energy) else "–",
-            one.certainty or "–",
+            one["text"],
+            one["action"] or "–",
+            one["device"],
+            one["since"] or "–",
+            number(one["gain"]),
+            f"{one['energy']:.1f}" if np.isfinite(one["energy"]) else "–",
+            one["certainty"] or "–",
         )
-        for one in statements[~hints].itertuples()
+        for one in statements[~hints].to_dict("records")
     ]
-    body = [paragraph("Nothing: no fault of an instrument was found.")]
+    body: list[Block] = [paragraph("Nothing: no fault of an instrument was found.")]
     if rows:
         head = ("finding", "action", "device", "@since", "#worth [K]")
         head += ("#worth [kWh/kWp per year]", "how sure")
@@ -195,12 +212,12 @@ def to_do(statements, gamma):
     return body
 
 
-def ranges(loop):
+def ranges(loop: "Loop") -> dict[str, tuple[float, float]]:
     """The ranges of all coefficients that have one."""
     return {name: ends for f in loop.finding_objects for name, ends in f.ranges.items()}
 
 
-def site(loop, title):
+def site(loop: "Loop", title: str) -> str:
     """Location, plane, period, rows and step of a record in one line."""
     record, place = loop.fit.summary, loop.place
     where, angles = place["location"], [place[name] for name in GEOMETRY[2:]]
@@ -225,12 +242,12 @@ def site(loop, title):
     return " · ".join([*name, *parts, f"{record.rows:,} rows", f"time step {every}"])
 
 
-def name_of(loop):
+def name_of(loop: "Loop") -> str:
     """Name of the place, where it has one."""
     return getattr(loop.place["location"], "name", None) or ""
 
 
-def brief(loop):
+def brief(loop: "Loop") -> str:
     """The headline and the errors, for a notebook."""
     return fragment(
         [
@@ -242,27 +259,27 @@ def brief(loop):
     )
 
 
-def residuals(loop):
+def residuals(loop: "Loop") -> dict[str, pd.Series | None]:
     """Residuals before and after the effects, by the name of the step."""
     last = {"after": loop.fit.residual}
     return last if loop.last == loop.base else {"before": loop.residual_before, **last}
 
 
-def added(loop):
+def added(loop: "Loop") -> list[Finding]:
     return [finding for finding in loop.finding_objects if finding.added]
 
 
-def part(loop):
+def part(loop: "Loop") -> tuple[str, str]:
     """The days that the errors of the verdict are of, and their column's ending."""
     return ("test", "test") if loop.fit.test_days else ("fitted", "train")
 
 
-def short(loop):
+def short(loop: "Loop") -> bool:
     """Whether there were too few days to leave any out."""
     return not loop.weighed
 
 
-def headline(loop):
+def headline(loop: "Loop") -> str:
     error = loop.table[f"rmse_{part(loop)[1]}"]
     before, after = error[loop.base], error[loop.last]
     if loop.last == loop.base:
@@ -270,22 +287,22 @@ def headline(loop):
     return f"{before:.2f} K before, {after:.2f} K after"
 
 
-def conclusion(loop):
+def conclusion(loop: "Loop") -> list[Paragraph]:
     """How good the model was and is, what was found, and what remains."""
-    error, found = loop.conclusion[:2]
+    error, findings = loop.conclusion[:2]
     if loop.weighed and not added(loop):
-        found += (
+        findings += (
             " No effect of the catalogue and no column reduces the error by "
             f"{loop.criteria.min_gain:.2f} K or more, beyond chance and with a "
             "possible size."
         )
-    body = [paragraph(error), paragraph(found)]
+    body = [paragraph(error), paragraph(findings)]
     if words := budget.in_time(loop):
         body.append(paragraph(f"Remaining error: {words}."))
     return body
 
 
-def on_errors(loop):
+def on_errors(loop: "Loop") -> Paragraph:
     """Which days, model and fit the errors are of."""
     fit, days = loop.fit, loop.fit.summary.days
     seen = "No fit and no decision has used the test days. " * bool(fit.test_days)
@@ -296,7 +313,7 @@ def on_errors(loop):
     )
 
 
-def beginning(loop):
+def beginning(loop: "Loop") -> str:
     """The model that the first number of the headline is of."""
     error = loop.table[f"rmse_{part(loop)[1]}"]
     which = "The first error" if loop.last != loop.base else "The error"
@@ -310,24 +327,24 @@ def beginning(loop):
     return words
 
 
-def said(finding):
+def names_of(finding: Finding) -> str:
     """Its name, and all others that it may be."""
     others = [name for name in finding.candidates if name != finding.effect]
     return finding.effect + (f" (or {' or '.join(others)})" if others else "")
 
 
-def lives(finding):
+def where(finding: Finding) -> str:
     """Where unknown structure is, and how much."""
     return f"{finding.gain:.2f} K of the error is {finding.place}"
 
 
-def worth(finding):
+def verdict(finding: Finding) -> str:
     """Its verdict in words."""
     alone = finding.verdict is Verdict.CLASS and len(finding.candidates) == 1
     return f"{finding.verdict.words}: {VERDICTS['alone' if alone else finding.verdict]}"
 
 
-def errors(loop, gamma=GAMMA):
+def errors(loop: "Loop", gamma: float = GAMMA) -> Table:
     """The table of the printed report."""
     shown = loop.table.assign(
         energy_error_test=loop.table["energy_error_test"] * abs(gamma / GAMMA)
@@ -338,9 +355,9 @@ def errors(loop, gamma=GAMMA):
     verdicts = {f"+{f.effect}": f.verdict.words for f in loop.finding_objects}
     rows = [
         (
-            spaced(name),
+            spaced(str(name)),
             *(number(row[key]) for key in keys),
-            verdicts.get(name, STEPS.get(name, "")),
+            verdicts.get(str(name), STEPS.get(str(name), "")),
         )
         for name, row in shown.iterrows()
     ]
@@ -363,7 +380,7 @@ def errors(loop, gamma=GAMMA):
     )
 
 
-def undecided(loop, statements):
+def undecided(loop: "Loop", statements: pd.DataFrame) -> Paragraph | Listing:
     """Ties and hints, and what would decide."""
     undecided = (Verdict.CLASS, Verdict.SUGGESTIVE)
     open_ = [f for f in loop.finding_objects if f.verdict in undecided]
@@ -373,14 +390,15 @@ def undecided(loop, statements):
     texts = dict(zip(statements["cause"], statements["text"]))
     return listed(
         (
-            texts.get(f.effect, said(f)),
-            f"{said(f)}; {worth(f)}; {f.gain:.2f} K; {f.why}; it would be {numbers(f)}",
+            texts.get(f.effect, names_of(f)),
+            f"{names_of(f)}; {verdict(f)}; {f.gain:.2f} K; {f.why}; it would be "
+            f"{numbers(f)}",
         )
         for f in open_
     )
 
 
-def rules(loop):
+def rules(loop: "Loop") -> Paragraph | Table:
     """Every finding with its checks, the deciding one last."""
     rows = [
         (
@@ -406,7 +424,7 @@ def rules(loop):
     )
 
 
-def numbers(finding):
+def numbers(finding: Finding) -> str:
     """Coefficients of a finding in one line."""
     return ", ".join(
         f"{name.removeprefix(f'{finding.effect}.')} "
@@ -415,9 +433,9 @@ def numbers(finding):
     )
 
 
-def remaining(loop):
+def remaining(loop: "Loop") -> Block | list[Block]:
     """Patterns without a cause, days that stand out, and what power shows."""
-    items = [(lives(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in loop.unexplained]
+    items = [(where(f), f"{direction(f)}; {WITHOUT_CAUSE}") for f in loop.unexplained]
     items += [
         (days, f"{words}; the site's log may have the cause")
         for days, words in budget.dates(loop)
@@ -436,14 +454,14 @@ def remaining(loop):
     return [paragraph(words), *([listed(items)] if items else [])]
 
 
-def in_time(loop):
+def in_time(loop: "Loop") -> list[Block]:
     """The error budget, all days that stand out, and events."""
-    body = []
+    body: list[Block] = []
     if len(loop.episodes) > budget.MOST:
         body.append(listed(budget.dates(loop, most=None)))
     for name, rows in events.by_kind(loop).items():
-        said = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
-        body += [paragraph(said), event_page(rows)]
+        happened = f"Power shows that {events.WORDS[name][1]}: {events.all_of(rows)}."
+        body += [paragraph(happened), event_page(rows)]
     head = ("part", "#mean square [K²]", "#root [K]", "#share [%]", "weeks")
     words = (
         "The parts that the steps remove and the remaining error add up to the steady "
@@ -455,7 +473,7 @@ def in_time(loop):
     return [table(head, budget.cells(loop), words), *body]
 
 
-def event_page(rows):
+def event_page(rows: pd.DataFrame) -> Table:
     """A table of events, the largest first."""
     head = ("@from", "@to", "#duration [h]", "#residual [K]", "#share of error [%]")
     head += ("#power of expected [%]", "#temp_air [°C]")
@@ -475,21 +493,21 @@ def event_page(rows):
     return table(head, cells, f"{more} more are in loop.events." if more > 0 else "")
 
 
-def direction(finding):
+def direction(finding: Finding) -> str:
     """Whether the modules are warmer or colder than modelled."""
     mean = finding.coefficients["mean"]
     way = "warmer" if mean > 0 else "colder"
     return f"the module is {abs(mean):.2f} K {way} then than modelled, in the mean"
 
 
-def next_measurements(loop):
+def next_measurements(loop: "Loop") -> Listing | Paragraph:
     """A list of what to measure, the most useful first."""
     if items := advice.to_measure(loop):
         return listed(items, ordered=True)
     return paragraph("Nothing: all that could be weighed was, and nothing is open.")
 
 
-def by_reason(reasons):
+def by_reason(reasons: Mapping[str, Because]) -> dict[str, list[str]]:
     """Names by the reason that they share, in the order of the first of them."""
     groups = {}
     for name, why in reasons.items():
@@ -500,16 +518,16 @@ def by_reason(reasons):
     return {words: shortened(names) for words, names in groups.items()}
 
 
-def shortened(names):
+def shortened(names: list[str]) -> list[str]:
     """Names, those of all changes of instruments as one."""
     if not {*CHANGES} <= {*names}:
         return names
     return [*(n for n in names if n not in CHANGES), "changes of instruments"]
 
 
-def untestable(loop, never):
+def untestable(loop: "Loop", never: Sequence[str]) -> list[Block]:
     """What this record, and what no such record can show."""
-    body = []
+    body: list[Block] = []
     if loop.untestable:
         reasons = by_reason(loop.untestable).items()
         body.append(listed((", ".join(names), why) for why, names in reasons))
@@ -522,7 +540,7 @@ def untestable(loop, never):
     return body
 
 
-def reproduce(loop):
+def reproduce(loop: "Loop") -> Parts:
     """Version, call, hashes, and what else was tried."""
     weighed = dict.fromkeys([*(f.effect for f in added(loop)), *loop.ranking.index])
     names = ", ".join(weighed) or "none"
@@ -533,7 +551,7 @@ def reproduce(loop):
     ]
 
 
-def call(loop):
+def call(loop: "Loop") -> str:
     """The call that made it."""
     arguments = [f"model={loop.fit.model!r}"]
     for name, value in loop.place.items():
@@ -547,7 +565,7 @@ def call(loop):
     return f"loop = pvlib_fem.close_loop(\n{inside})"
 
 
-def said_of(value):
+def said_of(value: Any) -> str:
     """An argument as it is written, nothing where it is the default."""
     if value is None or value is True:
         return ""

@@ -1,15 +1,22 @@
 """The printed report of a closed loop."""
 
+from collections.abc import Iterator
 from textwrap import TextWrapper
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._findings import CORRECTED, Verdict
+from pvlib_fem._findings import CORRECTED, Correction, Finding, Verdict
+from pvlib_fem._record.file_summary import Summary
 from pvlib_fem._report import budget_text as budget, event_text as events
 from pvlib_fem._report.ceiling_text import sentence
 from pvlib_fem._report.document import rounded, spanned, with_error
 from pvlib_fem._report.loop_page import by_reason
 from pvlib_fem.plotting._step_plots import step_name
+
+if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
+    from pvlib_fem._loop.loop_result import Loop
 
 OF_WIND = (
     "height of the anemometer, mean shelter: both change the wind coefficient alone"
@@ -37,13 +44,13 @@ STEPS = {"+radiative_loss": "longwave exchange, which every module has"}
 OPEN = (Verdict.CLASS, Verdict.SUGGESTIVE)
 
 
-def never(fit):
+def never(fit: "FemFit") -> list[str]:
     """What no such record can tell."""
     wind = "wind_speed" in fit.summary.columns
     return [words for words in NEVER if wind or words != OF_WIND]
 
 
-def lines(loop):
+def lines(loop: "Loop") -> Iterator[str]:
     """Lines of the printed report, none wider than a window."""
     fit, record = loop.fit, loop.fit.summary
     yield (
@@ -55,14 +62,14 @@ def lines(loop):
         yield from folded(head, words)
 
 
-def length(record):
+def length(record: Summary) -> str:
     """Days of a record, and its step."""
     step, days = record.step, record.days
     width = f"{step / 60:g} min" if step >= 60 else f"{step:g} s"
     return f"{days} day{'s' if days > 1 else ''} at {width}"
 
 
-def folded(head, words):
+def folded(head: str, words: str) -> list[str]:
     """A line, whose words go on below where they begin."""
     wide = max(WIDE, len(head))
     fold = TextWrapper(
@@ -75,13 +82,13 @@ def folded(head, words):
     return fold.wrap(words) or [head.rstrip()]
 
 
-def clocks(loop):
+def clocks(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Clock faults come first, since all else may be wrong by them."""
     for one in loop.corrections:
         yield "corrected" if one.applied else "CLOCK FAULT", one.why
 
 
-def rows(loop):
+def rows(loop: "Loop") -> Iterator[tuple[str, str]]:
     """The table of errors, a row for each step."""
     head = ("RMSE", "day", "night", "MBE")
     part = "test" if loop.fit.test_days else "train"
@@ -89,8 +96,9 @@ def rows(loop):
     cells = "".join(f"{name:>7}" for name in head)
     yield f"{'step':<{WIDE}}{cells}  energy error  ", "verdict"
     verdicts = {f"+{f.effect}": f for f in loop.finding_objects if f.added}
-    for name, row in loop.table.iterrows():
-        cells = "".join(cell(row[key], 7) for key in shown)
+    for key, row in loop.table.iterrows():
+        name = str(key)
+        cells = "".join(cell(row[column], 7) for column in shown)
         cells += cell(row["energy_error_test"], 9) + " %"
         title = step_name(name)
         words = STEPS.get(name, "")
@@ -102,7 +110,7 @@ def rows(loop):
         yield f"{title:<{WIDE}}{cells}    ", words
 
 
-def remaining(loop):
+def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Remaining error, ambiguous findings, what is not testable, and the notes."""
     if words := budget.in_time(loop):
         yield "remaining error", words
@@ -124,7 +132,8 @@ def remaining(loop):
             if finding.shares and finding.verdict is Verdict.CLASS:
                 names = finding.shares
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
-            rule = f" [{finding.failed.criterion}]" if failed_rule(finding) else ""
+            criterion = failed_criterion(finding)
+            rule = f" [{criterion}]" if criterion else ""
             yield finding.verdict.words, f"{words}{rule}"
     for finding in loop.finding_objects:
         yield from (("cross-check", str(one)) for one in finding.heard)
@@ -137,11 +146,11 @@ def remaining(loop):
     yield from (("note", note) for note in loop.notes)
 
 
-def cell(value, width):
+def cell(value: float, width: int) -> str:
     return f"{'–':>{width}}" if np.isnan(value) else f"{value:>z{width}.2f}"
 
 
-def verdict(finding, loop):
+def verdict(finding: Finding, loop: "Loop") -> str:
     """Words behind the row of an added effect."""
     (effect,) = [e for e in loop.fit.effects if e.name == finding.effect]
     parts = []
@@ -159,7 +168,7 @@ def verdict(finding, loop):
     return words + (f", from {effect.source}" if effect.source else "")
 
 
-def corrected(correction):
+def corrected(correction: Correction) -> str:
     """What a clock was out by, in words."""
     parts = []
     for key, value in correction.values.items():
@@ -172,6 +181,6 @@ def corrected(correction):
     return ", ".join(parts)
 
 
-def failed_rule(finding):
-    """Whether a finding was not added by a rule that has a criterion."""
-    return finding.failed is not None and finding.failed.criterion
+def failed_criterion(finding: Finding) -> str:
+    """The criterion by which a finding was not added; "" if it has none."""
+    return finding.failed.criterion if finding.failed is not None else ""

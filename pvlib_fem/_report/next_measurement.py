@@ -1,5 +1,8 @@
 """What to measure next, from what a closed loop left open."""
 
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
 from pvlib_fem._findings import Kind, Verdict
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._report import budget_text as budget
@@ -7,12 +10,15 @@ from pvlib_fem.drivers import needed_for
 from pvlib_fem.drivers._mounts import is_known
 from pvlib_fem.effects import EFFECTS
 
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
+
 #: what to give where the position of the sun is unknown
 PLACE = "location, surface_tilt and surface_azimuth (to give, not to measure)"
 CLOCK = "the clock of the file, set right (to mend, not to measure)"
 
 
-def to_measure(loop):
+def to_measure(loop: "Loop") -> list[tuple[str, str]]:
     """
     What would settle what is open, the most useful first.
 
@@ -35,7 +41,7 @@ def to_measure(loop):
     return [*settling(loop), *logs(loop), *lacking(loop), *longer(loop)]
 
 
-def settling(loop):
+def settling(loop: "Loop") -> list[tuple[str, str]]:
     """What would decide a tie or a hint, or name unknown structure, by its gain."""
     catalogue = EFFECTS | {effect.name: effect for effect in loop.fit.effects}
     items = []
@@ -54,7 +60,7 @@ def settling(loop):
     return [(what, why) for _, what, why in items]
 
 
-def logs(loop):
+def logs(loop: "Loop") -> Iterator[tuple[str, str]]:
     """What was done on the days that stand out."""
     for days, words in budget.dates(loop):
         yield (
@@ -63,7 +69,7 @@ def logs(loop):
         )
 
 
-def lacking(loop):
+def lacking(loop: "Loop") -> Iterator[tuple[str, str]]:
     """Columns that the record has not, those first that make most effects testable."""
     there = loop.fit.summary.columns
     effects, reasons = {}, {}
@@ -80,27 +86,27 @@ def lacking(loop):
         yield what, f"would test {', '.join(effects[needs])}{reasons.get(needs, '')}"
 
 
-def sources(name, there):
+def sources(name: str, there: Sequence[str]) -> list[tuple[str, ...]]:
     """Sets of columns, none within another, with any of which it could be tested."""
-    found = []
+    sets = []
     for variant in EFFECTS[name].forms if name in EFFECTS else ():
         needs = tuple(n for n in needed_for(variant.drivers) if n not in there)
         if not needs:  # what it has been tried with
             break
         # no stopgap from the usual inputs
-        if variant.confounder == EFFECTS[name].confounder and needs not in found:
-            found.append(needs)
-    return [one for one in found if not any(set(two) < set(one) for two in found)]
+        if variant.confounder == EFFECTS[name].confounder and needs not in sets:
+            sets.append(needs)
+    return [one for one in sets if not any(set(two) < set(one) for two in sets)]
 
 
-def longer(loop):
+def longer(loop: "Loop") -> Iterator[tuple[str, str]]:
     """What more days would show."""
     if not loop.weighed:
         yield "more days", "this record has too few to leave any out"
         return
     rows = loop.ranking[loop.ranking.index.isin(loop.untestable)]
     hidden = {
-        name: row["minimum_detectable"]
+        str(name): row["minimum_detectable"]
         for name, row in rows.iterrows()
         if row["minimum_detectable"] > loop.criteria.min_gain
         and (row["physical"] or row["gain"] <= 0)

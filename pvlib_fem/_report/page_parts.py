@@ -1,13 +1,20 @@
 """Parts of pages that a fit and a loop have alike."""
 
 import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._findings import Correction
+from pvlib_fem._record.file_summary import present
 from pvlib_fem._report.document import (
+    Block,
     Heading,
     Listing,
+    Paragraph,
+    Table,
     Verbatim,
     number,
     paragraph,
@@ -16,13 +23,23 @@ from pvlib_fem._report.document import (
     table,
     value_and_error,
 )
+from pvlib_fem._report.treatment import Treatment
 from pvlib_fem.scores import energy_error
+
+if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
 
 DONE = "What was done to the data"
 NO_ROWS = paragraph("A result that was read from a file has no rows to draw or add up.")
 
 
-def heading(words, title="", corrections=(), site="", tag="h1"):
+def heading(
+    words: str,
+    title: str = "",
+    corrections: Iterable[Correction] = (),
+    site: str = "",
+    tag: str = "h1",
+) -> list[Block]:
     """The name of the plant, its site, a clock that is off, and the main result."""
     body = [paragraph(one, "plant") for one in (title, site) if one]
     for one in corrections:
@@ -30,13 +47,17 @@ def heading(words, title="", corrections=(), site="", tag="h1"):
     return [*body, Heading(words, tag)]
 
 
-def clock_words(correction):
+def clock_words(correction: Correction) -> str:
     """A clock that is off, as a sentence."""
     words = f"{correction.why}{'; corrected before any fit' * correction.applied}."
     return words[:1].upper() + words[1:]
 
 
-def coefficients(fit, corrections=(), ranges=None):
+def coefficients(
+    fit: "FemFit",
+    corrections: Iterable[Correction] = (),
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> Table:
     """Values, errors and ranges of a fit, and what clocks are out by."""
     rows, ranges = [], ranges or {}
     for name, row in fit.thermal_model.parameters.items():
@@ -65,18 +86,20 @@ def coefficients(fit, corrections=(), ranges=None):
     return table(head, rows, words)
 
 
-def in_energy(fit, residuals, gamma):
+def in_energy(
+    fit: "FemFit", residuals: Mapping[str, pd.Series | None], gamma: float
+) -> Table | Paragraph:
     """What the errors in K are worth in yield, on the days that were held out."""
     if fit.record is None:
         return NO_ROWS
     index = fit.record.index
     poa = pd.Series(fit.record["poa_global"], index)
-    rows, which = fit.holdout, "test"
+    rows, which = present(fit.holdout), "test"
     if not fit.test_days:
-        rows, which = ~fit.holdout, "fitted"
+        rows, which = ~rows, "fitted"
     lines, sun = [], 0.0
     for name, residual in residuals.items():
-        seen = residual.where(rows)
+        seen = present(residual).where(rows)
         error = energy_error(poa, seen, 0.0 * seen, gamma)
         sun = error.insolation
         parts = (error.total, error.over_estimate, error.under_estimate, error.net)
@@ -100,9 +123,9 @@ def in_energy(fit, residuals, gamma):
     )
 
 
-def done_to_data(rows, notes):
+def done_to_data(rows: Sequence[Treatment], notes: Sequence[str]) -> list[Block]:
     """What was done to the data, with the number of rows, and notes on them."""
-    body = [paragraph("Nothing: no value is missing or impossible.")]
+    body: list[Block] = [paragraph("Nothing: no value is missing or impossible.")]
     if rows:
         cells = (
             (step, column, "–" if count is None else f"{count:,}", words)
@@ -112,7 +135,7 @@ def done_to_data(rows, notes):
     return [*body, Listing([], list(notes))] if notes else body
 
 
-def made_by(fit, call):
+def made_by(fit: "FemFit", call: str) -> list[Block]:
     """Version, call, and hashes that say whether the data are the same."""
     from pvlib_fem import __version__  # the package is complete by now
 
@@ -130,6 +153,6 @@ def made_by(fit, call):
     return [Verbatim(text), paragraph(f"{words}.", "soft")]
 
 
-def printed(result):
+def printed(result: object) -> Verbatim:
     """The printed report, behind a line."""
     return Verbatim(str(result), "The printed report")

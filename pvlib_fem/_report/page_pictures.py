@@ -1,12 +1,24 @@
 """The pictures of a closed loop's page, each with what it shows."""
 
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
 import pandas as pd
 
 from pvlib_fem import plotting
 from pvlib_fem._record.column_names import DAYLIGHT
+from pvlib_fem._record.file_summary import present
+from pvlib_fem._report.rows import Draw
 from pvlib_fem.plotting._residuals import by_hour_and_month, by_sector, largest
 from pvlib_fem.plotting._time_series import Span
 from pvlib_fem.plotting._vector import svg
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._ceiling.ceiling_result import Ceiling
+    from pvlib_fem._fitting.fem_fit import FemFit
+    from pvlib_fem._loop.loop_result import Loop
 
 LONG = 120  # days of a record from which its months are drawn
 #: of the map by month and hour: its means, its picture, what it shows
@@ -17,7 +29,7 @@ MAP = (
 )
 
 
-def pictures(loop):
+def pictures(loop: "Loop") -> list[tuple[str, str]]:
     """
     Figures of a page, each with what it shows.
 
@@ -32,11 +44,12 @@ def pictures(loop):
     """
     which = "test" if loop.fit.test_days else "fitted"
     # rows of a stuck sensor have no residual
-    known = loop.fit.residual.notna()
-    before, after = loop.residual_before[known], loop.fit.residual[known]
+    residual = present(loop.fit.residual)
+    known = residual.notna()
+    before, after = present(loop.residual_before)[known], residual[known]
     changed = loop.last != loop.base
     day = Span(loop.fit).date
-    found = [
+    drawn = [
         draw(
             "steps",
             lambda ax: plotting.plot_steps(loop, ax),
@@ -57,20 +70,20 @@ def pictures(loop):
     ]
     last = {"After": after} if changed else {"": after}
     both = {"Before": before, **last} if changed else last
-    found += on_one_scale("map", both, *MAP)
+    drawn += on_one_scale("map", both, *MAP)
     if loop.fit.effects:
         words = (
             "Contribution of each effect to the temperature on that day, given all "
             "others; rms over all days"
         )
-        found.append(
+        drawn.append(
             draw("parts", lambda ax: plotting.plot_contributions(loop, ax), words)
         )
-    found += by_month(loop.fit)
-    return [*found, *by_wind(loop.fit, both, last, known)]
+    drawn += by_month(loop.fit)
+    return [*drawn, *by_wind(loop.fit, both, last, known)]
 
 
-def picture_of_ceiling(ceiling):
+def picture_of_ceiling(ceiling: "Ceiling") -> tuple[str, str]:
     """The bar of a ceiling, and what it shows."""
     words = (
         "Mean square of the paper's form: the part that the loop explains, the part "
@@ -78,13 +91,13 @@ def picture_of_ceiling(ceiling):
     )
     size = (4.8, 1.8)
 
-    def bar(ax):
+    def bar(ax: "Axes") -> None:
         plotting.plot_ceiling(ceiling, ax)
 
     return draw("ceiling", bar, words, size=size)
 
 
-def pictures_of_fit(fit):
+def pictures_of_fit(fit: "FemFit") -> list[tuple[str, str]]:
     """
     Figures of a fit's page, each with what it shows.
 
@@ -97,19 +110,20 @@ def pictures_of_fit(fit):
     list of (str, str)
         An ``svg`` element, and its caption.
     """
-    known = fit.residual.notna()
-    left = {"": fit.residual[known]}
+    residual = present(fit.residual)
+    known = residual.notna()
+    remaining = {"": residual[known]}
     which = "held-out" if fit.test_days else "fitted"
     words = f"The most variable of the {which} days, {Span(fit).date}"
     return [
         draw("day", lambda ax: plotting.plot_fit(fit, ax), words),
         *by_month(fit),
-        *on_one_scale("map", left, *MAP),
-        *by_wind(fit, left, left, known),
+        *on_one_scale("map", remaining, *MAP),
+        *by_wind(fit, remaining, remaining, known),
     ]
 
 
-def by_month(fit):
+def by_month(fit: "FemFit") -> Iterator[tuple[str, str]]:
     """Coefficients through time, of a record that is long enough to have a course."""
     record = fit.summary
     if fit.daily is None or record.end - record.start <= pd.Timedelta(days=LONG):
@@ -135,10 +149,15 @@ def by_month(fit):
     )
 
 
-def by_wind(fit, both, last, known):
+def by_wind(
+    fit: "FemFit",
+    both: Mapping[str, pd.Series],
+    last: Mapping[str, pd.Series],
+    known: pd.Series,
+) -> Iterator[tuple[str, str]]:
     """Residual by irradiance and wind, and a rose where its direction is known."""
     (after,) = last.values()
-    changed, record = "After" in last, fit.record
+    changed, record = "After" in last, present(fit.record)
     columns = {
         name: pd.Series(record[name], record.index, name=name)[known]
         for name in ("poa_global", "wind_speed", "wind_direction")
@@ -165,17 +184,30 @@ def by_wind(fit, both, last, known):
         )
 
 
-def draw(name, picture, words, projection=None, **size):
+def draw(
+    name: str,
+    picture: Draw,
+    words: str,
+    projection: str | None = None,
+    **size: tuple[float, float],
+) -> tuple[str, str]:
     """A picture and what it shows."""
     return svg(picture, name, projection=projection, **size), words
 
 
-def on_one_scale(kind, residuals, means, plot, words, projection=None):
+def on_one_scale(
+    kind: str,
+    residuals: Mapping[str, pd.Series],
+    means: Callable[[pd.Series], Any],
+    plot: Callable[..., object],
+    words: str,
+    projection: str | None = None,
+) -> Iterator[tuple[str, str]]:
     """One picture of each residual, with the scale of the largest of them."""
     limit = largest(*map(means, residuals.values()))
     for name, residual in residuals.items():
 
-        def picture(ax, residual=residual):
+        def picture(ax: "Axes", residual: pd.Series = residual) -> None:
             plot(residual, ax, limit)
 
         caption = f"{name}: {words}" if name else words.capitalize()

@@ -1,6 +1,9 @@
 """The evidence of a loop: each finding with the pictures that show it."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from pvlib_fem._report import event_text as events
 from pvlib_fem._report.clocks import picture_of_clock
@@ -8,6 +11,9 @@ from pvlib_fem._report.evidence import pictures_of, power_deficit
 from pvlib_fem._report.page_pictures import draw
 from pvlib_fem._report.rows import Rows
 from pvlib_fem.effects import EFFECTS
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 NONE = (
     "No column of this record shows it without the model. The maps below show the "
@@ -20,11 +26,11 @@ class Shown:
     """A finding in a sentence, its pictures, and a note where there are none."""
 
     text: str
-    pictures: list
+    pictures: list[tuple[str, str]]
     note: str = ""
 
 
-def shown(loop, statements):
+def shown(loop: "Loop", statements: pd.DataFrame) -> list[Shown]:
     """
     Clocks, findings in the model and events, each with its pictures.
 
@@ -42,19 +48,19 @@ def shown(loop, statements):
     texts = {}
     for cause, text in zip(statements["cause"], statements["text"]):
         texts.setdefault(cause, text)
-    found = [
+    items = [
         (one.fault, [picture] if (picture := picture_of_clock(one, loop)) else [])
         for one in loop.corrections
     ]
-    found += [(f.effect, pictures_of(f, loop)) for f in loop.finding_objects if f.added]
-    names = {name for name, _ in found}
+    items += [(f.effect, pictures_of(f, loop)) for f in loop.finding_objects if f.added]
+    names = {name for name, _ in items}
     for name in events.by_kind(loop):
         if name not in names:
             picture = power_deficit(Rows(loop), EFFECTS[name])
-            found.append((name, [picture] if picture else []))
+            items.append((name, [picture] if picture else []))
     # the order of the statements, the most valuable first
     order = {cause: i for i, cause in enumerate(texts)}
-    found.sort(key=lambda pair: order.get(pair[0], len(order)))
+    items.sort(key=lambda pair: order.get(pair[0], len(order)))
     return [
         Shown(
             texts.get(name, name),
@@ -64,5 +70,5 @@ def shown(loop, statements):
             ],
             "" if pictures else NONE,
         )
-        for i, (name, pictures) in enumerate(found)
+        for i, (name, pictures) in enumerate(items)
     ]

@@ -1,11 +1,22 @@
 """What was done to the data before any fit, with the number of rows."""
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from pvlib_fem._findings import Correction
 from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.file_summary import Summary
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
+
+#: step, column, number of rows, and what was done
+Treatment = tuple[str, str, int | None, str]
 
 
-def treatment(loop):
+def treatment(loop: "Loop") -> list[Treatment]:
     """
     Steps from the data as they were given to the rows that count.
 
@@ -27,7 +38,7 @@ def treatment(loop):
     ]
 
 
-def given(loop):
+def given(loop: "Loop") -> Iterator[Treatment]:
     """Rows as they were given, and what was done as they were read."""
     if rows := loop.reading.get("rows"):
         yield "given", "all", rows, "rows of the data"
@@ -35,7 +46,7 @@ def given(loop):
         yield "reading", "", None, note
 
 
-def clocks(loop):
+def clocks(loop: "Loop") -> Iterator[Treatment]:
     """Clocks that were corrected, or not, and rows whose time is unknown."""
     for one in loop.corrections:
         columns = ", ".join(one.columns)
@@ -46,7 +57,7 @@ def clocks(loop):
         yield "clock", "all", lost, "left out, since their time is unknown"
 
 
-def shifted(loop, correction):
+def shifted(loop: "Loop", correction: Correction) -> int | None:
     """Rows that a correction of a clock moves; None without the rows."""
     record, times = loop.fit.record, loop.times
     if record is None or times is None:
@@ -62,7 +73,7 @@ def shifted(loop, correction):
     return int(np.count_nonzero(added))
 
 
-def columns_made(loop):
+def columns_made(loop: "Loop") -> Iterator[Treatment]:
     """Columns that were made from others, or filled from them."""
     rows = loop.fit.summary.rows
     if loop.transposition:
@@ -75,7 +86,7 @@ def columns_made(loop):
         yield "filled", one.usual, None, words
 
 
-def screened(record):
+def screened(record: Summary) -> Iterator[Treatment]:
     """Values that are missing, impossible or set to zero, by column of a summary."""
     for name, count in record.missing.items():
         impossible = record.impossible.get(name, 0)
@@ -87,7 +98,7 @@ def screened(record):
         yield "screening", "poa_global", record.clipped, "below zero, set to 0"
 
 
-def kept(loop):
+def kept(loop: "Loop") -> Iterator[Treatment]:
     """Rows that are left, by their use."""
     residual = loop.fit.residual
     if residual is not None:

@@ -228,7 +228,7 @@ def event_statements(loop: "Loop") -> Iterator[Statement]:
             verdict="event",
             text=(
                 f"{happened[:1].upper()}{happened[1:]} ({events.all_of(rows)}), most "
-                f"from {events.told(rows.iloc[0])}"
+                f"from {events.described(rows.iloc[0])}"
             ),
             action=f"Look up these hours, in loop.events, in {log}",
             since=f"{first:%Y-%m-%d}",

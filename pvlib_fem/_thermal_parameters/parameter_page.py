@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._report.document import (
+    Block,
     Heading,
     document,
     listed,
@@ -82,7 +83,8 @@ def cells(row: pd.Series) -> tuple[str, str, str]:
         return "–", "–", "–"
     if not (np.isfinite(error) and error > 0.0):
         return f"{value:.4g}", "–", "–"
-    return *with_error(value, error).split(" ± "), spanned(row["low"], row["high"])
+    size, _, margin = with_error(value, error).partition(" ± ")
+    return size, margin, spanned(row["low"], row["high"])
 
 
 def as_text(table: pd.DataFrame) -> str:
@@ -157,7 +159,7 @@ def page(table: pd.DataFrame, title: str = "") -> str:
     -------
     str
     """
-    parts = [paragraph(title, "plant")] if title else []
+    parts: list[Block] = [paragraph(title, "plant")] if title else []
     parts += [Heading("Thermal parameters", "h1")]
     parts += [paragraph(f"They hold for {conditions(table)}.", "soft")]
     parts += [section(name, part(table, *of)) for name, of in PARTS.items()]

@@ -8,6 +8,7 @@ import pandas as pd
 
 from pvlib_fem._findings import Verdict
 from pvlib_fem._report.document import (
+    Parts,
     document,
     link,
     listed,
@@ -68,7 +69,7 @@ def report(
     folder = found.out if path is None else Path(path).absolute().parent
     pages = Pages(found, folder)
     words = headline(systems)
-    parts = [
+    parts: Parts = [
         heading(words, title),
         section("Clock and location faults", clock_faults(findings, pages)),
         section("What failed", failures(systems)),
