@@ -220,7 +220,7 @@ def fit_frame(
     how = (options.get("limits"), options.get("check_units", True))
     filled = instead.of(data, ALWAYS, place, *how)
     columns, notes = filled.columns, filled.said
-    there = columns
+    there: dict[str, Any] = columns
     if effects:
         there = {**geometry(data.index, **place), **columns}
     absent = [name for name in COLUMNS if name not in columns]
@@ -230,7 +230,7 @@ def fit_frame(
         raise refusal(f"the effect {name} cannot be fitted: {why}; ", NAMED)
     wanted = {name for effect in chosen for name in needed_for(effect.drivers)}
     drivers = {name: there[name] for name in there if name in wanted}
-    usual = map(columns.get, COLUMNS)
+    usual: list[Any] = [columns.get(name) for name in COLUMNS]
     fit = fit_fem(*usual, effects=chosen, **options, **drivers)
     return replace(fit, notes=(*notes, *fit.notes)) if notes else fit
 

@@ -156,7 +156,7 @@ class Because:
         return "; ".join(one.sentence() for one in self.all)
 
 
-def because(reason: Reason, /, **values: Any) -> Any:
+def because(reason: Reason, /, **values: Any) -> Because:
     """A reason by its numbers; a list of names becomes one that formats itself."""
     for name, value in values.items():
         if isinstance(value, (list, tuple)):

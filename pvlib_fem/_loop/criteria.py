@@ -86,7 +86,7 @@ class Criteria:
 
     limits: Limits = field(default_factory=Limits)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if name != "limits" and not value > 0:
                 raise ValueError(f"{name} = {value} must be more than 0")

@@ -1,12 +1,17 @@
 """What may be in the remaining error: effects, and changes at the dates that show."""
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from pvlib_fem._statistics.weekly_sums import solve, steady
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import number, written
+from pvlib_fem.effects._time_profiles import course_of, number, written
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.design import Design
 
 RARE = {"air_elsewhere": 0.05}  # times the odds of others
 GRID = 60  # dates between which temporary changes are looked for first
@@ -26,49 +31,64 @@ class Changed:
     key: str = ""  # its name and dates
 
     @classmethod
-    def of(cls, place, effect):
+    def of(cls, place: int, effect: Effect) -> Self:
         return cls(place, effect, f"{effect.name} {sorted(effect.settings.items())}")
+
+
+#: a column of the design by its place, or one times the weights of a change
+Column = int | Changed
+
+
+def place_of(column: Column) -> int:
+    """Place in the design of a column, or of the one that a change is a part of."""
+    return column if isinstance(column, int) else column.place
 
 
 @dataclass(frozen=True)
 class Candidate:
     """An effect, or a change at its dates, with its columns of the design."""
 
-    effect: object
-    columns: tuple
+    effect: Effect
+    columns: tuple[Column, ...]
     log_prior: float  # logarithm of its prior odds
     #: hypotheses of dates from which this one was taken, as a logarithm
     log_dates: float = 0.0
 
     @property
-    def name(self):
+    def name(self) -> str:
         return self.effect.name
 
-    def beyond(self, given):
+    def beyond(self, given: Sequence[Column]) -> list[Column]:
         """Columns that are not given already."""
         return [column for column in self.columns if column not in given]
 
 
-def undated(design, prior):
+def undated(design: "Design", prior: float) -> Iterator[Candidate]:
     """Candidates that have no date."""
     for name, columns in design.own.items():
         odds = np.log(prior * RARE.get(name, 1.0))
         yield Candidate(design.effects[name], columns, float(odds))
 
 
-def dated(design, given, side, prior):
+def dated(
+    design: "Design", given: Sequence[Column], side: int, prior: float
+) -> Iterator[Candidate]:
     """
     Changes at the dates that the remaining error given some columns shows best.
 
     Parameters
     ----------
     design : Design
-    given : sequence
+    given : sequence of int or Changed
         Columns.
     side : int
         Days with rows that there have to be on both sides of a date.
     prior : float
         Odds that any one change is there, at some date.
+
+    Yields
+    ------
+    Candidate
     """
     days = len(design.dates)
     if days <= 2 * side:
@@ -76,14 +96,13 @@ def dated(design, given, side, prior):
     scan = Scan.of(design, given, side)
     for channel, place in design.channels.items():
         changes = {
-            effect.terms.course.name: effect
+            course_of(effect): effect
             for effect in design.changing
             if effect.channel == channel
         }
         if not changes:
             continue
-        found = scan.along(place, *signs(changes))
-        for course, dates in found.items():
+        for course, dates in scan.along(place, *signs(changes)).items():
             if course not in changes:
                 continue
             effect = changes[course].dates(**dates)
@@ -97,7 +116,7 @@ def dated(design, given, side, prior):
             )
 
 
-def signs(changes):
+def signs(changes: Mapping[str, Effect]) -> tuple[float, float]:
     """Least and largest size that a channel can have, as signs."""
     (row,) = next(iter(changes.values())).parameters.values()
     return np.sign(row.lower), np.sign(row.upper)
@@ -107,29 +126,29 @@ def signs(changes):
 class Scan:
     """Daily products with the residual given some columns, summed up to each date."""
 
-    design: object
-    given: list
+    design: "Design"
+    given: list[Column]
     side: int
     solved: np.ndarray  # coefficients of the columns
     root: np.ndarray  # of the inverse of their products
     trust: np.ndarray  # of each day, 1 for usual ones
 
     @classmethod
-    def of(cls, design, given, side):
-        given = [*given]
-        whole = design.whole(given)
+    def of(cls, design: "Design", given: Sequence[Column], side: int) -> Self:
+        columns = [*given]
+        whole, trust = design.whole(columns), trusted(design, columns)
         inverse = np.linalg.inv(np.linalg.cholesky(steady(whole[1:, 1:])))
-        return cls(design, given, side, solve(whole), inverse.T, trusted(design, given))
+        return cls(design, columns, side, solve(whole), inverse.T, trust)
 
-    def worth(self, parts, low, high):
+    def worth(self, parts: np.ndarray, low: float, high: float) -> np.ndarray:
         """Fall of the sum of squares by a column of such sums, with a possible sign."""
-        score, square, beside = parts[..., 0], parts[..., 1], parts[..., 2:]
-        beyond = square - np.square(beside).sum(axis=-1)
+        score, square, shared = parts[..., 0], parts[..., 1], parts[..., 2:]
+        beyond = square - np.square(shared).sum(axis=-1)
         allowed = (score > 0) & (high > 0) | (score < 0) & (low < 0)
         good = allowed & (beyond > UNSEEN * np.maximum(square, 1e-12))
         return np.where(good, score**2 / np.where(good, beyond, 1.0), 0.0)
 
-    def sums(self, place):
+    def sums(self, place: int) -> np.ndarray:
         """Products of a column with the remaining error and others, up to each day."""
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved
@@ -137,29 +156,31 @@ class Scan:
         table = np.column_stack([scores, squares, rows[:, 1:] @ self.root])
         return np.vstack([np.zeros(table.shape[1]), np.cumsum(table, axis=0)])
 
-    def along(self, place, low, high):
+    def along(self, place: int, low: float, high: float) -> dict[str, dict[str, str]]:
         """Dates of the best step and temporary change of a column, and of a trend."""
         days, sums = len(self.design.dates), self.sums(place)
 
-        def worth(parts):
+        def worth(parts: np.ndarray) -> np.ndarray:
             return self.worth(parts, low, high)
 
         side, dates = self.side, self.design.dates
-        found = {"drift": {"since": written(dates[0])}}
+        profiles = {"drift": {"since": written(dates[0])}}
         starts = np.arange(side, days - side + 1)
         if len(starts):
             falls = worth(sums[-1] - sums[starts])
             at = starts[int(np.argmax(falls))]
             if falls.max() > 0:
-                found["step"] = {"at": written(dates[at])}
+                profiles["step"] = {"at": written(dates[at])}
         ends = self.pair(sums, worth)
         if ends is not None:
-            first, last = (int(one) for one in ends)
-            over = dates[last - 1] + 1
-            found["episode"] = {"start": written(dates[first]), "end": written(over)}
-        return found
+            first, last = ends
+            start, end = written(dates[first]), written(dates[last - 1] + 1)
+            profiles["episode"] = {"start": start, "end": end}
+        return profiles
 
-    def pair(self, sums, worth):
+    def pair(
+        self, sums: np.ndarray, worth: Callable[[np.ndarray], np.ndarray]
+    ) -> tuple[int, int] | None:
         """First day and the day after the last of the best temporary change."""
         side, days = self.side, len(self.design.dates)
         grid = np.unique(np.linspace(0, days, min(GRID, days)).astype(int))
@@ -180,10 +201,12 @@ class Scan:
             low = lows[int(np.argmax(worth(sums[high] - sums[lows])))]
             highs = np.arange(low + side, days - side + 1)
             high = highs[int(np.argmax(worth(sums[highs] - sums[low])))]
-        return low, high
+        return int(low), int(high)
 
 
-def first_days(design, one, given, side, errors):
+def first_days(
+    design: "Design", one: Candidate, given: Sequence[Column], side: int, errors: float
+) -> Effect:
     """
     The change with the days between which it may have begun.
 
@@ -192,12 +215,16 @@ def first_days(design, one, given, side, errors):
     design : Design
     one : Candidate
         With a date.
-    given : sequence
+    given : sequence of int or Changed
         Columns given which it is there.
     side : int
         Days with rows that there have to be on both sides of a date.
     errors : float
         Standard errors by which its size differs from nothing.
+
+    Returns
+    -------
+    Effect
     """
     effect, dates, days = one.effect, one.effect.settings, design.dates
     begin = dates.get("at") or dates.get("start")
@@ -205,7 +232,7 @@ def first_days(design, one, given, side, errors):
         return effect
     (column,) = one.columns
     scan = Scan.of(design, given, side)
-    sums, last = scan.sums(column.place), len(days)
+    sums, last = scan.sums(place_of(column)), len(days)
     if "end" in dates:
         last = int(np.searchsorted(days, number(dates["end"])))
     starts = np.arange(1, max(last, 2))
@@ -213,8 +240,8 @@ def first_days(design, one, given, side, errors):
     best = int(np.searchsorted(days, number(begin)))
     most = max(falls[min(max(best - 1, 0), len(falls) - 1)], 1e-12)
     # the difference to the best date's part, in standard errors of that part
-    lacks = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
-    good = np.append(starts[lacks <= LIKELY], best)
+    worse = (1.0 - falls / most) * min(errors, MOST_SURE) ** 2
+    good = np.append(starts[worse <= LIKELY], best)
     # the days with rows around a date may not be neighbours
     between = [
         written(days[good.min() - 1] + 1),
@@ -223,7 +250,7 @@ def first_days(design, one, given, side, errors):
     return effect.make(**{**dates, "between": between})
 
 
-def trusted(design, given):
+def trusted(design: "Design", given: Sequence[Column]) -> np.ndarray:
     """How much each day counts: less, where some columns leave much of it."""
     rest = design.left_by(given)
     squares = np.add.reduceat(rest**2 * design.rows, design.first)

@@ -2,18 +2,25 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from pvlib_fem._findings import Correction
+from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.filters import counted
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._record.resampling import coarse, covered
+from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import geometry
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.quality._lag import by_module_logger
 from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.quality._tracker_standstill import Standing
+from pvlib_fem.reasons import Because
 
 STEP_PRESENT = 0.5  # share of a step's rows that have to be there
 FEWEST_FITTING_DAYS = 10  # below which none can be left out in turn
@@ -34,37 +41,38 @@ class Case:
     record: Record  # on coarse steps
     seen: np.ndarray  # rows of the whole that count
     parts: np.ndarray  # what each row of the whole is for
-    drivers: tuple
-    witnesses: tuple  # columns that cross-check instruments
-    wanted: tuple  # effects whose drivers are there
-    untestable: dict  # name: why
-    site: dict  # if it gives the position of the sun
-    place: dict  # as it was given
+    drivers: tuple[str, ...]
+    witnesses: tuple[str, ...]  # columns that cross-check instruments
+    wanted: tuple[Effect, ...]  # whose drivers are there
+    untestable: dict[str, Because]
+    site: dict[str, Any]  # if it gives the position of the sun
+    place: dict[str, Any]  # as it was given
     clock: Clock
     criteria: Criteria
-    fixed: dict = field(default_factory=dict)  # coefficients that are held
-    notes: tuple = ()
-    corrections: tuple = ()  # of the whole file
+    fixed: dict[str, float] = field(default_factory=dict)  # coefficients that are held
+    notes: tuple[str, ...] = ()
+    corrections: tuple[Correction, ...] = ()  # of the whole file
     kept: np.ndarray | None = None  # rows of the file that the whole has
     late: float = 0.0  # of the file's times against the sun [s]
     transposed: bool = False  # whether poa_global is, from the horizontal
-    standing: tuple = ()  # columns that stand in for others
-    standings: tuple = ()  # days on which the irradiance sensor does not turn
+    standing: tuple[StandIn, ...] = ()  # columns that stand in for others
+    #: days on which the irradiance sensor does not turn
+    standings: tuple[Standing, ...] = ()
 
-    def rows(self, part):
+    def rows(self, part: Part) -> np.ndarray:
         """Rows of the whole that count for a part."""
         return self.seen & (self.parts == part)
 
     @cached_property
-    def fitting(self):
+    def fitting(self) -> np.ndarray:
         return self.rows(Part.FITTING)
 
     @cached_property
-    def test(self):
+    def test(self) -> np.ndarray:
         return self.rows(Part.TEST)
 
     @cached_property
-    def searched(self):
+    def searched(self) -> np.ndarray:
         """Rows of the coarse record that the search may look at."""
         seen = np.asarray(counted(self.record.inputs.columns, with_night=True))
         masks = self.seen, self.parts != Part.FITTING
@@ -72,7 +80,7 @@ class Case:
         return seen & some & ~kept
 
     @cached_property
-    def days(self):
+    def days(self) -> int:
         """
         Days that count.
 
@@ -85,36 +93,36 @@ class Case:
         return round(self.whole.count_days(self.fitting) / share) if share else 0
 
     @cached_property
-    def fitting_days(self):
+    def fitting_days(self) -> int:
         return self.record.count_days(self.searched)
 
     @property
-    def divisible(self):
+    def divisible(self) -> bool:
         """Whether there are days to leave out in turn."""
         return self.fitting_days >= FEWEST_FITTING_DAYS
 
     @property
-    def enough(self):
+    def enough(self) -> bool:
         """Whether the record is long enough for a name."""
         return self.days >= self.criteria.enough_days
 
-    def placed(self, record):
+    def placed(self, record: Record) -> Record:
         """A record with the place of sun and module, where that is known."""
         places = geometry(record.index, **self.site)
         return record.having({name: c.to_numpy() for name, c in places.items()})
 
-    def placed_for(self, record, model):
+    def placed_for(self, record: Record, model: ThermalModel) -> Record:
         """The record with the geometry, if a model needs it and it is not there."""
-        asked = {*model.drivers} & {*GEOMETRY} - {*record.inputs.columns}
-        return self.placed(record) if asked else record
+        missing = {*model.drivers} & {*GEOMETRY} - {*record.inputs.columns}
+        return self.placed(record) if missing else record
 
-    def without(self, effect):
+    def without(self, effect: Effect) -> "Case":
         """The case without an effect, and the column that it follows."""
         wanted = tuple(other for other in self.wanted if other.name != effect.name)
         drivers = tuple(name for name in self.drivers if name not in effect.drivers)
         return replace(self, wanted=wanted, drivers=drivers)
 
-    def corrected(self):
+    def corrected(self) -> "Case":
         """The case with the module's record re-timed."""
         whole, seconds = self.whole, self.whole.inputs.seconds
         moved = by_module_logger(
@@ -123,17 +131,17 @@ class Case:
         return divided(whole.having(moved), replace(self, clock=Clock()))
 
 
-def without_answer(record, rows):
+def without_answer(record: Record, rows: np.ndarray) -> Record:
     """The record without the module's temperature in some rows."""
     return record.lacking({"temp_module": rows})
 
 
-def counting(record):
+def counting(record: Record) -> np.ndarray:
     """Rows that can be fitted."""
     return np.asarray(counted(record.inputs.columns, with_night=True))
 
 
-def divided(whole, case):
+def divided(whole: Record, case: Case) -> Case:
     """The case with this record and its coarse steps."""
     limits = case.criteria
     seen = case.seen & counting(whole)

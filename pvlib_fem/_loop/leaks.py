@@ -6,9 +6,13 @@ A model splits the temperature `T` into what it explains, `M`, and the remaining
 knows of it. What is made from `T` knows both, by the same coefficient.
 """
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 
+from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._record.column_names import COLUMNS, DAYLIGHT
+from pvlib_fem._record.inputs import Record
 from pvlib_fem._relaxation import relax
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
 
@@ -24,7 +28,13 @@ LEAST = 1e-12  # of a column's square: less of it on a day is rounding
 KNOTS = np.linspace(0.0, 1.0, 6)[1:-1]  # quantiles at which splines of inputs bend
 
 
-def leaks(record, seen, modelled, names, criteria):
+def leaks(
+    record: Record,
+    seen: np.ndarray,
+    modelled: np.ndarray,
+    names: Iterable[str],
+    criteria: Criteria,
+) -> Iterator[str]:
     """
     Columns that are the module temperature, or made from it.
 
@@ -38,21 +48,25 @@ def leaks(record, seen, modelled, names, criteria):
     Parameters
     ----------
     record : Record
-    seen : array of bool
+    seen : array of bool, shape (rows,)
         Rows that may be looked at.
-    modelled : array
+    modelled : array, shape (rows,)
         Temperature of the module by the model without effects. [°C]
     names : sequence of str
     criteria : Criteria
+
+    Yields
+    ------
+    str
     """
     both = seen & np.isfinite(modelled) & np.isfinite(record["temp_module"])
     rows = np.flatnonzero(both)
     rows = rows[:: max(1, len(rows) // SOME)]
     if len(np.unique(record.dates[rows])) < FEWEST_DAYS:
         return
-    whole = np.where(both, record["temp_module"], np.nan)
-    scale = np.mean(whole[both]), max(np.std(whole[both]), 1e-300)
-    whole = forms(record, whole, rows, *scale)
+    measured = np.where(both, record["temp_module"], np.nan)
+    scale = np.mean(measured[both]), max(np.std(measured[both]), 1e-300)
+    whole = forms(record, measured, rows, *scale)
     model = forms(record, np.where(both, modelled, np.nan), rows, *scale)
     usual, dates = functions(record, rows), record.dates[rows]
     # electrical power falls with temperature by irradiance, and may still be a cause
@@ -60,14 +74,19 @@ def leaks(record, seen, modelled, names, criteria):
     usual = np.column_stack([usual, power])
     for name in names:
         column = record[name]
-        tells = np.isfinite(column) & ~asleep(column, record["poa_global"])
-        parts = (column[rows], usual, whole, model, dates)
-        parts = (part[tells[rows]] for part in parts)
-        if is_one_piece(*parts, criteria.leak):
+        some = (np.isfinite(column) & ~asleep(column, record["poa_global"]))[rows]
+        parts = (part[some] for part in (usual, whole, model, dates))
+        if is_one_piece(column[rows][some], *parts, most=criteria.leak):
             yield name
 
 
-def forms(record, temperature, rows, centre, spread):
+def forms(
+    record: Record,
+    temperature: np.ndarray,
+    rows: np.ndarray,
+    centre: float,
+    spread: float,
+) -> np.ndarray:
     """A temperature at some rows: at several lags, smoothed, and to higher powers."""
     seconds, inputs = record.inputs.seconds, record.inputs
     known = np.isfinite(temperature)
@@ -80,7 +99,7 @@ def forms(record, temperature, rows, centre, spread):
     return np.column_stack([*found, now[rows] ** 2, now[rows] ** 3])
 
 
-def functions(record, rows):
+def functions(record: Record, rows: np.ndarray) -> np.ndarray:
     """Smooth functions of each usual input at some rows, now and smoothed in time."""
     inputs, found = record.inputs, [np.ones(len(rows))]
     for name in COLUMNS[:3]:
@@ -94,14 +113,14 @@ def functions(record, rows):
     return np.column_stack(found)
 
 
-def splines(values):
+def splines(values: np.ndarray) -> list[np.ndarray]:
     """A basis of quadratic splines."""
     values = (values - values.mean()) / max(values.std(), 1e-300)
     knots = np.unique(np.quantile(values, KNOTS))
     return [values, values**2, *(np.maximum(values - k, 0.0) ** 2 for k in knots)]
 
 
-def asleep(column, poa_global):
+def asleep(column: np.ndarray, poa_global: np.ndarray) -> np.ndarray:
     """
     Rows of a column at its most frequent value through a night, as a voltage of 0.
 
@@ -116,16 +135,23 @@ def asleep(column, poa_global):
     return still & np.isin(run, run[poa_global < DAYLIGHT])
 
 
-def is_one_piece(column, usual, whole, model, dates, most):
+def is_one_piece(
+    column: np.ndarray,
+    usual: np.ndarray,
+    whole: np.ndarray,
+    model: np.ndarray,
+    dates: np.ndarray,
+    most: float,
+) -> bool:
     """
     Whether a column follows the modelled temperature and the residual as one sum.
 
     Parameters
     ----------
-    column : array
-    usual, whole, model : array
+    column : array, shape (rows,)
+    usual, whole, model : array, shape (rows, functions)
         Functions of the usual inputs, of the temperature and of the model's part.
-    dates : array of int
+    dates : array of int, shape (rows,)
     most : float
         Share of what the remaining error describes of the column, that both parts
         with coefficients of their own may describe beyond the whole.
@@ -149,7 +175,7 @@ def is_one_piece(column, usual, whole, model, dates, most):
     )
 
 
-def coefficients(columns, table):
+def coefficients(columns: np.ndarray, table: np.ndarray) -> np.ndarray:
     """Coefficients of a least-squares fit of each column of a table."""
     products = columns.T @ columns
     size = np.sqrt(np.diag(products))
@@ -158,17 +184,17 @@ def coefficients(columns, table):
     return np.linalg.solve(inner, columns.T @ table / size[:, None]) / size[:, None]
 
 
-def held_out(column, others, folds):
+def held_out(column: np.ndarray, others: np.ndarray, folds: np.ndarray) -> np.ndarray:
     """Squares that a regression leaves on groups of weeks that did not make it."""
-    left = np.empty(len(column))
+    squares = np.empty(len(column))
     for fold in range(FOLDS):
         out = folds == fold
         found = coefficients(others[~out], column[~out, None])
-        left[out] = (column[out] - (others[out] @ found)[:, 0]) ** 2
-    return left
+        squares[out] = (column[out] - (others[out] @ found)[:, 0]) ** 2
+    return squares
 
 
-def is_less(one, other, dates):
+def is_less(one: np.ndarray, other: np.ndarray, dates: np.ndarray) -> bool:
     """Whether squares are surely less than others, by their ratio on each day."""
     day = np.unique(dates, return_inverse=True)[1]
     ratio = np.log((np.bincount(day, other) + LEAST) / (np.bincount(day, one) + LEAST))

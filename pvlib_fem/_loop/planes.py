@@ -1,9 +1,12 @@
 """The plane of the modules by columns of a record: fixed, or one that moves."""
 
+from typing import Any, cast
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.column_names import ROTATION, numeric, printable, with_aliases
+from pvlib_fem._record.inputs import Record
 from pvlib_fem.drivers._mounts import (
     angles_at,
     checked_column,
@@ -11,12 +14,14 @@ from pvlib_fem.drivers._mounts import (
     geometry,
 )
 from pvlib_fem.drivers._planes import ANGLES, AZIMUTH, TILT, ByColumns, by_rotation
-from pvlib_fem.quality._tracker_standstill import standing_of
+from pvlib_fem.quality._tracker_standstill import Standing, standing_of
 
 FIXED = 1.0  # ° within which a plane is one and the same
 
 
-def plane_of_columns(data, site):
+def plane_of_columns(
+    data: pd.DataFrame, site: dict[str, Any]
+) -> tuple[pd.DataFrame, dict[str, Any]]:
     """
     Take the plane of the modules from a record's columns.
 
@@ -60,13 +65,16 @@ def plane_of_columns(data, site):
         return data, site
     if moves(known):
         columns = {name: column.to_numpy() for name, column in columns.items()}
-        mount = ByColumns(data.index, columns)
+        # a record without times is refused where its columns are read
+        mount = ByColumns(cast(pd.DatetimeIndex, data.index), columns)
         return data, {**site, **dict.fromkeys(columns), "mount": mount}
     angles = {name: float(np.median(values)) for name, values in known.items()}
     return data, {**site, **{n: v for n, v in angles.items() if site[n] is None}}
 
 
-def with_given(data, site):
+def with_given(
+    data: pd.DataFrame, site: dict[str, Any]
+) -> tuple[pd.DataFrame, dict[str, Any]]:
     """The record with angles that are given as Series, and the site without."""
     mount = site["mount"]
     if not isinstance(mount, ByColumns):
@@ -85,7 +93,9 @@ def with_given(data, site):
     return data.assign(**mount.columns), {**site, "mount": None}
 
 
-def with_series(data, place):
+def with_series(
+    data: pd.DataFrame, place: dict[str, Any]
+) -> tuple[pd.DataFrame, dict[str, Any]]:
     """Data with the angles of a place that are Series as columns, and the others."""
     series = {n: v for n, v in place.items() if isinstance(v, pd.Series)}
     if not series:
@@ -96,9 +106,12 @@ def with_series(data, place):
     return data, {n: v for n, v in place.items() if n not in series}
 
 
-def refuse_other(name, values, given):
+def refuse_other(name: str, values: np.ndarray, given: float | None) -> None:
     """Refuse a column that has other angles than the one that is given."""
-    if given is None or (apart := np.abs(turned(name, values - given))).max() <= FIXED:
+    if given is None:
+        return
+    apart = np.abs(turned(name, values - given))
+    if apart.max() <= FIXED:
         return
     raise ValueError(
         f"{name} is given as {given:g}°, and the column {name} has {values.min():.3g} "
@@ -107,12 +120,12 @@ def refuse_other(name, values, given):
     )
 
 
-def turned(name, angles):
+def turned(name: str, angles: np.ndarray) -> np.ndarray:
     """Differences of angles; those of an azimuth within half a turn."""
     return (angles + 180.0) % 360.0 - 180.0 if name == AZIMUTH else angles
 
 
-def moves(known):
+def moves(known: dict[str, np.ndarray]) -> bool:
     """Whether a plane moves."""
     for name, values in known.items():
         level = name == AZIMUTH and TILT in known and known[TILT].max() <= FIXED
@@ -121,20 +134,32 @@ def moves(known):
     return False
 
 
-def standings_in(whole, site, late):
+def standings_in(
+    whole: Record, site: dict[str, Any], late: float
+) -> tuple[Standing, ...]:
     """
     Days on which the irradiance sensor of a tracker is stuck.
 
     The irradiance is then not of the plane that turns, but of one that is fixed.
+
+    Parameters
+    ----------
+    whole : Record
+    site : dict
+        From :func:`pvlib_fem.drivers.checked_place`, with a location.
+    late : float
+        By how much the times run ahead of the sun. [s]
     """
     angles = None if site["mount"] is None else angles_at(whole.index, site, late)
     if angles is None:
         return ()
-    how = (whole.index, site["location"], angles, late)
-    return standing_of(whole["poa_global"], *how)
+    location = site["location"]
+    return standing_of(whole["poa_global"], whole.index, location, angles, late)
 
 
-def with_standings(site, index, standings):
+def with_standings(
+    site: dict[str, Any], index: pd.DatetimeIndex, standings: tuple[Standing, ...]
+) -> dict[str, Any]:
     """The site with the angles at which its sensor stood, on those days."""
     if not standings:
         return site

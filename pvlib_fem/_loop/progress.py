@@ -1,6 +1,7 @@
 """How far a loop is: told to the log, and to whoever asks."""
 
 import logging
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
 from tqdm import tqdm
@@ -8,7 +9,7 @@ from tqdm import tqdm
 LOG = logging.getLogger("pvlib_fem")
 
 
-def line(disable=None):
+def line(disable: bool | None = None) -> tqdm:
     """One line on a terminal, which goes away; nothing elsewhere unless requested."""
     return tqdm(
         desc="looking at the record",
@@ -19,7 +20,9 @@ def line(disable=None):
 
 
 @contextmanager
-def telling(progress=None):
+def telling(
+    progress: Callable[[str], object] | bool | None = None,
+) -> Iterator[Callable[[str], None]]:
     """
     A function that takes each stage in a few words.
 
@@ -29,28 +32,38 @@ def telling(progress=None):
         Called with the words, too; True shows them on one line, as the command does.
     """
     with ExitStack() as stack:
+        show = None if progress is True else progress or None
         if progress is True:
-            progress = stack.enter_context(line(disable=False)).set_description_str
+            show = stack.enter_context(line(disable=False)).set_description_str
 
-        def tell(words):
+        def tell(words: str) -> None:
             LOG.info(words)
-            if progress:
-                progress(words)
+            if show:
+                show(words)
 
         yield tell
 
 
 @contextmanager
-def counting(whole, done=0, shown=True, words=None):
+def counting(
+    whole: int, done: int = 0, shown: bool | None = True, words: str | None = None
+) -> Iterator[Callable[[str], None]]:
     """
     A function that takes each finished item, of so many; with a bar.
 
-    ``shown`` is True, False, or None for a bar on a terminal only.
+    Parameters
+    ----------
+    whole, done : int
+        Number of items in all, and of those that are finished already.
+    shown : bool or None
+        None for a bar on a terminal only.
+    words : str, optional
+        In front of the bar.
     """
     hidden = None if shown is None else not shown
     with tqdm(total=whole, initial=done, disable=hidden, desc=words) as bar:
 
-        def tell(words):
+        def tell(words: str) -> None:
             LOG.info("%s, %d of %d", words, bar.n, whole)
             bar.set_postfix_str(words, refresh=False)
             bar.update()

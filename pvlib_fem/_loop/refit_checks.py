@@ -1,17 +1,25 @@
 """Checks of a refit: bounds, certainty, and errors that must not rise."""
 
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from pvlib_fem._findings import Check
+from pvlib_fem._findings import Check, Finding
 from pvlib_fem._statistics.clusters import FEWEST_CLUSTERS, calendar_weeks
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
+
+if TYPE_CHECKING:
+    from pvlib_fem._fitting.fem_fit import FemFit
+    from pvlib_fem._loop.divided_record import Case
+    from pvlib_fem._loop.refits import Step
 
 ERRORS = "standard errors"
 SURE = 3.0  # of them, that a coefficient has to be from nothing on the own steps
 RISE = 1.0  # of them, by which an error may rise
 
 
-def bounds(names, step):
+def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]:
     """The check that none of some coefficients is at a bound, and why it fails."""
     bound = sorted({*names} & {*step.at_bound})
     return (
@@ -20,10 +28,12 @@ def bounds(names, step):
     )
 
 
-def sureness(finding, values, stderr):
+def sureness(
+    finding: Finding, values: Mapping[str, float], stderr: Mapping[str, float]
+) -> tuple[Check, Because]:
     """The check that its surest coefficient is not nothing, and why it fails."""
     sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
-    name = max(sizes, key=sizes.get)
+    name = max(sizes, key=sizes.__getitem__)
     size, least = sizes[name], SURE
     return (
         Check("distance from nothing", "", size, least, unit=ERRORS),
@@ -33,12 +43,12 @@ def sureness(finding, values, stderr):
     )
 
 
-def distance(value, error):
+def distance(value: float, error: float) -> float:
     """Standard errors from nothing; without an error, or held, it is no doubt."""
     return abs(value) / error if error > 0 else np.inf
 
 
-def rise_check(errors, rise):
+def rise_check(errors: float, rise: float) -> tuple[Check, Because]:
     """The check that no error rises, and why it fails."""
     name, most = "rise of the error", RISE
     return (
@@ -47,22 +57,38 @@ def rise_check(errors, rise):
     )
 
 
-def rise(case, before, after):
+def rise(case: "Case", before: "Step", after: "Step") -> tuple[float, float]:
     """By how much the error rises from one step to another: :func:`rise_of`."""
     rows = case.fitting & np.isfinite(before.temperature + after.temperature)
     rows &= np.isfinite(before.measured + after.measured)  # a clock's ends have none
-    squares = (
+    one, other = (
         (step.measured[rows] - step.temperature[rows]) ** 2 for step in (before, after)
     )
-    return rise_of(*squares, np.ones(rows.sum()), case.whole.dates[rows])
+    return rise_of(one, other, np.ones(rows.sum()), case.whole.dates[rows])
 
 
-def rise_of(before, after, rows, dates):
+def rise_of(
+    before: np.ndarray, after: np.ndarray, rows: np.ndarray, dates: np.ndarray
+) -> tuple[float, float]:
     """
     The rise of a mean square, from sums of squares over some rows of some dates each.
 
-    In standard errors, from the spread between weeks, or days where there are few
-    weeks; and the rise of the error in K. NaN without rows.
+    Parameters
+    ----------
+    before, after : array, shape (sums,)
+        Sums of squared residuals. [K²]
+    rows : array, shape (sums,)
+        Number of rows of each.
+    dates : array of int, shape (sums,)
+        Date of each, from 1970-01-01.
+
+    Returns
+    -------
+    errors : float
+        In standard errors, from the spread between weeks, or days where there are few
+        weeks. NaN without rows.
+    rise : float
+        Of the root mean square. NaN without rows. [K]
     """
     if not len(rows):
         return np.nan, np.nan

@@ -1,15 +1,20 @@
 """Replacements for columns that are missing from a record."""
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem._fitting.horizontal import files_in_plane, with_plane
 from pvlib_fem._fitting.stand_ins import StandIn, chosen, with_stand_ins
 from pvlib_fem._record.column_names import with_aliases
+from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem.drivers._transposition import PARTS
+from pvlib_fem.quality._limits import Limits
 
-LEVEL = {"surface_tilt": 0.0, "surface_azimuth": 180.0, "mount": None}
+LEVEL: dict[str, Any] = {"surface_tilt": 0.0, "surface_azimuth": 180.0, "mount": None}
 
 
 @dataclass(frozen=True)
@@ -28,39 +33,68 @@ class Replacements:
     """
 
     transposition: str = ""
-    stand_ins: tuple = ()
+    stand_ins: tuple[str, ...] = ()
     calm: bool = False
 
     @classmethod
-    def of_arguments(cls, transposition, stand_ins, calm=False):
+    def of_arguments(
+        cls,
+        transposition: str | None,
+        stand_ins: str | Iterable[str],
+        calm: bool = False,
+    ) -> Self:
         """The replacements of a call, in which no transposition is None."""
         return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
 
-    def of(self, data, needed, site, limits, check_units, check_clock=True):
-        """The columns of a frame with what stands in, and what that is."""
-        columns, standing, said, horizontal = with_aliases(data, ()), (), (), None
+    def of(
+        self,
+        data: pd.DataFrame,
+        needed: Sequence[str],
+        site: dict[str, Any],
+        limits: Limits | None,
+        check_units: bool,
+        check_clock: bool = True,
+    ) -> "Filled":
+        """
+        The columns of a frame with the replacements, and notes on these.
+
+        Parameters
+        ----------
+        data : DataFrame
+        needed : sequence of str
+            Columns without which it is refused.
+        site : dict
+            From :func:`pvlib_fem.drivers.checked_place`.
+        limits : Limits, optional
+        check_units, check_clock : bool
+            Refuse a unit or a clock that cannot be.
+        """
+        columns, notes = with_aliases(data, ()), ()
+        standing: tuple[StandIn, ...] = ()
+        horizontal: np.ndarray | None = None
         if self.calm and "wind_speed" in columns:
-            columns, said = without_still_wind(columns)
-        if not (self.transposition or self.stand_ins or said):
+            columns, notes = without_still_wind(columns)
+        if not (self.transposition or self.stand_ins or notes):
             return Filled(with_aliases(data, needed))
         if self.stand_ins:
-            found = with_stand_ins(columns, self.stand_ins, limits)
-            columns, standing, said = found[0], found[1], (*said, *found[2])
+            columns, standing, more = with_stand_ins(columns, self.stand_ins, limits)
+            notes = (*notes, *more)
         if self.transposition:
             measured = "poa_global" in columns
-            how = (data.index, site, self.transposition, limits)
-            how = (*how, check_units, check_clock)
-            columns, more = with_plane(columns, *how)
-            said = (*said, *more)
+            sky = data.index, site, self.transposition, limits
+            columns, more = with_plane(columns, *sky, check_units, check_clock)
+            notes = (*notes, *more)
             if not measured:
                 # poa_global is made of these: they are no causes in addition to it
                 light = {n: columns.pop(n) for n in ("ghi", *PARTS) if n in columns}
                 horizontal = light["ghi"].to_numpy()
         frame = data.drop(columns=list(data)).assign(**columns)
-        return Filled(with_aliases(frame, needed), said, horizontal, standing)
+        return Filled(with_aliases(frame, needed), notes, horizontal, standing)
 
-    def of_files(self, source, place, limits):
-        """Files with what stands in, and what that is, for a loop."""
+    def of_files(
+        self, source: ParquetRecord, place: dict[str, Any], limits: Limits
+    ) -> tuple[ParquetRecord, dict[str, Any]]:
+        """Files with the replacements, and these as fields of a :class:`Loop`."""
         transposed = bool(self.transposition) and "poa_global" not in source.columns
         if transposed:
             source = files_in_plane(source, place, self.transposition, limits)
@@ -72,7 +106,7 @@ class Replacements:
         return source, {"transposition": sky, "stand_ins": tuple(standing)}
 
 
-def instead_of(source, usual, name):
+def instead_of(source: ParquetRecord, usual: str, name: str) -> ParquetRecord:
     """Files in which another column is the usual one, which they do not have."""
     if usual in {*source.columns, *source.partial}:
         raise ValueError(
@@ -90,10 +124,12 @@ def instead_of(source, usual, name):
     )
 
 
-def without_still_wind(columns):
-    """Columns without wind that never moves, and a word on that."""
-    wind = columns["wind_speed"]
-    if wind.nunique() > 1:
+def without_still_wind(
+    columns: dict[str, pd.Series],
+) -> tuple[dict[str, pd.Series], tuple[str, ...]]:
+    """Columns without wind that never moves, and a note on that."""
+    wind = columns["wind_speed"].dropna().to_numpy()
+    if (wind[1:] != wind[:-1]).any():
         return columns, ()
     rest = {name: column for name, column in columns.items() if name != "wind_speed"}
     words = "wind_speed never moves: it is taken as not measured"
@@ -104,11 +140,11 @@ def without_still_wind(columns):
 class Filled:
     """Columns with the replacements of missing ones."""
 
-    columns: dict
-    said: tuple = ()
+    columns: dict[str, pd.Series]
+    said: tuple[str, ...] = ()
     horizontal: np.ndarray | None = None  # irradiance that was transposed [W/m²]
-    standing: tuple = field(default=())  # of StandIn
+    standing: tuple[StandIn, ...] = ()
 
-    def plane(self, site):
+    def plane(self, site: dict[str, Any]) -> dict[str, Any]:
         """Where the measured light is from."""
         return site if self.horizontal is None else {**site, **LEVEL}

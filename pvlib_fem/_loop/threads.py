@@ -1,16 +1,18 @@
 """BLAS on one thread, for as long as any loop runs, and trees on one."""
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
 
 from threadpoolctl import threadpool_limits
 
 LOCK = Lock()
-RUNNING = []  # the limits of the loops that run in any thread, the first one's first
+#: the limits of the loops that run in any thread, the first one's first
+RUNNING: list[threadpool_limits] = []
 
 
 @contextmanager
-def one_blas_thread():
+def one_blas_thread() -> Iterator[None]:
     """
     The number of threads is the process's own, so that only the last loop frees it.
 
@@ -28,6 +30,6 @@ def one_blas_thread():
                 RUNNING.pop().restore_original_limits()
 
 
-def one_thread_of_trees():
+def one_thread_of_trees() -> threadpool_limits:
     """Trees on one thread, since sums over several have other last bits."""
     return threadpool_limits(limits=1, user_api="openmp")

@@ -5,6 +5,8 @@ from enum import IntEnum
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import calendar_weeks
 
 FEWEST_WEEKS = 5  # below which every other day is a test day
@@ -17,21 +19,23 @@ class Part(IntEnum):
     TEST = 1  # the errors that are reported; nothing looks at them before
 
 
-def named(parts):
+def named(parts: np.ndarray) -> "pd.Categorical[str]":
     """The parts by name, as users see them."""
     there = [part.name.lower() for part in Part if (parts == part).any()]
-    names = pd.Categorical.from_codes(parts, [part.name.lower() for part in Part])
-    return names.set_categories(there)
+    names = pd.Index([part.name.lower() for part in Part])
+    return pd.Categorical.from_codes(parts, names).set_categories(there)
 
 
-def parts(record, seen, holdout, criteria):
+def parts(
+    record: Record, seen: np.ndarray, holdout: pd.Series | None, criteria: Criteria
+) -> np.ndarray:
     """
     What each row of a record is for.
 
     Parameters
     ----------
     record : Record
-    seen : array of bool
+    seen : array of bool, shape (rows,)
         Rows that count.
     holdout : Series of bool, optional
         The test rows; by default every fifth week, or every other day of a record
@@ -40,21 +44,21 @@ def parts(record, seen, holdout, criteria):
 
     Returns
     -------
-    array of Part
+    array of Part, shape (rows,)
     """
-    found = np.full(len(seen), Part.FITTING, dtype=np.int8)
+    purposes = np.full(len(seen), Part.FITTING, dtype=np.int8)
     first, days = record.inputs.times.runs
     weeks = np.unique(calendar_weeks(days), return_inverse=True)[1]
     weeks = np.repeat(weeks, np.diff(first, append=len(seen)))
     if holdout is not None:
-        found[record.rows(holdout)] = Part.TEST
+        purposes[record.rows(holdout)] = Part.TEST
     elif weeks.max() + 1 >= FEWEST_WEEKS:
-        found[nth(weeks, criteria.test_every)] = Part.TEST
+        purposes[nth(weeks, criteria.test_every)] = Part.TEST
     elif record.count_days(seen) > 1:
-        found[record.days % 2 == 1] = Part.TEST
-    return found
+        purposes[record.days % 2 == 1] = Part.TEST
+    return purposes
 
 
-def nth(numbers, every):
+def nth(numbers: np.ndarray, every: int) -> np.ndarray:
     """One of every so many, in the middle of them."""
     return numbers % every == every // 2

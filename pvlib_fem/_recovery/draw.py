@@ -22,7 +22,7 @@ from pvlib_fem.effects._time_profiles import (
     weights_of,
     written,
 )
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
 
 EDGE = 0.1  # share of the days at either end of the record in which no date is drawn
 LONGEST = 0.25  # largest length of an episode, as a share of the days
@@ -123,7 +123,9 @@ def rounded(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-def chosen(case: Case, loop: Loop, effects: list | str | None) -> Any:
+def chosen(
+    case: Case, loop: Loop, effects: list | str | None
+) -> tuple[list[Effect], dict[str, str]]:
     """Effects that can be injected, and for other effects the reason why not."""
     wanted = {effect.name: effect for effect in case.wanted}
     there = {name for f in loop.finding_objects if f.added for name in f.candidates}
@@ -132,7 +134,10 @@ def chosen(case: Case, loop: Loop, effects: list | str | None) -> Any:
         names = [name for name in wanted if name in EFFECTS]
     else:
         names = [find(effect).name for effect in several(effects)]
-    found, notes = [], dict(case.untestable) if effects is None else {}
+    found: list[Effect] = []
+    notes: dict[str, Because | str] = {}
+    if effects is None:
+        notes |= case.untestable
     for name in names:
         if name not in wanted:
             notes[name] = case.untestable.get(name, f"the loop does not try {name}")
@@ -159,7 +164,7 @@ def needs_nothing(make: Any) -> Any:
 
 def drawn(
     effect: Effect, days: np.ndarray, side: int, draws: int, seed: int
-) -> tuple[list, None]:
+) -> tuple[list["Draw"], Because | None]:
     """
     Draws of an effect with dates but without directions, or why there is no date.
 

@@ -16,7 +16,7 @@ from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._recovery.draw import Draw, drawn, same_days, with_ways
 from pvlib_fem._recovery.inject import readable
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
 
 GROWS = 1.6  # factor from one size to the next, until the effect is selected
 HALVINGS = 4  # bisections between the last size not selected and the first selected
@@ -25,7 +25,7 @@ LEAST = 1.0  # first size, in standard errors
 
 def predictions(
     case: Case, step: Step, draws: int, seed: int, effect: Effect
-) -> tuple[list, None]:
+) -> tuple[list[tuple[Draw, float, float]], Because | None]:
     """
     Draws of an effect with the sizes from which each should be found, or why none.
 
