@@ -1,13 +1,16 @@
 """The result of a comparison of models."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from pvlib_fem import plotting
 from pvlib_fem._stored import saved
 from pvlib_fem.types import FilePath
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 STEPS = ("standard", "filter", "ewm", "fem")
 FITTED = "fem"  # the last step of a model, and the only one of a comparator
@@ -107,7 +110,7 @@ class Comparison:
         saved(text, path)
         return text
 
-    def plot(self, ax: Any = None, score: str = "rmse") -> Any:
+    def plot(self, ax: "Axes | None" = None, score: str = "rmse") -> "Axes":
         """
         Plot lines over the steps, or over the resolutions if there are several.
 

@@ -1,7 +1,7 @@
 """Pictures of the paper's estimators: its Figs. 3, 5, 6 and 7 for your own record."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -15,9 +15,13 @@ from pvlib_fem.plotting._style import (
     MARKERS,
     OTHER,
     STYLES,
+    Look,
     ink,
     new_axes,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 CLEAR = 0.35  # opacity of points that overlap
 
@@ -29,8 +33,8 @@ def plot_resistances(
     temp_module: pd.Series,
     calm_wind: float = 0.5,
     high_wind: float = 6.0,
-    ax: Any = None,
-) -> Any:
+    ax: "Axes | None" = None,
+) -> "Axes":
     """
     Over-temperature over irradiance in calm air and in high wind (Fig. 3).
 
@@ -82,7 +86,7 @@ def plot_resistances(
             "-",
         ),
     ):
-        dots = dict(color=colour, marker=marker, linestyle="", markersize=4)
+        dots: Look = dict(color=colour, marker=marker, linestyle="", markersize=4)
         points = frame[rows]
         ax.plot(points["poa_global"], points["over"], alpha=0.6, mfc="none", **dots)
         words = f"{condition}: {name} = {1e3 * found.value:.1f} mK/(W/m²)"
@@ -104,8 +108,8 @@ def plot_k_w(
     wind_speed: pd.Series,
     temp_module: pd.Series,
     intercept: bool = False,
-    ax: Any = None,
-) -> Any:
+    ax: "Axes | None" = None,
+) -> "Axes":
     """
     Slopes of over-temperature over wind by irradiance, and k_W (Fig. 5).
 
@@ -137,7 +141,7 @@ def plot_k_w(
     ends = np.array([0.0, 1.05 * x.max()])
     for free, words in ((False, "through the origin"), (True, "with an intercept")):
         mean = (y.mean() + k_w[free] * x.mean()) if free else 0.0
-        look = dict(linewidth=1.8, color=ink()) if free == intercept else {}
+        look: Look = dict(linewidth=1.8, color=ink()) if free == intercept else {}
         look = look or dict(linewidth=0.9, color=OTHER, linestyle="--")
         label = f"{words}: k_W = {1e3 * k_w[free]:.2f} mK m s/W"
         ax.plot(ends, mean - k_w[free] * ends, label=label, **look)
@@ -157,8 +161,8 @@ def plot_step_changes(
     interval: str = "5min",
     apart: int = 4,
     bins: Sequence[int] = (0, 1, 2, 4, 6),
-    ax: Any = None,
-) -> Any:
+    ax: "Axes | None" = None,
+) -> "Axes":
     """
     Changes of over-temperature over changes of irradiance, by wind (Fig. 6).
 
@@ -197,7 +201,7 @@ def plot_step_changes(
         colour = COLOURS[i % len(COLOURS)]
         marker, style = MARKERS[i % len(MARKERS)], STYLES[i % len(STYLES)]
         slope, at_zero = np.polyfit(rows["poa_global"], rows["over"], 1)
-        dots = dict(color=colour, marker=marker, linestyle="", markersize=3)
+        dots: Look = dict(color=colour, marker=marker, linestyle="", markersize=3)
         ax.plot(rows["poa_global"], rows["over"], alpha=CLEAR, **dots)
         words = f"{low:g}–{low + 1:g} m/s: {1e3 * slope:.1f} mK/(W/m²)"
         line = at_zero + slope * ends
@@ -210,7 +214,7 @@ def plot_step_changes(
     return ax
 
 
-def plot_tau_bins(tau: TimeConstant, ax: Any = None) -> Any:
+def plot_tau_bins(tau: TimeConstant, ax: "Axes | None" = None) -> "Axes":
     """
     The paper's time constants by wind bin, and the chosen one (Fig. 7).
 
@@ -234,9 +238,11 @@ def plot_tau_bins(tau: TimeConstant, ax: Any = None) -> Any:
     table = tau.table.dropna(subset=["tau"])
     middle = table.index.to_numpy() + 0.5
     used = table["used"].to_numpy(bool)
-    dots = dict(linestyle="", markersize=7)
+    dots: Look = dict(linestyle="", markersize=7)
     ax.plot(middle[used], table["tau"][used], "o", color=AFTER, label="used", **dots)
-    rest = dict(mfc="none", color=BEFORE, label="not used: tau no longer falls", **dots)
+    rest: Look = dict(
+        mfc="none", color=BEFORE, label="not used: tau no longer falls", **dots
+    )
     if (~used).any():
         ax.plot(middle[~used], table["tau"][~used], "s", **rest)
     if np.isfinite(tau.f):

@@ -1,9 +1,14 @@
 """Picture of the error budget: reductions by steps, and the remainder in time."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from pvlib_fem.plotting._step_plots import one_line_each, signed, spaced
-from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, ink, new_axes
+from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, Look, ink, new_axes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._loop.loop_result import Loop
 
 #: names of rows in a picture
 REMAINING = {"left": "remaining error"}
@@ -17,7 +22,7 @@ LOOKS = {
 }
 
 
-def plot_budget(loop: Any, ax: Any = None) -> Any:
+def plot_budget(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     """
     Error budget of a loop: its parts add up to the mean square of the steady model.
 
@@ -44,7 +49,7 @@ def plot_budget(loop: Any, ax: Any = None) -> Any:
         whole = kind in ("start", "left")
         level = square if whole else level - square
         left = 0.0 if whole else min(level, level + square)
-        rises = dict(hatch="//", edgecolor=ink()) if square < 0.0 else {}
+        rises: Look = dict(hatch="//", edgecolor=ink()) if square < 0.0 else {}
         bar = ax.barh(place, abs(square), 0.7, left=left, color=LOOKS[kind], **rises)
         fall = kind == "taken"
         ax.bar_label(bar, [signed(-square) if fall else f"{square:.2f}"], padding=3)

@@ -1,11 +1,24 @@
 """Picture of the error that could still be explained."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-from pvlib_fem.plotting._style import AFTER, BEFORE, OTHER, ink, new_axes, without_frame
+from pvlib_fem.plotting._style import (
+    AFTER,
+    BEFORE,
+    OTHER,
+    Look,
+    ink,
+    new_axes,
+    without_frame,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._ceiling.ceiling_result import Ceiling
 
 
-def plot_ceiling(ceiling: Any, ax: Any = None) -> Any:
+def plot_ceiling(ceiling: "Ceiling", ax: "Axes | None" = None) -> "Axes":
     """
     One bar: the mean square of the paper's form, divided by what explains it.
 
@@ -24,17 +37,17 @@ def plot_ceiling(ceiling: Any, ax: Any = None) -> Any:
     """
     ax = new_axes(ax, height=2.4)
     paper, loop, trees = (e**2 for e in (ceiling.paper, ceiling.loop, ceiling.trees))
-    left = min(loop, trees)  # what neither explains
-    parts = (
+    rest = min(loop, trees)
+    parts: tuple[tuple[str, float, Look], ...] = (
         ("explained by the loop", max(paper - loop, 0.0), dict(color=AFTER)),
-        ("explained by trees alone", loop - left, dict(color=BEFORE, hatch="//")),
-        ("explained by neither", left, dict(color=OTHER)),
+        ("explained by trees alone", loop - rest, dict(color=BEFORE, hatch="//")),
+        ("explained by neither", rest, dict(color=OTHER)),
     )
     at = 0.0
     for name, size, look in parts:
-        edge = {"edgecolor": ink()} if "hatch" in look else {}
+        look |= {"edgecolor": ink()} if "hatch" in look else {}
         words = f"{name}: {size:.2f} K²"
-        ax.barh(0.0, size, 0.6, left=at, label=words, **look, **edge)
+        ax.barh(0.0, size, 0.6, left=at, label=words, **look)
         at += size
     ax.set_yticks([])
     ax.set_xlim(0.0, at)

@@ -1,7 +1,7 @@
 """Comparisons of several models: the paper's Figs. 8, 9 and 10."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from pvlib_fem.plotting._style import (
     COLOURS,
     MARKERS,
     STYLES,
+    Look,
     ink,
     label,
     new_axes,
@@ -19,13 +20,20 @@ from pvlib_fem.plotting._style import (
 )
 from pvlib_fem.scores import EnergyError
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem.paper._comparison import Comparison
+
 STEPS = {"standard": "steady", "filter": "+ filter", "ewm": "+ EWM", "fem": "+ bias"}
 LAST = "fem"  # step of the models of others
 STEADY = "standard"
 SPREAD = 0.12  # distance between the models of others
 
 
-def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any:
+def plot_comparison(
+    comparison: "Comparison", ax: "Axes | None" = None, score: str = "rmse"
+) -> "Axes":
     """
     One score by step, with a line per model; models of others at the end (Fig. 9).
 
@@ -45,11 +53,11 @@ def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any
     table = comparison.by_step(score)
     place = np.arange(len(table))
     single = table.drop(index=LAST).isna().all() & table.loc[LAST].notna()
-    others = place[-1] + 0.5 + SPREAD * np.arange(single.sum())
+    others = place[-1] + 0.5 + SPREAD * np.arange(np.count_nonzero(single))
     beyond = iter(others)
     for i, (name, values) in enumerate(table.items()):
         look = looks(i)
-        if single[name]:
+        if single[str(name)]:
             look |= dict(linestyle="", mfc="none", mew=1.6)
             ax.plot([next(beyond)], values[[LAST]], label=label(name), **look)
         else:
@@ -64,7 +72,9 @@ def plot_comparison(comparison: Any, ax: Any = None, score: str = "rmse") -> Any
     return ax
 
 
-def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> Any:
+def plot_resolutions(
+    comparison: "Comparison", ax: "Axes | None" = None, score: str = "rmse"
+) -> "Axes":
     """
     One score over the resolution of the data, steady and dynamic (Fig. 8).
 
@@ -98,7 +108,7 @@ def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> An
         look = looks(i)
         ax.plot(last.index, last[name], label=label(name), **look)
         if name in steady:
-            thin = dict(color=look["color"], linestyle="--", linewidth=0.9)
+            thin: Look = dict(color=look["color"], linestyle="--", linewidth=0.9)
             ax.plot(steady.index, steady[name], marker=look["marker"], ms=3, **thin)
     ax.plot([], [], color=ink(), linestyle="--", linewidth=0.9, label="steady")
     ax.set_xscale("log")
@@ -111,7 +121,9 @@ def plot_resolutions(comparison: Any, ax: Any = None, score: str = "rmse") -> An
     return ax
 
 
-def plot_energy_error(errors: Mapping[str, EnergyError], ax: Any = None) -> Any:
+def plot_energy_error(
+    errors: Mapping[str, EnergyError], ax: "Axes | None" = None
+) -> "Axes":
     """
     Error of the performance ratio by temperature errors, in both signs (Fig. 10).
 
@@ -133,7 +145,7 @@ def plot_energy_error(errors: Mapping[str, EnergyError], ax: Any = None) -> Any:
         for side in ("over_estimate", "under_estimate", "net")
     )
     ax.barh(place, over, 0.65, color=AFTER, label="over-estimated, model too cold")
-    hatched = dict(color=BEFORE, hatch="//", edgecolor=ink(), linewidth=0.0)
+    hatched: Look = dict(color=BEFORE, hatch="//", edgecolor=ink(), linewidth=0.0)
     ax.barh(place, under, 0.65, label="under-estimated, model too hot", **hatched)
     ax.plot(net, place, "D", color=ink(), mfc="white", ms=6, label="both together")
     ax.axvline(0.0, color=ink(), linewidth=0.8)
@@ -148,7 +160,7 @@ def plot_energy_error(errors: Mapping[str, EnergyError], ax: Any = None) -> Any:
     return ax
 
 
-def looks(i):
+def looks(i: int) -> Look:
     """Colour, marker and line of one model among several."""
     again = i // len(COLOURS)
     return dict(
@@ -159,20 +171,20 @@ def looks(i):
     )
 
 
-def words_of(score):
+def words_of(score: str) -> str:
     """Label of an axis for a score."""
     name, _, part = score.partition("_")
     return f"{name.upper()} by {part or 'day'}, held-out days [K]"
 
 
-def duration(seconds):
+def duration(seconds: float) -> str:
     """A time step in words."""
     if seconds < 60:
         return f"{seconds:g} s"
     return f"{seconds / 60:g} min" if seconds < 3600 else f"{seconds / 3600:g} h"
 
 
-def legend_outside(ax):
+def legend_outside(ax: "Axes") -> None:
     """Add a legend to the right of the axes."""
     without_frame(ax, "top", "right")
     ax.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -2,27 +2,44 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from pvlib_fem._record.file_summary import present
 from pvlib_fem._record.filters import counted
 from pvlib_fem._relaxation import relax
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, day_errors
-from pvlib_fem.plotting._style import AFTER, COLOURS, MARKERS, STYLES, ink, new_axes
+from pvlib_fem.plotting._style import (
+    AFTER,
+    COLOURS,
+    MARKERS,
+    STYLES,
+    Look,
+    ink,
+    new_axes,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._fitting.fem_fit import FemFit
 
 STEP = 1000.0  # W/m²
 SPAN = 5.0  # time constants that are drawn
 ROWS = 1001
 BIN = 1.0  # m/s, the paper's bins of wind
 LEVEL = 0.95
+Wind = TypeVar("Wind", float, np.ndarray)
 
 
 def plot_step_response(
-    fit: Any, wind_speed: Sequence[float] = (0.5, 2.0, 5.0), ax: Any = None
-) -> Any:
+    fit: "FemFit",
+    wind_speed: Sequence[float] = (0.5, 2.0, 5.0),
+    ax: "Axes | None" = None,
+) -> "Axes":
     """
     Over-temperature after a step of irradiance, at several winds.
 
@@ -62,10 +79,12 @@ def plot_step_response(
         air, moving = 0.0 * sun, 0.0 * sun + wind
         warm = model.predict(sun, air, moving, {**coefficients, "bias": 0.0})
         words = f"{wind:g} m/s: τ = {tau:.0f} s"
-        look = dict(color=COLOURS[i % len(COLOURS)], linestyle=STYLES[i % len(STYLES)])
+        look: Look = dict(
+            color=COLOURS[i % len(COLOURS)], linestyle=STYLES[i % len(STYLES)]
+        )
         ax.plot(seconds / 60.0, warm, label=words, **look)
         reached = np.interp(tau, seconds, warm)
-        marker = dict(marker=MARKERS[i % len(MARKERS)], zorder=3)
+        marker: Look = dict(marker=MARKERS[i % len(MARKERS)], zorder=3)
         ax.plot([tau / 60.0], [reached], color=look["color"], **marker)
         ax.vlines(tau / 60.0, 0.0, reached, color=look["color"], linewidth=0.7)
     ax.plot([], [], "o", color=ink(), label="63 % reached", markersize=5)
@@ -78,7 +97,7 @@ def plot_step_response(
     return ax
 
 
-def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
+def plot_tau_by_wind(fit: "FemFit", ax: "Axes | None" = None) -> "Axes":
     """
     The time constant over wind: of the model, and of the record in bins.
 
@@ -112,7 +131,7 @@ def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
     words = f"the model: {fit.model}, {fit.dynamics}"
     ax.plot(winds, time_constant(fit, winds), color=AFTER, label=words)
     bars = (bins["tau"] - bins["lower"], bins["upper"] - bins["tau"])
-    look = dict(fmt="o", color=ink(), capsize=3, markersize=5)
+    look: Look = dict(fmt="o", color=ink(), capsize=3, markersize=5)
     words = "the record, by smoothed wind; 95 %, clustered by day"
     ax.errorbar(bins["wind_speed"], bins["tau"], bars, label=words, **look)
     ax.set_xlim(0.0, winds[-1])
@@ -123,7 +142,7 @@ def plot_tau_by_wind(fit: Any, ax: Any = None) -> Any:
     return ax
 
 
-def tau_by_wind(fit: Any) -> pd.DataFrame:
+def tau_by_wind(fit: "FemFit") -> pd.DataFrame:
     r"""
     Estimate the time constant of a record in bins of 1 m/s.
 
@@ -166,7 +185,7 @@ def tau_by_wind(fit: Any) -> pd.DataFrame:
     .. [1] A. Björck, "Numerical Methods for Least Squares Problems", SIAM 1996,
        section 9.2. :doi:`10.1137/1.9781611971484`
     """
-    model, record = fit.thermal_model, fit.record
+    model, record = fit.thermal_model, present(fit.record)
     name = constant(fit)
     coefficients = {**model.steady_model.fixed, **fit.coefficients}
     temperature, slopes = model.slopes(record.inputs, coefficients)
@@ -197,7 +216,9 @@ def tau_by_wind(fit: Any) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=names)
 
 
-def newton_step(columns, residual, dates):
+def newton_step(
+    columns: list[np.ndarray], residual: np.ndarray, dates: np.ndarray
+) -> tuple[float, float, int] | None:
     """Step of the first column's coefficient, its error and the days; or None."""
     days = len(np.unique(dates))
     if days < FEWEST_DAYS:
@@ -207,14 +228,14 @@ def newton_step(columns, residual, dates):
     if rank < len(columns):
         return None
     try:
-        left = residual - matrix @ step
-        covariance = day_errors(columns, left, dates)
+        remaining = residual - matrix @ step
+        covariance = day_errors(columns, remaining, dates)
     except np.linalg.LinAlgError:  # one day alone determines a coefficient
         return None
     return step[0], np.sqrt(covariance[0, 0]), days
 
 
-def constant(fit):
+def constant(fit: "FemFit") -> str:
     """Name of the coefficient that sets the time constant of a fit."""
     names = {"ewm": "tau", "balance": "capacity"}
     if fit.dynamics not in names:
@@ -225,7 +246,7 @@ def constant(fit):
     return names[fit.dynamics]
 
 
-def time_constant(fit, wind_speed):
+def time_constant(fit: "FemFit", wind_speed: Wind) -> Wind:
     """Time constant of a fitted model at these winds, without its effects. [s]"""
     value, steady_model = (
         fit.coefficients[constant(fit)],

@@ -1,7 +1,7 @@
 """Pictures of measured columns that show a fault without a thermal model."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -16,11 +16,16 @@ from pvlib_fem.plotting._style import (
     MARKERS,
     OTHER,
     STYLES,
+    Look,
     dated_axis,
     ink,
     label,
     new_axes,
+    polar_axes,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MOST_DOTS = 240  # of a series; a longer one has medians of several days
 SMOOTH = 15  # dots of the running median
@@ -33,8 +38,8 @@ SECTORS, RINGS = 24, 9  # cells of the sky: 15° of azimuth, 10° of elevation
 class Marks:
     """Dates of a finding: vertical lines, and a shaded period."""
 
-    lines: tuple = ()
-    period: tuple = ()
+    lines: tuple[str, ...] = ()
+    period: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +49,7 @@ class Daily:
     days: pd.DatetimeIndex
     values: np.ndarray = field(repr=False)
 
-    def thinned(self):
+    def thinned(self) -> "Daily":
         """At most `MOST_DOTS` medians of successive days."""
         width = max(1, -(-len(self.days) // MOST_DOTS))
         part = np.arange(len(self.days)) // width
@@ -52,7 +57,7 @@ class Daily:
         table = table.groupby(part).median()
         return Daily(pd.DatetimeIndex(table["day"]), table["value"].to_numpy())
 
-    def without_season(self):
+    def without_season(self) -> "Daily":
         """Of a record of several years, values over the usual ones of their month."""
         if self.days[-1] - self.days[0] < SEASONS * pd.Timedelta(days=365):
             return self
@@ -61,7 +66,9 @@ class Daily:
         return Daily(self.days, self.values / usual)
 
 
-def plot_by_date(series: dict, words: str, marks: Marks, ax: Any = None) -> Any:
+def plot_by_date(
+    series: dict, words: str, marks: Marks, ax: "Axes | None" = None
+) -> "Axes":
     """
     Daily values through time, with a running median and the dates of a finding.
 
@@ -83,7 +90,7 @@ def plot_by_date(series: dict, words: str, marks: Marks, ax: Any = None) -> Any:
     low, high = [], []
     for i, (name, daily) in enumerate(series.items()):
         dots = daily.thinned()
-        look = dict(color=COLOURS[i % len(COLOURS)])
+        look: Look = dict(color=COLOURS[i % len(COLOURS)])
         marker = MARKERS[i % len(MARKERS)]
         ax.plot(dots.days, dots.values, marker, markersize=2.2, alpha=0.45, **look)
         line = pd.Series(dots.values).rolling(SMOOTH, center=True, min_periods=3)
@@ -102,23 +109,29 @@ def plot_by_date(series: dict, words: str, marks: Marks, ax: Any = None) -> Any:
     dated_axis(ax)
     if len(series) > 1:
         columns = 2 if len(series) in (2, 4) else 3
-        place = dict(loc="lower center", bbox_to_anchor=(0.5, 1.0))
+        place: Look = dict(loc="lower center", bbox_to_anchor=(0.5, 1.0))
         ax.legend(**place, ncols=columns, frameon=False)
     return ax
 
 
-def marked(ax, marks):
+def marked(ax: "Axes", marks: Marks) -> None:
     """Draw the dates of a finding."""
-    for date in marks.lines:
-        ax.axvline(pd.Timestamp(date), color=BEFORE, linestyle="--", linewidth=1.2)
+    from matplotlib.dates import date2num
+
+    for date in date2num([pd.Timestamp(day) for day in marks.lines]):
+        ax.axvline(date, color=BEFORE, linestyle="--", linewidth=1.2)
     if marks.period:
-        start, end = map(pd.Timestamp, marks.period)
+        start, end = date2num([pd.Timestamp(day) for day in marks.period])
         ax.axvspan(start, end, color=ink(), alpha=FAINT, linewidth=0)
 
 
 def plot_event(
-    times: pd.DatetimeIndex, columns: dict, event: tuple, words: str, ax: Any = None
-) -> Any:
+    times: pd.DatetimeIndex,
+    columns: dict,
+    event: tuple,
+    words: str,
+    ax: "Axes | None" = None,
+) -> "Axes":
     """
     Columns over some days around an event, which is shaded.
 
@@ -140,7 +153,7 @@ def plot_event(
     """
     ax = new_axes(ax)
     for (name, values), colour, style in zip(columns.items(), (AFTER, BEFORE), STYLES):
-        look = dict(color=colour, linestyle=style, linewidth=1.5)
+        look: Look = dict(color=colour, linestyle=style, linewidth=1.5)
         ax.plot(times, values, label=label(name), **look)
     ax.axvspan(*event, color=ink(), alpha=FAINT, linewidth=0)
     ax.set_ylabel(words)
@@ -149,7 +162,7 @@ def plot_event(
     return ax
 
 
-def plot_distribution(parts: dict, words: str, ax: Any = None) -> Any:
+def plot_distribution(parts: dict, words: str, ax: "Axes | None" = None) -> "Axes":
     """
     Distribution of a column in two periods, as shares of its rows.
 
@@ -188,9 +201,9 @@ def plot_by_sun(
     azimuth: np.ndarray,
     elevation: np.ndarray,
     windows: tuple = (),
-    ax: Any = None,
+    ax: "Axes | None" = None,
     limit: float | None = None,
-) -> Any:
+) -> "Axes":
     """
     Mean residual by the position of the sun, with the zenith in the middle.
 
@@ -211,7 +224,7 @@ def plot_by_sun(
     -------
     matplotlib Axes
     """
-    ax = new_axes(ax, "polar")
+    ax = polar_axes(ax)
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(-1)
     means = by_sun(residual, azimuth, elevation)
@@ -235,7 +248,9 @@ def plot_by_sun(
     return ax
 
 
-def by_sun(residual, azimuth, elevation):
+def by_sun(
+    residual: pd.Series, azimuth: np.ndarray, elevation: np.ndarray
+) -> pd.DataFrame:
     """Mean residual, a row for each 10° of zenith angle, a column for each 15°."""
     across = np.floor(np.asarray(azimuth) % 360.0 / (360.0 / SECTORS))
     up = np.floor((90.0 - np.asarray(elevation)) / (90.0 / RINGS))
@@ -245,8 +260,8 @@ def by_sun(residual, azimuth, elevation):
 
 
 def plot_against(
-    values: np.ndarray, other: np.ndarray, words: tuple, ax: Any = None
-) -> Any:
+    values: np.ndarray, other: np.ndarray, words: tuple, ax: "Axes | None" = None
+) -> "Axes":
     """
     Median and quartiles of a quantity by another one.
 

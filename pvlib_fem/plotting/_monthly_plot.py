@@ -1,7 +1,7 @@
 """Picture of monthly coefficients: changes of a module or of its sensors."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -10,21 +10,27 @@ from pvlib_fem.plotting._style import (
     AFTER,
     BEFORE,
     OTHER,
+    Look,
     dated_axis,
     label,
     new_axes,
     panels,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._fitting.fem_fit import FemFit
+
 WIDE = 5.0  # an interval this many times the usual may exceed the panel
 ROOM = 1.5  # margin on either side of the values, in usual intervals
 
 
 def plot_through_time(
-    fit: Any,
-    ax: Any = None,
+    fit: "FemFit",
+    ax: "Axes | None" = None,
     changes: Sequence[Any] = (),
-) -> Any:
+) -> "Axes":
     r"""
     Each coefficient per month, with its 95 % interval.
 
@@ -60,6 +66,8 @@ def plot_through_time(
     >>> [axes.get_ylabel() for axes in ax.figure.axes][:2]
     ['r_eq\n[K m²/W]', 'u0\n[W/(m² K)]']
     """
+    from matplotlib.dates import date2num
+
     table, whole = fit, {}
     if not isinstance(fit, pd.DataFrame):
         table, whole = fit.through_time(), fit.coefficients
@@ -73,17 +81,17 @@ def plot_through_time(
         if name in whole:
             panel.axhline(whole[name], color=OTHER, linewidth=0.8, zorder=0)
         for date in dates:
-            panel.axvline(date, color=BEFORE, linestyle="--", linewidth=1.2)
+            panel.axvline(date2num(date), color=BEFORE, linestyle="--", linewidth=1.2)
         panel.tick_params(axis="x", labelbottom=panel is axes[-1])
     dated_axis(axes[-1])
     for date in dates:
-        words = dict(xytext=(3, -3), textcoords="offset points", va="top")
-        place = dict(xy=(date, 1.0), xycoords=("data", "axes fraction"))
+        words: Look = dict(xytext=(3, -3), textcoords="offset points", va="top")
+        place: Look = dict(xy=(date, 1.0), xycoords=("data", "axes fraction"))
         axes[0].annotate(f"{date:%Y-%m-%d}", **place, **words, color=BEFORE)
     return axes[0]
 
 
-def date_of(change):
+def date_of(change: Any) -> pd.Timestamp:
     """A date without a time zone, as on the axis."""
     try:
         return pd.Timestamp(change).tz_localize(None)
@@ -94,15 +102,15 @@ def date_of(change):
         ) from error
 
 
-def draw_periods(ax, rows):
+def draw_periods(ax: "Axes", rows: pd.DataFrame) -> None:
     """Draw values in the middle of their periods, with intervals."""
-    starts = rows.index.tz_localize(None)
+    starts = pd.DatetimeIndex(rows.index).tz_localize(None)
     length = np.median(np.diff(starts)) if len(starts) > 1 else pd.Timedelta(0)
     middle = starts + pd.Timedelta(length) / 2
     value = rows["value"].to_numpy()
     below, above = value - rows["lower"], rows["upper"] - value
     reach = np.stack([below, above]).clip(min=0.0)
-    look = dict(color=AFTER, linewidth=1.0, elinewidth=1.0, markersize=3.5)
+    look: Look = dict(color=AFTER, linewidth=1.0, elinewidth=1.0, markersize=3.5)
     ax.errorbar(middle, value, reach, marker="o", **look)
     usual = np.nanmedian(reach.max(axis=0)) if np.isfinite(value).any() else np.nan
     precise = value[reach.max(axis=0) <= WIDE * usual]

@@ -1,11 +1,16 @@
 """Picture of the recovery of injected effects."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
-from pvlib_fem.plotting._style import COLOURS, MARKERS, OTHER, STYLES, new_axes
+from pvlib_fem.plotting._style import COLOURS, MARKERS, OTHER, STYLES, Look, new_axes
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._recovery.recovery_result import Recovery
 
 
-def plot_recovery(recovery: Any, ax: Any = None) -> Any:
+def plot_recovery(recovery: "Recovery", ax: "Axes | None" = None) -> "Axes":
     """
     Share of injections found over multiples of the predicted size, by effect.
 
@@ -23,7 +28,9 @@ def plot_recovery(recovery: Any, ax: Any = None) -> Any:
     summary = recovery.summary.reset_index().dropna(subset="multiple")
     for i, (name, part) in enumerate(summary.groupby("effect", sort=False)):
         part = part.sort_values("multiple")
-        look = dict(color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)])
+        look: Look = dict(
+            color=COLOURS[i % len(COLOURS)], marker=MARKERS[i % len(MARKERS)]
+        )
         look["linestyle"] = STYLES[i // len(COLOURS) % len(STYLES)]
         ax.plot(part["multiple"], part["found"], label=name, **look)
     ax.axvline(1.0, color=OTHER, linewidth=0.8, zorder=0)

@@ -1,13 +1,16 @@
 """Maps of a residual: its mean by hour and month, by wind, by any two columns."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem._statistics import axes
-from pvlib_fem.plotting._style import label_with_unit, new_axes
+from pvlib_fem.plotting._style import Look, label_with_unit, new_axes, polar_axes
 from pvlib_fem.types import Numeric
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SECTORS = 16  # of a wind rose
 FINER = 3  # pieces of a sector, so that it is drawn round
@@ -21,8 +24,8 @@ CLEAR = 0.2  # a mean below minus this share of the scale has a dash
 
 
 def plot_residual_map(
-    residual: pd.Series, ax: Any = None, limit: float | None = None
-) -> Any:
+    residual: pd.Series, ax: "Axes | None" = None, limit: float | None = None
+) -> "Axes":
     """
     Mean residual by hour of day and month, each month of each year by itself.
 
@@ -54,7 +57,7 @@ def plot_residual_map(
     return ax
 
 
-def month_ticks(months):
+def month_ticks(months: pd.Index) -> tuple[np.ndarray, list[str]]:
     """Places and names of ticks: each month, or January of some years."""
     if len(months) <= YEAR:
         names = [
@@ -73,9 +76,9 @@ def plot_residual_by(
     residual: pd.Series,
     x: pd.Series,
     y: pd.Series | None,
-    ax: Any = None,
+    ax: "Axes | None" = None,
     limit: float | None = None,
-) -> Any:
+) -> "Axes":
     """
     Mean residual over two columns, such as irradiance and wind.
 
@@ -129,9 +132,9 @@ def plot_residual_rose(
     residual: pd.Series,
     wind_speed: Numeric,
     wind_direction: pd.Series,
-    ax: Any = None,
+    ax: "Axes | None" = None,
     limit: float | None = None,
-) -> Any:
+) -> "Axes":
     """
     Mean residual by wind direction and wind speed.
 
@@ -161,13 +164,8 @@ def plot_residual_rose(
         If ``ax`` is not polar, an index differs from that of the residual, or a
         column holds no number.
     """
-    if ax is not None and ax.name != "polar":
-        raise ValueError(
-            f"a wind rose needs polar axes, and ax is {ax.name}; make them with "
-            'plt.subplots(subplot_kw={"projection": "polar"})'
-        )
     means, speed = by_sector(residual, wind_speed, wind_direction)
-    ax = new_axes(ax, "polar")
+    ax = polar_axes(ax)
     ax.set_theta_zero_location("N")
     ax.set_theta_direction(-1)
     ax.set_xticks(np.radians(range(0, 360, 45)), axes.SECTORS)
@@ -186,7 +184,14 @@ def plot_residual_rose(
     return ax
 
 
-def mesh(ax, across, up, means, limit=None, pieces=1):
+def mesh(
+    ax: "Axes",
+    across: np.ndarray,
+    up: np.ndarray,
+    means: pd.DataFrame,
+    limit: float | None = None,
+    pieces: int = 1,
+) -> None:
     """
     Draw cells from blue (model too hot) to red, with their scale.
 
@@ -195,7 +200,7 @@ def mesh(ax, across, up, means, limit=None, pieces=1):
     """
     limit = largest(means) if limit is None else limit
     values = means.to_numpy(dtype=float)
-    colours = dict(cmap="RdBu_r", vmin=-limit, vmax=limit)
+    colours: Look = dict(cmap="RdBu_r", vmin=-limit, vmax=limit)
     # edges in the colour of the cell avoid seams in a vector picture
     if values.size > MOST_CELLS:
         colours |= dict(rasterized=True)
@@ -218,9 +223,9 @@ def mesh(ax, across, up, means, limit=None, pieces=1):
     bar.set_label("measured − modelled [K]")
 
 
-def by_hour_and_month(residual):
+def by_hour_and_month(residual: pd.Series) -> pd.DataFrame:
     """Mean residual, a row for each hour and a column for each month of each year."""
-    index = residual.index
+    index = pd.DatetimeIndex(residual.index)
     months = YEAR * np.asarray(index.year) + np.asarray(index.month) - 1
     rows = pd.DataFrame(
         {"residual": residual.to_numpy(), "hour": index.hour, "month": months}
@@ -230,7 +235,9 @@ def by_hour_and_month(residual):
     return means.reindex(index=range(24), columns=every)
 
 
-def by_sector(residual, wind_speed, wind_direction):
+def by_sector(
+    residual: pd.Series, wind_speed: Numeric, wind_direction: Numeric
+) -> tuple[pd.DataFrame, np.ndarray]:
     """Mean residual, a row for each bin of speed and a column for each sector."""
     speed = aligned(residual, wind_speed, "wind_speed")
     angle = aligned(residual, wind_direction, "wind_direction")
@@ -244,13 +251,13 @@ def by_sector(residual, wind_speed, wind_direction):
     return means.iloc[:rings], up[: rings + 1]
 
 
-def largest(*means):
+def largest(*means: pd.DataFrame) -> float:
     """Largest absolute mean of some maps, for a common scale. [K]"""
     values = np.abs(np.concatenate([m.to_numpy().ravel() for m in means]))
     return float(max(np.nanmax(values, initial=0.0), 0.1))
 
 
-def aligned(residual, column, name):
+def aligned(residual: pd.Series, column: Numeric | None, name: str) -> pd.Series:
     """The column as float; ValueError if its index is not that of the residual."""
     if not isinstance(column, pd.Series) or not column.index.equals(residual.index):
         raise ValueError(
@@ -260,7 +267,7 @@ def aligned(residual, column, name):
     return column.astype(float)
 
 
-def edges(column, name):
+def edges(column: pd.Series, name: str) -> np.ndarray:
     """About ten even bins with round edges."""
     from matplotlib.ticker import MaxNLocator
 
@@ -268,10 +275,11 @@ def edges(column, name):
     if known.empty:
         raise ValueError(f"{name} holds no number; give a column that was measured")
     low, high = known.quantile([OUTER, 1.0 - OUTER])
-    return MaxNLocator(12, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    ticks = MaxNLocator(12, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    return np.asarray(ticks)
 
 
-def inside(column, cuts):
+def inside(column: pd.Series, cuts: np.ndarray) -> np.ndarray:
     """Bin of each row; NaN beyond the outer bins."""
     places = np.searchsorted(cuts, column, side="right") - 1.0
     # the last edge belongs to the last bin: a humidity of 100 % is no outlier
@@ -279,9 +287,15 @@ def inside(column, cuts):
     return np.where((places >= 0) & (places < len(cuts) - 1), places, np.nan)
 
 
-def cell_means(residual, across, up, columns, rows):
+def cell_means(
+    residual: pd.Series,
+    across: np.ndarray | pd.Series,
+    up: np.ndarray,
+    columns: np.ndarray,
+    rows: np.ndarray,
+) -> pd.DataFrame:
     """Mean of each cell with enough rows and days."""
-    days = residual.index.tz_localize(None).floor("D")
+    days = pd.DatetimeIndex(residual.index).tz_localize(None).floor("D")
     table = pd.DataFrame(
         {
             "residual": residual.to_numpy(),

@@ -1,18 +1,27 @@
 """Pictures of the error after each step of a fit or a loop."""
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.plotting._style import (
     AFTER,
     BEFORE,
     OTHER,
+    Look,
     ink,
     label,
     new_axes,
     without_frame,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._fitting.fem_fit import FemFit
+    from pvlib_fem._loop.loop_result import Loop
 
 #: names of rows of a loop's table before any effect
 BASES = {"fem": "fem (the paper's form)"}
@@ -22,17 +31,17 @@ DYNAMICS = {"ewm": "+ EWM", "balance": "+ heat balance"}
 NOTHING = 0.005  # K: a change that two decimals do not show
 
 
-def spaced(name):
+def spaced(name: str) -> str:
     """The name of a step, with a space after its plus sign."""
     return name.replace("+", "+ ", 1)
 
 
-def step_name(name):
+def step_name(name: str) -> str:
     """The name of a step for a picture."""
     return BASES.get(name) or spaced(name)
 
 
-def plot_steps(loop: Any, ax: Any = None) -> Any:
+def plot_steps(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     """
     RMSE on the test days by step, or on the fitted days if there are no test days.
 
@@ -58,7 +67,7 @@ def plot_steps(loop: Any, ax: Any = None) -> Any:
     return ax
 
 
-def plot_waterfall(fit: Any, ax: Any = None) -> Any:
+def plot_waterfall(fit: "FemFit", ax: "Axes | None" = None) -> "Axes":
     """
     Change of the error from the steady model to the last step of a fit.
 
@@ -87,20 +96,21 @@ def plot_waterfall(fit: Any, ax: Any = None) -> Any:
     bars = ax.barh(ends, values[[0, -1]], 0.7, color=OTHER)
     ax.bar_label(bars, [f"{values[i]:.2f} K" for i in (0, -1)], padding=3)
     for at, step in zip(place[1:], change):
-        rises = step > NOTHING
-        look = dict(color=BEFORE, hatch="//", edgecolor=ink()) if rises else {}
+        look: Look = dict(color=AFTER)
+        if step > NOTHING:
+            look = dict(color=BEFORE, hatch="//", edgecolor=ink())
         left, width = min(values[at - 1], values[at]), abs(step)
-        bar = ax.barh(at, width, 0.7, left=left, **({"color": AFTER} | look))
+        bar = ax.barh(at, width, 0.7, left=left, **look)
         ax.bar_label(bar, [signed(step)], padding=3)
     for at, value in enumerate(values):  # from each bar down to the next
-        edge = dict(color=ink(), linewidth=0.7, linestyle=":")
+        edge: Look = dict(color=ink(), linewidth=0.7, linestyle=":")
         ax.plot([value, value], [at - 0.35, at + 1.35], **edge)
     part = "held-out" if fit.test_days else "fitted"
     one_line_each(ax, [*errors.index, "remaining error"], f"RMSE on {part} days [K]")
     return ax
 
 
-def path(fit):
+def path(fit: "FemFit") -> pd.Series:
     """RMSE of the steps that lead to a fit, by name."""
     errors = fit.scores["rmse_test" if fit.test_days else "rmse_train"]
     if "standard" in errors.index:
@@ -114,14 +124,14 @@ def path(fit):
     return errors.rename(lambda name: names.get(name) or spaced(name))
 
 
-def signed(change):
+def signed(change: float) -> str:
     """A change with two decimals and a typographic minus."""
     if abs(change) < NOTHING:
         return "±0.00"
     return f"{change:+.2f}".replace("-", "−")
 
 
-def one_line_each(ax, names, words):
+def one_line_each(ax: "Axes", names: Sequence[str], words: str) -> None:
     """Label horizontal bars on the left, with the first at the top."""
     ax.set_yticks(range(len(names)), [label(name) for name in names])
     ax.tick_params(axis="y", length=0)

@@ -1,8 +1,16 @@
 """Common parts of all pictures: colours, axes, and names with units."""
 
+from collections.abc import Hashable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from pvlib_fem._record.column_names import UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.projections.polar import PolarAxes
 
 # colours of Okabe and Ito, which colour-blind readers can distinguish
 BEFORE, AFTER, OTHER = "#d55e00", "#0072b2", "#8c8c8c"
@@ -10,11 +18,15 @@ COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", OTHER)
 STYLES = ("-", "--", ":", "-.")
 MARKERS = "os^Dv"
 FAINT = 0.14  # opacity of the background: light on white, dark on black
+#: keywords of a line, a bar or a text of matplotlib
+Look = dict[str, Any]
 MOST_TICKS = 6  # dates on an axis; more would overlap
 LONGEST = 24  # characters of a name in a picture
 
 
-def new_axes(ax, projection=None, height=4.0):
+def new_axes(
+    ax: "Axes | None", projection: str | None = None, height: float = 4.0
+) -> "Axes":
     """The given axes, or axes of a new figure with that height. [inch]"""
     if ax is not None:
         return ax
@@ -30,27 +42,40 @@ def new_axes(ax, projection=None, height=4.0):
     return plt.subplots(figsize=size, layout="constrained", subplot_kw=kind)[1]
 
 
-def panels(ax, heights, gap=0.06):
+def polar_axes(ax: "Axes | None") -> "PolarAxes":
+    """The given polar axes, or those of a new figure; ValueError for others."""
+    ax = new_axes(ax, "polar")
+    from matplotlib.projections.polar import PolarAxes
+
+    if not isinstance(ax, PolarAxes):
+        raise ValueError(
+            f"this picture needs polar axes, and ax is {ax.name}; make them with "
+            'plt.subplots(subplot_kw={"projection": "polar"})'
+        )
+    return ax
+
+
+def panels(ax: "Axes", heights: Sequence[float], gap: float = 0.06) -> "list[Axes]":
     """Divide the given axes into panels, one below the other, with one x axis."""
     count, share = len(heights), np.array(heights) / sum(heights)
     if place := ax.get_subplotspec():
         rows = place.subgridspec(count, 1, height_ratios=heights, hspace=gap)
         ax.set_subplotspec(rows[0])
-        below = [ax.figure.add_subplot(row, sharex=ax) for row in list(rows)[1:]]
+        below = [ax.figure.add_subplot(rows[i], sharex=ax) for i in range(1, count)]
         return [ax, *below]
     x, y, width, height = ax.get_position().bounds
     bottom = y + height * (1.0 - np.cumsum(share))
-    ax.set_position([x, bottom[0], width, share[0] * height])
+    ax.set_position((x, bottom[0], width, share[0] * height))
     return [
         ax,
         *(
-            ax.figure.add_axes([x, low, width, 0.9 * part * height], sharex=ax)
+            ax.figure.add_axes((x, low, width, 0.9 * part * height), sharex=ax)
             for low, part in zip(bottom[1:], share[1:])
         ),
     ]
 
 
-def check_format(path):
+def check_format(path: Path) -> None:
     """Refuse a picture file whose suffix matplotlib does not support."""
     from matplotlib.backend_bases import FigureCanvasBase
 
@@ -62,19 +87,19 @@ def check_format(path):
         )
 
 
-def ink():
+def ink() -> str:
     """The text colour of the present style."""
     from matplotlib import rcParams
 
     return rcParams["text.color"]
 
 
-def without_frame(ax, *sides):
+def without_frame(ax: "Axes", *sides: str) -> None:
     for side in sides:
         ax.spines[side].set_visible(False)
 
 
-def dated_axis(ax):
+def dated_axis(ax: "Axes") -> None:
     """Few ticks of dates, each with what the one before it does not say."""
     from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 
@@ -83,14 +108,14 @@ def dated_axis(ax):
     ax.xaxis.set_major_formatter(ConciseDateFormatter(places))
 
 
-def label(name):
+def label(name: object) -> str:
     """A name, shortened and escaped for matplotlib."""
-    name = " ".join(str(name).split())
-    name = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
-    return name.replace("$", r"\$")
+    text = " ".join(str(name).split())
+    text = text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    return text.replace("$", r"\$")
 
 
-def label_with_unit(name):
+def label_with_unit(name: Hashable) -> str:
     """A shortened name with its unit, if it is one of pvlib's names."""
     unit = f" [{UNITS[name]}]" if name in UNITS else ""
     return f"{label(name)}{unit}"

@@ -1,22 +1,31 @@
 """Pictures over time: measured and modelled temperature, contributions of effects."""
 
 import math
-from typing import Any
+from datetime import date
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._record.file_summary import present
 from pvlib_fem.plotting._style import (
     AFTER,
     BEFORE,
     COLOURS,
     FAINT,
     STYLES,
+    Look,
     ink,
     label,
     new_axes,
     panels,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pvlib_fem._fitting.fem_fit import FemFit
+    from pvlib_fem._loop.loop_result import Loop
 
 TICKS = (1 / 12, 1 / 6, 0.25, 0.5, 1, 3, 6, 12, 24)  # h between ticks
 MOST_TICKS = 9
@@ -25,7 +34,9 @@ LEAST = 0.1  # K, ends of an axis of contributions at least
 LOWER = 0.28  # share of the height for the residual
 
 
-def plot_fit(fit: Any, ax: Any = None, when: str | slice | None = None) -> Any:
+def plot_fit(
+    fit: "FemFit", ax: "Axes | None" = None, when: str | slice | date | None = None
+) -> "Axes":
     """
     Measured and modelled temperature, and the residual below.
 
@@ -65,7 +76,7 @@ def plot_fit(fit: Any, ax: Any = None, when: str | slice | None = None) -> Any:
     return ax
 
 
-def plot_before_after(loop: Any, ax: Any = None) -> Any:
+def plot_before_after(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     """
     The most variable test day: measured, and modelled before and after.
 
@@ -94,7 +105,7 @@ def plot_before_after(loop: Any, ax: Any = None) -> Any:
     return ax
 
 
-def plot_contributions(loop: Any, ax: Any = None) -> Any:
+def plot_contributions(loop: "Loop", ax: "Axes | None" = None) -> "Axes":
     """
     Contribution of each effect to the temperature on the most variable test day.
 
@@ -111,13 +122,13 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
     matplotlib Axes
     """
     ax = new_axes(ax)
-    record = loop.fit.record
+    record = present(loop.fit.record)
     # the record's times are corrected already
     parts = loop.contributions(record.inputs.frame(), correct_times=False)
     day = Span(loop.fit)
     ax.axhline(0.0, color=ink(), linewidth=0.8)
     for i, (name, values) in enumerate(parts.items()):
-        look = dict(color=COLOURS[i % len(COLOURS)], linewidth=1.4)
+        look: Look = dict(color=COLOURS[i % len(COLOURS)], linewidth=1.4)
         # the line style changes with the colour, and again when colours repeat
         look["linestyle"] = STYLES[(i + i // len(COLOURS)) % len(STYLES)]
         size = np.sqrt(np.nanmean(values**2))
@@ -128,7 +139,7 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
     ax.set_ylabel("added by the effect [K]")
     day.dressed(ax)
     if len(parts.columns):
-        below = dict(loc="upper center", bbox_to_anchor=(0.5, -0.22))
+        below: Look = dict(loc="upper center", bbox_to_anchor=(0.5, -0.22))
         ax.legend(**below, ncols=1 + (len(parts.columns) > 3), frameon=False)
     return ax
 
@@ -136,8 +147,8 @@ def plot_contributions(loop: Any, ax: Any = None) -> Any:
 class Span:
     """The rows of a fit's record that are drawn: a day, or the given times."""
 
-    def __init__(self, fit, when=None):
-        record = fit.record
+    def __init__(self, fit: "FemFit", when: str | slice | date | None = None) -> None:
+        record = present(fit.record)
         self.rows = busiest(fit) if when is None else chosen(record.index, when)
         self.measured = record["temp_module"][self.rows]
         self.sun = record["poa_global"][self.rows]
@@ -150,30 +161,37 @@ class Span:
         self.start = index[0] - (times[0] - self.midnight)
         first, last = f"{times[0]:%Y-%m-%d}", f"{times[-1]:%Y-%m-%d}"
         self.date = first if first == last else f"{first} to {last}"
-        out = fit.holdout.to_numpy()[self.rows] & (fit.test_days > 0)
+        out = present(fit.holdout).to_numpy()[self.rows] & (fit.test_days > 0)
         part = "held out" if out.all() else "fitted"
         part = "fitted and held out" if out.any() and not out.all() else part
         self.title = f"{self.date}, {part}"
 
-    def of(self, column):
+    def of(self, column: pd.Series | None) -> np.ndarray:
         """The drawn rows of a Series."""
-        return column.to_numpy()[self.rows]
+        return present(column).to_numpy()[self.rows]
 
-    def reading(self, ax):
+    def reading(self, ax: "Axes") -> None:
         """Draw the measured temperature."""
         ax.plot(self.hours, self.measured, color=ink(), linewidth=1.8, label="measured")
         ax.set_ylabel("module temperature [°C]")
 
-    def modelled(self, ax, residual, words, colour, style):
+    def modelled(
+        self,
+        ax: "Axes",
+        residual: pd.Series | None,
+        words: str,
+        colour: str,
+        style: str,
+    ) -> None:
         """Draw the modelled temperature with this residual."""
         modelled = self.measured - self.of(residual)
-        look = dict(color=colour, linestyle=style, linewidth=1.5, label=words)
+        look: Look = dict(color=colour, linestyle=style, linewidth=1.5, label=words)
         ax.plot(self.hours, modelled, **look)
 
-    def dressed(self, ax):
+    def dressed(self, ax: "Axes") -> None:
         """Add irradiance in the background, ticks of time and a title."""
         irradiance = ax.twinx()
-        behind = dict(color=ink(), alpha=FAINT, linewidth=0)
+        behind: Look = dict(color=ink(), alpha=FAINT, linewidth=0)
         # a vector picture keeps every point of a filled area
         some = slice(None, None, max(1, len(self.hours) // FILLED))
         irradiance.fill_between(self.hours[some], self.sun[some], **behind)
@@ -184,7 +202,7 @@ class Span:
         self.clock(ax)
         ax.set_title(self.title)
 
-    def clock(self, ax):
+    def clock(self, ax: "Axes") -> None:
         """Set ticks at hours of a day, or at days and hours of a longer span."""
         start, end = self.hours[0], self.hours[-1]
         ax.set_xlim(start, end if end > start + 0.5 else start + 0.5)
@@ -199,7 +217,7 @@ class Span:
         words = "day" if step >= 24 else "day and hour"
         ax.set_xlabel(words if several else "hour of the day")
 
-    def tick(self, hour, step, several):
+    def tick(self, hour: float, step: float, several: bool) -> str:
         """Label of one hour since midnight."""
         # after a clock change, labels show the new local time
         time = self.start + pd.Timedelta(hours=round(hour * 60) / 60)
@@ -208,17 +226,19 @@ class Span:
         return f"{hour:g}" if step >= 1 and not several else f"{time:%H:%M}"
 
 
-def busiest(fit):
+def busiest(fit: "FemFit") -> np.ndarray:
     """Rows of the day with the most variable irradiance, held out if possible."""
-    record = fit.record
+    record = present(fit.record)
     days = record.days
     change = np.abs(np.diff(record["poa_global"], prepend=np.nan))
-    seen = fit.holdout.to_numpy() if fit.test_days else np.ones(len(days), bool)
+    seen = (
+        present(fit.holdout).to_numpy() if fit.test_days else np.ones(len(days), bool)
+    )
     roughness = np.bincount(days[seen], np.nan_to_num(change[seen]))
     return np.flatnonzero(days == int(np.argmax(roughness)))
 
 
-def chosen(index, when):
+def chosen(index: pd.DatetimeIndex, when: str | slice | date) -> np.ndarray:
     """Places of the rows at the times that a user gives."""
     try:
         wanted = when
@@ -236,7 +256,7 @@ def chosen(index, when):
     return np.asarray(rows)
 
 
-def room_for_legend(ax, ncols):
+def room_for_legend(ax: "Axes", ncols: int) -> None:
     """Add a legend in one line above all curves."""
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.16 * (high - low))

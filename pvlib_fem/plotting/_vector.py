@@ -3,8 +3,13 @@
 import io
 import re
 import warnings
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from pvlib_fem.plotting._style import AFTER, BEFORE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 #: colours of a picture that the page replaces in dark mode
 INK = "#1c1d1f"
@@ -20,7 +25,12 @@ PAGE = {
 }
 
 
-def svg(draw, name, size=(4.2, 2.9), projection=None):
+def svg(
+    draw: "Callable[[Axes], object]",
+    name: str,
+    size: tuple[float, float] = (4.2, 2.9),
+    projection: str | None = None,
+) -> str:
     """
     Draw a picture as SVG; the text depends on the input alone, not on a user's style.
 
@@ -58,7 +68,7 @@ def svg(draw, name, size=(4.2, 2.9), projection=None):
     return themed(text.getvalue(), name)
 
 
-def themed(text, name):
+def themed(text: str, name: str) -> str:
     """The ``svg`` element without header and size, with the page's colours."""
     text = text[text.index("<svg") :]
     text = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", text, count=1)

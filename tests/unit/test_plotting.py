@@ -1,6 +1,7 @@
 """Pictures show the numbers that they are of."""
 
 import datetime
+from dataclasses import replace
 from itertools import pairwise
 
 import matplotlib.pyplot as plt
@@ -199,6 +200,13 @@ def test_a_fit_has_its_residual_below(held, ax):
     top, bottom = ax.get_window_extent(), below.get_window_extent()
     assert bottom.y1 < top.y0
     assert (bottom.x0, bottom.x1) == pytest.approx((top.x0, top.x1), abs=1)
+
+
+@pytest.mark.parametrize("draw", [plotting.plot_fit, plotting.plot_tau_by_wind])
+def test_a_fit_from_a_file_has_no_rows_to_plot(draw, held, ax):
+    stored = replace(held, record=None, residual=None, holdout=None)
+    with pytest.raises(ValueError, match="read from a file has no rows to plot"):
+        draw(stored, ax)
 
 
 def test_a_fit_stays_in_axes_without_a_grid(held):
