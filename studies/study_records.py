@@ -266,6 +266,7 @@ def said(loop, case, world):
         "stuck": standstill(world.site.tracker) if world.site.tracker else {},
         "standings": [vars(one) for one in loop.standings],
         "standstills": [e.settings for e in loop.fit.effects if e.turns],
+        "fitted_weeks": sum("not a test week" in line for line in loop.notes),
         "notes": "; ".join(loop.notes),
         "whys": "; ".join(correction.why for correction in loop.corrections),
     }

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
@@ -30,7 +31,7 @@ from pvlib_fem._loop.refit_checks import bounds
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._loop.selection import Selection, selected
-from pvlib_fem._loop.standstill_edges import by_power
+from pvlib_fem._loop.standstill_edges import by_power, edge_weeks
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.column_names import printable, with_aliases
@@ -154,6 +155,10 @@ def close_loop(
 
     Below ``criteria.enough_days`` no effect is added.
 
+    If the fitting weeks show a standstill of a tracker that may begin or end in a test
+    week, and there is no power, that week becomes a fitting week, except where
+    ``holdout`` is given. A note says so.
+
     References
     ----------
     .. [1] A. C. Cameron and D. L. Miller, "A Practitioner's Guide to
@@ -218,9 +223,16 @@ def searched(data, model, place, progress, **how):
         others = chosen(how["instead"].stand_ins) if "instead" in how else {}
         plain.refuse_without_wind({**with_aliases(data, ()), **others})
         data, site = with_given(data, place)
-        tell("checking the record")
-        search = Search(Fits(prepared(data, site, **how)), tell, own=own)
-        ended = search.run(steady)
+        spared = ()
+        while True:
+            tell("checking the record")
+            case = prepared(data, site, **how, spared=spared)
+            search = Search(Fits(case), tell, own=own)
+            ended = search.run(steady)
+            more = edge_weeks(search.case, ended[0].model.effects, len(spared))
+            if how["holdout"] is not None or not len(more):
+                break
+            spared = np.union1d(spared, more).astype(int)
         tell("measuring the errors of the test weeks")
         found = outcome(search, *ended)
         if own is not None:

@@ -10,7 +10,7 @@ from pvlib_fem._fitting.horizontal import refuse_clock
 from pvlib_fem._loop.divided_record import Case, counting, divided, without_answer
 from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
 from pvlib_fem._loop.replacements import Filled, Replacements
-from pvlib_fem._loop.weeks import Part, parts
+from pvlib_fem._loop.weeks import Part, fitted_weeks, parts
 from pvlib_fem._record.column_names import (
     ALWAYS,
     COLUMNS,
@@ -79,9 +79,10 @@ def prepared(
     check_units=True,
     fixed=None,
     instead=None,
+    spared=(),
 ):
     """Everything checked that comes in, and divided before it is looked at."""
-    how = (site, criteria, check_units, instead or Replacements())
+    how = (site, criteria, check_units, instead or Replacements(), spared)
     look = looked(data, holdout, *how)
     look, corrections = in_standard_time(data, holdout, look, how)
     site, faults = look.site, look.health.faults
@@ -138,6 +139,7 @@ def prepared(
         notes=(
             *([] if plane is None else [f"the module's plane is estimated: {plane}"]),
             *map(str, standings),
+            *fitted_weeks(spared),
             *notes_of(look, corrections, wanted, site, criteria),
         ),
         corrections=corrections,
@@ -192,7 +194,7 @@ def late_of(look):
     return late if np.isfinite(late) else 0.0
 
 
-def looked(data, holdout, site, criteria, check_units, instead):
+def looked(data, holdout, site, criteria, check_units, instead, spared=()):
     """A frame divided and screened, and what its sensors and clocks show."""
     limits = criteria.limits
     data, site = plane_of_columns(data, site)
@@ -201,7 +203,7 @@ def looked(data, holdout, site, criteria, check_units, instead):
     columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
-    what = parts(usual, counting(usual), holdout, criteria)
+    what = parts(usual, counting(usual), holdout, criteria, spared)
     test = what == Part.TEST
     hidden, faults = alone(
         with_columns(without_answer(usual, test), numeric(columns)),

@@ -1,14 +1,18 @@
 """
-Days at the edges of a standstill that fall into test weeks, by power.
+Days at the edges of a standstill that fall into test weeks.
 
 No decision sees the module temperature of those weeks. Power is seen: it falls by the
-light that modules miss while they are stuck.
+light that modules miss while they are stuck. Without power such a week becomes a
+fitting week. The fitting weeks alone decide that, so what stays of the test weeks is
+as unseen as before.
 """
 
 import numpy as np
 
 from pvlib_fem._loop.references import GAMMA, bright
+from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import is_power
+from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import completed
 from pvlib_fem.effects._time_profiles import number, written
 
@@ -20,6 +24,46 @@ MAD = 1.4826  # median absolute deviation of a normal quantity to its sd
 LEAST = 0.03  # by which power for the light differs between dull and clear days [-]
 FAR = 4.0  # standard deviations, from which power shows something else
 SURE = 6.0  # twice the log-likelihood from which a day is said to be one
+MOST = 0.5  # of the test days, that may become fitting days
+
+
+def edge_weeks(case, effects, before):
+    """
+    Test days of weeks in which a standstill may begin or end, unknown to power.
+
+    Parameters
+    ----------
+    case : Case
+    effects : sequence of Effect
+        Of the fitted model.
+    before : int
+        Number of test days that became fitting days already.
+
+    Returns
+    -------
+    array of int
+        Days since 1970-01-01; none if they are more than half of the test days.
+    """
+    test = np.unique(case.whole.dates[case.parts == Part.TEST])
+    unknown = np.zeros(len(test), dtype=bool)
+    for effect in (one for one in effects if one.turns):
+        for name in ("between", "ended"):
+            low, high = map(number, effect.settings.get(name, (0, 0)))
+            unknown |= (test >= low) & (test < high)
+    unknown &= np.isin(test, without_power(case))
+    weeks = calendar_weeks(test)
+    found = test[np.isin(weeks, weeks[unknown])]
+    return found if len(found) + before <= MOST * (len(test) + before) else test[:0]
+
+
+def without_power(case):
+    """Days with light, and without a value of power in it."""
+    record = case.record
+    light = bright(record)
+    shown = np.zeros_like(light)
+    for name in filter(is_power, case.witnesses):
+        shown |= np.isfinite(record[name])
+    return np.setdiff1d(record.dates[light], record.dates[light & shown])
 
 
 def by_power(case, effect, size):

@@ -1,5 +1,6 @@
 """Two kinds of weeks, made once: to fit, and to test."""
 
+from collections.abc import Collection, Iterator
 from enum import IntEnum
 
 import numpy as np
@@ -8,6 +9,7 @@ import pandas as pd
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem.effects._time_profiles import written
 
 FEWEST_WEEKS = 5  # below which every other day is a test day
 
@@ -27,7 +29,11 @@ def named(parts: np.ndarray) -> "pd.Categorical[str]":
 
 
 def parts(
-    record: Record, seen: np.ndarray, holdout: pd.Series | None, criteria: Criteria
+    record: Record,
+    seen: np.ndarray,
+    holdout: pd.Series | None,
+    criteria: Criteria,
+    spared: Collection[int] = (),
 ) -> np.ndarray:
     """
     What each row of a record is for.
@@ -41,6 +47,8 @@ def parts(
         The test rows; by default every fifth week, or every other day of a record
         of few weeks.
     criteria : Criteria
+    spared : sequence of int
+        Days since 1970-01-01 that are no test days by default.
 
     Returns
     -------
@@ -56,7 +64,19 @@ def parts(
         purposes[nth(weeks, criteria.test_every)] = Part.TEST
     elif record.count_days(seen) > 1:
         purposes[record.days % 2 == 1] = Part.TEST
+    if len(spared) and holdout is None:
+        purposes[np.isin(record.dates, [*spared])] = Part.FITTING
     return purposes
+
+
+def fitted_weeks(spared: Collection[int]) -> Iterator[str]:
+    """A line on each week that would be a test week if no standstill had an edge."""
+    weeks = {int(calendar_weeks(np.array(day))): day for day in sorted(spared)[::-1]}
+    for first in sorted(weeks.values()):
+        yield (
+            f"the week from {written(first)} on is fitted and not a test week: modules "
+            "may have begun or ended to be stuck in it"
+        )
 
 
 def nth(numbers: np.ndarray, every: int) -> np.ndarray:

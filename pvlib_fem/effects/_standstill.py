@@ -211,9 +211,9 @@ class Days:
 
     def edges(
         self, total: np.ndarray, first: int, last: int, errors: float
-    ) -> tuple[int, int, tuple[int, int]]:
+    ) -> tuple[int, int, tuple[int, int], tuple[int, int]]:
         """
-        The first day, the first day after it, and the days between which it began.
+        The first day, the first day after it, and the intervals of both.
 
         Days at an edge that show nothing, as dull ones, are not in it: beyond them may
         be days without rows, as those of test weeks, of which nothing is known.
@@ -224,11 +224,14 @@ class Days:
         start = int(self.dates[begins[shortfall * errors**2 <= NOTHING][-1]])
         good = begins[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
         before = self.dates[good[0] - 1] + 1 if good[0] else self.dates[0]
-        between = int(before), int(self.dates[good[-1]])
+        began = int(before), int(self.dates[good[-1]])
         falls, _ = self.falls(total, np.full(len(ends), first), ends)
         shortfall = 1.0 - falls / falls.max()
         end = int(self.dates[ends[shortfall * errors**2 <= NOTHING][0] - 1]) + 1
-        return start, max(end, start + 1), between
+        good = ends[shortfall * min(errors, MOST_SURE) ** 2 <= AS_GOOD]
+        after = np.append(self.dates, self.dates[-1] + 1)[good[-1]]
+        ended = int(self.dates[good[0] - 1]) + 1, int(after)
+        return start, max(end, start + 1), began, ended
 
 
 def find_standstill(
@@ -238,7 +241,7 @@ def find_standstill(
     basis: np.ndarray,
     day: np.ndarray,
     least: float,
-) -> tuple[float, int, int, tuple[int, int]] | None:
+) -> tuple[float, int, int, tuple[int, int], tuple[int, int]] | None:
     """
     The days on which a tracker stands, and the angle.
 
@@ -261,7 +264,8 @@ def find_standstill(
     Returns
     -------
     tuple or None
-        Angle [°], first day, first day after it, and the days between which it began.
+        Angle [°], first day, first day after it, and the days between which it began
+        and ended.
     """
     days = Days.of(rest, basis, day)
     lengths = days.lengths

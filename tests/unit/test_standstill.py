@@ -169,21 +169,61 @@ def test_power_agrees_by_the_light_that_the_modules_miss():
     assert finding.verdict == "named"
 
 
-def test_power_shows_the_days_of_test_weeks():
-    """And without it they stay as the fitting weeks have them."""
-    stuck = Stuck("2023-05-31", "2023-06-14", -40.0)
-    data = tracking(stuck, "tracker_stuck", clear_share=0.5)
-    known, unknown = (
-        fem.close_loop(data[columns], location=WHERE)
-        for columns in ([*USUAL, "p_dc_per_area"], USUAL)
-    )
-    weeks = known.weeks[stuck.start : "2023-06-13"]
+EDGE = Stuck("2023-05-31", "2023-06-14", -40.0)  # begins in a test week
+
+
+@pytest.fixture(scope="module")
+def at_an_edge():
+    return tracking(EDGE, "tracker_stuck", clear_share=0.5)
+
+
+def dates_of(loop):
+    """First day, and first day after, of the standstill in a loop's model."""
+    (effect,) = (e for e in loop.fit.effects if e.name == "tracker_stuck")
+    return effect.settings["start"], effect.settings["end"]
+
+
+@pytest.fixture(scope="module")
+def without_power(at_an_edge):
+    return fem.close_loop(at_an_edge[USUAL], location=WHERE)
+
+
+def test_power_shows_the_days_of_test_weeks(at_an_edge):
+    columns = [*USUAL, "p_dc_per_area"]
+    loop = fem.close_loop(at_an_edge[columns], location=WHERE)
+    weeks = loop.weeks[EDGE.start : "2023-06-13"]
     assert (weeks == "test").any() and (weeks == "fitting").any()
-    for loop, right in ((known, True), (unknown, False)):
-        (effect,) = (e for e in loop.fit.effects if e.name == "tracker_stuck")
-        dates = effect.settings["start"], effect.settings["end"]
-        assert (dates == (stuck.start, stuck.end)) == right
-    assert known.table["rmse_test"].iloc[-1] < unknown.table["rmse_test"].iloc[-1]
+    assert dates_of(loop) == (EDGE.start, EDGE.end)
+
+
+def test_a_week_in_which_a_standstill_begins_is_fitted(at_an_edge, without_power):
+    """Unless the test weeks are given: then its days there are not known."""
+    loop = without_power
+    assert dates_of(loop)[0] == EDGE.start
+    assert (loop.weeks[EDGE.start : "2023-06-13"] == "fitting").all()
+    assert "the week from 2023-05-29 on is fitted" in "\n".join(loop.notes)
+    usual = fem.close_loop(at_an_edge[[*COLUMNS]]).weeks == "test"
+    own = loop.weeks == "test"
+    assert not (own & ~usual).any()
+    assert {*own.index[usual & ~own].isocalendar().week} == {22}
+    given = fem.close_loop(at_an_edge[USUAL], location=WHERE, holdout=usual)
+    assert (given.weeks == "test").equals(usual)
+    assert dates_of(given)[0] == "2023-06-05"
+    assert loop.table["rmse_test"].iloc[-1] < given.table["rmse_test"].iloc[-1]
+
+
+def test_the_temperature_of_test_weeks_does_not_decide_which_are_fitted(
+    at_an_edge, without_power
+):
+    data = at_an_edge[USUAL].copy()
+    test = without_power.weeks == "test"
+    data.loc[test, "temp_module"] += np.random.default_rng(1).normal(0, 2, test.sum())
+    other = fem.close_loop(data, location=WHERE)
+    assert other.weeks.equals(without_power.weeks)
+    week = slice("2023-05-29", "2023-06-04")  # which is fitted in the end
+    data.loc[week, "temp_module"] += 1.0
+    other = fem.close_loop(data, location=WHERE)
+    assert other.weeks.equals(without_power.weeks)
 
 
 def test_a_sensor_that_reads_less_for_weeks_is_no_standstill(sound):

@@ -64,6 +64,7 @@ def standing(
     surface_tilt: float = 0.0,
     surface_azimuth: float = 180.0,
     between: Any = None,
+    ended: Any = None,
 ) -> Any:
     """
     The effect of a tracker that is stuck.
@@ -76,6 +77,8 @@ def standing(
         Where it stands; by default level. [°]
     between : tuple of str, optional
         Days between which it may have begun.
+    ended : tuple of str, optional
+        Interval of ``end``.
 
     Returns
     -------
@@ -93,8 +96,9 @@ def standing(
     settings = dict(start=start, end=end) | dict(
         surface_tilt=plane[0], surface_azimuth=plane[1]
     )
-    if between is not None:
-        settings["between"] = tuple(between)
+    for name, days in {"between": between, "ended": ended}.items():
+        if days is not None:
+            settings[name] = tuple(days)
     return Effect(
         "tracker_stuck",
         light,
@@ -176,10 +180,10 @@ def scanned(
     found = find_standstill(rest, own, angles, basis, columns["day"], least)
     if found is None:
         return None
-    angle, start, end, between = found
+    angle, start, end, *intervals = found
     ((tilt, turn),) = axis.planes(np.array([angle])).round(1).tolist()
-    began = [written(day) for day in between]
-    return standing(written(start), written(end), tilt, turn, began)
+    between, ended = ([written(day) for day in days] for days in intervals)
+    return standing(written(start), written(end), tilt, turn, between, ended)
 
 
 #: level on all days as a default; a record's orientations have the planes to try
