@@ -1,12 +1,12 @@
 """What a closed loop can say: findings, corrections, and the checks behind them."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from enum import Enum, StrEnum
-from typing import Self
+from typing import Any, ClassVar
 
 import numpy as np
 
-from pvlib_fem._stored import Stored
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because
@@ -77,10 +77,11 @@ class Check:
 
     name: str
     criterion: str
-    statistic: float
-    threshold: float
+    statistic: AnyFloat
+    threshold: AnyFloat
     most: bool = False
     unit: str = ""
+    also_in_file: ClassVar = ("passed",)
 
     @property
     def passed(self) -> bool:
@@ -90,18 +91,6 @@ class Check:
         if self.most:
             return bool(self.statistic <= self.threshold)
         return bool(self.statistic >= self.threshold)
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The check of a part of a file."""
-        return cls(
-            content.text("name"),
-            content.text("criterion"),
-            content.number("statistic", unknown=True),
-            content.number("threshold", unknown=True),
-            content.flag("most"),
-            content.text("unit"),
-        )
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
@@ -145,7 +134,7 @@ class CrossCheck:
         standard error.
     expected : float
         The size if that candidate is the cause. With another cause it is about 0.
-    opinion : Opinion
+    opinion : CheckOutcome
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
     """
@@ -157,19 +146,6 @@ class CrossCheck:
     expected: float
     opinion: CheckOutcome
     unit: str = "-"
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The cross-check of a part of a file."""
-        return cls(
-            column=content.text("column"),
-            effect=content.text("effect"),
-            size=content.number("size"),
-            stderr=content.number("stderr"),
-            expected=content.number("expected"),
-            opinion=CheckOutcome(content.text("opinion")),
-            unit=content.text("unit"),
-        )
 
     def __str__(self) -> str:
         unit = self.unit.replace("-", "%").replace("/year", " a year")
@@ -199,19 +175,9 @@ class Member:
     """
 
     settings: dict
-    coefficients: dict
-    stderr: dict
-    ranges: dict
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The member of a part of a file."""
-        return cls(
-            settings=content.part("settings").content,
-            coefficients=content.numbers("coefficients", unknown=True),
-            stderr=content.numbers("stderr", unknown=True),
-            ranges=content.pairs("ranges"),
-        )
+    coefficients: dict[str, AnyFloat]
+    stderr: dict[str, AnyFloat]
+    ranges: dict[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -243,7 +209,7 @@ class Finding:
         Of unknown structure: from and to of each driver.
     place : str
         Of unknown structure where it lives, of a change its dates, in words.
-    witnesses : tuple of Witness
+    witnesses : tuple of CrossCheck
         Cross-checks of a change of an instrument by other columns.
     ranges : dict
         From and to of each coefficient that was fitted: its scatter, ``stderr``, with
@@ -256,20 +222,21 @@ class Finding:
     """
 
     effect: str
-    candidates: tuple
+    candidates: tuple[str, ...]
     verdict: Verdict
-    gain: float
-    coefficients: dict
-    stderr: dict
+    gain: AnyFloat
+    coefficients: dict[str, AnyFloat]
+    stderr: dict[str, AnyFloat]
     because: Because
-    checks: tuple = ()
+    checks: tuple[Check, ...] = ()
     kind: Kind = Kind.EFFECT
-    where: dict = field(default_factory=dict)
+    where: dict[str, tuple[Any, ...]] = field(default_factory=dict)
     place: str = ""
-    witnesses: tuple = ()
-    ranges: dict = field(default_factory=dict)
-    probabilities: dict = field(default_factory=dict)
-    members: dict = field(default_factory=dict)
+    witnesses: tuple[CrossCheck, ...] = ()
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    probabilities: dict[str, float] = field(default_factory=dict)
+    members: dict[str, Member] = field(default_factory=dict)
+    also_in_file: ClassVar = ("why",)
 
     @property
     def why(self) -> str:
@@ -301,43 +268,6 @@ class Finding:
     def added(self) -> bool:
         """Whether it is in the model."""
         return self.verdict in ADDED
-
-    def content(self) -> dict:
-        """The content for a file."""
-        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
-        return {
-            **asdict(self),
-            "verdict": str(self.verdict),
-            "kind": self.kind.name,
-            "because": self.because.content(),
-            "checks": checks,
-            "witnesses": [
-                {**asdict(one), "opinion": str(one.opinion)} for one in self.witnesses
-            ],
-            "why": self.why,
-        }
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The finding of a part of a file."""
-        where, members = content.part("where").content, content.part("members")
-        return cls(
-            effect=content.text("effect"),
-            candidates=content.texts("candidates"),
-            verdict=Verdict(content.text("verdict")),
-            gain=content.number("gain", unknown=True),
-            coefficients=content.numbers("coefficients", unknown=True),
-            stderr=content.numbers("stderr", unknown=True),
-            because=Because.stored(content["because"]),
-            checks=tuple(map(Check.stored, content.parts("checks"))),
-            kind=Kind[content.text("kind")],
-            where={name: tuple(ends) for name, ends in where.items()},
-            place=content.text("place"),
-            witnesses=tuple(map(CrossCheck.stored, content.parts("witnesses"))),
-            ranges=content.pairs("ranges"),
-            probabilities=content.numbers("probabilities"),
-            members={n: Member.stored(members.part(n)) for n in members.content},
-        )
 
     def __str__(self) -> str:
         head = f"{' | '.join(self.candidates)}: {self.verdict.words}, {self.gain:.2f} K"
@@ -373,41 +303,20 @@ class Correction:
     """
 
     fault: str
-    columns: tuple
-    values: dict
-    stderr: dict
-    before: float
-    after: float
+    columns: tuple[str, ...]
+    values: dict[str, AnyFloat]
+    stderr: dict[str, AnyFloat]
+    before: AnyFloat
+    after: AnyFloat
     unit: str
     because: Because
-    checks: tuple = ()
+    checks: tuple[Check, ...] = ()
     applied: bool = True
 
     @property
     def why(self) -> str:
         """The reason in one line."""
         return str(self.because)
-
-    def content(self) -> dict:
-        """The content for a file."""
-        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
-        return {**asdict(self), "because": self.because.content(), "checks": checks}
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The correction of a part of a file."""
-        return cls(
-            fault=content.text("fault"),
-            columns=content.texts("columns"),
-            values=content.numbers("values", unknown=True),
-            stderr=content.numbers("stderr", unknown=True),
-            before=content.number("before", unknown=True),
-            after=content.number("after", unknown=True),
-            unit=content.text("unit"),
-            because=Because.stored(content["because"]),
-            checks=tuple(map(Check.stored, content.parts("checks"))),
-            applied=content.flag("applied"),
-        )
 
     def __str__(self) -> str:
         words = "corrected" if self.applied else "not corrected"

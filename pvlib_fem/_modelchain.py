@@ -150,7 +150,7 @@ class DynamicCellTemperature:
             fit = fit_in(stored)
             model, coefficients = model_of(fit, options.pop("effects", ()))
             if not {"deltaT", "k_bs_c"} & {*options}:
-                options |= fit.numbers("cell")
+                options |= fit.read("cell", dict[str, float])
         options.setdefault("base", model.base)
         return cls(
             model.steady_model.name,
@@ -258,7 +258,7 @@ class DynamicCellTemperature:
 def fit_in(stored: Stored) -> Stored:
     """The fit in a file of a fit or a loop."""
     fit = stored.part("fit") if stored["format"] == LOOP else stored
-    if unknown := {*fit.numbers("cell")} - {*CELL}:
+    if unknown := {*fit.read("cell", dict[str, float])} - {*CELL}:
         raise ValueError(
             f"{stored.file}: {fit.place}cell.{min(unknown)} is none of "
             f"{', '.join(CELL)}"

@@ -1,19 +1,19 @@
 """Results in JSON files that keep every bit and are checked when read."""
 
 import json
-import math
 import os
 import secrets
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from pvlib_fem._converter import converter, error_in_words
 
 VERSION = 4  # of the format; it changes when a key changes
+NEEDED = object()  # in place of the default of a key that has to be there
 
 
 @contextmanager
@@ -73,16 +73,8 @@ def stamped(kind: str, content: dict) -> dict:
 
 
 def plain(content: Any) -> Any:
-    """Content in types of JSON: null for NaN, "inf" for infinity."""
-    if isinstance(content, Mapping):
-        return {str(key): plain(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [plain(value) for value in content]
-    if isinstance(content, np.generic):
-        content = content.item()
-    if isinstance(content, float) and not math.isfinite(content):
-        return None if math.isnan(content) else str(content)
-    return content
+    """Results, and what else goes into a file, in types of JSON."""
+    return converter().unstructure(content)
 
 
 @contextmanager
@@ -155,63 +147,46 @@ class Stored:
     place: str = ""
 
     def __getitem__(self, key: str) -> Any:
-        if key not in self.content:
-            raise ValueError(f"{self.file} has no {self.place}{key}")
-        return self.content[key]
+        return self.read(key, Any)
 
-    def of(self, key: str, kind: Any, words: str) -> Any:
-        """The value of a key, checked by type."""
-        value = self[key]
-        # True is an int of Python, and no number
-        if not isinstance(value, kind) or (isinstance(value, bool) != (kind is bool)):
-            raise ValueError(
-                f"{self.file}: {self.place}{key} is {json.dumps(value)[:60]}, where "
-                f"{words} belongs"
-            )
-        return value
+    def read(self, key: str, kind: Any, default: Any = NEEDED) -> Any:
+        """
+        The value of a key as an object of a type.
+
+        Parameters
+        ----------
+        key : str
+        kind : type
+            A class of results, or another type that :func:`converter` reads.
+        default : optional
+            Value if there is no such key.
+
+        Raises
+        ------
+        ValueError
+            If there is no such key, or a value is of another type.
+        """
+        if key in self.content:
+            return self.converted(self.content[key], kind, f"{key}.")
+        if default is NEEDED:
+            raise ValueError(f"{self.file} has no {self.place}{key}")
+        return default
+
+    def whole(self, kind: Any) -> Any:
+        """The part itself as an object of a type."""
+        return self.converted(self.content, kind, "")
+
+    def converted(self, value: Any, kind: Any, place: str) -> Any:
+        try:
+            return converter().structure(value, kind)
+        except Exception as error:
+            place = f"{self.place}{place}"
+            raise ValueError(error_in_words(error, self.file, place)) from error
 
     def part(self, key: str) -> "Stored":
-        return Stored(self.of(key, dict, "an object"), self.file, f"{self.place}{key}.")
+        return Stored(self.read(key, dict), self.file, f"{self.place}{key}.")
 
     def parts(self, key: str) -> list:
         """The parts of a list of objects."""
-        listed = {str(i): value for i, value in enumerate(self.of(key, list, "a list"))}
-        inside = Stored(listed, self.file, f"{self.place}{key}.")
-        return [inside.part(i) for i in listed]
-
-    def text(self, key: str) -> str:
-        return self.of(key, str, "a text")
-
-    def texts(self, key: str) -> tuple:
-        return tuple(map(str, self.of(key, list, "a list")))
-
-    def flag(self, key: str) -> bool:
-        return self.of(key, bool, "true or false")
-
-    def count(self, key: str) -> int:
-        value = self.of(key, int, "a whole number")
-        if value < 0:
-            raise ValueError(
-                f"{self.file}: {self.place}{key} is {value}, where a count belongs"
-            )
-        return value
-
-    def number(self, key: str, unknown: bool = False) -> float:
-        """A finite number; with ``unknown``, NaN or infinity are allowed, too."""
-        if unknown and (self[key] is None or self[key] in ("inf", "-inf")):
-            return math.nan if self[key] is None else float(self[key])
-        return self.of(key, int | float, "a number")
-
-    def numbers(self, key: str, unknown: bool = False) -> dict:
-        """Numbers by name."""
-        inside = self.part(key)
-        return {name: inside.number(name, unknown) for name in inside.content}
-
-    def pairs(self, key: str) -> dict:
-        """Pairs of numbers by name."""
-        inside, found = self.part(key), {}
-        for name in inside.content:
-            pair = dict(zip("01", inside.of(name, list, "a list"), strict=False))
-            ends = Stored(pair, self.file, f"{inside.place}{name}.")
-            found[name] = (ends.number("0"), ends.number("1"))
-        return found
+        found = enumerate(self.read(key, list[dict]))
+        return [Stored(one, self.file, f"{self.place}{key}.{i}.") for i, one in found]

@@ -136,6 +136,8 @@ class Because:
         unknown = {None: float("nan"), "inf": float("inf"), "-inf": -float("inf")}
         reasons = []
         for one in contents:
+            if one["reason"] not in Reason.__members__:
+                raise ValueError(f"{one['reason']} is none of the reasons")
             values = {
                 # a list of names has no other meaning
                 key: value if isinstance(value, list) else unknown.get(value, value)

@@ -9,6 +9,7 @@ import pandas as pd
 from scipy.ndimage import median_filter
 
 from pvlib_fem._budget.unusual_days import AROUND
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem.drivers._plant_irradiance import LEAST, NONE, agree, lost
 
 FEWEST = 2  # least hours of an event: one hour may have two states
@@ -329,10 +330,10 @@ def events_from(parts: list) -> pd.DataFrame:
 
 def event_from(part: Any, extra: Any) -> Any:
     """One event of a file."""
-    zone = part.text("zone")
-    times = {name: pd.Timestamp(part.text(name)) for name in TIMES}
+    zone = part.read("zone", str)
+    times = {name: part.read(name, pd.Timestamp) for name in TIMES}
     if zone:
         times = {name: time.tz_convert(zone) for name, time in times.items()}
-    numbers = {n: part.number(n, unknown=True) for n in (*COLUMNS[4:], *extra)}
-    counts = {"effect": part.text("effect"), "hours": part.count("hours")}
+    numbers = {name: part.read(name, AnyFloat) for name in (*COLUMNS[4:], *extra)}
+    counts = {"effect": part.read("effect", str), "hours": part.read("hours", int)}
     return {**counts, **times, **numbers}

@@ -1,20 +1,40 @@
 """The error budget: reductions by steps, and the remaining error in time."""
 
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem._budget.scales import by_scale
 from pvlib_fem._budget.unusual_days import episodes
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Kind
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem._record.inputs import Record
 
+
+class BudgetRow(TypedDict):
+    """A row of the budget in a file, without columns that follow from others."""
+
+    part: str
+    kind: str
+    mean_square: AnyFloat
+    weeks: str
+
+
+class EpisodeRow(TypedDict):
+    """Days that stand out, in a file."""
+
+    start: str
+    end: str
+    days: int
+    day: AnyFloat
+    night: AnyFloat
+    share: AnyFloat
+
+
 ENDINGS = {"test": "rmse_test", "fitting": "rmse_train"}
 COLUMNS = ["kind", "mean_square", "error", "share", "weeks"]
-#: columns of the episodes that are numbers
-NUMBERS = ["day", "night", "share"]
 
 
 def episodes_of(case: Any, step: Any) -> pd.DataFrame:
@@ -54,10 +74,9 @@ def written(date: int) -> str:
 
 def episode_table(rows: list) -> pd.DataFrame:
     """Episodes as a table."""
-    names = ["start", "end", "days", *NUMBERS]
-    table = pd.DataFrame(rows, columns=names)
-    dates = {name: pd.to_datetime(table[name]) for name in names[:2]}
-    kinds = {"days": int, **dict.fromkeys(NUMBERS, float)}
+    table = pd.DataFrame(rows, columns=[*EpisodeRow.__annotations__])
+    dates = {name: pd.to_datetime(table[name]) for name in ("start", "end")}
+    kinds = {"days": int, "day": float, "night": float, "share": float}
     return table.assign(**dates).astype(kinds)
 
 
@@ -65,20 +84,6 @@ def episode_rows(table: pd.DataFrame) -> list:
     """The table of episodes as rows of a file."""
     dates = {name: table[name].dt.strftime("%Y-%m-%d") for name in ("start", "end")}
     return table.assign(**dates).to_dict(orient="records")
-
-
-def episodes_from(parts: list) -> pd.DataFrame:
-    """The table of episodes from parts of a file."""
-    return episode_table(
-        [
-            {
-                **{name: part.text(name) for name in ("start", "end")},
-                "days": part.count("days"),
-                **{name: part.number(name, unknown=True) for name in NUMBERS},
-            }
-            for part in parts
-        ]
-    )
 
 
 def budget_of(
@@ -170,17 +175,3 @@ def budget_table(rows: list) -> pd.DataFrame:
 def budget_rows(table: pd.DataFrame) -> list:
     """The budget as rows of a file, without derived columns."""
     return table[["kind", "mean_square", "weeks"]].reset_index().to_dict("records")
-
-
-def budget_from(parts: list) -> pd.DataFrame:
-    """The budget from parts of a file."""
-    texts = ("part", "kind", "weeks")
-    return budget_table(
-        [
-            {
-                **{name: part.text(name) for name in texts},
-                "mean_square": part.number("mean_square", unknown=True),
-            }
-            for part in parts
-        ]
-    )

@@ -1,12 +1,10 @@
 """A ceiling: finished, and it prints itself."""
 
-from dataclasses import asdict, dataclass, field
-from typing import Self
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from pvlib_fem._report.ceiling_text import sentence
-from pvlib_fem._stored import Stored
 
 
 @dataclass(frozen=True)
@@ -51,16 +49,6 @@ class Ceiling:
         """The group without which the trees lose most; "" if they lose without none."""
         name = max(self.without, key=lambda name: self.without[name], default="")
         return name if name and self.without[name] > self.trees else ""
-
-    def content(self) -> dict:
-        """What is in a file."""
-        return asdict(self)
-
-    @classmethod
-    def stored(cls, part: Stored) -> Self:
-        """The ceiling of a part of a file."""
-        errors = {name: part.number(name) for name in ("paper", "loop", "trees")}
-        return cls(**errors, rows=part.count("rows"), without=part.numbers("without"))
 
     def __str__(self) -> str:
         return sentence(self)

@@ -11,12 +11,13 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem import plotting
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._fitting.daily import DailySums, correlation
 from pvlib_fem._fitting.holdout import held_out
 from pvlib_fem._fitting.periods import through_time
 from pvlib_fem._modelchain import FIT, FITS, DynamicCellTemperature, fit_in
 from pvlib_fem._record.column_names import COLUMNS, printable, with_aliases
-from pvlib_fem._record.file_summary import Summary, summary_from, summary_of
+from pvlib_fem._record.file_summary import Summary, summary_of
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._report.document import number, value_and_error
 from pvlib_fem._report.fit_page import brief, fit_page
@@ -507,7 +508,7 @@ class FemFit:
             "train_days": self.train_days,
             "test_days": self.test_days,
             "night": self.night,
-            "record": self.summary.content(),
+            "record": self.summary,
         }
 
     @classmethod
@@ -545,31 +546,30 @@ class FemFit:
     ) -> Self:
         """The fit of a part of a file."""
         model, coefficients = model_of(content, own)
-        rows = content.part("scores")
-        scores = {name: rows.numbers(name, unknown=True) for name in rows.content}
+        scores = content.read("scores", dict[str, dict[str, AnyFloat]])
         fit = cls(
             model=model.steady_model.name,
             dynamics=model.dynamics,
-            method=content.text("method"),
+            method=content.read("method", str),
             effects=model.effects,
             coefficients=coefficients,
-            stderr=content.numbers("stderr", unknown=True),
+            stderr=content.read("stderr", dict[str, AnyFloat]),
             scores=pd.DataFrame.from_dict(scores, orient="index"),
             residual=None,
-            at_bound=content.texts("at_bound"),
-            converged=content.flag("converged"),
-            notes=content.texts("notes"),
-            train_days=content.count("train_days"),
-            test_days=content.count("test_days"),
+            at_bound=content.read("at_bound", tuple[str, ...]),
+            converged=content.read("converged", bool),
+            notes=content.read("notes", tuple[str, ...]),
+            train_days=content.read("train_days", int),
+            test_days=content.read("test_days", int),
             holdout=None,
             record=None,
-            night=content.flag("night"),
+            night=content.read("night", bool),
             base=model.base,
             fixed=dict(model.held),
-            cell=content.numbers("cell"),
+            cell=content.read("cell", dict[str, float]),
         )
         # attributes that are computed from the rows otherwise
-        vars(fit)["summary"] = summary_from(content.part("record"))
+        vars(fit)["summary"] = content.read("record", Summary)
         vars(fit)["correlation"] = correlation_of(content, fit.stderr)
         return fit
 
@@ -579,8 +579,7 @@ class FemFit:
 
 def correlation_of(content: Stored, stderr: dict) -> pd.DataFrame:
     """The correlations of a part of a file; ValueError if they are not valid."""
-    rows = content.part("correlation")
-    found = {name: rows.numbers(name) for name in rows.content}
+    found = content.read("correlation", dict[str, dict[str, float]])
     known = {name for name, error in stderr.items() if error > 0.0}
     place = f"{content.file}: {content.place}correlation"
     if {*found} - known or any({*row} != {*found} for row in found.values()):

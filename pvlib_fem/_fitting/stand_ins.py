@@ -1,7 +1,7 @@
 """Use a second source of air temperature or wind instead of the usual one."""
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -53,10 +53,6 @@ class StandIn:
         known = columns.get(self.usual)
         found = other if known is None else known.where(known.notna(), other)
         return {**columns, self.usual: found}
-
-    def content(self) -> Any:
-        """The attributes, for a file."""
-        return asdict(self)
 
 
 def between(column: Any, every: Any) -> Any:

@@ -33,8 +33,8 @@ class Times:
     zone: str
     first: str
     last: str
-    offsets: tuple = ()
-    lost: tuple = ()
+    offsets: tuple[tuple[str, float], ...] = ()
+    lost: tuple[tuple[str, str], ...] = ()
     origin: str = ""
     module: Clock = field(default_factory=Clock)
 
@@ -90,44 +90,6 @@ class Times:
         """Interpolate the module's readings to the clock of the irradiance."""
         times = plain(index) - pd.Timestamp(self.origin)
         return self.module.corrected(times.total_seconds().to_numpy(), values)
-
-    def content(self):
-        """Return what a file needs."""
-        clock = self.module
-        return {
-            "zone": self.zone,
-            "first": self.first,
-            "last": self.last,
-            "offsets": self.offsets,
-            "lost": self.lost,
-            "origin": self.origin,
-            "module": {
-                "late": clock.late,
-                "drift": clock.drift,
-                "middle": clock.middle,
-                "hours": clock.hours,
-                "faults": clock.faults,
-            },
-        }
-
-    @classmethod
-    def stored(cls, part):
-        """Read the corrections of a file."""
-        module = part.part("module")
-        clock = Clock(
-            late=module.number("late", unknown=True),
-            drift=module.number("drift", unknown=True),
-            middle=module.number("middle"),
-            hours=tuple((float(at), float(by)) for at, by in module["hours"]),
-            faults={**module.part("faults").content},
-        )
-        return cls(
-            *(part.text(name) for name in ("zone", "first", "last")),
-            tuple((str(time), float(by)) for time, by in part["offsets"]),
-            tuple((str(first), str(last)) for first, last in part["lost"]),
-            part.text("origin"),
-            clock,
-        )
 
 
 def zone_name(index):

@@ -1,9 +1,9 @@
 """The result of a closed loop: finished, and it prints itself."""
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Self, TypedDict
 
 import numpy as np
 import pandas as pd
@@ -12,13 +12,16 @@ from pvlib.location import Location
 from pvlib_fem import plotting
 from pvlib_fem._budget.covers_and_outages import event_rows, events_from
 from pvlib_fem._budget.error_budget import (
-    budget_from,
+    BudgetRow,
+    EpisodeRow,
     budget_rows,
+    budget_table,
     episode_rows,
-    episodes_from,
+    episode_table,
 )
 from pvlib_fem._ceiling.ceiling_result import Ceiling
 from pvlib_fem._ceiling.trees import ceiling_of, regressor
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._correction.correct_record import corrected_record
 from pvlib_fem._correction.corrected_record import CorrectedRecord
 from pvlib_fem._findings import Correction, Finding, Kind
@@ -28,7 +31,7 @@ from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.planes import with_series
-from pvlib_fem._loop.ranking_table import ranking_from, ranking_rows
+from pvlib_fem._loop.ranking_table import RankingRow, ranking_rows, table_of
 from pvlib_fem._loop.threads import one_thread_of_trees
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature, fit_in
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, printable, with_aliases
@@ -55,6 +58,13 @@ from pvlib_fem.quality._tracker_standstill import Standing
 from pvlib_fem.reasons import Because
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.types import FilePath
+
+
+class Reading(TypedDict, total=False):
+    """How the data of a loop were read."""
+
+    rows: int
+    notes: list[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -624,13 +634,13 @@ class Loop:
     def content(self, **cell: float) -> dict:
         """What is in a file of the loop."""
         return {
-            "findings": [finding.content() for finding in self.finding_objects],
-            "statements": [one.content() for one in self.statement_objects],
-            "corrections": [one.content() for one in self.corrections],
+            "findings": self.finding_objects,
+            "statements": self.statement_objects,
+            "corrections": self.corrections,
             "table": self.table.to_dict(orient="index"),
             "base": self.base,
             "last": self.last,
-            "untestable": {n: why.content() for n, why in self.untestable.items()},
+            "untestable": self.untestable,
             "ranking": ranking_rows(self.ranking),
             "budget": budget_rows(self.budget),
             "episodes": episode_rows(self.episodes),
@@ -639,15 +649,15 @@ class Loop:
             "place": placed(self.place),
             "weeks": self.week_rows,
             "plain": content_of(*self.plain),
-            "criteria": asdict(self.criteria),
+            "criteria": self.criteria,
             "weighed": self.weighed,
-            "ceiling": self.known_ceiling.content() if self.known_ceiling else None,
+            "ceiling": self.known_ceiling,
             "given": self.given,
-            "times": None if self.times is None else self.times.content(),
+            "times": self.times,
             "transposition": self.transposition,
-            "stand_ins": [one.content() for one in self.stand_ins],
+            "stand_ins": self.stand_ins,
             "reading": self.reading,
-            "standings": [asdict(one) for one in self.standings],
+            "standings": self.standings,
             "fit": self.fit.content(**cell),
         }
 
@@ -685,46 +695,40 @@ class Loop:
         cls, content: Stored, own: EffectLike | Iterable[EffectLike] = ()
     ) -> Self:
         """The loop of a file."""
-        table, why = content.part("table"), content.part("untestable")
-        rows = {name: table.numbers(name, unknown=True) for name in table.content}
-        limits = content.part("criteria").content
-        limits = {**limits, "limits": Limits(**limits["limits"])}
+        rows = content.read("table", dict[str, dict[str, AnyFloat]])
+        criteria = content.part("criteria").content
+        limits = Limits(**criteria["limits"])
         loop = cls(
-            finding_objects=tuple(map(Finding.stored, content.parts("findings"))),
-            corrections=tuple(map(Correction.stored, content.parts("corrections"))),
+            finding_objects=content.read("findings", tuple[Finding, ...]),
+            corrections=content.read("corrections", tuple[Correction, ...]),
             table=pd.DataFrame.from_dict(rows, orient="index").rename_axis("step"),
-            base=content.text("base"),
-            last=content.text("last"),
-            untestable={n: Because.stored(why[n]) for n in why.content},
-            ranking=ranking_from(content.part("ranking")),
+            base=content.read("base", str),
+            last=content.read("last", str),
+            untestable=content.read("untestable", dict[str, Because]),
+            ranking=table_of(content.read("ranking", dict[str, RankingRow])),
             fit=FemFit.stored(fit_in(content), own),
-            budget=budget_from(content.parts("budget")),
-            episodes=episodes_from(content.parts("episodes")),
+            budget=budget_table(content.read("budget", list[BudgetRow])),
+            episodes=episode_table(content.read("episodes", list[EpisodeRow])),
             events=events_from(content.parts("events")),
-            notes=content.texts("notes"),
+            notes=content.read("notes", tuple[str, ...]),
             place=place_from(content.part("place")),
             residual_before=None,
             weeks=None,
             plain=model_of(content.part("plain"), own),
-            criteria=Criteria(**limits),
-            weighed=content.flag("weighed"),
-            given=content.part("given").content,
-            times=Times.stored(content.part("times")) if content["times"] else None,
-            transposition=str(content.content.get("transposition", "")),
-            stand_ins=tuple(map(stand_in_of, content.parts("stand_ins")))
-            if "stand_ins" in content.content
-            else (),
-            reading=reading_in(content),
-            standings=tuple(map(Standing.stored, content.parts("standings")))
-            if "standings" in content.content
-            else (),
+            criteria=Criteria(**criteria | {"limits": limits}),
+            weighed=content.read("weighed", bool),
+            given=content.read("given", dict),
+            times=content.read("times", Times | None),
+            transposition=content.read("transposition", str, ""),
+            stand_ins=content.read("stand_ins", tuple[StandIn, ...], ()),
+            reading=content.read("reading", Reading, {}),
+            standings=content.read("standings", tuple[Standing, ...], ()),
         )
         # what else it would take from the rows
-        counts = content.part("weeks")
-        vars(loop)["week_rows"] = {name: counts.count(name) for name in counts.content}
+        vars(loop)["week_rows"] = content.read("weeks", dict[str, int])
         vars(loop)["yearly_energy"] = energies_in(content)
-        if content["ceiling"]:
-            vars(loop)["own_ceiling"] = Ceiling.stored(content.part("ceiling"))
+        if ceiling := content.read("ceiling", Ceiling | None):
+            vars(loop)["own_ceiling"] = ceiling
         return loop
 
     @cached_property
@@ -777,27 +781,12 @@ class Loop:
         return printable("\n".join(summary(self)), "\n")
 
 
-def reading_in(content):
-    """How the data of a file's loop were read; files before it do not say."""
-    if "reading" not in content.content:
-        return {}
-    part = content.part("reading")
-    return {"rows": part.count("rows"), "notes": list(part.texts("notes"))}
-
-
 def energies_in(content):
     """Energies of the statements of a file; files before them have none."""
     if "statements" not in content.content:
         return {}
     known = [one for one in content.parts("statements") if one.content.get("energy")]
-    return {one.text("cause"): one.number("energy") for one in known}
-
-
-def stand_in_of(stored):
-    """A stand-in of a part of a file."""
-    words = {name: stored.text(name) for name in ("usual", "column")}
-    numbers = (stored.number(name) for name in ("factor", "offset", "every"))
-    return StandIn(words["usual"], words["column"], *numbers)
+    return {one.read("cause", str): one.read("energy", float) for one in known}
 
 
 def untimed(found, index, known):

@@ -1,22 +1,30 @@
 """The ranking of effects as a table that prints whole."""
 
+from typing import Any, TypedDict
+
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._record.column_names import printable
 from pvlib_fem._report.document import fragment, number, table, with_error
 
-COLUMNS = [
-    "gain",
-    "p_value",
-    "coefficients",
-    "stderr",
-    "physical",
-    "minimum_detectable",
-    "rows",
-    "ties",
-    "note",
-]
+
+class RankingRow(TypedDict, total=False):
+    """A row of the ranking in a file, without what is unknown."""
+
+    gain: AnyFloat
+    p_value: AnyFloat
+    coefficients: dict[str, AnyFloat]
+    stderr: dict[str, AnyFloat]
+    physical: Any
+    minimum_detectable: AnyFloat
+    rows: Any
+    ties: tuple[str, ...]
+    note: Any
+
+
+COLUMNS = [*RankingRow.__annotations__]
 HEAD = ("effect", "#gain [K]", "#seen from [K]", "#chance", "what it would take", "")
 
 
@@ -91,19 +99,3 @@ def ranking_rows(ranking):
         }
         for name, row in ranking.to_dict(orient="index").items()
     }
-
-
-def ranking_from(stored):
-    """The ranking of a part of a file."""
-    rows = {}
-    for name in stored.content:
-        row = stored.part(name)
-        known = dict(row.content)
-        for key in {*known} & {"gain", "p_value", "minimum_detectable"}:
-            known[key] = row.number(key, unknown=True)
-        for key in {*known} & {"coefficients", "stderr"}:
-            known[key] = row.numbers(key, unknown=True)
-        if "ties" in known:
-            known["ties"] = tuple(known["ties"])
-        rows[name] = known
-    return table_of(rows)

@@ -2,16 +2,16 @@
 
 import hashlib
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._record.checks import instants, usual_step
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._record.inputs import Columns, Record
-from pvlib_fem._stored import Stored
 
 Rows = TypeVar("Rows")
 
@@ -41,10 +41,10 @@ class Summary:
     days: int
     start: pd.Timestamp
     end: pd.Timestamp
-    step: float
-    columns: tuple
-    missing: dict
-    impossible: dict
+    step: AnyFloat
+    columns: tuple[str, ...]
+    missing: dict[str, int]
+    impossible: dict[str, int]
     clipped: int
     sha256: str
 
@@ -52,11 +52,6 @@ class Summary:
     def measured(self) -> list:
         """Names of the record's own columns, in order."""
         return measured(self.missing, self.columns)
-
-    def content(self) -> dict:
-        """The content for a file."""
-        ends = {"start": self.start.isoformat(), "end": self.end.isoformat()}
-        return {**asdict(self), **ends}
 
 
 def present(rows: Rows | None) -> Rows:
@@ -89,26 +84,6 @@ def summary_of(record: Any) -> Summary:
         clipped=record.clipped,
         sha256=digest(record),
     )
-
-
-def summary_from(stored: Stored) -> Summary:
-    """The summary of a part of a file."""
-    return Summary(
-        rows=stored.count("rows"),
-        days=stored.count("days"),
-        start=pd.Timestamp(stored.text("start")),
-        end=pd.Timestamp(stored.text("end")),
-        step=stored.number("step", unknown=True),
-        columns=stored.texts("columns"),
-        missing=counts(stored.part("missing")),
-        impossible=counts(stored.part("impossible")),
-        clipped=stored.count("clipped"),
-        sha256=stored.text("sha256"),
-    )
-
-
-def counts(stored: Stored) -> dict:
-    return {name: stored.count(name) for name in stored.content}
 
 
 def measured(missing: dict, columns: tuple | Columns) -> list:

@@ -5,14 +5,15 @@ import json
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.loop_result import Loop
-from pvlib_fem._stored import Stored, plain
+from pvlib_fem._stored import plain
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
@@ -55,9 +56,9 @@ class Injection:
     effect: str
     draw: int
     settings: dict
-    coefficients: dict
+    coefficients: dict[str, float]
     size: float
-    predicted: float
+    predicted: AnyFloat
     own: float
 
     @property
@@ -74,19 +75,6 @@ class Injection:
     def dates(self) -> str:
         """Its dates in words."""
         return dates_in_words(self.settings)
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The injection of a part of a file."""
-        return cls(
-            content.text("effect"),
-            content.count("draw"),
-            content.part("settings").content,
-            content.numbers("coefficients"),
-            content.number("size"),
-            content.number("predicted", unknown=True),
-            content.number("own"),
-        )
 
 
 @dataclass(frozen=True, eq=False)

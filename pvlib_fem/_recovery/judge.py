@@ -1,15 +1,15 @@
 """Compare the findings of a loop with an injected effect and with the baseline."""
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._findings import Finding, Verdict
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._recovery.draw import Injection, holds
-from pvlib_fem._stored import Stored
 from pvlib_fem.effects._effect import Effect
 
 INTERVAL = 1.96  # standard errors of 95 %
@@ -53,26 +53,15 @@ class Outcome:
     found: bool = False
     named: bool = False
     first: bool = False
-    told: tuple = ()
-    wrong: tuple = ()
-    misled: tuple = ()
-    lost: tuple = ()
-    ratio: float = np.nan
-    covered: float = np.nan
-    in_range: float = np.nan
-    half_range: float = np.nan
+    told: tuple[str, ...] = ()
+    wrong: tuple[str, ...] = ()
+    misled: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
+    ratio: AnyFloat = np.nan
+    covered: AnyFloat = np.nan
+    in_range: AnyFloat = np.nan
+    half_range: AnyFloat = np.nan
     refused: str = ""
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The outcome of a part of a file."""
-        flags, texts = ("found", "named", "first"), ("told", "wrong", "misled", "lost")
-        numbers = ("ratio", "covered", "in_range", "half_range")
-        own: dict[str, Any] = {name: content.flag(name) for name in flags}
-        own |= {name: content.texts(name) for name in texts}
-        own |= {name: content.number(name, unknown=True) for name in numbers}
-        injection = Injection.stored(content.part("injection"))
-        return cls(injection, **own, refused=content.text("refused"))
 
 
 def recovered(

@@ -1,6 +1,6 @@
 """The result of injections into a record."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -13,7 +13,7 @@ from pvlib_fem._record.column_names import printable
 from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.recovery_text import lines
 from pvlib_fem._recovery.trial import Trial, rates
-from pvlib_fem._stored import Stored, opened, written
+from pvlib_fem._stored import Stored, opened, plain, written
 from pvlib_fem.types import FilePath
 
 FORMAT = "pvlib_fem recovery"
@@ -54,17 +54,17 @@ class Recovery:
         Version of the package, and hash of the record.
     """
 
-    given: dict = field(repr=False)
+    given: dict[str, str] = field(repr=False)
     version: str
     sha256: str
-    outcomes: tuple = ()
+    outcomes: tuple[Outcome, ...] = ()
     planned: int = 0
-    baseline: tuple = field(repr=False, default=())
-    units: dict = field(repr=False, default_factory=dict)
-    notes: dict = field(repr=False, default_factory=dict)
-    trials: tuple = ()
+    baseline: tuple[Finding, ...] = field(repr=False, default=())
+    units: dict[str, dict[str, str]] = field(repr=False, default_factory=dict)
+    notes: dict[str, str] = field(repr=False, default_factory=dict)
+    trials: tuple[Trial, ...] = ()
     planned_trials: int = 0
-    not_scrambled: dict = field(repr=False, default_factory=dict)
+    not_scrambled: dict[str, str] = field(repr=False, default_factory=dict)
 
     @property
     def table(self) -> pd.DataFrame:
@@ -189,19 +189,9 @@ class Recovery:
 
     def content(self) -> dict:
         """Content of a file of the recovery."""
-        return {
-            "version_of_package": self.version,
-            "sha256": self.sha256,
-            "planned": self.planned,
-            "given": self.given,
-            "notes": self.notes,
-            "units": self.units,
-            "baseline": [finding.content() for finding in self.baseline],
-            "outcomes": [asdict(outcome) for outcome in self.outcomes],
-            "trials": [asdict(trial) for trial in self.trials],
-            "planned_trials": self.planned_trials,
-            "not_scrambled": self.not_scrambled,
-        }
+        content = plain(self)
+        # in a file, version is that of its format
+        return {"version_of_package": content.pop("version"), **content}
 
     @classmethod
     def from_json(cls, path: FilePath) -> Self:
@@ -223,19 +213,8 @@ class Recovery:
             invalid; the message names the key.
         """
         with opened(path, [FORMAT]) as stored:
-            return cls(
-                outcomes=tuple(map(Outcome.stored, stored.parts("outcomes"))),
-                planned=stored.count("planned"),
-                baseline=tuple(map(Finding.stored, stored.parts("baseline"))),
-                units=by_effect(stored.part("units")),
-                notes=texts(stored.part("notes")),
-                given=texts(stored.part("given")),
-                version=stored.text("version_of_package"),
-                sha256=stored.text("sha256"),
-                trials=tuple(map(Trial.stored, stored.parts("trials"))),
-                planned_trials=stored.count("planned_trials"),
-                not_scrambled=texts(stored.part("not_scrambled")),
-            )
+            content = {**stored.content, "version": stored["version_of_package"]}
+            return Stored(content, stored.file).whole(cls)
 
     def __str__(self) -> str:
         return printable("\n".join(lines(self)), "\n")
@@ -244,14 +223,6 @@ class Recovery:
         tables = [self.summary] + [self.reliability] * bool(self.trials)
         how: dict[str, Any] = dict(float_format="{:.2f}".format, na_rep="–")
         return "\n".join(table.to_html(**how) for table in tables)
-
-
-def texts(stored: Stored) -> dict:
-    return {name: stored.text(name) for name in stored.content}
-
-
-def by_effect(stored: Stored) -> dict:
-    return {name: texts(stored.part(name)) for name in stored.content}
 
 
 def middle_of(multiples: np.ndarray, found: np.ndarray) -> tuple[float, float, float]:

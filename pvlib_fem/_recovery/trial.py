@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,6 @@ import pandas as pd
 from pvlib_fem._findings import Verdict
 from pvlib_fem._loop.close import close_loop
 from pvlib_fem._statistics.jeffreys import rate_between, share_between
-from pvlib_fem._stored import Stored
 
 CLEARLY = 1.5  # multiple of the predicted size from which nearly all should be found
 COLUMNS = ("named", "injections", "found", "completeness", "complete_from")
@@ -43,22 +42,15 @@ class Trial:
     kind: str
     number: int
     what: str
-    lost: tuple
-    named: tuple = ()
-    classes: tuple = ()
+    lost: tuple[str, ...]
+    named: tuple[str, ...] = ()
+    classes: tuple[str, ...] = ()
     refused: str = ""
 
     @property
     def key(self) -> tuple[str, int]:
         """Kind and number, which identify the trial."""
         return self.kind, self.number
-
-    @classmethod
-    def stored(cls, content: Stored) -> Self:
-        """The trial of a part of a file."""
-        lost, named, classes = map(content.texts, ("lost", "named", "classes"))
-        kind, what, refused = map(content.text, ("kind", "what", "refused"))
-        return cls(kind, content.count("number"), what, lost, named, classes, refused)
 
 
 def trial_of(scrambler: Any, how: dict, seed: int, kind: Any, number: Any) -> Any:

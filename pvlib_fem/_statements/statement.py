@@ -1,8 +1,7 @@
 """One sentence of a report, with the numbers in it."""
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, fields
-from typing import Any
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pandas as pd
@@ -64,10 +63,6 @@ class Statement:
     probability: float = np.nan
     alternatives: tuple = ()
     energy: float = np.nan
-
-    def content(self) -> dict[str, Any]:
-        """The statement for a file."""
-        return asdict(self)
 
     def __str__(self) -> str:
         sentences = (self.text, self.certainty, self.action)

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._stored import Stored
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
 from pvlib_fem.effects import find, several
@@ -40,15 +41,15 @@ def model_of(stored: Stored, own: Any = ()) -> Any:
         If a coefficient is missing, not finite, not one of the model's, or impossible.
     """
     own = [find(effect) for effect in several(own)]
-    specs = stored.of("effects", list, "a list")
+    specs = stored.read("effects", list[Any])
     effects = [effect_of(spec, own, stored) for spec in specs]
-    names = stored.text("model"), stored.text("dynamics")
+    names = stored.read("model", str), stored.read("dynamics", str)
     base = None
     if stored["base"] is not None:
-        given = {*stored.part("base").content}  # with effects that faults may reverse
+        given = {*stored.read("base", dict)}  # with effects that faults may reverse
         those = [e for e in effects if not e.channel and {*e.rows()} & given]
         base = coefficients_of(stored, "base", thermal_model(*names, those))
-    fixed = stored.numbers("fixed")
+    fixed = stored.read("fixed", dict[str, float])
     model = thermal_model(*names, effects, base, fixed)
     found = coefficients_of(stored, "coefficients", model)
     for name, value in fixed.items():
@@ -58,7 +59,7 @@ def model_of(stored: Stored, own: Any = ()) -> Any:
                 f"coefficients.{name} is {found.get(name, 'not there')}"
             )
     if "stderr" in stored.content:  # of a fit, and not of a model alone
-        errors = stored.numbers("stderr", unknown=True)
+        errors = stored.read("stderr", dict[str, AnyFloat])
         if missing := [name for name in model.parameters if name not in errors]:
             raise ValueError(f"{stored.file} has no {stored.place}stderr.{missing[0]}")
     return model, found
@@ -77,7 +78,7 @@ def effect_of(spec: str | dict, own: list, stored: Stored) -> Effect:
 
 def coefficients_of(stored: Stored, key: str, model: ThermalModel) -> dict:
     """The coefficients of a file, checked to be the complete set of the model."""
-    found = stored.numbers(key)
+    found = stored.read(key, dict[str, float])
     least = {*model.parameters}
     most = {*least, *model.steady_model.fixed}
     most |= {"tau"} if model.dynamics == "steady" else set()

@@ -214,7 +214,7 @@ def of_finding(finding: Finding, effects: Mapping):
         "first": first,
         "last": last,
         "why": finding.why,
-        "content": plain(finding.content()),
+        "content": plain(finding),
     }
 
 

@@ -8,12 +8,13 @@ the module answers is free, as long as it is a sum of decays that all begin at o
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 from scipy.stats import median_abs_deviation, norm, t as student, theilslopes
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.inputs import Record
 from pvlib_fem.quality._hours import day_of, hours_of, listed, offsets, side_of
@@ -33,17 +34,18 @@ class Clock:
     ``temp_module(t + late)`` belongs to ``poa_global(t)``.
     """
 
-    late: float = np.nan  # at the middle of the record, outside daylight saving [s]
+    late: AnyFloat = np.nan  # at the middle of the record, outside daylight saving [s]
     stderr: float = np.nan  # [s]
-    drift: float = np.nan  # [s/day]
+    drift: AnyFloat = np.nan  # [s/day]
     drift_stderr: float = np.nan  # [s/day]
     blocks: pd.DataFrame = field(default_factory=pd.DataFrame)
     jumps: tuple = ()  # (first day after it, seconds)
-    faults: dict = field(default_factory=dict)  # name: one line
+    faults: dict[str, str] = field(default_factory=dict)  # name: one line
     why: str = ""  # one line; "" when the clock is fine
     middle: float = 0.0  # of the record, from its start [s]
-    hours: tuple = ()  # (from here on [s], late by that [s])
+    hours: tuple[tuple[float, float], ...] = ()  # (from here on [s], late by that [s])
     limit: float = np.nan  # below which it is not at fault: a sample, and a sensor [s]
+    in_file: ClassVar = ("late", "drift", "middle", "hours", "faults")
 
     @property
     def fault(self) -> bool:

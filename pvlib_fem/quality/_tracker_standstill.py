@@ -45,21 +45,12 @@ class Standing:
 
     start: str
     end: str
-    between: tuple
+    between: tuple[str, ...]
     surface_tilt: float
     surface_azimuth: float
     days: int
     before: float
     after: float
-
-    @classmethod
-    def stored(cls, content: Any) -> Any:
-        """The days of a part of a file."""
-        dates = {name: content.text(name) for name in ("start", "end")}
-        sizes = ("surface_tilt", "surface_azimuth", "before", "after")
-        numbers = {name: content.number(name) for name in sizes}
-        between, days = content.texts("between"), content.count("days")
-        return cls(**dates, **numbers, between=between, days=days)
 
     @property
     def when(self) -> Any:

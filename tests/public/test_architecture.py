@@ -18,6 +18,7 @@ ORDER = (
     "simulator",
     "layers",
     "reasons",
+    "_converter",
     "_stored",
     "_record",
     "_relaxation",
@@ -152,6 +153,7 @@ def test_the_paper_is_asked_by_the_choice_of_a_method_alone():
 def test_outside_libraries_have_one_place_each():
     places = {
         "matplotlib": "plotting",
+        "cattrs": "_converter",
         "jinja2": "_report",
         "markupsafe": "_report",
         "click": "_cli",

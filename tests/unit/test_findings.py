@@ -1,7 +1,6 @@
 """What the loop can say: checks that decide, and reasons that become words once."""
 
 import ast
-import json
 import re
 from pathlib import Path
 from string import Formatter
@@ -14,6 +13,7 @@ import pvlib_fem
 from pvlib_fem import Criteria
 from pvlib_fem._findings import Check, Correction, Finding, Verdict
 from pvlib_fem._loop.conclude import member_of
+from pvlib_fem._stored import plain
 from pvlib_fem.effects import find
 from pvlib_fem.reasons import Reason, because, together
 
@@ -49,7 +49,7 @@ def test_the_first_failure_is_the_rule_that_decided():
         "FAILED",
         "FAILED",
     ]
-    content = json.loads(json.dumps(finding.content()))
+    content = plain(finding)
     assert [check["passed"] for check in content["checks"]] == [True, False, False]
     assert content["because"] == [
         {"reason": "NOT_MATERIAL", "least": 1.0, "words": finding.why}

@@ -164,7 +164,7 @@ def test_single_precision_is_read_as_it_is_and_summed_in_double(days, dynamics):
     for name, value in wide.coefficients.items():
         assert own.coefficients[name] == pytest.approx(value, rel=1e-9)
         assert own.stderr[name] == pytest.approx(wide.stderr[name], rel=1e-6)
-    assert own.summary.content() == wide.summary.content()
+    assert own.summary == wide.summary
     pd.testing.assert_frame_equal(own.scores, wide.scores, rtol=1e-12)
     pd.testing.assert_series_equal(own.residual, wide.residual, rtol=0, atol=1e-9)
     # half of the memory, and none of the columns is held twice

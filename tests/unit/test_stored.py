@@ -3,6 +3,7 @@
 import json
 import os
 import pickle
+import subprocess
 import sys
 
 import numpy as np
@@ -13,9 +14,10 @@ from pvlib.location import Location
 
 import pvlib_fem as fem
 from pvlib_fem import datasets, simulator
-from pvlib_fem._findings import Kind
+from pvlib_fem._converter import AnyFloat
+from pvlib_fem._findings import Finding, Kind
 from pvlib_fem._record.column_names import COLUMNS
-from pvlib_fem._stored import opened, saved, written
+from pvlib_fem._stored import Stored, opened, saved, written
 from pvlib_fem.reasons import Because, Reason, because, together
 
 SITE = simulator.RHINE
@@ -279,10 +281,66 @@ def test_every_number_keeps_its_bits(tmp_path_factory, numbers):
     path = tmp_path_factory.getbasetemp() / "numbers.json"
     written("x", {"numbers": numbers}, path)
     with opened(path, ["x"]) as stored:
-        again = stored.numbers("numbers", unknown=True)
+        again = stored.read("numbers", dict[str, AnyFloat])
     assert list(again) == list(numbers)
     for name, value in numbers.items():
         assert np.float64(again[name]).tobytes() == np.float64(value).tobytes()
+
+
+WRONG = [
+    (lambda c: c.pop("unit"), "has no findings.0.checks.0.unit"),  # it has a default
+    (lambda c: c.update(name=3), "checks.0.name is 3, where a text belongs"),
+    (lambda c: c.update(most=1), "checks.0.most is 1, where true or false belongs"),
+    (lambda c: c.update(threshold=True), "threshold is true, where a number belongs"),
+    (lambda c: c.update(threshold="nan"), 'threshold is "nan", where a number'),
+]
+
+
+@pytest.mark.parametrize(("damage", "message"), WRONG)
+def test_a_wrong_value_deep_in_a_loop_is_named_by_its_place(
+    files, tmp_path, damage, message
+):
+    content = json.loads((files / "loop.json").read_text("utf-8"))
+    damage(content["findings"][0]["checks"][0])
+    (tmp_path / "x.json").write_text(json.dumps(content))
+    with pytest.raises(ValueError, match=message):
+        fem.Loop.from_json(tmp_path / "x.json")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("verdict", "sure", "0.verdict is .sure., where one of named, class, sugg"),
+        ("kind", "OTHER", "0.kind is .OTHER., where one of EFFECT, OWN, COLUMN, STR"),
+        ("candidates", "rain", "0.candidates is .rain., where a list belongs"),
+        ("ranges", {"a": [1.0]}, r"0.ranges.a is \[1.0\], where a list of 2 belongs"),
+        ("because", [{"reason": "OLD"}], "0.because is .*OLD is none of the reasons"),
+    ],
+)
+def test_a_finding_is_of_the_types_of_its_fields(files, key, value, message):
+    content = json.loads((files / "loop.json").read_text("utf-8"))["findings"]
+    content[0][key] = value
+    with pytest.raises(ValueError, match=rf"^a.json: findings.{message}"):
+        Stored({"findings": content}, "a.json").read("findings", list[Finding])
+
+
+def test_findings_come_back_as_what_they_were(loop, files):
+    """A verdict equals its text, and is compared by identity."""
+    again = fem.Loop.from_json(files / "loop.json")
+    assert again.finding_objects
+    for one, was in zip(again.finding_objects, loop.finding_objects, strict=True):
+        assert one.verdict is was.verdict and one.kind is was.kind
+        assert type(one.because) is Because and repr(one) == repr(was)
+
+
+def test_the_converter_is_imported_when_a_file_is_written():
+    code = (
+        "import sys, pvlib_fem as fem; fem.close_loop, fem.FemFit\n"
+        "from pvlib_fem._stored import written\n"
+        "assert 'cattrs' not in sys.modules\n"
+        "written('x', {}); assert 'cattrs' in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_reasons_come_back_typed():

@@ -1,6 +1,5 @@
 """What other columns say of an instrument that has changed."""
 
-import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -23,7 +22,7 @@ from pvlib_fem._loop.references import (
     usual,
 )
 from pvlib_fem._record.column_names import COLUMNS, is_power, twin_of, vouches
-from pvlib_fem._stored import Stored
+from pvlib_fem._stored import Stored, plain
 
 
 def witnessed(data, step, **more):
@@ -109,8 +108,8 @@ def test_a_second_sensor_names_the_first(
 def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
     data, _ = with_change(half_a_year, "mounting_step")
     first = closed(witnessed(data, 0.0)).finding_objects[0]
-    content = json.loads(json.dumps(first.content()))
-    assert Finding.stored(Stored(content, "loop.json")).witnesses == first.witnesses
+    content = plain(first)
+    assert Stored(content, "loop.json").whole(Finding).witnesses == first.witnesses
 
 
 @pytest.mark.parametrize(
