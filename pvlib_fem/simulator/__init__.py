@@ -24,7 +24,7 @@ References
    :doi:`10.1175/JAMC-D-11-0143.1`, wet-bulb temperature.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -36,7 +36,14 @@ from pvlib_fem.simulator._module import simulate
 from pvlib_fem.simulator._random_forms import drawn
 from pvlib_fem.simulator._site import ALBUQUERQUE, RHINE, Site
 from pvlib_fem.simulator._submodels import RIVALS, Days, Forms, Minutes, Obstacle
-from pvlib_fem.simulator._switches import LINEAR, OUTDOORS, PHYSICS, SWITCHES, UNITS
+from pvlib_fem.simulator._switches import (
+    LINEAR,
+    OUTDOORS,
+    PHYSICS,
+    SWITCHES,
+    UNITS,
+    Effects,
+)
 from pvlib_fem.simulator._synthetic_weather import weather
 from pvlib_fem.simulator._tracker import Stuck, Tracker
 
@@ -74,7 +81,7 @@ GENERATORS = {"nodes": simulate, "fuentes": fuentes}
 
 def record(
     site: Site = RHINE,
-    effects: Mapping[str, float] = OUTDOORS,
+    effects: Effects = OUTDOORS,
     days: float = 365,
     step: float = 60.0,
     seed: int = 0,
@@ -115,13 +122,13 @@ def record(
 
 def records(
     site: Site,
-    scenarios: Iterable[Mapping[str, float]],
+    scenarios: Iterable[Effects],
     days: float = 365,
     step: float = 60.0,
     seed: int = 0,
     start: str = "2023-01-01",
     noise: float = 1,
-    forms: Any = None,
+    forms: Forms | None = None,
     generator: str = "nodes",
 ) -> Iterator[pd.DataFrame]:
     """Yield records of several scenarios in one weather."""

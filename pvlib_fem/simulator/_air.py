@@ -22,31 +22,35 @@ VAPOUR = {
 }
 
 
-def vapour(celsius, form="magnus"):
+def vapour(celsius: np.ndarray, form: str = "magnus") -> np.ndarray:
     """Saturation vapour pressure over water. [Pa]"""
     a, b, c = VAPOUR[form]
     return a * np.exp(b * celsius / (c + celsius))
 
 
-def diffuse_share(form, ghi, elevation):
+def diffuse_share(form: str, ghi: np.ndarray, elevation: np.ndarray) -> np.ndarray:
     """Diffuse fraction of global irradiance by one of pvlib's models. [-]"""
     # pvlib has its own solar constant, and clearness is all that counts
     extra = irradiance.get_extra_radiation(MEAN_DISTANCE)
     light = ghi * extra / SOLAR_CONSTANT
-    found = getattr(irradiance, form)(light, 90.0 - elevation, MEAN_DISTANCE)
-    return np.divide(found["dhi"], light, out=np.ones_like(light), where=light > 0)
+    shares = getattr(irradiance, form)(light, 90.0 - elevation, MEAN_DISTANCE)
+    return np.divide(shares["dhi"], light, out=np.ones_like(light), where=light > 0)
 
 
-def berdahl_martin(celsius, dew, pressure, hour):
+def berdahl_martin(
+    celsius: np.ndarray, dew: np.ndarray, pressure: np.ndarray, hour: np.ndarray
+) -> np.ndarray:
     """P. Berdahl and M. Martin, Solar Energy 32, 663 (1984).
 
     :doi:`10.1016/0038-092X(84)90144-0`.
     """
-    found = 0.711 + 0.0056 * dew + 0.000073 * dew**2
-    return found + 0.013 * np.cos(2 * np.pi * hour / 24)
+    emissivity = 0.711 + 0.0056 * dew + 0.000073 * dew**2
+    return emissivity + 0.013 * np.cos(2 * np.pi * hour / 24)
 
 
-def prata(celsius, dew, pressure, hour):
+def prata(
+    celsius: np.ndarray, dew: np.ndarray, pressure: np.ndarray, hour: np.ndarray
+) -> np.ndarray:
     """A. J. Prata, Q. J. R. Meteorol. Soc. 122, 1127 (1996).
 
     :doi:`10.1002/qj.49712253306`: precipitable water 46.5 e/T, e in hPa.
@@ -55,7 +59,9 @@ def prata(celsius, dew, pressure, hour):
     return 1.0 - (1.0 + water) * np.exp(-np.sqrt(1.2 + 3.0 * water))
 
 
-def brunt(celsius, dew, pressure, hour):
+def brunt(
+    celsius: np.ndarray, dew: np.ndarray, pressure: np.ndarray, hour: np.ndarray
+) -> np.ndarray:
     """D. Brunt, Q. J. R. Meteorol. Soc. 58, 389 (1932).
 
     :doi:`10.1002/qj.49705824704`: 0.52 + 0.065 √e, e in hPa.
@@ -63,7 +69,9 @@ def brunt(celsius, dew, pressure, hour):
     return 0.52 + 0.065 * np.sqrt(pressure / 100.0)
 
 
-def brutsaert(celsius, dew, pressure, hour):
+def brutsaert(
+    celsius: np.ndarray, dew: np.ndarray, pressure: np.ndarray, hour: np.ndarray
+) -> np.ndarray:
     """W. Brutsaert, Water Resour. Res. 11, 742 (1975).
 
     :doi:`10.1029/WR011i005p00742`: 1.24 (e/T)^(1/7), e in hPa.
@@ -71,7 +79,9 @@ def brutsaert(celsius, dew, pressure, hour):
     return 1.24 * (pressure / 100.0 / (celsius + ZERO)) ** (1 / 7)
 
 
-def idso_jackson(celsius, dew, pressure, hour):
+def idso_jackson(
+    celsius: np.ndarray, dew: np.ndarray, pressure: np.ndarray, hour: np.ndarray
+) -> np.ndarray:
     """S. B. Idso and R. D. Jackson, J. Geophys. Res. 74, 5397 (1969).
 
     :doi:`10.1029/JB074i023p05397`: of air temperature alone.

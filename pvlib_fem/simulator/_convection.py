@@ -3,6 +3,8 @@
 Each function is named as in `pvlib_fem.simulator._submodels.RIVALS`.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 # dry air at 300 K, 1 atm: F. P. Incropera et al., "Fundamentals of heat and mass
@@ -10,10 +12,13 @@ import numpy as np
 CONDUCTIVITY, VISCOSITY, DIFFUSIVITY, PRANDTL = 0.0263, 1.589e-5, 2.25e-5, 0.707
 RAYLEIGH = 9.81 / 300.0 / (VISCOSITY * DIFFUSIVITY)  # 1/(K m³), Ra/(ΔT L³)
 LENGTH, WIDTH = 1.6, 1.0  # m, of a module
+#: natural convection [W/(m² K)] by the over-temperature of both faces
+Natural = Callable[[np.ndarray], np.ndarray]
+Number = float | np.ndarray
 WINDWARD, LEEWARD = (3.26, 0.89), (3.55, 0.617)  # MoWiTT a, b of a·v^b
 
 
-def tarp(tilt):
+def tarp(tilt: float | np.ndarray) -> Natural:
     """
     A multiple of |ΔT|^(1/3), larger on warm faces upwards and cold faces downwards.
 
@@ -25,7 +30,7 @@ def tarp(tilt):
     return lambda excess: np.cbrt(np.abs(excess)) * sided(excess, freely, stably)
 
 
-def churchill_chu(tilt):
+def churchill_chu(tilt: float | np.ndarray) -> Natural:
     """
     An isothermal vertical plate, with the component of gravity along an inclined one.
 
@@ -40,7 +45,7 @@ def churchill_chu(tilt):
     return lambda excess: scale * (0.825 + pull * np.abs(excess) ** (1 / 6)) ** 2
 
 
-def mcadams(tilt):
+def mcadams(tilt: float | np.ndarray) -> Natural:
     """
     A horizontal plate: Nu = 0.14 Ra^(1/3) upwards, 0.27 Ra^(1/4) downwards.
 
@@ -49,21 +54,23 @@ def mcadams(tilt):
     freely = 0.14 * CONDUCTIVITY * RAYLEIGH ** (1 / 3)
     stably = 0.27 * CONDUCTIVITY * (RAYLEIGH / WIDTH) ** (1 / 4)
 
-    def law(excess):
+    def law(excess: np.ndarray) -> np.ndarray:
         size = np.abs(excess)
         return sided(excess, freely * np.cbrt(size), stably * np.sqrt(np.sqrt(size)))
 
     return law
 
 
-def sided(excess, freely, stably):
+def sided(
+    excess: np.ndarray, freely: float | np.ndarray, stably: float | np.ndarray
+) -> np.ndarray:
     """One value for faces that warm air can leave, and another for the other faces."""
     leaves = excess > 0
     leaves[1] = ~leaves[1]  # the back looks down
     return np.where(leaves, freely, stably)
 
 
-def mowitt(speed, luff):
+def mowitt(speed: Number, luff: Number) -> Number:
     """
     ``a·v^b`` of windward and leeward faces, with the share ``luff`` of windward.
 
@@ -73,7 +80,7 @@ def mowitt(speed, luff):
     return luff * (a * speed**b) + (1 - luff) * (c * speed**d)
 
 
-def flat_plate(speed, luff):
+def flat_plate(speed: Number, luff: Number) -> Number:
     """
     Turbulent flow along a flat plate: Nu = 0.037 Re^0.8 Pr^(1/3).
 
@@ -83,7 +90,7 @@ def flat_plate(speed, luff):
     return 0.037 * CONDUCTIVITY / LENGTH * reynolds**0.8 * PRANDTL ** (1 / 3)
 
 
-def sparrow(speed, luff):
+def sparrow(speed: Number, luff: Number) -> Number:
     """
     An inclined plate of finite width: Nu = 0.86 Re^(1/2) Pr^(1/3).
 
@@ -95,7 +102,7 @@ def sparrow(speed, luff):
     return 0.86 * CONDUCTIVITY / length * root * PRANDTL ** (1 / 3)
 
 
-def watmuff(speed, luff):
+def watmuff(speed: Number, luff: Number) -> Number:
     """
     A linear law of 3 W m⁻² K⁻¹ per m/s.
 

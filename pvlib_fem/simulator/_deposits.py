@@ -4,14 +4,19 @@ Each function is named as in `pvlib_fem.simulator._submodels.RIVALS`.
 """
 
 import warnings
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 import pvlib
 from scipy.ndimage import uniform_filter1d
 
-from pvlib_fem.simulator._constants import DAY, seconds
+from pvlib_fem.simulator._constants import DAY, seconds, times_of
 from pvlib_fem.simulator._tracker import orientation
+
+if TYPE_CHECKING:
+    from pvlib_fem.simulator._site import Site
 
 SNOW_BELOW = 0.5  # °C
 PER_DAY, DIRTIEST = 0.003, 0.15  # share of light: lost each day, and at most
@@ -21,27 +26,27 @@ DEGREE_DAY = 4.0  # mm of water per day and K
 TAKEN = 0.35  # share of sunlight that snow absorbs
 
 
-def dirt(weather, site):
+def dirt(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """Share of light lost by soiling."""
     return DIRT[site.forms.cleaning](weather, site)
 
 
-def fallen(weather):
+def fallen(weather: pd.DataFrame) -> pd.Series:
     """Rain of each step. [mm]"""
-    return weather["precipitation"] * seconds(weather.index) / 3600.0
+    return weather["precipitation"] * seconds(times_of(weather)) / 3600.0
 
 
-def rain(weather, site):
+def rain(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """0.3 % per day since the last rain of ``washed_by`` [mm, h]."""
     enough, hours = site.forms.washed_by
-    step, rows = seconds(weather.index), np.arange(len(weather))
+    step, rows = seconds(times_of(weather)), np.arange(len(weather))
     total = np.cumsum(fallen(weather).to_numpy())
     before = np.concatenate((np.zeros(round(hours * 3600 / step)), total))[: len(rows)]
     washed = np.maximum.accumulate(np.where(total - before > enough, rows, 0))
     return np.minimum(PER_DAY * (rows - washed) * step / DAY, DIRTIEST)
 
 
-def kimber(weather, site):
+def kimber(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """`pvlib.soiling.kimber`: 6 mm in 24 h clean; no soiling for two weeks after."""
     return pvlib.soiling.kimber(
         fallen(weather).tz_localize(None),  # it needs times without a zone
@@ -50,50 +55,50 @@ def kimber(weather, site):
     ).to_numpy()
 
 
-def hsu(weather, site):
+def hsu(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """`pvlib.soiling.hsu`: settling mass; 1 mm in an hour cleans."""
     tilt, _ = orientation(weather, site)
     ratio = pvlib.soiling.hsu(fallen(weather), 1.0, tilt, *PARTICLES)
     return 1.0 - ratio.to_numpy()
 
 
-def snowfall(weather):
+def snowfall(weather: pd.DataFrame) -> np.ndarray:
     """Water that falls as snow; 1 mm of it is 1 cm of snow. [mm/h]"""
     cold = weather["temp_air"].to_numpy() < SNOW_BELOW
     return weather["precipitation"].to_numpy() * cold
 
 
-def store(change):
+def store(change: np.ndarray) -> np.ndarray:
     """A store that is never below zero: its sum less the lowest sum so far."""
     total = np.cumsum(change)
     return total - np.minimum(np.minimum.accumulate(total), 0.0)
 
 
-def snow_depth(weather):
+def snow_depth(weather: pd.DataFrame) -> np.ndarray:
     """Depth of snow on the ground, which melts by degree-days. [cm]"""
     melt = DEGREE_DAY * np.maximum(weather["temp_air"].to_numpy(), 0.0) / 24.0
-    return store((snowfall(weather) - melt) * seconds(weather.index) / 3600.0)
+    return store((snowfall(weather) - melt) * seconds(times_of(weather)) / 3600.0)
 
 
-def bright(weather, site, on):
+def bright(weather: pd.DataFrame, site: "Site", on: Mapping[str, float]) -> np.ndarray:
     """Albedo of the ground: 0.65 where there is more than 1 cm of snow."""
     white = np.clip(on["snow"] * (snow_depth(weather) > 1.0), 0.0, 1.0)
     return site.albedo + white * (0.65 - site.albedo)
 
 
-def snow_cover(weather, site):
+def snow_cover(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """Share of the module under snow."""
     return COVER[site.forms.snow](weather, site)
 
 
-def sliding(weather, site):
+def sliding(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     All of it slides where air is warmer than −G/80 for two hours of day.
 
     B. Marion et al., Solar Energy 97, 112 (2013),
     :doi:`10.1016/j.solener.2013.07.029`, who have it slide by parts.
     """
-    step, rows = seconds(weather.index), np.arange(len(weather))
+    step, rows = seconds(times_of(weather)), np.arange(len(weather))
     air, sun = weather["temp_air"].to_numpy(), weather["ghi"].to_numpy()
     slides = ((air > sun / -80.0) & (sun > 50.0)).astype(float)
     slides = uniform_filter1d(slides, round(7200 / step)) > 0.99
@@ -104,9 +109,9 @@ def sliding(weather, site):
     return fell > slid
 
 
-def coverage_nrel(weather, site):
+def coverage_nrel(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """Share of the module under snow that slides off gradually, by pvlib."""
-    depth = snowfall(weather) * seconds(weather.index) / 3600.0
+    depth = snowfall(weather) * seconds(times_of(weather)) / 3600.0
     with warnings.catch_warnings():
         # pvlib 0.16 asks pandas in a way that pandas 3 warns of
         warnings.filterwarnings("ignore", ".*BaseOffset")
@@ -118,7 +123,7 @@ def coverage_nrel(weather, site):
         ).to_numpy()
 
 
-def melting(weather, site):
+def melting(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     It stays where it fell and melts by sunlight and degree-days, 1 mm covers all.
 
@@ -127,7 +132,7 @@ def melting(weather, site):
     to_air = DEGREE_DAY * FUSION / DAY
     gain = TAKEN * weather["ghi"].to_numpy() + to_air * weather["temp_air"].to_numpy()
     melt = 3600.0 * np.maximum(gain, 0.0) / FUSION
-    depth = store((snowfall(weather) - melt) * seconds(weather.index) / 3600.0)
+    depth = store((snowfall(weather) - melt) * seconds(times_of(weather)) / 3600.0)
     return np.minimum(depth, 1.0)
 
 

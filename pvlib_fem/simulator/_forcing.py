@@ -1,6 +1,10 @@
 """Inputs of the module that do not depend on its temperature."""
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+import pandas as pd
 
 from pvlib_fem.simulator._air import VAPOUR, vapour
 from pvlib_fem.simulator._constants import (
@@ -10,6 +14,7 @@ from pvlib_fem.simulator._constants import (
     clock,
     lagged,
     seconds,
+    times_of,
     winter,
 )
 from pvlib_fem.simulator._convection import FORCED, NATURAL
@@ -18,6 +23,9 @@ from pvlib_fem.simulator._ground import plane, shade
 from pvlib_fem.simulator._schedules import curtailed, undeclared
 from pvlib_fem.simulator._surroundings import AIR, BACK, GLASS, LIGHT, WIND, total
 from pvlib_fem.simulator._tracker import orientation
+
+if TYPE_CHECKING:
+    from pvlib_fem.simulator._site import Site
 
 IN_GLASS, IN_CELL = 0.03, 0.89  # share of sunlight; together τα = 0.92, as [2]_
 REAR_ABSORPTANCE = 0.6  # of a light back sheet with cells behind it
@@ -39,7 +47,7 @@ HEAT_OF_WATER = 4186.0  # J kg⁻¹ K⁻¹
 SNOW_CONTACT = 40.0  # W m⁻² K⁻¹, of some centimetres on the glass
 
 
-def fresnel(cosine, index=1.526):
+def fresnel(cosine: np.ndarray, index: float = 1.526) -> np.ndarray:
     """Transmittance of a glass face over that at normal incidence."""
     inside = np.sqrt(1.0 - (1.0 - cosine**2) / index**2)
     across = ((cosine - index * inside) / (cosine + index * inside)) ** 2
@@ -48,7 +56,13 @@ def fresnel(cosine, index=1.526):
     return (1.0 - (across + along) / 2) / normal
 
 
-def light(weather, site, on, covered, albedo):
+def light(
+    weather: pd.DataFrame,
+    site: "Site",
+    on: Mapping[str, float],
+    covered: np.ndarray,
+    albedo: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
     """Irradiance through the glass, and heat that the back absorbs. [W/m²]"""
     tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
     beam, sky, ground, cosine = plane(
@@ -60,7 +74,7 @@ def light(weather, site, on, covered, albedo):
     sun += total(LIGHT, weather, site, on)
     sun *= 1 - on["soiling"] * dirt(weather, site)
     sun *= 1 - 0.95 * np.minimum(covered, 1)
-    sun *= 1 + 0.04 * on["season"] * winter(site, clock(weather.index)[1])
+    sun *= 1 + 0.04 * on["season"] * winter(site, clock(times_of(weather))[1])
     tilt = np.cos(np.radians(tilt))
     rear = 0.7 * albedo * weather["ghi"].to_numpy() * (1 + tilt) / 2  # 0.7: own shade
     rear += weather["dhi"].to_numpy() * (1 - tilt) / 2
@@ -68,22 +82,28 @@ def light(weather, site, on, covered, albedo):
     return sun, REAR_ABSORPTANCE * on["rear_irradiance"] * open_back * rear
 
 
-def scattered(weather, site, on):
+def scattered(
+    weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
+) -> np.ndarray:
     """Wind at the module over its expectation from the mast, 1 on average."""
     scatter = 0.3 * on["wind_scatter"]
-    found = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
-    return found * np.maximum(1 - total(WIND, weather, site, on), 0.0)
+    ratio = np.exp(scatter * weather["scatter"].to_numpy() - scatter**2 / 2)
+    return ratio * np.maximum(1 - total(WIND, weather, site, on), 0.0)
 
 
-def heats(weather, site, on):
+def heats(
+    weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
     """Heat of undeclared sources on the glass and on the back. [W/m²]"""
     air = weather["temp_air"].to_numpy()
-    front, back = undeclared(weather.index, air, on, site.forms)
+    front, back = undeclared(times_of(weather), air, on, site.forms)
     front = front + total(GLASS, weather, site, on)
     return front, back + total(BACK, weather, site, on)
 
 
-def output(sun, idle, on):
+def output(
+    sun: np.ndarray, idle: np.ndarray, on: Mapping[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
     """Power as constant + slope·T_cell, with T_cell in °C. [W/m², W/(m² K)]"""
     full = EFFICIENCY * sun * (1 - idle)
     low = on["conversion"] * LOW_LIGHT * np.log(np.clip(sun, 10.0, None) / 1000.0)
@@ -91,7 +111,9 @@ def output(sun, idle, on):
     return full * (1 + low) - 25.0 * slope, slope
 
 
-def breeze(weather, site, on, calm):
+def breeze(
+    weather: pd.DataFrame, site: "Site", on: Mapping[str, float], calm: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Forced convection of both faces: the form's, and a linear approximation."""
     law = FORCED[site.forms.forced]
     tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
@@ -109,10 +131,11 @@ def breeze(weather, site, on, calm):
         speed[1] *= CHANNEL * share
         facing[1] = luff[1] = 0.0
     rise = (np.hypot(calm, law(MEET, 0.5)) - calm) / MEET
-    return law(speed, luff), (1 - on["wind_shape"]) * rise * speed * (1 + 0.5 * facing)
+    straight = (1 - on["wind_shape"]) * rise * speed * (1 + 0.5 * facing)
+    return np.asarray(law(speed, luff)), straight
 
 
-def wet_bulb(celsius, humidity):
+def wet_bulb(celsius: np.ndarray, humidity: np.ndarray) -> np.ndarray:
     """Stull's fit [4]_. [°C]"""
     return (
         celsius * np.arctan(0.151977 * np.sqrt(humidity + 8.313659))
@@ -123,9 +146,11 @@ def wet_bulb(celsius, humidity):
     )
 
 
-def forcing(weather, site, on):
+def forcing(
+    weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """All inputs of the module that do not depend on its temperature."""
-    celsius, step = weather["temp_air"].to_numpy(), seconds(weather.index)
+    celsius, step = weather["temp_air"].to_numpy(), seconds(times_of(weather))
     ghi = weather["ghi"].to_numpy()
     air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is
     leaning, _ = orientation(weather, site, on["tracker_stuck"])
@@ -179,6 +204,6 @@ def forcing(weather, site, on):
     return surfaces | ground, series
 
 
-def faces(front, back):
+def faces(front: float | np.ndarray, back: float | np.ndarray) -> np.ndarray:
     """A number, or one for each row, of both faces."""
     return np.array(np.broadcast_arrays(*np.atleast_1d(front, back)))

@@ -1,7 +1,5 @@
 """A second, independent generator: `pvlib.temperature.fuentes`."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 import pvlib
@@ -18,7 +16,7 @@ from pvlib_fem.simulator._forcing import (
 from pvlib_fem.simulator._schedules import curtailed
 from pvlib_fem.simulator._site import Site
 from pvlib_fem.simulator._surroundings import AIR, total
-from pvlib_fem.simulator._switches import amplitudes
+from pvlib_fem.simulator._switches import Effects, amplitudes
 from pvlib_fem.simulator._tracker import orientation
 
 ABSORPTION = 0.83  # share of sunlight that is heat, pvlib's default
@@ -30,9 +28,7 @@ INSIDE = ("radiative_loss", "natural_convection", "wind_shape")
 NO_PLACE = ("sky_radiation", "wind_direction", "rain", "dew", "thermal_storage")
 
 
-def fuentes(
-    weather: pd.DataFrame, site: Site, effects: Mapping[str, float]
-) -> pd.DataFrame:
+def fuentes(weather: pd.DataFrame, site: Site, effects: Effects) -> pd.DataFrame:
     """
     Temperature of a module by M. K. Fuentes, SAND85-0330 (1987), in the same weather.
 

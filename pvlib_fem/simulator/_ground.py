@@ -1,13 +1,27 @@
 """Irradiance on a plane, and obstacles before it."""
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
+import pandas as pd
 from pvlib import irradiance
 from pvlib.atmosphere import get_relative_airmass
 
 from pvlib_fem.simulator._constants import SOLAR_CONSTANT
 
+if TYPE_CHECKING:
+    from pvlib_fem.simulator._site import Site
+    from pvlib_fem.simulator._submodels import Obstacle
 
-def plane(weather, tilt, azimuth, albedo, form):
+
+def plane(
+    weather: pd.DataFrame,
+    tilt: float | np.ndarray,
+    azimuth: float | np.ndarray,
+    albedo: np.ndarray,
+    form: str,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Beam, sky and ground irradiance on a plane, and the cosine of incidence."""
     elevation = weather["elevation"].to_numpy()
     cosine = irradiance.aoi_projection(
@@ -19,10 +33,15 @@ def plane(weather, tilt, azimuth, albedo, form):
     return weather["dni"].to_numpy() * cosine, sky, ground, cosine
 
 
-def sky_diffuse(form, weather, tilt, azimuth):
+def sky_diffuse(
+    form: str,
+    weather: pd.DataFrame,
+    tilt: float | np.ndarray,
+    azimuth: float | np.ndarray,
+) -> np.ndarray:
     """Sky diffuse irradiance on a plane by one of pvlib's models. [W/m²]"""
     zenith = 90.0 - weather["elevation"].to_numpy()
-    found = irradiance.get_sky_diffuse(
+    diffuse = irradiance.get_sky_diffuse(
         tilt,
         azimuth,
         zenith,
@@ -32,10 +51,10 @@ def sky_diffuse(form, weather, tilt, azimuth):
         airmass=get_relative_airmass(zenith),
         model=form,
     )
-    return np.where(weather["dhi"] > 0, np.maximum(np.nan_to_num(found), 0.0), 0.0)
+    return np.where(weather["dhi"] > 0, np.maximum(np.nan_to_num(diffuse), 0.0), 0.0)
 
 
-def hidden(weather, obstacles):
+def hidden(weather: pd.DataFrame, obstacles: "Iterable[Obstacle]") -> np.ndarray:
     """Share of the beam that obstacles block; the largest share if they overlap."""
     azimuth, elevation = weather["azimuth"].to_numpy(), weather["elevation"].to_numpy()
     share = np.zeros(len(weather))
@@ -49,6 +68,6 @@ def hidden(weather, obstacles):
     return share
 
 
-def shade(weather, site, amplitude):
+def shade(weather: pd.DataFrame, site: "Site", amplitude: float) -> np.ndarray:
     """Share of the beam that obstacles transmit."""
     return 1 - np.minimum(amplitude * hidden(weather, site.forms.obstacles), 1)

@@ -1,6 +1,7 @@
 """Sensors and loggers, with their faults."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,13 +13,14 @@ from pvlib_fem.simulator._constants import (
     lagged,
     seconds,
     stream,
+    times_of,
     wander,
 )
 from pvlib_fem.simulator._deposits import bright, dirt, snow_depth
 from pvlib_fem.simulator._ground import plane, shade
 from pvlib_fem.simulator._site import Site
 from pvlib_fem.simulator._surroundings import CONTACT, READING, total
-from pvlib_fem.simulator._switches import UNITS, amplitudes
+from pvlib_fem.simulator._switches import UNITS, Effects, amplitudes
 from pvlib_fem.simulator._tracker import orientation
 
 #: column: white noise (sd), slow noise (sd, memory [h]), resolution, relative?
@@ -41,7 +43,7 @@ def measure(
     weather: pd.DataFrame,
     truth: pd.DataFrame,
     site: Site,
-    effects: Mapping[str, float],
+    effects: Effects,
     seed: int = 0,
     noise: float = 1.0,
 ) -> pd.DataFrame:
@@ -77,7 +79,7 @@ def measure(
     ValueError
         If a switch, or a column or unit to swap, is unknown.
     """
-    on, step, rows = amplitudes(effects), seconds(weather.index), len(weather)
+    on, step, rows = amplitudes(effects), seconds(times_of(weather)), len(weather)
     speed = weather["wind_speed"].to_numpy()
     sunny = 2.0 * on["air_shield"] * weather["ghi"].to_numpy() / 1000.0
     back, power = module_logger(weather, truth, site, on, step)
@@ -107,10 +109,13 @@ def measure(
     data = pd.DataFrame(data, index=weather.index)
     if site.tracker is not None:
         data["surface_tilt"], data["surface_azimuth"] = orientation(weather, site)
-    return spoil(data, on, effects.get("swap", {}), step, stream(seed, "faults"))
+    swap: Any = effects.get("swap", {})
+    return spoil(data, on, swap, step, stream(seed, "faults"))
 
 
-def pyranometer(weather, site, on, step):
+def pyranometer(
+    weather: pd.DataFrame, site: Site, on: Mapping[str, float], step: float
+) -> np.ndarray:
     """Reading of the irradiance sensor in its plane. [W/m²]"""
     tilt, azimuth = orientation(weather, site, on["tracker_stuck_sensor"])
     azimuth = azimuth + on["poa_misalignment"]
@@ -121,34 +126,40 @@ def pyranometer(weather, site, on, step):
     beam *= shade(weather, site, on["shading_sensor"])
     poa = lagged(beam + sky + ground, 8 / step)  # a thermopile takes 8 s
     poa *= 1 - on["soiling_sensor"] * dirt(weather, site)
-    aged = 0.05 * on["sensitivity_drift"] * years(weather.index)
+    aged = 0.05 * on["sensitivity_drift"] * years(times_of(weather))
     poa *= 1 + 0.02 * on["irradiance_gain"] - aged
     black = SIGMA * (weather["temp_air"].to_numpy() + ZERO) ** 4
     net = black - weather["longwave_down"].to_numpy()
     return poa - 0.05 * on["irradiance_offset"] * net
 
 
-def module_logger(weather, truth, site, on, step):
+def module_logger(
+    weather: pd.DataFrame,
+    truth: pd.DataFrame,
+    site: Site,
+    on: Mapping[str, float],
+    step: float,
+) -> tuple[np.ndarray, np.ndarray]:
     """Module temperature with a lag of 40 s, and power, by this logger's clock."""
-    times = weather.index
+    times = times_of(weather)
     now = np.arange(len(times)) * step
-    late = 60.0 * on["clock_shift"] + on["clock_drift"] * now / DAY
-    late = late + 3600.0 * on["dst"] * summer_time(times)
+    ahead = 60.0 * on["clock_shift"] + on["clock_drift"] * now / DAY
+    ahead = ahead + 3600.0 * on["dst"] * summer_time(times)
     back = lagged(truth["temp_back"].to_numpy(), 40 / step)
     over = back - weather["temp_air"].to_numpy()
     back = back - total(CONTACT, weather, site, on) * over
     back = back + total(READING, weather, site, on)
-    back = (1 - 0.03 * on["temperature_gain"]) * np.interp(now - late, now, back)
-    power = np.interp(now - late, now, truth["p_dc_per_area"].to_numpy())
+    back = (1 - 0.03 * on["temperature_gain"]) * np.interp(now - ahead, now, back)
+    power = np.interp(now - ahead, now, truth["p_dc_per_area"].to_numpy())
     return back + on["temperature_drift"] * years(times), power
 
 
-def years(times):
+def years(times: pd.DatetimeIndex) -> np.ndarray:
     """Time since the start. [365.25 days]"""
     return (times - times[0]).total_seconds().to_numpy() / (365.25 * DAY)
 
 
-def summer_time(times):
+def summer_time(times: pd.DatetimeIndex) -> np.ndarray:
     """Mask from the last Sunday of March to the last of October, as in Europe."""
     months, days = times.month.to_numpy(), times.day.to_numpy()
     sunday = days - (times.day_of_week.to_numpy() + 1) % 7  # last Sunday until then
@@ -160,11 +171,17 @@ def summer_time(times):
     )
 
 
-def spoil(data, on, swap, step, random):
+def spoil(
+    data: pd.DataFrame,
+    on: Mapping[str, float],
+    swap: Mapping[str, str],
+    step: float,
+    random: np.random.Generator,
+) -> pd.DataFrame:
     """Add faults of the file: shifted, stuck and missing rows, wrong units."""
     rows, hour = len(data), 3600.0 / step
-    late = on["file_shift"] / 60.0 + on["file_dst"] * summer_time(data.index)
-    shown = np.arange(rows) - np.round(late * hour).astype(int)
+    ahead = on["file_shift"] / 60.0 + on["file_dst"] * summer_time(times_of(data))
+    shown = np.arange(rows) - np.round(ahead * hour).astype(int)
     data = data.iloc[np.clip(shown, 0, rows - 1)].set_axis(data.index)
     for _ in range(round(on["stuck"] * max(rows / hour / 720, 1))):
         begin, module = random.integers(rows), data.columns.get_loc("temp_module")

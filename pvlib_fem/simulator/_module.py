@@ -1,11 +1,12 @@
 """Time steps of the module's nodes, in W/m²."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem.simulator._constants import DAY, SIGMA, ZERO, seconds
+from pvlib_fem.simulator._constants import DAY, SIGMA, ZERO, seconds, times_of
 from pvlib_fem.simulator._forcing import (
     EMISSIVITY,
     GROUND_EMISSIVITY,
@@ -13,7 +14,7 @@ from pvlib_fem.simulator._forcing import (
     forcing,
 )
 from pvlib_fem.simulator._site import Site
-from pvlib_fem.simulator._switches import amplitudes
+from pvlib_fem.simulator._switches import Effects, amplitudes
 
 BLOCK = DAY  # s; days are solved in parallel, see march
 
@@ -30,7 +31,7 @@ FILM_FULL, FILM_WHOLE = 0.25, 0.08  # kg/m²: runs off above, patchy below
 JOIN = np.array([5e-5, 5e-5, 5e-5, 5e-5, 1e-5])[:, None]  # K and kg/m², see march
 
 
-def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFrame:
+def simulate(weather: pd.DataFrame, site: Site, effects: Effects) -> pd.DataFrame:
     """
     True temperatures and heat flows of a module.
 
@@ -62,7 +63,7 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFram
     surfaces, series = forcing(weather, site, on)
     names = ["temp_glass", "temp_back", "temp_cell", "temp_ground", "film"]
     names += ["h_front", "h_back", "latent"]
-    truth = dict(zip(names, march(on, seconds(weather.index), surfaces, series)))
+    truth = dict(zip(names, march(on, seconds(times_of(weather)), surfaces, series)))
     truth["sensible"] = series["drain"] * truth["temp_glass"] - series["cooler"]
     truth["heat_glass"], truth["heat_back"] = series["heat"]
     truth["heat_cell"] = series["cell"]
@@ -72,7 +73,12 @@ def simulate(weather: pd.DataFrame, site: Site, effects: Mapping) -> pd.DataFram
     return pd.DataFrame(truth, index=weather.index)
 
 
-def march(on, step, surfaces, series):
+def march(
+    on: Mapping[str, float],
+    step: float,
+    surfaces: Mapping[str, Any],
+    series: Mapping[str, np.ndarray],
+) -> np.ndarray:
     """
     Nodes over time, with all days in parallel.
 
@@ -84,35 +90,46 @@ def march(on, step, surfaces, series):
     block = min(rows, round(BLOCK / step))
     count = -(-rows // block)
 
-    def fold(values):  # (…, rows) → (block, …, count); the last row fills up
+    def fold(values: np.ndarray) -> np.ndarray:
+        # (…, rows) → (block, …, count); the last row fills up
         pad = [(0, 0)] * (values.ndim - 1) + [(0, count * block - rows)]
         values = np.pad(values, pad, mode="edge")
         values = values.reshape(*values.shape[:-1], count, block)
         return np.ascontiguousarray(np.moveaxis(values, -1, 0))
 
     series = {name: fold(values) for name, values in series.items()}
-    found = np.empty((block, 8, count))
+    nodes = np.empty((block, 8, count))
 
-    def run(start, part=slice(None), days=slice(None)):
+    def run(
+        start: np.ndarray,
+        part: slice = slice(None),
+        days: slice | np.ndarray = slice(None),
+    ) -> None:
         some = {name: values[part, ..., days] for name, values in series.items()}
-        found[part, :, days] = advance(on, step, surfaces, some, start[:, days])
+        nodes[part, :, days] = advance(on, step, surfaces, some, start[:, days])
 
     eve, start = slice(block // 2, None), np.zeros((5, count))
     start[:4] = series["air"][block // 2]
     run(start, eve)
-    start[:, 1:] = found[-1, :5, :-1]
+    start[:, 1:] = nodes[-1, :5, :-1]
     start[:, 0] = [series["air"][0, 0]] * 4 + [0.0]
     days = slice(None)
     while days is not None:
         run(start, days=days)
-        gap = np.abs(found[-1, :5, :-1] - start[:, 1:])
-        late = 1 + np.flatnonzero((gap > JOIN).any(axis=0))
-        start[:, late] = found[-1, :5, late - 1].T
-        days = late if len(late) else None
-    return np.moveaxis(found, 0, -1).reshape(8, -1)[:, :rows]
+        gap = np.abs(nodes[-1, :5, :-1] - start[:, 1:])
+        changed = 1 + np.flatnonzero((gap > JOIN).any(axis=0))
+        start[:, changed] = nodes[-1, :5, changed - 1].T
+        days = changed if len(changed) else None
+    return np.moveaxis(nodes, 0, -1).reshape(8, -1)[:, :rows]
 
 
-def advance(on, step, surfaces, series, start):
+def advance(
+    on: Mapping[str, float],
+    step: float,
+    surfaces: Mapping[str, Any],
+    series: Mapping[str, np.ndarray],
+    start: np.ndarray,
+) -> np.ndarray:
     """
     Step all columns from ``start``: glass, back, cell, ground [K], film [kg/m²].
 
@@ -131,7 +148,7 @@ def advance(on, step, surfaces, series, start):
 
     skin, (cell, ground, film) = start[:2].copy(), start[2:].copy()
     h, radiation = np.empty_like(skin), np.empty_like(skin)
-    found = np.zeros((len(series["air"]), 8, skin.shape[1]))
+    states = np.zeros((len(series["air"]), 8, skin.shape[1]))
     for i, air in enumerate(series["air"]):
         # convection: natural and forced in quadrature, or a linear approximation
         calm = natural(series["tilt"][i])(skin - air)
@@ -191,11 +208,11 @@ def advance(on, step, surfaces, series, start):
         cell = top / bottom
         load += LINK * cell
         before, skin = skin[0], load / gain
-        nodes = found[i]
+        nodes = states[i]
         if damp:
             nodes[7] = rate * (skin[0] - before) + deficit
             film = film + step * (series["capture"][i] - nodes[7] / (LATENT * damp))
             np.clip(film, 0.0, FILM_FULL, out=film)
         nodes[:2], nodes[2], nodes[3] = skin, cell, ground if store else air
         nodes[4], nodes[5:7] = film, h
-    return found
+    return states

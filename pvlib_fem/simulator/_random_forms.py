@@ -42,7 +42,7 @@ def drawn(seed: int, site: Site = RHINE) -> Forms:
     )
 
 
-def obstacles(random, site):
+def obstacles(random: np.random.Generator, site: Site) -> tuple[Obstacle, ...]:
     """One to three obstacles; half of the sites have hard edges and one share."""
     times = pd.date_range("2023-01-01", "2024-01-01", freq="20min", tz=site.tz)
     elevation, azimuth = sun_position(times, site)
@@ -64,14 +64,14 @@ def obstacles(random, site):
     return tuple(made)
 
 
-def days(random):
+def days(random: np.random.Generator) -> Days:
     """Water on one of every 2 to 9 days, for as many hours: 1 h per day on average."""
     every = int(random.integers(2, 10))
     begin = random.uniform(0.0, 24.0 - every)
     return Days(every, int(random.integers(every)), ((begin, begin + every),))
 
 
-def minutes(random):
+def minutes(random: np.random.Generator) -> Minutes:
     """A fifth to half of a period between 1 and 7 h that does not divide the day."""
     period = int(random.choice([m for m in range(60, 421) if DAY % m]))
     on = round(period * random.uniform(0.2, 0.5))

@@ -1,16 +1,19 @@
 """Scheduled activities around a module."""
 
-import numpy as np
+from collections.abc import Mapping
 
-from pvlib_fem.simulator._constants import clock, stream
-from pvlib_fem.simulator._submodels import Forms
+import numpy as np
+import pandas as pd
+
+from pvlib_fem.simulator._constants import clock, stream, times_of
+from pvlib_fem.simulator._submodels import Days, Forms, Minutes
 
 PLAIN = Forms()
 
 
-def curtailed(weather):
+def curtailed(weather: pd.DataFrame) -> np.ndarray:
     """Hours without output: midday, most often on weekends in spring."""
-    times, seed = weather.index, weather.attrs.get("seed", 0)
+    times, seed = times_of(weather), weather.attrs.get("seed", 0)
     weekend = times.day_of_week.to_numpy() >= 5
     spring = (times.month.to_numpy() >= 3) & (times.month.to_numpy() <= 6)
     odds = np.where(weekend, 0.25, 0.08) + np.where(spring, 0.3, 0.0)
@@ -20,7 +23,12 @@ def curtailed(weather):
     return (draw < odds) & (hour >= 9.5 + 2 * first) & (hour < 13.5 + 2.5 * last)
 
 
-def undeclared(times, air, on, forms=PLAIN):
+def undeclared(
+    times: pd.DatetimeIndex,
+    air: np.ndarray,
+    on: Mapping[str, float],
+    forms: Forms = PLAIN,
+) -> tuple[np.ndarray, np.ndarray]:
     """Heat of scheduled and neighbouring sources, on glass and back. [W/m²]"""
     hour, month = clock(times)[0], times.month.to_numpy()
     weekend = times.day_of_week.to_numpy() >= 5
@@ -34,7 +42,7 @@ def undeclared(times, air, on, forms=PLAIN):
     return on["irrigation"] * -150.0 * watered, back + on["shelter"] * animals
 
 
-def on_its_day(times, timetable):
+def on_its_day(times: pd.DatetimeIndex, timetable: Days) -> np.ndarray:
     """Whether a timetable of days has something on, in local standard time."""
     day = local(times, "D")
     hour, _ = clock(times)
@@ -42,12 +50,12 @@ def on_its_day(times, timetable):
     return np.any(some, axis=0) & (day % timetable.every == timetable.phase)
 
 
-def running(times, timetable):
+def running(times: pd.DatetimeIndex, timetable: Minutes) -> np.ndarray:
     """Whether a timetable of minutes has something on, in local standard time."""
     minute = local(times, "s") / 60.0
     return (minute - timetable.phase) % timetable.period < timetable.on
 
 
-def local(times, unit):
+def local(times: pd.DatetimeIndex, unit: str) -> np.ndarray:
     """Whole units since 1970-01-01 in local time."""
     return times.tz_localize(None).to_numpy().astype(f"datetime64[{unit}]").astype(int)

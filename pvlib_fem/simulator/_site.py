@@ -53,7 +53,7 @@ class Site:
     forms: Forms = field(default_factory=Forms)
     tracker: Tracker | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if isinstance(self.forms, Mapping):  # from a record's attrs
             object.__setattr__(self, "forms", Forms(**self.forms))
         if self.mounting not in MOUNTINGS:

@@ -2,6 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any, TypeVar
+
+Part = TypeVar("Part", "Obstacle", "Days", "Minutes")
 
 #: formulations of each law, the default first; tests check them by their functions
 RIVALS = {
@@ -22,7 +25,7 @@ RIVALS = {
 }
 
 
-def made(kind, value):
+def made(kind: type[Part], value: Part | Mapping[str, Any]) -> Part:
     """A part of `Forms`; a mapping from a record's attrs is converted."""
     if isinstance(value, Mapping):
         return kind(**value)
@@ -32,7 +35,7 @@ def made(kind, value):
     return value
 
 
-def within(name, value, least, most):
+def within(name: str, value: float, least: float, most: float) -> None:
     if not least <= value <= most:
         raise ValueError(f"{name} = {value} must be from {least} to {most}")
 
@@ -58,11 +61,11 @@ class Obstacle:
 
     azimuth: float = 121.5
     width: float = 27.0
-    heights: tuple = (28.0,)
+    heights: tuple[float, ...] = (28.0,)
     covers: float = 0.8
     blur: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "heights", tuple(map(float, self.heights)))
         within("width", self.width, 0.0, 360.0)
         within("covers", self.covers, 0.0, 1.0)
@@ -77,9 +80,9 @@ class Days:
 
     every: int = 2
     phase: int = 1  # days since 1970-01-01, modulo `every`
-    hours: tuple = ((6.0, 7.0), (20.0, 21.0))
+    hours: tuple[tuple[float, float], ...] = ((6.0, 7.0), (20.0, 21.0))
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "hours", tuple(map(tuple, self.hours)))
         within("every", self.every, 1, 366)
         within("phase", self.phase, 0, self.every - 1)
@@ -93,7 +96,7 @@ class Minutes:
     period: float = 150.0
     phase: float = 0.0  # minutes since 1970-01-01, modulo `period`
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         within("period", self.period, 1.0, 1e6)
         within("on", self.on, 0.0, self.period)
         within("phase", self.phase, 0.0, self.period)
@@ -136,9 +139,9 @@ class Forms:
         Schedule of ``fan``.
     """
 
-    obstacles: tuple = (Obstacle(),)
+    obstacles: tuple[Obstacle, ...] = (Obstacle(),)
     cleaning: str = "rain"
-    washed_by: tuple = (1.0, 3.0)
+    washed_by: tuple[float, ...] = (1.0, 3.0)
     vapour: str = "magnus"
     diffuse: str = "erbs"
     transposition: str = "isotropic"
@@ -150,7 +153,7 @@ class Forms:
     watering: Days = Days()
     fan: Minutes = Minutes()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         parts = {"watering": made(Days, self.watering), "fan": made(Minutes, self.fan)}
         parts["obstacles"] = tuple(made(Obstacle, one) for one in self.obstacles)
         parts["washed_by"] = tuple(map(float, self.washed_by))

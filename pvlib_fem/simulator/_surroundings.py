@@ -5,44 +5,63 @@ Each law has the name of its switch and returns amplitude 1. A site's hours, dir
 and limits are drawn from the weather's seed, with separate random numbers for each law.
 """
 
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
+import pandas as pd
 from scipy.ndimage import uniform_filter1d
 
-from pvlib_fem.simulator._constants import DAY, clock, lagged, seconds, stream, winter
+from pvlib_fem.simulator._constants import (
+    DAY,
+    clock,
+    lagged,
+    seconds,
+    stream,
+    times_of,
+    winter,
+)
 
+if TYPE_CHECKING:
+    from pvlib_fem.simulator._site import Site
+
+#: what a cause adds in each row, in a weather at a site
+Law = Callable[[pd.DataFrame, "Site"], np.ndarray]
 LOW_SUN, HIGH_SUN = 8.0, 40.0  # °, where a façade mirrors the sun onto a module
 
 
-def chance(weather, name):
+def chance(weather: pd.DataFrame, name: str) -> np.random.Generator:
     """Random numbers of one law at one site."""
     return stream(weather.attrs.get("seed", 0), name)
 
 
-def around(angle, centre):
+def around(angle: np.ndarray, centre: float) -> np.ndarray:
     """Distance of angles from another. [°]"""
     return np.abs((angle - centre + 180.0) % 360.0 - 180.0)
 
 
-def between(weather, begin, length):
+def between(weather: pd.DataFrame, begin: float, length: float) -> np.ndarray:
     """Rows within some hours of the day."""
-    hour = clock(weather.index)[0]
+    hour = clock(times_of(weather))[0]
     return (hour >= begin) & (hour < begin + length)
 
 
-def warmer(weather, site, share):
+def warmer(weather: pd.DataFrame, site: "Site", share: float) -> np.ndarray:
     """Rows with air above the annual mean by a share of the annual amplitude."""
     limit = site.temp_mean + share * site.temp_amplitude
     return weather["temp_air"].to_numpy() > limit
 
 
-def hours_of_sun(weather):
+def hours_of_sun(weather: pd.DataFrame) -> np.ndarray:
     """Time since sunrise, 0 at night. [h]"""
     rows = np.arange(len(weather))
     dark = weather["elevation"].to_numpy() <= 0
-    return (rows - np.maximum.accumulate(rows * dark)) * seconds(weather.index) / 3600
+    return (
+        (rows - np.maximum.accumulate(rows * dark)) * seconds(times_of(weather)) / 3600
+    )
 
 
-def reflection(weather, site):
+def reflection(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Sun reflected by a façade near the module, which its sensor does not see. [W/m²]
 
@@ -61,7 +80,7 @@ def reflection(weather, site):
     return 0.2 * weather["dni"].to_numpy() * there
 
 
-def plume(weather, site):
+def plume(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Exhaust air in wind from one direction. [W/m²]
 
@@ -73,7 +92,7 @@ def plume(weather, site):
     return 50.0 * (around(direction, centre) < random.uniform(20.0, 35.0))
 
 
-def puddles(weather, site):
+def puddles(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Wet ground behind the module, for half a day to two days after rain. [W/m²]
 
@@ -84,11 +103,11 @@ def puddles(weather, site):
     rows = np.arange(len(weather))
     rain = weather["precipitation"].to_numpy() > 0
     last = np.maximum.accumulate(np.where(rain, rows, -np.inf))
-    wet = np.exp((last - rows) * seconds(weather.index) / 3600.0 / dries)
+    wet = np.exp((last - rows) * seconds(times_of(weather)) / 3600.0 / dries)
     return -0.1 * weather["ghi"].to_numpy() * wet
 
 
-def sea_breeze(weather, site):
+def sea_breeze(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Sea breeze that reaches the module but not the station. [K]
 
@@ -98,12 +117,12 @@ def sea_breeze(weather, site):
     """
     random = chance(weather, "sea_breeze")
     hours = between(weather, random.uniform(10.0, 13.0), random.uniform(5.0, 8.0))
-    sun = lagged(weather["ghi"].to_numpy(), 3 * 3600 / seconds(weather.index))
-    warm = winter(site, clock(weather.index)[1]) < 0
+    sun = lagged(weather["ghi"].to_numpy(), 3 * 3600 / seconds(times_of(weather)))
+    warm = winter(site, clock(times_of(weather))[1]) < 0
     return -3.0 * (hours & warm & (sun > 300.0))
 
 
-def misters(weather, site):
+def misters(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Nozzles of a barn or a terrace that cool the module's air in heat. [K]
 
@@ -116,7 +135,7 @@ def misters(weather, site):
     return -0.15 * dry * (hours & warmer(weather, site, random.uniform(0.2, 0.7)))
 
 
-def fog(weather, site):
+def fog(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Dew on the glass after a humid night, dried by the sun. [W/m²]
 
@@ -125,12 +144,12 @@ def fog(weather, site):
     """
     lasts = chance(weather, "fog").uniform(2.0, 4.0)  # h
     humid = (weather["relative_humidity"].to_numpy() > 85.0).astype(float)
-    damp = lagged(humid, 3 * 3600 / seconds(weather.index))
+    damp = lagged(humid, 3 * 3600 / seconds(times_of(weather)))
     since = hours_of_sun(weather)
     return -80.0 * damp * ((since > 0) & (since < lasts))
 
 
-def inverter_hall(weather, site):
+def inverter_hall(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Exhaust of inverters by their power, if it is warm enough for the fans. [W/m²]
 
@@ -141,7 +160,7 @@ def inverter_hall(weather, site):
     return 75.0 * power * warmer(weather, site, share)
 
 
-def compost(weather, site):
+def compost(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     A heap that is turned once in 1 to 3 months and cools for weeks. [W/m²]
 
@@ -149,14 +168,14 @@ def compost(weather, site):
     6 W/(m² K), and the module's view factor is a quarter.
     """
     random = chance(weather, "compost")
-    day = np.arange(len(weather)) * seconds(weather.index) / DAY
+    day = np.arange(len(weather)) * seconds(times_of(weather)) / DAY
     gaps = random.uniform(30.0, 90.0, 2 + int(day[-1] / 30.0))
     turned = np.concatenate(([0.0], np.cumsum(gaps))) - random.uniform(0.0, 30.0)
     age = day - turned[np.searchsorted(turned, day, side="right") - 1]
     return 60.0 * (1 - np.exp(-age)) * np.exp(-age / random.uniform(8.0, 15.0))
 
 
-def lorries(weather, site):
+def lorries(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Share of the wind that parked lorries block on workdays. [-]
 
@@ -165,10 +184,10 @@ def lorries(weather, site):
     """
     random = chance(weather, "lorries")
     hours = between(weather, random.uniform(5.0, 9.0), random.uniform(8.0, 11.0))
-    return 0.3 * (hours & (weather.index.day_of_week.to_numpy() < 5))
+    return 0.3 * (hours & (times_of(weather).day_of_week.to_numpy() < 5))
 
 
-def charger(weather, site):
+def charger(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Error of a logger's cold junction that is warm while its battery charges. [K]
 
@@ -176,13 +195,13 @@ def charger(weather, site):
     0.5 m² that loses 5 W/(m² K) give 1.2 K.
     """
     share = chance(weather, "charger").uniform(0.2, 0.35)
-    step, since = seconds(weather.index), hours_of_sun(weather)
+    step, since = seconds(times_of(weather)), hours_of_sun(weather)
     night = (weather["elevation"].to_numpy() <= 0).astype(float)
     night = 24.0 * uniform_filter1d(night, max(round(DAY / step), 1), mode="nearest")
     return 1.2 * lagged((since > 0) & (since < share * night), 1200 / step)
 
 
-def frozen_contact(weather, site):
+def frozen_contact(weather: pd.DataFrame, site: "Site") -> np.ndarray:
     """
     Share of the over-temperature that a contact loses while it is frozen. [-]
 
@@ -208,7 +227,12 @@ READING = {"charger": charger}
 CONTACT = {"frozen_contact": frozen_contact}
 
 
-def total(laws, weather, site, on):
+def total(
+    laws: Mapping[str, Law],
+    weather: pd.DataFrame,
+    site: "Site",
+    on: Mapping[str, float],
+) -> float | np.ndarray:
     """Sum of the laws that are on; 0 without any."""
     some = [on[name] * law(weather, site) for name, law in laws.items() if on[name]]
     return sum(some, start=0.0)

@@ -1,5 +1,8 @@
 """Every effect and fault that can be switched on, by name."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from pvlib_fem.simulator._constants import ZERO
@@ -102,14 +105,19 @@ UNITS = {
 }
 
 
-def amplitudes(effects):
+#: amplitudes by switch; `swap` has units by column
+Effects = Mapping[str, float | Mapping[str, str]]
+
+
+def amplitudes(effects: Effects) -> dict[str, float]:
     """All switches by name; those that ``effects`` does not name are 0."""
     if unknown := sorted(set(effects) - {*SWITCHES, "swap"}):
         raise ValueError(
             f"unknown switch {', '.join(map(repr, unknown))}; "
             f"there are {', '.join(SWITCHES)} and swap"
         )
-    values = {name: float(effects.get(name, 0.0)) for name in SWITCHES}
+    given: Mapping[str, Any] = effects
+    values = {name: float(given.get(name, 0.0)) for name in SWITCHES}
     if wrong := [name for name, value in values.items() if not np.isfinite(value)]:
         raise ValueError(f"amplitude of {wrong} must be a finite number")
     return values

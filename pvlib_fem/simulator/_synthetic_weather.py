@@ -135,15 +135,15 @@ def weather(
     return frame
 
 
-def sun_position(times, site):
+def sun_position(times: pd.DatetimeIndex, site: Site) -> tuple[np.ndarray, np.ndarray]:
     """Elevation and azimuth of the sun, Spencer [3]_; no refraction. [°]"""
     hour, day = clock(times)
     angle = 2 * np.pi * (day - 1) / 365.0
     waves = [f(n * angle) for n in (1, 2, 3) for f in (np.cos, np.sin)]
     tilt = [-0.399912, 0.070257, -0.006758, 0.000907, -0.002697, 0.00148]
     declination = 0.006918 + sum(a * wave for a, wave in zip(tilt, waves))
-    late = [0.001868, -0.032077, -0.014615, -0.040849]
-    minutes = 229.18 * (0.000075 + sum(a * wave for a, wave in zip(late, waves)))
+    equation = [0.001868, -0.032077, -0.014615, -0.040849]
+    minutes = 229.18 * (0.000075 + sum(a * wave for a, wave in zip(equation, waves)))
     solar = hour - site.utc_offset + site.longitude / 15.0 + minutes / 60.0
     turn, north = np.pi / 12 * (solar - 12.0), np.radians(site.latitude)
     up = np.sin(north) * np.sin(declination)
@@ -155,7 +155,7 @@ def sun_position(times, site):
     return np.degrees(np.arcsin(np.clip(up, -1, 1))), np.degrees(azimuth) + 180.0
 
 
-def regimes(site, cold, random):
+def regimes(site: Site, cold: np.ndarray, random: np.random.Generator) -> np.ndarray:
     """Clear, broken or overcast (0, 1, 2) in each hour: a Markov chain."""
     clear = np.clip(site.clear_share - 0.08 * cold, 0.05, 0.9)
     overcast = 0.47 * (1.0 - clear)
@@ -174,7 +174,9 @@ def regimes(site, cold, random):
     return sky
 
 
-def rainfall(site, sky, days, minute, random):
+def rainfall(
+    site: Site, sky: np.ndarray, days: float, minute: float, random: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
     """Rain events under cloud [mm/h] and their onsets; ``sky`` clears after some."""
     rain, onset = np.zeros(len(sky)), np.zeros(len(sky))
     under = np.flatnonzero(sky == 2)
@@ -196,7 +198,9 @@ def rainfall(site, sky, days, minute, random):
     return rain, onset
 
 
-def clear_sky_index(share, minute, random):
+def clear_sky_index(
+    share: list[np.ndarray], minute: float, random: np.random.Generator
+) -> np.ndarray:
     """Global irradiance relative to a clear sky, from the shares of the regimes."""
     rows = len(share[0])
     clear = 1.0 + 0.02 * wander(random, rows, 20 * minute)
@@ -214,7 +218,9 @@ def clear_sky_index(share, minute, random):
     return np.clip(index, 0.05, 1.25)
 
 
-def irradiance(elevation, index, form):
+def irradiance(
+    elevation: np.ndarray, index: np.ndarray, form: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Global, beam and diffuse: Haurwitz, Meinel [3]_ and the form's. [W/m²]"""
     up = np.maximum(np.sin(np.radians(elevation)), 1e-3)
     day = elevation > 0
@@ -226,14 +232,18 @@ def irradiance(elevation, index, form):
     return ghi, dni, ghi - dni * up * day
 
 
-def outflow(onset, minute, random):
+def outflow(
+    onset: np.ndarray, minute: float, random: np.random.Generator
+) -> np.ndarray:
     """Cold air before a shower: 2 to 6 K within minutes, gone after hours. [K]"""
     drop = random.uniform(2.0, 6.0, len(onset)) * (onset > 4.0)
     slow, fast = np.exp(-1 / (90 * minute)), np.exp(-1 / (5 * minute))
     return lfilter([1.0], [1.0, -slow], drop) - lfilter([1.0], [1.0, -fast], drop)
 
 
-def wind(site, hour, minute, random):
+def wind(
+    site: Site, hour: np.ndarray, minute: float, random: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Speed at the mast, direction, and the scatter of the wind at the module."""
     rows = len(hour)
     waves = ((0.65, 14 * 60), (0.55, 90), (0.40, 8), (0.33, 1.2))

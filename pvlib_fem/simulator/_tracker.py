@@ -2,11 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 import pvlib
 from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from pvlib_fem.simulator._site import Site
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,7 @@ class Stuck:
     end: str = "2023-07-17"
     angle: float = -35.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not pd.Timestamp(self.start) < pd.Timestamp(self.end):
             raise ValueError(f"start = {self.start!r} is not before end = {self.end!r}")
 
@@ -66,13 +70,13 @@ class Tracker:
     backtrack: bool = True
     stuck: Stuck = field(default_factory=Stuck)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if isinstance(self.stuck, Mapping):  # from a record's attrs
             object.__setattr__(self, "stuck", Stuck(**self.stuck))
 
     def rotation(self, weather: pd.DataFrame) -> np.ndarray:
         """Rotation about the axis, 0 at night. [°]"""
-        found = pvlib.tracking.singleaxis(
+        turned = pvlib.tracking.singleaxis(
             90.0 - weather["elevation"].to_numpy(),
             weather["azimuth"].to_numpy(),
             self.axis_tilt,
@@ -81,17 +85,19 @@ class Tracker:
             self.backtrack,
             self.gcr,
         )
-        return np.nan_to_num(found["tracker_theta"])
+        return np.nan_to_num(turned["tracker_theta"])
 
-    def plane(self, angle: ArrayLike) -> tuple:
+    def plane(self, angle: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Tilt and azimuth of rows that are rotated by an angle. [°]"""
-        found = pvlib.tracking.calc_surface_orientation(
+        angles = pvlib.tracking.calc_surface_orientation(
             angle, self.axis_tilt, self.axis_azimuth
         )
-        return found["surface_tilt"], found["surface_azimuth"]
+        return angles["surface_tilt"], angles["surface_azimuth"]
 
 
-def orientation(weather, site, stuck=0.0):
+def orientation(
+    weather: pd.DataFrame, site: "Site", stuck: float = 0.0
+) -> tuple[float | np.ndarray, float | np.ndarray]:
     """
     Tilt and azimuth of a plane at a site: numbers, or rows of a tracker. [°]
 
@@ -108,5 +114,7 @@ def orientation(weather, site, stuck=0.0):
     angle = tracker.rotation(weather)
     if stuck:
         away = tracker.stuck.angle - angle
-        angle = angle + stuck * tracker.stuck.during(weather.index) * away
+        angle = (
+            angle + stuck * tracker.stuck.during(pd.DatetimeIndex(weather.index)) * away
+        )
     return tracker.plane(angle)
