@@ -239,7 +239,7 @@ def seasonal(day: np.ndarray) -> np.ndarray:
 
 
 def fitted(
-    poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: pd.Index
+    poa: np.ndarray, temp: np.ndarray, power: np.ndarray, day: np.ndarray | pd.Index
 ) -> PowerRelation:
     """The relation of arrays."""
     day = np.asarray(day, dtype=float)

@@ -1,31 +1,55 @@
 """What a search came to, as a finished thing."""
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pandas as pd
 
 from pvlib_fem import scores
 from pvlib_fem._budget.error_budget import budget_of, episodes_of
+from pvlib_fem._findings import Finding
 from pvlib_fem._fitting.daily import errors
 from pvlib_fem._fitting.least_squares_fit import finished
 from pvlib_fem._loop.conclude import hints, in_the_model, not_seen, patterns
-from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS
+from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS, Case
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.power_events import events_of
 from pvlib_fem._loop.ranking import ranked
 from pvlib_fem._loop.ranking_table import Ranking, table_of
+from pvlib_fem._loop.refits import Step
 from pvlib_fem._loop.weeks import Part, named
 from pvlib_fem._record.column_names import DAYLIGHT
 from pvlib_fem.drivers._mounts import without_rows
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.close import Search
 
 SCORES = [
     f"{name}_{part}" for part in ("train", "test") for name in ("rmse", "mae", "mbe")
 ]
 
 
-def outcome(search, last, base):
-    """All that was found, as a finished thing."""
-    case, notes = search.case, []
+def outcome(search: "Search", last: Step, base: str) -> Loop:
+    """
+    All that was found, as a finished thing.
+
+    Parameters
+    ----------
+    search : Search
+        After its run.
+    last : Step
+        The model of the result.
+    base : str
+        Name of the step before all effects.
+
+    Returns
+    -------
+    Loop
+    """
+    case = search.case
+    notes: list[str] = []
     record = case.placed_for(case.whole, last.model)
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = errors(last.model, daily, at_bound, notes)
@@ -78,8 +102,10 @@ def outcome(search, last, base):
     )
 
 
-def left_over(search, findings):
-    """The ranking, all findings, and what was not to be seen."""
+def left_over(
+    search: "Search", findings: list[Finding]
+) -> tuple[Ranking, list[Finding], dict[str, Because]]:
+    """The ranking, all findings, and why the others could not be seen, by name."""
     case, this = search.case, search.last
     if this is None:
         days, least = case.fitting_days, FEWEST_FITTING_DAYS
@@ -90,33 +116,33 @@ def left_over(search, findings):
     names = [*taken, *this.names]
     rows, failed = ranked(selection, this.found, given, case.days, names)
     floor = selection.least
-    findings = [*findings, *hints(case, rows, findings, floor)]
+    shown = [*findings, *hints(case, rows, findings, floor)]
     if case.enough or not taken:
         chosen = [search.choices[name] for name in taken]
-        findings += patterns(selection.design, selection.given(chosen), floor)
+        shown += patterns(selection.design, selection.given(chosen), floor)
     whole = search.start.error(case.fitting)
-    unseen = dict(not_seen(case, rows, failed, findings, whole))
+    unseen = dict(not_seen(case, rows, failed, shown, whole))
     table = table_of(
         {n: {"note": str(why)} for n, why in failed.items()}
         | {name: row.content() for name, row in rows.items()}
     )
     table = table.sort_values("gain", ascending=False, kind="stable")
-    return Ranking(table), findings, unseen
+    return Ranking(table), shown, unseen
 
 
-def error_table(case, steps):
+def error_table(case: Case, steps: Mapping[str, Step]) -> pd.DataFrame:
     """Errors of each step on fitting and test rows, on those that all steps know."""
     everywhere = np.all([np.isfinite(s.temperature) for s in steps.values()], axis=0)
-    parts = {"train": case.fitting & everywhere, "test": case.test & everywhere}
-    parts = {name: np.flatnonzero(rows) for name, rows in parts.items()}
+    masks = {"train": case.fitting & everywhere, "test": case.test & everywhere}
+    parts = {name: np.flatnonzero(mask) for name, mask in masks.items()}
     sunny = case.whole["poa_global"][parts["test"]] > DAYLIGHT
     light = scores.kilowatt_hours(case.whole.inputs)[parts["test"]]
     rows = {}
     for name, step in steps.items():
-        left = {p: step.measured[at] - step.temperature[at] for p, at in parts.items()}
-        test = left["test"]
+        residual = step.measured - step.temperature
+        test = residual[parts["test"]]
         rows[name] = {
-            **scores.of(left["train"], "train"),
+            **scores.of(residual[parts["train"]], "train"),
             **scores.of(test, "test"),
             "rmse_test_day": scores.of(test[sunny], "day")["rmse_day"],
             "rmse_test_night": scores.of(test[~sunny], "night")["rmse_night"],

@@ -1,16 +1,15 @@
 """Close the loop: from the residual to the missing effect, and what it was worth."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
-import numpy as np
 import pandas as pd
 from pvlib.location import Location
 from pvlib.pvsystem import AbstractMount
 
-from pvlib_fem._findings import CORRECTED
+from pvlib_fem._findings import CORRECTED, Check, Correction, Finding
 from pvlib_fem._fitting.parquet_fit import in_files
 from pvlib_fem._fitting.stand_ins import chosen
 from pvlib_fem._loop.assemble import outcome
@@ -19,6 +18,8 @@ from pvlib_fem._loop.correct_clock import module_clock
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Design
+from pvlib_fem._loop.dictionary import Column
+from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.noise import with_outside
@@ -26,11 +27,11 @@ from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared
 from pvlib_fem._loop.progress import telling
-from pvlib_fem._loop.references import apart, heard, said
+from pvlib_fem._loop.references import apart, cross_checks, log_likelihoods
 from pvlib_fem._loop.refit_checks import bounds
 from pvlib_fem._loop.refits import Fits, Step
 from pvlib_fem._loop.replacements import Replacements
-from pvlib_fem._loop.selection import Selection, selected
+from pvlib_fem._loop.selection import Choice, Selection, selected
 from pvlib_fem._loop.standstill_edges import by_power, edge_weeks
 from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
@@ -38,7 +39,7 @@ from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem._report.loop_page import said_of
 from pvlib_fem._thermal.model import ThermalModel
-from pvlib_fem._thermal.steady_models import steady_model
+from pvlib_fem._thermal.steady_models import SteadyModel, steady_model
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import plane_of_rows
 from pvlib_fem.drivers._planes import ByColumns
@@ -46,7 +47,8 @@ from pvlib_fem.drivers._transposition import check_transposition
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.effects._time_profiles import is_dated
 from pvlib_fem.quality._module_lag import Clock
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.quality._plane import Plane
+from pvlib_fem.reasons import Because, Reason, because
 from pvlib_fem.types import FilePath
 
 LONGWAVE = "radiative_loss"  # of every module: in the base model, and no finding
@@ -198,13 +200,36 @@ def close_loop(
     return searched(data, model, place, progress, **how)[1]
 
 
-def searched(data, model, place, progress, **how):
-    """A finished search, and the loop that it gives."""
-    given = {n: said_of(value) for n, value in told_of(how).items()}
+def searched(
+    data: pd.DataFrame | ParquetRecord | FilePath,
+    model: str,
+    place: dict[str, Any],
+    progress: Callable[[str], object] | bool | None,
+    **how: Any,
+) -> tuple["Search", Loop]:
+    """
+    A finished search, and the loop that it gives.
+
+    Parameters
+    ----------
+    data, model, progress
+        See :func:`close_loop`.
+    place : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    **how
+        Further arguments of :func:`pvlib_fem._loop.prepare.prepared`.
+
+    Returns
+    -------
+    Search, Loop
+    """
+    given = {n: said_of(value) for n, value in arguments_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:
-        own, steady = None, steady_model(model)
+        own: OwnSteps | None = None
+        replaced: dict[str, Any] = {}
+        steady = steady_model(model)
         plain = ThermalModel(steady, "balance")
         if is_data_set(data):
             if isinstance(place["mount"], ByColumns):
@@ -214,49 +239,58 @@ def searched(data, model, place, progress, **how):
                 )
             tell("reading the files")
             instead, criteria = how.get("instead", Replacements()), how["criteria"]
-            data, stood = instead.of_files(as_source(data), place, criteria.limits)
+            source = as_source(data)
+            source, replaced = instead.of_files(source, place, criteria.limits)
             how["instead"] = Replacements(calm=instead.calm)
-            data, screened = in_means(in_files(data, plain), how["criteria"])
+            frame, screened = in_means(in_files(source, plain), criteria)
             own = OwnSteps(screened)
             if how["holdout"] is not None:
-                how["holdout"] = on_days(how["holdout"], data.index)
+                how["holdout"] = on_days(how["holdout"], frame.index)
+        else:  # anything but a frame is refused below
+            frame = cast(pd.DataFrame, data)
         others = chosen(how["instead"].stand_ins) if "instead" in how else {}
-        plain.refuse_without_wind({**with_aliases(data, ()), **others})
-        data, site = with_given(data, place)
-        spared = ()
+        plain.refuse_without_wind({**with_aliases(frame, ()), **others})
+        frame, site = with_given(frame, place)
+        spared: list[int] = []
         while True:
             tell("checking the record")
-            case = prepared(data, site, **how, spared=spared)
+            case = prepared(frame, site, **how, spared=spared)
             search = Search(Fits(case), tell, own=own)
-            ended = search.run(steady)
-            more = edge_weeks(search.case, ended[0].model.effects, len(spared))
+            last, base = search.run(steady)
+            more = edge_weeks(search.case, last.model.effects, len(spared))
             if how["holdout"] is not None or not len(more):
                 break
-            spared = np.union1d(spared, more).astype(int)
+            spared = sorted({*spared, *more.tolist()})
         tell("measuring the errors of the test weeks")
-        found = outcome(search, *ended)
+        loop = outcome(search, last, base)
         if own is not None:
-            found = own.told(found)
+            loop = own.confirmed(loop)
     case = search.case
-    times = Times.of(data.index, case.kept, case.whole.index, search.clock)
+    times = Times.of(frame.index, case.kept, case.whole.index, search.clock)
     if own is None:
         sky = how["instead"].transposition if case.transposed else ""
-        stood = {"transposition": sky, "stand_ins": case.standing}
-    stood["reading"] = {"rows": len(data.index), "notes": notes_of(data)}
-    stood["standings"] = case.standings
-    return search, replace(found, given=given, times=times, **stood)
+        replaced = {"transposition": sky, "stand_ins": case.standing}
+    reading = {"rows": len(frame.index), "notes": notes_of(frame)}
+    return search, replace(
+        loop,
+        given=given,
+        times=times,
+        reading=reading,
+        standings=case.standings,
+        **replaced,
+    )
 
 
-def told_of(how):
+def arguments_of(how: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of a call, with the replacements of columns by their names."""
     instead = how.get("instead") or Replacements()
-    told = {name: value for name, value in how.items() if name != "instead"}
+    given = {name: value for name, value in how.items() if name != "instead"}
     if instead.transposition:
-        told["transposition"] = instead.transposition
-    return told | ({"stand_ins": instead.stand_ins} if instead.stand_ins else {})
+        given["transposition"] = instead.transposition
+    return given | ({"stand_ins": instead.stand_ins} if instead.stand_ins else {})
 
 
-def notes_of(data):
+def notes_of(data: pd.DataFrame) -> list[str]:
     """What was done to data as they were read, where a function noted it."""
     notes = data.attrs.get("notes", ())
     return [printable(one) for one in notes] if isinstance(notes, list | tuple) else []
@@ -268,10 +302,10 @@ class Round:
 
     found: Evidence
     selection: Selection
-    choices: tuple
+    choices: tuple[Choice, ...]
 
     @property
-    def names(self):
+    def names(self) -> list[str]:
         return [one.top.name for one in self.choices]
 
 
@@ -280,25 +314,28 @@ class Search:
     """A case, and what was found in it so far."""
 
     fits: Fits
-    tell: Callable
-    steps: dict = field(default_factory=dict)
-    findings: list = field(default_factory=list)
-    refused: list = field(default_factory=list)  # findings that are not in the model
-    choices: dict = field(default_factory=dict)  # of each finding
-    closed: frozenset = frozenset()  # names that a refit or the own steps speak against
-    start: Step | None = None  # the one without effects from which the search begins
-    corrections: list = field(default_factory=list)
+    tell: Callable[[str], None]
+    steps: dict[str, Step] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+    #: findings that are not in the model
+    refused: list[Finding] = field(default_factory=list)
+    choices: dict[str, Choice] = field(default_factory=dict)  # of each finding
+    #: names that a refit or the own steps contradict
+    closed: frozenset[str] = frozenset()
+    #: the one without effects from which the search begins
+    start: Step = field(init=False, repr=False)
+    corrections: list[Correction] = field(default_factory=list)
     clock: Clock = field(default_factory=Clock)  # by which the module's was set right
-    untestable: dict = field(default_factory=dict)
+    untestable: dict[str, Because] = field(default_factory=dict)
     own: OwnSteps | None = None  # of files, of which the case has means
-    usual: frozenset = frozenset()  # names of effects that are no findings
+    usual: frozenset[str] = frozenset()  # names of effects that are no findings
     last: Round | None = None  # that which chose what is in the model
 
     @property
-    def case(self):
+    def case(self) -> Case:
         return self.fits.case
 
-    def run(self, steady):
+    def run(self, steady: SteadyModel) -> tuple[Step, str]:
         """The last step, and the name of the one before all effects."""
         self.untestable |= self.case.untestable
         self.corrections += self.case.corrections
@@ -330,7 +367,7 @@ class Search:
             self.closed |= {finding.effect}
             self.refused.append(refused(finding, check, why))
 
-    def with_usual(self, step):
+    def with_usual(self, step: Step) -> Step:
         """The step with what every module has, and with effects that are held."""
         fixed = {*self.case.fixed}
         effects = [e for e in self.case.wanted if e.rows() and {*e.rows()} <= fixed]
@@ -339,15 +376,16 @@ class Search:
                 effects.append(one)
         for effect in effects:
             model = replace(step.model, effects=(*step.model.effects, effect))
-            found = self.on_own_steps(self.fits.fitted(model, step, whole=False))
-            if not {*found.at_bound} & {*effect.rows()}:
-                step = self.steps[f"+{effect.name}"] = found
+            fit = self.on_own_steps(self.fits.fitted(model, step, whole=False))
+            if not {*fit.at_bound} & {*effect.rows()}:
+                step = self.steps[f"+{effect.name}"] = fit
         self.usual = frozenset(effect.name for effect in step.model.effects)
         return step
 
-    def converged(self, plain):
+    def converged(self, plain: Step) -> Step:
         """The last step, when one more linearisation chooses the same effects."""
-        step, seen = plain, []
+        step = plain
+        seen: list[set[Column]] = []
         for turn in range(MOST_ROUNDS):
             self.tell(f"weighing effects, round {turn + 1}")
             this = self.round(step)
@@ -355,8 +393,8 @@ class Search:
             if key in seen:
                 break
             self.tell(f"fitting {', '.join(this.names) or 'no further effect'}")
-            found = self.with_effects(plain, this.choices)
-            bound = {*found.at_bound}
+            fit = self.with_effects(plain, this.choices)
+            bound = {*fit.at_bound}
             out = [
                 one.top.name for one in this.choices if {*one.top.effect.rows()} & bound
             ]
@@ -364,23 +402,23 @@ class Search:
                 self.closed |= {out[-1]}
                 continue
             seen.append(key)
-            step = found
+            step = fit
         self.last = this
         return self.with_findings(plain, this, step.coefficients)
 
-    def round(self, step):
+    def round(self, step: Step) -> Round:
         """What the remaining error of a step asks for, all effects taken back."""
         case = self.case
         there = {e.name for e in step.model.effects if not e.channel}
         wanted = [effect for effect in case.wanted if effect.name not in there]
-        found = self.fits.gathered(step, wanted)
+        evidence = self.fits.gathered(step, wanted)
         lifted = [
             (effect, step.coefficients)
             for effect in step.model.effects
             if effect.name not in self.usual
         ]
         record = self.fits.ready["coarse"][1]
-        design = Design.of(found, record, lifted, case.drivers)
+        design = Design.of(evidence, record, lifted, case.drivers)
         closed = self.closed
         names = [e.name for e in case.wanted if is_before_the_sun(e)]
         names = [name for name in names if name in design.own]
@@ -390,14 +428,14 @@ class Search:
             self.untestable |= dict.fromkeys(names, why)
             closed = closed | {*names}
         selection, choices = selected(design, case.criteria, closed)
-        return Round(found, selection, tuple(choices))
+        return Round(evidence, selection, tuple(choices))
 
     @cached_property
-    def another_plane(self):
+    def another_plane(self) -> Plane | None:
         """The plane of the light, if it is not the stated one; computed once."""
         return another_plane(self.case)
 
-    def leave_out_leaks(self, base):
+    def leave_out_leaks(self, base: Step) -> None:
         """Drop columns of the user's own that hold the answer."""
         case, limits = self.case, self.case.criteria
         own = {e.column: e for e in case.wanted if e.column}
@@ -410,7 +448,7 @@ class Search:
             case = case.without(effect)
         self.fits.case = case
 
-    def with_effects(self, plain, choices):
+    def with_effects(self, plain: Step, choices: Sequence[Choice]) -> Step:
         """The model with the best member of each choice, fitted on coarse steps."""
         if not choices:
             return plain
@@ -422,7 +460,9 @@ class Search:
         fit = self.fits.fitted(model, plain, start, whole=False)
         return replace(fit, model=model.rebased(fit.coefficients))
 
-    def with_findings(self, plain, this, coefficients):
+    def with_findings(
+        self, plain: Step, this: Round, coefficients: Mapping[str, float]
+    ) -> Step:
         """The last step, with the findings that are in it one after the other."""
         selection, case = this.selection, self.case
         self.findings, self.choices = [], {}
@@ -434,45 +474,45 @@ class Search:
         for i, one in enumerate(selection.with_members(chosen)):
             others = [*chosen[:i], *chosen[i + 1 :]]
             given = selection.given(others)
-            logs = said(references, one, coefficients)
+            logs = log_likelihoods(references, one, coefficients)
             one = with_outside(selection.design, one, given, case.criteria, logs)
             effect = selection.dated(one, one.first, given)
             if effect.turns:
                 size = float(one.scores[one.first].estimate[0])
                 effect = by_power(case, effect, size)
-            spoken = heard(references, one, effect, coefficients)
-            finding = finding_of(one, effect, case, selection.least, spoken)
+            checks = cross_checks(references, one, effect, coefficients)
+            finding = finding_of(one, effect, case, selection.least, checks)
             self.choices[finding.effect] = one
             if not finding.added:
                 self.refused.append(finding)
                 continue
             model = replace(step.model, effects=(*step.model.effects, effect))
-            found = self.fits.fitted(model, step, finding.coefficients, whole=False)
-            check, why = bounds(finding.coefficients, found)
+            fit = self.fits.fitted(model, step, finding.coefficients, whole=False)
+            check, why = bounds(finding.coefficients, fit)
             if not check.passed:
                 self.refused.append(refused(finding, check, why))
                 continue
-            step = self.steps[f"+{finding.effect}"] = found
+            step = self.steps[f"+{finding.effect}"] = fit
             self.findings.append(finding)
         if self.findings:
             step = self.on_own_steps(step)
             self.steps[f"+{self.findings[-1].effect}"] = step
         return step
 
-    def on_own_steps(self, step):
+    def on_own_steps(self, step: Step) -> Step:
         """A step fitted to the record's own steps, and with its own base."""
         model = step.model.rebased(step.coefficients)
         if self.case.record is self.case.whole and model is step.model:
             return step
         return self.fits.fitted(model, step, step.coarse)
 
-    def contradicted(self, step):
+    def contradicted(self, step: Step) -> tuple[Finding, Check, Because] | None:
         """The first finding that the own steps of files speak against, or None."""
         if self.own is None:
             return None
         self.tell("fitting the record's own steps")
-        fitting, falls = self.case.fitting, []
-        steps = [*self.steps]
+        fitting, steps = self.case.fitting, [*self.steps]
+        falls: list[tuple[Finding, float]] = []
         for finding in self.findings:
             at = steps.index(f"+{finding.effect}")
             before, after = (self.steps[steps[i]] for i in (at - 1, at))

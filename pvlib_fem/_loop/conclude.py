@@ -1,6 +1,8 @@
 """Findings: single effects, hints, patterns without a cause, and what was not seen."""
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,27 +10,43 @@ from pvlib_fem._findings import (
     OUTSIDE,
     Check,
     CheckOutcome,
+    CrossCheck,
     Finding,
     Kind,
     Member,
     Verdict,
 )
+from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.noise import in_turn
 from pvlib_fem._loop.references import SLACK
 from pvlib_fem._record.column_names import GEOMETRY
 from pvlib_fem._statistics.tables import ways
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
-from pvlib_fem.effects._effect import deciding
+from pvlib_fem.effects._effect import Effect, Parameter, deciding
 from pvlib_fem.effects._time_profiles import dates_in_words, is_dated, is_drift
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.design import Design
+    from pvlib_fem._loop.dictionary import Column
+    from pvlib_fem._loop.divided_record import Case
+    from pvlib_fem._loop.ranking import Row
+    from pvlib_fem._loop.refits import Step
+    from pvlib_fem._loop.selection import Choice
 
 HALF = 0.5  # probability from which a cause outside the catalogue is the likelier one
 NINETY = 1.645  # standard errors in half a range that holds 90 %
 SUN = ("solar_azimuth", "solar_zenith")
 
 
-def finding_of(choice, effect, case, floor, heard=()):
+def finding_of(
+    choice: "Choice",
+    effect: Effect,
+    case: "Case",
+    floor: float,
+    cross_checks: tuple[CrossCheck, ...] = (),
+) -> Finding:
     """
     A single effect as a finding, by its credible set.
 
@@ -41,22 +59,25 @@ def finding_of(choice, effect, case, floor, heard=()):
     case : Case
     floor : float
         Fall of the mean square that is material. [K²]
-    heard : sequence of Witness
-        Cross-checks.
+    cross_checks : tuple of CrossCheck
+
+    Returns
+    -------
+    Finding
     """
     limits = case.criteria
     order = sorted(choice.probabilities.items(), key=lambda item: -item[1])
-    held, total = [], 0.0
+    credible, total = [], 0.0
     for name, probability in order:
-        held.append(name)
+        credible.append(name)
         total += probability
         if total >= limits.probability:
             break
-    names = (effect.name, *(n for n in held if n not in (effect.name, OUTSIDE)))
+    names = (effect.name, *(n for n in credible if n not in (effect.name, OUTSIDE)))
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
     outside = choice.probabilities[OUTSIDE]
     why = because(Reason.GAINED, gain=gain)
-    verdict = Verdict.NAMED if held == [effect.name] else Verdict.CLASS
+    verdict = Verdict.NAMED if credible == [effect.name] else Verdict.CLASS
     checks = [
         Check(
             "probability that it is there",
@@ -83,7 +104,7 @@ def finding_of(choice, effect, case, floor, heard=()):
         checks.append(Check("days", "enough_days", days, least))
     if agree := [
         one.column
-        for one in heard
+        for one in cross_checks
         if one.effect == effect.name and one.opinion is CheckOutcome.AGREES
     ]:
         agreed = because(Reason.CORROBORATED, columns=agree)
@@ -99,7 +120,7 @@ def finding_of(choice, effect, case, floor, heard=()):
         checks=tuple(checks),
         kind=Kind.of(effect),
         place=dates_in_words(effect.settings) if is_dated(effect) else "",
-        witnesses=heard,
+        witnesses=cross_checks,
         probabilities={name: float(value) for name, value in order},
         members={
             name: member_of(choice, name, limits)
@@ -109,7 +130,7 @@ def finding_of(choice, effect, case, floor, heard=()):
     )
 
 
-def member_of(choice, name, criteria):
+def member_of(choice: "Choice", name: str, criteria: Criteria) -> Member:
     """Coefficients and dates of a candidate, instead of the most probable one."""
     effect, score = choice.members[name].effect, choice.scores[name]
     law, rows = relative_error(effect, criteria), effect.rows()
@@ -122,17 +143,36 @@ def member_of(choice, name, criteria):
     return Member(dict(effect.settings), values, errors, ranges)
 
 
-def range_of(value, error, law, row):
+def range_of(
+    value: float, error: float, law: float, row: Parameter
+) -> tuple[float, float]:
     """A range that holds 90 %, within the bounds of the coefficient."""
     half = NINETY * float(np.hypot(error, law * value))
     return max(value - half, row.lower), min(value + half, row.upper)
 
 
-def in_the_model(finding, choice, fit, stderr, criteria):
+def in_the_model(
+    finding: Finding,
+    choice: "Choice",
+    fit: "Step",
+    stderr: Mapping[str, float],
+    criteria: Criteria,
+) -> Finding:
     """
     The finding with the coefficients of the last fit, and ranges that hold 90 %.
 
     A range has the error of the fit and that of the law behind the coefficient.
+
+    Parameters
+    ----------
+    finding : Finding
+    choice : Choice
+        From which it was made.
+    fit : Step
+        The last one.
+    stderr : dict
+        Standard errors of the coefficients of that fit.
+    criteria : Criteria
     """
     values = {key: fit.coefficients[key] for key in finding.coefficients}
     errors = {key: stderr[key] for key in finding.coefficients}
@@ -145,14 +185,14 @@ def in_the_model(finding, choice, fit, stderr, criteria):
     return replace(finding, coefficients=values, stderr=errors, ranges=ranges)
 
 
-def relative_error(effect, criteria):
+def relative_error(effect: Effect, criteria: Criteria) -> float:
     """Relative error of a coefficient by its law, or by that of the thermal model."""
     if effect.channel:
         return SLACK
     return criteria.shape_error if effect.confounder else criteria.law_error
 
 
-def refused(finding, check, why):
+def refused(finding: Finding, check: Check, why: Because) -> Finding:
     """The finding where it does not pass a check after all."""
     return replace(
         finding,
@@ -162,8 +202,26 @@ def refused(finding, check, why):
     )
 
 
-def hints(case, rows, findings, floor):
-    """Gains worth a word that were not enough for more."""
+def hints(
+    case: "Case", rows: Mapping[str, "Row"], findings: Sequence[Finding], floor: float
+) -> Iterator[Finding]:
+    """
+    Gains that are reported as hints, since they were not enough for more.
+
+    Parameters
+    ----------
+    case : Case
+    rows : dict of Row
+        The ranking, by name of the effect.
+    findings : sequence of Finding
+        Those of the model, and those that were refused.
+    floor : float
+        Fall of the mean square that is material. [K²]
+
+    Yields
+    ------
+    Finding
+    """
     limits, least = case.criteria, float(np.sqrt(floor))
     done = {name for finding in findings for name in finding.candidates}
     for name, row in sorted(rows.items(), key=lambda item: -item[1].gain):
@@ -176,14 +234,14 @@ def hints(case, rows, findings, floor):
         why = because(Reason.NOT_MATERIAL, least=least)
         check = Check("gain", "min_gain", row.gain, least, unit="K")
         if check.passed:
-            most = limits.probability
-            why = because(Reason.NOT_SURE, chance=score.probability, least=most)
+            sure = limits.probability
+            why = because(Reason.NOT_SURE, chance=score.probability, least=sure)
             name_of = "probability that it is there"
-            check = Check(name_of, "probability", score.probability, most)
+            check = Check(name_of, "probability", score.probability, sure)
         if not case.enough:
-            days, most = case.days, limits.enough_days
-            why = because(Reason.TOO_SHORT, days=days, least=most)
-            check = Check("days", "enough_days", days, most)
+            days, enough = case.days, limits.enough_days
+            why = because(Reason.TOO_SHORT, days=days, least=enough)
+            check = Check("days", "enough_days", days, enough)
         effect = row.effect
         yield Finding(
             name,
@@ -199,17 +257,23 @@ def hints(case, rows, findings, floor):
         )
 
 
-def patterns(design, given, floor):
+def patterns(
+    design: "Design", given: Sequence["Column"], floor: float
+) -> Iterator[Finding]:
     """
     Tables of the remaining error that no effect explains, the strongest first.
 
     Parameters
     ----------
     design : Design
-    given : sequence
+    given : sequence of int or Changed
         Columns of the base and of all that was found.
     floor : float
         Fall of the mean square that is material. [K²]
+
+    Yields
+    ------
+    Finding
     """
     axes = [axis for axis in design.axes if axis.name not in GEOMETRY]
     sun = [axis for axis in design.axes if axis.name in SUN]
@@ -230,14 +294,32 @@ def patterns(design, given, floor):
         )
 
 
-def not_seen(case, rows, failed, findings, whole):
+def not_seen(
+    case: "Case",
+    rows: Mapping[str, "Row"],
+    failed: Mapping[str, Because],
+    findings: Sequence[Finding],
+    whole: float,
+) -> Iterator[tuple[str, Because]]:
     """
     Why this record could not see what it did not show, by name.
 
-    ``whole`` is the error of the model without effects, beyond which nothing is seen.
-    [K]
+    Parameters
+    ----------
+    case : Case
+    rows : dict of Row
+        The ranking, by name of the effect.
+    failed : dict of Because
+        Reasons of those that are in no ranking.
+    findings : sequence of Finding
+    whole : float
+        Error of the model without effects, beyond which nothing is seen. [K]
+
+    Yields
+    ------
+    str, Because
     """
-    said = {name for finding in findings for name in finding.candidates}
+    reported = {name for finding in findings for name in finding.candidates}
     wanted = {effect.name: effect for effect in case.wanted}
     for name, why in failed.items():
         columns = better_sources(wanted[name]) if name in wanted else []
@@ -248,9 +330,9 @@ def not_seen(case, rows, failed, findings, whole):
     for name, row in rows.items():
         if columns := better_sources(row.effect):
             yield name, because(Reason.STAND_IN, columns=columns)
-        elif name in said:
+        elif name in reported:
             continue
-        elif not row.score.possible and row.gain > 0:
+        elif row.note is not None and not row.score.possible and row.gain > 0:
             yield name, row.note
         elif has_date(row.effect):
             continue
@@ -260,12 +342,12 @@ def not_seen(case, rows, failed, findings, whole):
             yield name, because(Reason.DETECTABLE, gain=row.detectable)
 
 
-def has_date(effect):
+def has_date(effect: Effect) -> bool:
     """Whether an effect begins at a date, of which only the best one was weighed."""
     return bool(effect.channel) and not is_drift(effect)
 
 
-def better_sources(effect):
+def better_sources(effect: Effect) -> list[str]:
     """Columns with which it would have a driver, where it stands in without one."""
     forms = EFFECTS.get(effect.name, effect).forms
     driven = [form for form in forms if not form.confounder]

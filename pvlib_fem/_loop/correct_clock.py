@@ -1,16 +1,24 @@
 """A clock that is off: corrected before any effect is weighed, if that holds."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._findings import Correction
+from pvlib_fem._findings import Check, Correction
 from pvlib_fem._loop.refit_checks import rise, rise_check
 from pvlib_fem.quality._module_lag import Clock, left_open
 from pvlib_fem.reasons import Reason, because
 
+if TYPE_CHECKING:
+    from pvlib_fem._loop.divided_record import Case
+    from pvlib_fem._loop.refits import Fits, Step
 
-def module_clock(case, fits, raw, fits_of):
+
+def module_clock(
+    case: "Case", fits: "Fits", raw: "Step", fits_of: Callable[["Case"], "Fits"]
+) -> tuple["Fits", "Step", Correction]:
     """
     The module's record re-timed, and the same model fitted to it.
 
@@ -44,9 +52,10 @@ def module_clock(case, fits, raw, fits_of):
     return fits_of(untouched), raw, found
 
 
-def described(clock, before, after, check):
+def described(clock: Clock, before: float, after: float, check: Check) -> Correction:
     """The correction, in the units of a clock."""
-    values, stderr = {}, {}
+    values: dict[str, float] = {}
+    stderr: dict[str, float] = {}
     if {"clock_shift", "clock_drift"} & set(clock.faults):
         values["late"] = clock.late / 60.0
         stderr["late"] = left_open(clock.stderr, clock.limit) / 60.0
@@ -58,7 +67,7 @@ def described(clock, before, after, check):
     words = "; ".join(clock.faults.values())
     why = because(Reason.CORRECTED, fault=words)
     if not check.passed:
-        remedy = "the choosing weeks contradict it; look at the logger's clock"
+        remedy = "the fitting weeks contradict it; look at the logger's clock"
         why = because(Reason.NOT_CORRECTED, fault=words, remedy=remedy)
     return Correction(
         fault="+".join(clock.faults),

@@ -49,10 +49,11 @@ class Case:
     place: dict[str, Any]  # as it was given
     clock: Clock
     criteria: Criteria
+    kept: np.ndarray  # rows of the file that the whole has
     fixed: dict[str, float] = field(default_factory=dict)  # coefficients that are held
     notes: tuple[str, ...] = ()
     corrections: tuple[Correction, ...] = ()  # of the whole file
-    kept: np.ndarray | None = None  # rows of the file that the whole has
+
     late: float = 0.0  # of the file's times against the sun [s]
     transposed: bool = False  # whether poa_global is, from the horizontal
     standing: tuple[StandIn, ...] = ()  # columns that stand in for others

@@ -7,14 +7,17 @@ knows of it. What is made from `T` knows both, by the same coefficient.
 """
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._record.column_names import COLUMNS, DAYLIGHT
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._relaxation import relax
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, FOLDS, days_of_folds
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.criteria import Criteria
 
 SURE = 3.0  # standard errors between days by which one description has to be better
 SOME = 20_000  # rows that are enough to compare columns
@@ -33,7 +36,7 @@ def leaks(
     seen: np.ndarray,
     modelled: np.ndarray,
     names: Iterable[str],
-    criteria: Criteria,
+    criteria: "Criteria",
 ) -> Iterator[str]:
     """
     Columns that are the module temperature, or made from it.

@@ -1,40 +1,63 @@
 """A record in files as the loop takes it: means to search, its own steps to confirm."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import numpy as np
 import pandas as pd
+from pvlib.pvsystem import SingleAxisTrackerMount
 
-from pvlib_fem._findings import Check
+from pvlib_fem._findings import Check, Finding
 from pvlib_fem._fitting.parquet_fit import FileFit, fitted, given_days
 from pvlib_fem._fitting.parquet_rows import first_pass
-from pvlib_fem._loop.divided_record import STEP_PRESENT
+from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.divided_record import STEP_PRESENT, Case
 from pvlib_fem._loop.refit_checks import bounds, sureness
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.checks import dates_of
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, ROTATION
+from pvlib_fem._record.inputs import Inputs
 from pvlib_fem._record.join_steps import JoinedColumns
+from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem._record.resampling import Sums
 from pvlib_fem._statistics.clusters import root
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers._mounts import by_night
 from pvlib_fem.drivers._planes import ANGLES, ByColumns, rotated
 from pvlib_fem.quality._parquet_screen import Screened, screened_blocks
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.quality._tracker_standstill import Standing
+from pvlib_fem.reasons import Because, Reason, because
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
+    from pvlib_fem._loop.refits import Step
 
 KEEPS = 0.5  # share of its gain on means that a finding keeps on the own steps
 
 
-def in_means(source, criteria):
+def in_means(
+    source: ParquetRecord, criteria: Criteria
+) -> tuple[pd.DataFrame, Screened]:
     """
     Means over the steps of the search, as a frame, and the record as it was screened.
 
     A record whose own steps are nearly as long comes as it is.
+
+    Parameters
+    ----------
+    source : ParquetRecord
+    criteria : Criteria
+
+    Returns
+    -------
+    DataFrame, Screened
     """
     others = [name for name in source.columns if name not in COLUMNS]
     source.needing(COLUMNS)
-    how = dict(check_units=False, needed=COLUMNS)
-    screened = screened_blocks(source, others, criteria.limits, **how)
+    screened = screened_blocks(
+        source, others, criteria.limits, check_units=False, needed=COLUMNS
+    )
     step, usual = criteria.search_step, screened.look.step
     if not usual <= step / 2.0:
         blocks = list(screened.record.blocks())
@@ -47,8 +70,8 @@ def in_means(source, criteria):
     return means.frame().drop(columns=[*source.absent]), screened
 
 
-def on_days(holdout, index):
-    """Rows of a user's choice of days."""
+def on_days(holdout: pd.Series, index: pd.Index) -> pd.Series:
+    """Booleans of the rows of a user's choice of days."""
     dates = given_days(holdout)
     return pd.Series(np.isin(dates_of(index), dates), index)
 
@@ -61,9 +84,16 @@ class OwnSteps:
     fit: FileFit | None = None  # of the last model
     why: str = ""  # there is none
 
-    def against(self, case, step, inputs, corrected, falls):
+    def against(
+        self,
+        case: Case,
+        step: "Step",
+        inputs: Inputs,
+        corrected: bool,
+        falls: Iterable[tuple[Finding, float]],
+    ) -> tuple[Finding, Check, Because] | None:
         """
-        The first of some findings that a fit to the own steps speaks against, or None.
+        The first of some findings that a fit to the own steps contradicts, or None.
 
         Parameters
         ----------
@@ -93,28 +123,29 @@ class OwnSteps:
                     return finding, check, why
         return None
 
-    def fitted(self, case, model, inputs):
+    def fitted(self, case: Case, model: ThermalModel, inputs: Inputs) -> FileFit:
         """The model fitted to the own steps of the fitting weeks."""
         target = ThermalModel(
             model.steady_model, model.dynamics, model.effects, held=model.held
         )
         screened = self.screened
-        names = (*COLUMNS, *target.drivers)
+        names = [*COLUMNS, *target.drivers]
         own = screened.record.names
         turning = Turning(case.place["mount"], case.standings)
-        lacks = [n for n in names if n not in own and n not in turning.columns]
-        names = (*names, ROTATION) if turning.described else names
+        missing = [n for n in names if n not in own and n not in turning.columns]
+        if turning.described:
+            names.append(ROTATION)
         record = replace(screened.record, names=tuple(n for n in names if n in own))
-        if lacks:  # the sun, whose place is known at the times of the means
-            record = record.with_columns(JoinedColumns.of(inputs, lacks))
+        if missing:  # the sun, whose place is known at the times of the means
+            record = record.with_columns(JoinedColumns.of(inputs, missing))
         if {*turning.columns} & {*names}:
             record = record.with_columns(turning)
-        own = first_pass(replace(screened, record=record), target, night=True)
+        files = first_pass(replace(screened, record=record), target, night=True)
         out = np.unique(case.whole.dates[case.parts != Part.FITTING])
-        return fitted(own.without(out), target, list(screened.notes))
+        return fitted(files.without(out), target, list(screened.notes))
 
-    def told(self, loop):
-        """The loop with the fit to the own steps, and told of it."""
+    def confirmed(self, loop: "Loop") -> "Loop":
+        """The loop with the fit to the own steps, and a note on it."""
         record, step = self.screened.record, self.screened.look.step
         if step == loop.fit.step:
             return replace(loop, notes=(*self.screened.notes, *loop.notes))
@@ -135,41 +166,41 @@ class OwnSteps:
 class Turning:
     """Angles of a plane that moves, at the own steps of files."""
 
-    mount: object  # None of a fixed plane
-    standings: tuple = ()  # days on which it is stuck
+    mount: Any  # of pvlib, or ByColumns; None of a fixed plane
+    standings: tuple[Standing, ...] = ()  # days on which it is stuck
 
     @property
-    def columns(self):
+    def columns(self) -> tuple[str, ...]:
         """Names of the angles that it has."""
         return getattr(self.mount, "columns", ANGLES if self.mount else ())
 
     @property
-    def described(self):
+    def described(self) -> SingleAxisTrackerMount | None:
         """The tracker whose rotations were recorded, or None."""
         return getattr(self.mount, "described", None)
 
-    def begun(self):
+    def begun(self) -> Self:
         """What follows the blocks of a record from the first on."""
         return self
 
-    def at(self, inputs):
+    def at(self, inputs: Inputs) -> dict[str, np.ndarray]:
         """The angles at the times of inputs that have the sun, level by night."""
         zenith, azimuth = (inputs[name] for name in GEOMETRY[:2])
         if self.described:
-            found = rotated(inputs[ROTATION], self.described)
+            angles = rotated(inputs[ROTATION], self.described)
         elif isinstance(self.mount, ByColumns):
-            found = inputs
+            angles = inputs.columns
         else:
-            found = self.mount.get_orientation(zenith, azimuth)
-        angles = by_night({name: found[name] for name in self.columns}, zenith)
+            angles = self.mount.get_orientation(zenith, azimuth)
+        angles = by_night({name: angles[name] for name in self.columns}, zenith)
         for one in self.standings:
-            rows = one.rows(inputs.index)
+            rows = one.rows(cast(pd.DatetimeIndex, inputs.index))
             for name, values in angles.items():
                 values[rows] = getattr(one, name)
         return angles
 
 
-def impossible(model, corrected):
+def impossible(model: ThermalModel, corrected: bool) -> str:
     """Why a model of means cannot be fitted to the own steps; "" if it can."""
     if corrected:
         return "its own steps are not fitted, since a clock was corrected"
@@ -181,13 +212,29 @@ def impossible(model, corrected):
     return ""
 
 
-def own_checks(finding, worth, fit):
-    """Checks of a finding by a fit to the own steps, each with why it fails."""
+def own_checks(
+    finding: Finding, worth: float, fit: FileFit
+) -> Iterator[tuple[Check, Because]]:
+    """
+    Checks of a finding by a fit to the own steps, each with why it fails.
+
+    Parameters
+    ----------
+    finding : Finding
+    worth : float
+        By how much the mean square of the means fell by it. [K²]
+    fit : FileFit
+        Of the last model to the own steps.
+
+    Yields
+    ------
+    Check, Because
+    """
     yield bounds(finding.coefficients, fit)
     yield sureness(finding, fit.coefficients, fit.stderr)
     stages = list(fit.scores.index)
-    after = stages.index(f"+ {finding.effect}")
-    before, after = stages[after - 1], stages[after]
+    at = stages.index(f"+ {finding.effect}")
+    before, after = stages[at - 1], stages[at]
     # what means alone follow is none of the module's
     squares, words = fit.scores["rmse_train"] ** 2, "share kept on the own steps"
     fall = float(squares[before] - squares[after])

@@ -1,13 +1,21 @@
 """What power and the module's temperature show together, hour by hour."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+import pandas as pd
 
 from pvlib_fem._budget.covers_and_outages import Hours, event_table, found_in
 from pvlib_fem._record.column_names import plant_power
+from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import completed
 from pvlib_fem.drivers._plant_irradiance import light_shown
 from pvlib_fem.effects import find
 from pvlib_fem.power import fitted
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.refits import Fits, Step
 
 KINDS = ("modules_covered", "sensor_covered", "outage")
 #: effects that follow power, and are no part of what events are looked for in
@@ -15,7 +23,7 @@ BY_POWER = (*KINDS, "electrical_output")
 EXTRA = ("temp_air", "snow_depth")
 
 
-def events_of(fits, step):
+def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
     """
     Events that a plant's power shows, of all weeks; they decide nothing.
 
@@ -66,7 +74,7 @@ def events_of(fits, step):
     return found_in(hours, relation.spread, total, shares)
 
 
-def without_power(step, model, inputs):
+def without_power(step: "Step", model: ThermalModel, inputs: Inputs) -> np.ndarray:
     """Temperature of a step without its effects that follow power. [°C]"""
     start = {}
     for effect in model.effects:
@@ -74,5 +82,5 @@ def without_power(step, model, inputs):
             start |= effect.start
     if not start:
         return step.temperature
-    found = model.temperature(inputs, {**step.coefficients, **start})
-    return np.where(np.isnan(step.temperature), np.nan, found)
+    temperature = model.temperature(inputs, {**step.coefficients, **start})
+    return np.where(np.isnan(step.temperature), np.nan, temperature)

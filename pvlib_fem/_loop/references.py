@@ -5,21 +5,29 @@ If the instrument has changed and not the quantity, the two deviate along the sa
 course; where the change is elsewhere, they do not.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
+import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
 from pvlib_fem._findings import OUTSIDE, CheckOutcome, CrossCheck
 from pvlib_fem._loop.noise import density
 from pvlib_fem._record.column_names import is_power, twin_of
+from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import WEEK, cluster_sums
 from pvlib_fem.drivers import completed
 from pvlib_fem.drivers._mounts import angles_at
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import course_of, is_dated, is_drift, weights_of
 from pvlib_fem.quality._clearsky import clear_sky
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.divided_record import Case
+    from pvlib_fem._loop.selection import Choice
 
 BRIGHT = 200.0  # W/m², above which light is compared
 BREEZE = 1.0  # m/s, above which wind is
@@ -41,15 +49,44 @@ ODD = 0.05  # probability that a reference shows something else than any candida
 SKY, USUAL_WIND = "clear sky", "usual wind"  # no names of columns
 
 
+class ComparedRecord(Protocol):
+    """What a comparison reads of a record."""
+
+    @property
+    def index(self) -> pd.DatetimeIndex: ...
+
+    @property
+    def dates(self) -> np.ndarray: ...
+
+    def __getitem__(self, name: str) -> np.ndarray: ...
+
+
+class ComparedCase(Protocol):
+    """A record, and which of its rows may be looked at."""
+
+    @property
+    def record(self) -> ComparedRecord: ...
+
+    @property
+    def searched(self) -> np.ndarray: ...
+
+
+#: a record and the column to two columns, whose daily sums are compared
+Parts = Callable[[ComparedRecord, np.ndarray], tuple[np.ndarray, np.ndarray]]
+#: a change of an instrument and the fit's coefficients to the deviation that it makes
+Shows = Callable[[np.ndarray, Mapping[str, float]], np.ndarray]
+
+
 @dataclass(frozen=True)
 class Comparison:
     """How something is compared with an instrument, and what a change would show."""
 
-    serves: Callable  # whether what has that name can be so compared
-    rows: Callable  # record to the rows that are compared
-    parts: Callable  # record and the column to two columns, whose sums are compared
-    differ: Callable  # daily sums to the deviation of the two
-    shows: dict  # channel: its change and the fit's coefficients to what is shown
+    serves: Callable[[str], bool]  # whether what has that name can be so compared
+    rows: Callable[[ComparedRecord], np.ndarray]  # that are compared
+    parts: Parts
+    #: daily sums to the deviation of the two
+    differ: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    shows: dict[str, Shows]  # by channel, or effect
     unit: str = "-"
     ages: bool = False  # whether it fades by itself
     wanders: float = 0.0  # by how much it differs from year to year by itself
@@ -57,81 +94,83 @@ class Comparison:
     module: bool = False  # whether the module's temperature is in it
 
 
-def always(record):
+def always(record: ComparedRecord) -> np.ndarray:
     return np.ones(len(record.index), dtype=bool)
 
 
-def bright(record):
+def bright(record: ComparedRecord) -> np.ndarray:
     return record["poa_global"] > BRIGHT
 
 
-def dark(record):
+def dark(record: ComparedRecord) -> np.ndarray:
     return record["poa_global"] <= 0.0
 
 
-def windy(record):
+def windy(record: ComparedRecord) -> np.ndarray:
     return record["wind_speed"] > BREEZE
 
 
-def called(name):
+def called(name: str) -> Callable[[str], bool]:
     """Whether something is that one."""
     return lambda other: other == name
 
 
-def twin(usual):
+def twin(usual: str) -> Callable[[str], bool]:
     """Whether a column is a second sensor of that one."""
     return lambda name: twin_of(name) == usual
 
 
-def beside(usual):
+def beside(usual: str) -> Parts:
     """The column itself, and the usual one."""
     return lambda record, values: (values, record[usual])
 
 
-def power(record, values):
+def power(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Power at 25 °C, and the irradiance."""
     return values / (1.0 + GAMMA * (record["temp_module"] - 25.0)), record["poa_global"]
 
 
-def warmer(record, values):
+def warmer(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """How much warmer its air is."""
     return values - record["temp_air"], np.ones(len(values))
 
 
-def warmed(record, values):
+def warmed(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The deviation for each 1000 W/m²."""
     return values - record["temp_air"], record["poa_global"] / 1000.0
 
 
-def over(record, values):
+def over(record: ComparedRecord, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Over-temperatures of both sensors."""
     return values - record["temp_air"], record["temp_module"] - record["temp_air"]
 
 
-def apart_from(record, values):
+def apart_from(
+    record: ComparedRecord, values: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """How much more the other sensor of the module reads."""
     return values - record["temp_module"], np.ones(len(values))
 
 
-def logs(one, other):
+def logs(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.log(one / other)
 
 
-def of_wind(change, coefficients):
+def of_wind(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray:
     """The share that wind is read less, where each m/s of it has so much more loss."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.log1p(change / coefficients.get("u1", np.inf))
 
 
-LIGHT = {"sensitivity": lambda change, _: np.log1p(change)}
+LIGHT: dict[str, Shows] = {"sensitivity": lambda change, _: np.log1p(change)}
 #: modules in another plane than the sensor, whose own light is as it should be
-STUCK = {"tracker_stuck": lambda change, _: np.log1p(change)}
-WIND = {"wind_gain": of_wind}
-AIR = {"air_offset": lambda change, _: change}
-SHELTER = {"air_shelter": lambda change, _: -change}
-CONTACT = {"contact": lambda change, _: -np.log1p(change)}
-OFFSET = {"module_offset": lambda change, _: -change}
+STUCK: dict[str, Shows] = {"tracker_stuck": lambda change, _: np.log1p(change)}
+WIND: dict[str, Shows] = {"wind_gain": of_wind}
+AIR: dict[str, Shows] = {"air_offset": lambda change, _: change}
+SHELTER: dict[str, Shows] = {"air_shelter": lambda change, _: -change}
+CONTACT: dict[str, Shows] = {"contact": lambda change, _: -np.log1p(change)}
+OFFSET: dict[str, Shows] = {"module_offset": lambda change, _: -change}
 
 COMPARISONS = (
     Comparison(is_power, bright, power, logs, LIGHT | STUCK, ages=True, module=True),
@@ -171,28 +210,49 @@ class DailyDeviation:
     column: str
     days: np.ndarray  # since 1970-01-01
     apart: np.ndarray
-    light: Callable | None = None  # of an effect of a size, more light on the modules
+    #: of an effect of a size, more light on the modules [-]
+    light: Callable[[Effect, float], np.ndarray] | None = None
 
     @cached_property
-    def usual(self):
+    def usual(self) -> list[np.ndarray]:
         """Daily columns of usual variation."""
         return [np.ones(len(self.days)), *self.year()]
 
-    def along(self, weights, values=None, beside=()):
-        """The change along a time profile given others, its error, and the residual."""
+    def along(
+        self,
+        weights: np.ndarray,
+        values: np.ndarray | None = None,
+        beside: Sequence[np.ndarray] = (),
+    ) -> tuple[float, float, np.ndarray]:
+        """
+        The change along a time profile given others, its error, and the residual.
+
+        Parameters
+        ----------
+        weights : array, shape (days,)
+            The time profile.
+        values : array, shape (days,), optional
+            By default the deviation.
+        beside : sequence of array, shape (days,)
+            Other time profiles.
+
+        Returns
+        -------
+        size, error : float
+        residual : array, shape (days,)
+        """
         values = self.apart if values is None else values
         columns = [*self.usual, *beside, weights]
         sums = cluster_sums(columns, values, self.days)
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
         kept = list(range(len(columns)))
-        found = sums.solve(kept) / sums.scale
+        sizes = sums.solve(kept) / sums.scale
         variance = sums.covariance(kept)[-1, -1] / sums.scale[-1] ** 2
         table = np.column_stack(columns)
         error = np.sqrt(variance + self.wandering(table))
-        left = values - table @ found
-        return float(found[-1]), float(error), left
+        return float(sizes[-1]), float(error), values - table @ sizes
 
-    def wandering(self, table):
+    def wandering(self, table: np.ndarray) -> float:
         """Variance of the last coefficient by what differs from year to year."""
         if not (size := self.comparison.wanders):
             return 0.0
@@ -201,7 +261,7 @@ class DailyDeviation:
         apart = MONTH * np.abs(np.subtract.outer(months, months))
         return size**2 * (share @ np.exp(-apart / YEAR) @ share)
 
-    def year(self):
+    def year(self) -> Iterator[np.ndarray]:
         """What comes back with the year, of records that are long enough."""
         years, least = np.ptp(self.days) / YEAR, self.comparison.wanders > 0
         angle = 2.0 * np.pi * self.days / YEAR
@@ -209,42 +269,62 @@ class DailyDeviation:
             yield np.cos(harmonic * angle)
             yield np.sin(harmonic * angle)
 
-    def profiles(self, effects):
+    def profiles(self, effects: Iterable[Effect]) -> Iterator[tuple[str, float]]:
         """Log-likelihood of each time profile compared with the best of them."""
-        channels = {}
+        channels: dict[str, list[Effect]] = {}
         for effect in effects:
             channels.setdefault(effect.channel, []).append(effect)
         for same in channels.values():
-            left = {}
+            residuals = {}
             for effect in same:
                 weights = weights_of(effect, self.days)
                 if np.ptp(weights) > 0:
-                    left[effect.name] = self.along(weights)[2]
-            squares = {name: float(rest @ rest) for name, rest in left.items()}
+                    residuals[effect.name] = self.along(weights)[2]
+            squares = {name: float(rest @ rest) for name, rest in residuals.items()}
             if len(squares) < 2:
                 continue
-            best = min(squares, key=squares.get)
-            draws = 0.5 * independent(left[best], self.days // MONTH)
+            best = min(squares, key=squares.__getitem__)
+            draws = 0.5 * independent(residuals[best], self.days // MONTH)
             for name, square in squares.items():
                 yield name, draws * float(np.log(squares[best] / square))
 
-    def asked(self, choice):
+    def concerned(self, choice: "Choice") -> list[str]:
         """Members of a choice of which it would show something."""
         members = choice.members.items()
         return [n for n, m in members if kind(m.effect) in self.comparison.shows]
 
-    def shown(self, choice, first, names, coefficients):
+    def shown(
+        self,
+        choice: "Choice",
+        first: Effect,
+        names: Sequence[str],
+        coefficients: Mapping[str, float],
+    ) -> tuple[float, float, dict[str, float], float] | None:
         """
         Its deviation along the profile of an effect, and what members would make it.
 
-        With its error, and by how much it ages by itself; None where it tells nothing.
+        Parameters
+        ----------
+        choice : Choice
+        first : Effect
+            With the time profile.
+        names : sequence of str
+            Of members of the choice.
+        coefficients : dict
+            Of the fitted model.
+
+        Returns
+        -------
+        tuple or None
+            The deviation, its error, by name what each member would make it, and by how
+            much it ages by itself; None where it shows nothing.
         """
         weights = weights_of(first, self.days)
         if not names or not np.ptp(weights) > 0:
             return None
-        size, error, left = self.along(weights)
+        size, error, residual = self.along(weights)
         if not first.channel:  # of days or weeks, which are less than a draw of months
-            error = by_accident(weights > 0.0, left)
+            error = by_accident(weights > 0.0, residual)
         expected = {
             name: self.expected(
                 choice.members[name].effect,
@@ -257,31 +337,39 @@ class DailyDeviation:
         aged = FADES if self.comparison.ages and is_drift(first) else 0.0
         return size, error, expected, aged
 
-    def expected(self, effect, size, along, coefficients):
+    def expected(
+        self,
+        effect: Effect,
+        size: float,
+        along: np.ndarray,
+        coefficients: Mapping[str, float],
+    ) -> float:
         """What a change of that size would have it show along a course."""
         shows = self.comparison.shows.get(kind(effect))
         if shows is None:
             return 0.0
         if effect.channel:
             change = size * weights_of(effect, self.days)
-        else:
+        elif self.light is not None:
             change = self.light(effect, size)
+        else:  # of columns without a record
+            return 0.0
         with np.errstate(invalid="ignore", divide="ignore"):
             shown = shows(change, coefficients)
         return self.along(along, shown)[0] if np.isfinite(shown).all() else 0.0
 
 
-def by_accident(there, left):
-    """Root mean square of what is left on as many other days in a row."""
+def by_accident(there: np.ndarray, residual: np.ndarray) -> float:
+    """Root mean square of the mean residual of as many other days in a row."""
     first, length = int(np.argmax(there)), int(there.sum())
-    sums = np.append(0.0, np.cumsum(left))
+    sums = np.append(0.0, np.cumsum(residual))
     means = (sums[length:] - sums[:-length]) / length
     begins = np.arange(len(means))
     others = means[(begins + length <= first) | (begins >= first + length)]
     return float(np.sqrt(np.mean(others**2))) if len(others) else np.inf
 
 
-def independent(values, months):
+def independent(values: np.ndarray, months: np.ndarray) -> float:
     """Number of months less what each remembers of the one before."""
     _, place = np.unique(months, return_inverse=True)
     means = np.bincount(place, values) / np.bincount(place)
@@ -291,7 +379,7 @@ def independent(values, months):
     return len(means) * (1.0 - memory) / (1.0 + memory)
 
 
-def opinion_of(size, expected, error):
+def opinion_of(size: float, expected: float, error: float) -> CheckOutcome:
     """Whether a size is nearer to what is expected than to nothing, if that is sure."""
     if expected == 0.0:
         return CheckOutcome.CANNOT_TELL
@@ -302,22 +390,22 @@ def opinion_of(size, expected, error):
     return CheckOutcome.CONTRADICTS if beyond < -sure else CheckOutcome.CANNOT_TELL
 
 
-def heard_of(case):
+def compared_columns(case: "Case") -> dict[str, np.ndarray]:
     """All that is compared with instruments, by name: columns, sky and weather."""
-    record = case.record
-    found = {name: record[name] for name in case.witnesses}
+    record, location = case.record, case.place["location"]
+    columns = {name: record[name] for name in case.witnesses}
     if "wind_speed" not in record.absent:
-        found[USUAL_WIND] = np.ones(len(record.index))
-    if case.place["location"] is not None:
+        columns[USUAL_WIND] = np.ones(len(record.index))
+    if location is not None:
         angles = angles_at(record.index, case.place, case.late)
-        how = (record.index, case.place["location"], angles, case.late)
-        found[SKY] = clear_sky(record["poa_global"], *how)
-    return found
+        poa, index = record["poa_global"], record.index
+        columns[SKY] = clear_sky(poa, index, location, angles, case.late)
+    return columns
 
 
-def apart(case):
+def apart(case: "Case") -> list[DailyDeviation]:
     """All comparisons that some rows of a record allow."""
-    columns = heard_of(case)
+    columns = compared_columns(case)
     return [
         one
         for comparison in COMPARISONS
@@ -326,40 +414,59 @@ def apart(case):
     ]
 
 
-def compared(comparison, case, name, values, near=None):
-    """One comparison, on days that are ``near`` the others, or None."""
+def compared(
+    comparison: Comparison, case: ComparedCase, name: str, values: np.ndarray
+) -> DailyDeviation | None:
+    """
+    One comparison, on days that are near the others.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    case : Case
+    name : str
+        Of what is compared with an instrument.
+    values : array, shape (rows,)
+
+    Returns
+    -------
+    DailyDeviation or None
+        None where there are too few days.
+    """
     record = case.record
     one, other = comparison.parts(record, values)
     kept = comparison.rows(record) & np.isfinite(one + other)
-    if comparison.module:  # whose other weeks are for choosing and for the test
+    if comparison.module:  # whose temperature in other weeks is for the test
         kept &= case.searched
     days, place = np.unique(record.dates[kept], return_inverse=True)
     if len(days) < comparison.fewest:
         return None
-    sums = (np.bincount(place, column[kept]) for column in (one, other))
-    found = comparison.differ(*sums)
-    near = (near or usual)(found)
+    sums = [np.bincount(place, column[kept]) for column in (one, other)]
+    deviation = comparison.differ(sums[0], sums[1])
+    near = usual(deviation)
     if near.sum() < comparison.fewest:
         return None
 
-    def light(effect, size):
-        columns = completed(record.inputs, effect.drivers).columns
-        heat = effect.at(columns, dict.fromkeys(effect.rows(), size)).heat
+    def light(effect: Effect, size: float) -> np.ndarray:
+        # only the record of a loop has candidates
+        columns = completed(cast(Record, record).inputs, effect.drivers).columns
+        terms = effect.at(columns, dict.fromkeys(effect.rows(), size))
+        heat = np.broadcast_to(terms.heat, len(kept))
         more, whole = (
             np.bincount(place, np.nan_to_num(column[kept]))
             for column in (heat, record["poa_global"])
         )
         return (more / np.maximum(whole, 1e-9))[near]
 
-    return DailyDeviation(comparison, name, days[near], found[near], light)
+    return DailyDeviation(comparison, name, days[near], deviation[near], light)
 
 
-def kind(effect):
+def kind(effect: Effect) -> str:
     """What a comparison knows an effect by."""
     return effect.channel or effect.name
 
 
-def usual(values):
+def usual(values: np.ndarray) -> np.ndarray:
     """
     Days that are near most others, or near those around them.
 
@@ -381,7 +488,11 @@ def usual(values):
     return kept
 
 
-def said(references, choice, coefficients):
+def log_likelihoods(
+    references: Sequence[DailyDeviation],
+    choice: "Choice",
+    coefficients: Mapping[str, float],
+) -> dict[str, float]:
     """
     Log-likelihoods of the members of a choice, and of a cause outside, by references.
 
@@ -392,19 +503,24 @@ def said(references, choice, coefficients):
 
     Parameters
     ----------
-    references : sequence of Apart
+    references : sequence of DailyDeviation
     choice : Choice
     coefficients : dict
         Of the fitted model.
+
+    Returns
+    -------
+    dict of float
+        By name, with :data:`~pvlib_fem._findings.OUTSIDE` among them.
     """
     top = choice.top.effect
     logs = dict.fromkeys([*choice.members, OUTSIDE], 0.0)
     for one in references if is_dated(top) else ():
-        asked = one.asked(choice)
-        shown = one.shown(choice, top, asked, coefficients)
+        names = one.concerned(choice)
+        shown = one.shown(choice, top, names, coefficients)
         if shown is None:
             continue
-        for name, worse in one.profiles([choice.members[n].effect for n in asked]):
+        for name, worse in one.profiles([choice.members[n].effect for n in names]):
             logs[name] += worse
         size, error, expected, aged = shown
         expected = dict.fromkeys(logs, 0.0) | expected
@@ -417,13 +533,34 @@ def said(references, choice, coefficients):
     return logs
 
 
-def heard(references, choice, first, coefficients):
-    """What each reference shows along the time profile of the first, by instrument."""
-    found = []
+def cross_checks(
+    references: Sequence[DailyDeviation],
+    choice: "Choice",
+    first: Effect,
+    coefficients: Mapping[str, float],
+) -> tuple[CrossCheck, ...]:
+    """
+    What each reference shows along the time profile of the first, by instrument.
+
+    Parameters
+    ----------
+    references : sequence of DailyDeviation
+    choice : Choice
+        With the probabilities of its members.
+    first : Effect
+        The most probable member.
+    coefficients : dict
+        Of the fitted model.
+
+    Returns
+    -------
+    tuple of CrossCheck
+    """
+    checks: list[CrossCheck] = []
     for one in references if is_dated(first) else ():
         alike = [
             name
-            for name in one.asked(choice)
+            for name in one.concerned(choice)
             if course_of(choice.members[name].effect) == course_of(first)
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
@@ -435,7 +572,7 @@ def heard(references, choice, first, coefficients):
         for name in alike:
             value = expected[name] - aged
             opinion = opinion_of(size, value, float(np.hypot(error, aged / SURE)))
-            found.append(
+            checks.append(
                 CrossCheck(one.column, name, size, error, value, opinion, unit)
             )
-    return tuple(found)
+    return tuple(checks)

@@ -7,13 +7,17 @@ fitting week. The fitting weeks alone decide that, so what stays of the test wee
 as unseen as before.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 
+from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.references import GAMMA, bright
 from pvlib_fem._loop.weeks import Part
 from pvlib_fem._record.column_names import is_power
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.drivers import completed
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import number, written
 
 WARMS = 0.03  # K/(W/m²), of a module over the air: its power needs no more
@@ -27,7 +31,7 @@ SURE = 6.0  # twice the log-likelihood from which a day is said to be one
 MOST = 0.5  # of the test days, that may become fitting days
 
 
-def edge_weeks(case, effects, before):
+def edge_weeks(case: Case, effects: Iterable[Effect], before: int) -> np.ndarray:
     """
     Test days of weeks in which a standstill may begin or end, unknown to power.
 
@@ -52,11 +56,11 @@ def edge_weeks(case, effects, before):
             unknown |= (test >= low) & (test < high)
     unknown &= np.isin(test, without_power(case))
     weeks = calendar_weeks(test)
-    found = test[np.isin(weeks, weeks[unknown])]
-    return found if len(found) + before <= MOST * (len(test) + before) else test[:0]
+    days = test[np.isin(weeks, weeks[unknown])]
+    return days if len(days) + before <= MOST * (len(test) + before) else test[:0]
 
 
-def without_power(case):
+def without_power(case: Case) -> np.ndarray:
     """Days with light, and without a value of power in it."""
     record = case.record
     light = bright(record)
@@ -66,7 +70,7 @@ def without_power(case):
     return np.setdiff1d(record.dates[light], record.dates[light & shown])
 
 
-def by_power(case, effect, size):
+def by_power(case: Case, effect: Effect, size: float) -> Effect:
     """
     A standstill with the days of test weeks at its edges on which power shows it.
 
@@ -98,15 +102,35 @@ def by_power(case, effect, size):
     return effect.make(**settings | {"start": written(first), "end": written(last)})
 
 
-def longest(gains):
+def longest(gains: list[float]) -> int:
     """The number of days from an edge on that are most likely, if that is sure."""
     sums = np.cumsum(gains)
     return int(np.argmax(sums)) + 1 if sums.max() > SURE else 0
 
 
-def daily_gains(case, effect, size, within):
-    """Twice the log-likelihood of each day, by power, that the modules stand on it."""
-    record, found = case.record, {}
+def daily_gains(
+    case: Case, effect: Effect, size: float, within: tuple[int, int]
+) -> dict[int, float]:
+    """
+    Twice the log-likelihood of each day, by power, that the modules stand on it.
+
+    Parameters
+    ----------
+    case : Case
+    effect : Effect
+        A standstill over all days that may be of it.
+    size : float
+        Its fitted coefficient.
+    within : tuple of int
+        First of these days, and the first day after them, from 1970-01-01.
+
+    Returns
+    -------
+    dict of float
+        By day, where there are rows.
+    """
+    record = case.record
+    total: dict[int, float] = {}
     columns = completed(record.inputs, effect.drivers).columns
     heat = np.nan_to_num(effect.at(columns, dict.fromkeys(effect.rows(), size)).heat)
     poa = record["poa_global"]
@@ -131,8 +155,8 @@ def daily_gains(case, effect, size, within):
         spread = max(MAD * np.median(np.abs(ratio[other] - usual)), LEAST)
         apart, needed = (ratio - usual) / spread, expected / spread
         # a day that is far from both, as one of an outage, shows neither
-        squares = (np.minimum(a**2, FAR**2) for a in (apart, apart - needed))
-        gains = np.subtract(*squares)
+        usually, stuck = (np.minimum(a**2, FAR**2) for a in (apart, apart - needed))
+        gains = usually - stuck
         for day, gain in zip(every[there].tolist(), gains[there].tolist()):
-            found[day] = found.get(day, 0.0) + gain
-    return found
+            total[day] = total.get(day, 0.0) + gain
+    return total

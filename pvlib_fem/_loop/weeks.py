@@ -2,14 +2,17 @@
 
 from collections.abc import Collection, Iterator
 from enum import IntEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._record.inputs import Record
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem.effects._time_profiles import written
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.criteria import Criteria
 
 FEWEST_WEEKS = 5  # below which every other day is a test day
 
@@ -32,7 +35,7 @@ def parts(
     record: Record,
     seen: np.ndarray,
     holdout: pd.Series | None,
-    criteria: Criteria,
+    criteria: "Criteria",
     spared: Collection[int] = (),
 ) -> np.ndarray:
     """

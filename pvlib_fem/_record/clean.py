@@ -3,18 +3,32 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
 
 from pvlib_fem._record.checks import SECONDS, instants
 from pvlib_fem._record.inputs import Inputs
-from pvlib_fem._record.join_steps import JoinedColumns
 from pvlib_fem._record.parquet import ROWS, Block, ParquetRecord
-from pvlib_fem._record.streamed_columns import StreamedColumns
 
 NONE = np.empty((0, 2), dtype=np.int64)
+
+
+class BlockColumns(Protocol):
+    """Columns of one block after the other."""
+
+    def at(self, inputs: Inputs) -> dict[str, np.ndarray]:
+        """The columns in the rows of the next block."""
+        ...
+
+
+class AddedColumns(Protocol):
+    """Columns that files do not hold."""
+
+    def begun(self) -> BlockColumns:
+        """The columns of the blocks of a record, from the first on."""
+        ...
 
 
 class FrameRecord:
@@ -89,7 +103,7 @@ class CleanRecord:
         """The record with 0 instead of negative irradiance."""
         return replace(self, clip=True)
 
-    def with_columns(self, more: JoinedColumns | StreamedColumns) -> "CleanRecord":
+    def with_columns(self, more: AddedColumns) -> "CleanRecord":
         """The record with columns that the files do not hold."""
         return replace(self, beside=(*self.beside, more))
 

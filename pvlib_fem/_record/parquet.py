@@ -5,8 +5,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TypeGuard
 
 import numpy as np
 import pandas as pd
@@ -361,13 +360,13 @@ def open_parquet(
     return ParquetRecord(ordered, names, tz or zone, *own, notes=tuple(notes))
 
 
-def is_data_set(data: Any) -> bool:
+def is_data_set(data: object) -> TypeGuard[ParquetRecord | FilePath]:
     """Whether an argument names Parquet files, rather than being columns."""
     kinds = str, os.PathLike, ParquetRecord
     return isinstance(data, kinds) or hasattr(data, "get_fragments")
 
 
-def as_source(data: Path) -> ParquetRecord:
+def as_source(data: ParquetRecord | FilePath) -> ParquetRecord:
     """A data set as it is opened, if it is not yet."""
     return data if isinstance(data, ParquetRecord) else open_parquet(data)
 

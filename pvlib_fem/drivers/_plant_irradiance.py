@@ -77,7 +77,7 @@ def light_shown(
     poa_global: np.ndarray,
     temp_module: np.ndarray,
     power: np.ndarray,
-    day: pd.Index,
+    day: np.ndarray | pd.Index,
 ) -> np.ndarray:
     """Irradiance by power; at the power limit at least that of the sensor. [W/m²]"""
     shown = relation.light(power, temp_module, day)
