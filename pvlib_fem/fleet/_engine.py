@@ -2,10 +2,16 @@
 
 import logging
 import signal
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING
 from uuid import uuid4
+
+if TYPE_CHECKING:
+    from distributed import Client, Worker, WorkerPlugin
+
+    from pvlib_fem.fleet._system_work import Work
+    from pvlib_fem.fleet._systems_table import System
 
 AHEAD = 4  # queued systems per thread, so that no thread waits
 
@@ -32,13 +38,17 @@ WORKERS = {
 }
 
 
-def serial(work: Callable, systems: Iterable) -> Generator[dict, None, None]:
+def serial(
+    work: Callable[["System"], dict], systems: "Iterable[System]"
+) -> Generator[dict, None, None]:
     """Yield the answers of a plain loop over the systems."""
     for system in systems:
         yield work(system)
 
 
-def on_dask(client: Any, work: Any, systems: Iterable) -> Generator[dict, None, None]:
+def on_dask(
+    client: "Client", work: "Work", systems: "Iterable[System]"
+) -> Generator[dict, None, None]:
     """
     Yield the answers of a cluster's workers, in the order in which they arrive.
 
@@ -59,40 +69,44 @@ def on_dask(client: Any, work: Any, systems: Iterable) -> Generator[dict, None, 
     from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
-    run, systems, whose = uuid4().hex[:8], iter(systems), {}
+    run, queue, waits = uuid4().hex[:8], iter(systems), {}
     waiting = as_completed(loop=client.loop)
 
-    def fill(most):
-        for system in systems:
+    def fill(most: int) -> None:
+        for system in queue:
             key = f"pvlib_fem-{run}-{system.id}"
             future = client.submit(work, system, key=key, pure=False)
-            whose[key] = system
+            waits[key] = system
             waiting.add(future)
-            if len(whose) >= most:
+            if len(waits) >= most:
                 return
 
     try:
         fill(AHEAD * threads(client))
         for batch in waiting.batches():
             for future in batch:
-                system = whose.pop(future.key)
+                system = waits.pop(future.key)
                 try:
                     yield future.result()
                 except KilledWorker as error:
                     yield work.ended(system, error)
-            if len(whose) < (most := AHEAD * threads(client)):
+            if len(waits) < (most := AHEAD * threads(client)):
                 fill(most)
     finally:
         client.cancel(waiting.futures)
 
 
-def threads(client):
+def threads(client: "Client") -> int:
     """Number of threads of all workers; at least one."""
     return max(sum(client.nthreads().values()), 1)
 
 
 @contextmanager
-def client_of(client=None, workers=None, memory_limit="auto"):
+def client_of(
+    client: "Client | str | None" = None,
+    workers: int | None = None,
+    memory_limit: str | int = "auto",
+) -> "Iterator[Client]":
     """
     The given client, or one for a scheduler's address or a cluster on this machine.
 
@@ -110,8 +124,8 @@ def client_of(client=None, workers=None, memory_limit="auto"):
     if client is not None and not isinstance(client, str):
         yield client
     elif client is not None:
-        with Client(client, timeout="30s") as found:
-            yield found
+        with Client(client, timeout="30s") as connected:
+            yield connected
     else:
         with dask.config.set(WORKERS):
             cluster = LocalCluster(
@@ -124,24 +138,24 @@ def client_of(client=None, workers=None, memory_limit="auto"):
                 # after Ctrl-C, would each log a traceback
                 silence_logs=logging.CRITICAL,
             )
-        with cluster, Client(cluster) as found:
-            found.register_plugin(ignoring_interrupts())
-            yield found
+        with cluster, Client(cluster) as connected:
+            connected.register_plugin(ignoring_interrupts())
+            yield connected
 
 
-def ignoring_interrupts():
+def ignoring_interrupts() -> "WorkerPlugin":
     """A plugin that lets workers ignore Ctrl-C, which a terminal sends to them, too."""
     from distributed import WorkerPlugin
 
     class IgnoringInterrupts(WorkerPlugin):
-        def setup(self, worker):
+        def setup(self, worker: "Worker") -> None:
             with suppress(ValueError):  # not in the main thread
                 signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     return IgnoringInterrupts()
 
 
-def cores():
+def cores() -> int:
     """Cores that this process may use."""
     from dask.system import CPU_COUNT
 

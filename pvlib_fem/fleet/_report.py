@@ -1,6 +1,7 @@
 """An HTML page on many systems."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,11 @@ import pandas as pd
 
 from pvlib_fem._findings import Verdict
 from pvlib_fem._report.document import (
+    Block,
+    Link,
+    Paragraph,
     Parts,
+    Table,
     document,
     link,
     listed,
@@ -21,7 +26,7 @@ from pvlib_fem._report.document import (
 from pvlib_fem._report.page_parts import heading
 from pvlib_fem._stored import saved
 from pvlib_fem.fleet._results import Results
-from pvlib_fem.fleet._shared import few, shared
+from pvlib_fem.fleet._shared import Shared, few, shared
 from pvlib_fem.fleet._store import page_path, put_page
 from pvlib_fem.fleet._system_work import title_of
 from pvlib_fem.fleet._tasks import CLOCK, TASKS
@@ -64,10 +69,10 @@ def report(
     ValueError
         If the folder holds no results.
     """
-    found = Results(Path(out).absolute())
-    systems, findings = found.systems, found.findings
-    folder = found.out if path is None else Path(path).absolute().parent
-    pages = Pages(found, folder)
+    results = Results(Path(out).absolute())
+    systems, findings = results.systems, results.findings
+    folder = results.out if path is None else Path(path).absolute().parent
+    pages = Pages(results, folder)
     words = headline(systems)
     parts: Parts = [
         heading(words, title),
@@ -76,7 +81,9 @@ def report(
         section("Systems to visit first", to_visit(systems, pages)),
         section("What was found", by_effect(systems, findings)),
         section("What systems of a site share", by_site(systems, findings, pages)),
-        section(f"Coefficients by {by}", coefficients(systems, found.coefficients, by)),
+        section(
+            f"Coefficients by {by}", coefficients(systems, results.coefficients, by)
+        ),
     ]
     return saved(document(" · ".join(filter(None, [title, words])), parts), path)
 
@@ -84,20 +91,20 @@ def report(
 class Pages:
     """Links to the pages of systems; missing pages are written."""
 
-    def __init__(self, found, folder):
-        self.found, self.folder = found, folder
-        rows = found.systems.set_index("id")
+    def __init__(self, results: Results, folder: Path) -> None:
+        self.results, self.folder = results, folder
+        rows = results.systems.set_index("id")
         self.sites = rows["site"].where(rows["state"] == "done")
         self.paged = all(TASKS[name].paged for name in rows["task"].unique())
 
-    def __getitem__(self, identity):
+    def __getitem__(self, identity: str) -> str | Link:
         if not self.paged:
             return identity
-        path = page_path(self.found.out, identity)
+        path = page_path(self.results.out, identity)
         if not path.exists():
             title = title_of(identity, self.sites[identity])
-            html = self.found.result(identity).to_html(title=title)
-            put_page(self.found.out, identity, html)
+            html = self.results.result(identity).to_html(title=title)
+            put_page(self.results.out, identity, html)
         try:
             address = Path(os.path.relpath(path, self.folder)).as_posix()
         except ValueError:  # on another drive
@@ -105,21 +112,21 @@ class Pages:
         return link(identity, address)
 
 
-def headline(systems):
+def headline(systems: pd.DataFrame) -> str:
     """Number of systems by state, and their median error."""
     done = systems[systems["state"] == "done"]
     words = f"{len(systems):,} systems, {len(done):,} done"
     if lost := int((systems["state"] == "failed").sum()):
         words += f", {lost:,} failed"
-    if left := int((systems["state"] == "not run").sum()):
-        words += f", {left:,} not run"
+    if waiting := int((systems["state"] == "not run").sum()):
+        words += f", {waiting:,} not run"
     if len(done):
         before, after = done[["rmse_before", "rmse_after"]].median()
         words += f"; median error {number(before)} K before, {number(after)} K after"
     return words
 
 
-def to_visit(systems, pages):
+def to_visit(systems: pd.DataFrame, pages: Pages) -> Table:
     """Table of systems, with the largest energy error per year first."""
     done = systems[systems["state"] == "done"]
     share = done["energy_error_before"].fillna(done["energy_error_after"])
@@ -130,16 +137,16 @@ def to_visit(systems, pages):
     rows = rows.sort_values(["lost", "id"], ascending=[False, True])
     lines = [
         (
-            pages[row.id],
-            row.site,
-            f"{row.lost:,.0f}" if known else f"{row.lost:.1f}",
-            number(row.share),
-            number(row.energy_error_after),
-            number(row.rmse_before),
-            number(row.rmse_after),
-            row.effects,
+            pages[row["id"]],
+            row["site"],
+            f"{row['lost']:,.0f}" if known else f"{row['lost']:.1f}",
+            number(row["share"]),
+            number(row["energy_error_after"]),
+            number(row["rmse_before"]),
+            number(row["rmse_after"]),
+            row["effects"],
         )
-        for row in rows.head(SHOWN).itertuples()
+        for row in rows.head(SHOWN).to_dict("records")
     ]
     unit = "kWh a year" if known else "kWh/kWp a year"
     head = ("system", "site", f"#energy error [{unit}]", "#before [% of yield]")
@@ -154,23 +161,23 @@ def to_visit(systems, pages):
     )
 
 
-def clock_faults(findings, pages):
+def clock_faults(findings: pd.DataFrame, pages: Pages) -> Paragraph | Table:
     """Table of systems with wrong timestamps or a wrong location."""
-    if findings.empty or not (found := findings[findings["kind"] == CLOCK]).size:
+    if findings.empty or not (faults := findings[findings["kind"] == CLOCK]).size:
         return paragraph("None was found.")
-    found = found.sort_values(["added", "id"])  # uncorrected faults first
+    faults = faults.sort_values(["added", "id"])  # uncorrected faults first
     rows = [
-        (pages[row.id], row.site, row.verdict, row.why)
-        for row in found.head(SHOWN).itertuples()
+        (pages[row["id"]], row["site"], row["verdict"], row["why"])
+        for row in faults.head(SHOWN).to_dict("records")
     ]
     head = ("system", "site", "state", "fault and remedy")
     words = (
         "A fault that is not corrected can falsify all other findings of its system."
     )
-    return shortened(head, rows, len(found), words, wraps=True)
+    return shortened(head, rows, len(faults), words, wraps=True)
 
 
-def by_effect(systems, findings):
+def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Table:
     """Table of the findings by effect: number of systems, sites and gains."""
     if findings.empty:
         return paragraph("No effect was tested, or none was found.")
@@ -201,7 +208,9 @@ def by_effect(systems, findings):
     return shortened((*head, "where"), [row for _, row in rows], len(rows))
 
 
-def by_site(systems, findings, pages):
+def by_site(
+    systems: pd.DataFrame, findings: pd.DataFrame, pages: Pages
+) -> Paragraph | Table:
     """Table of causes that systems of a site share, or that one has alone."""
     groups = shared(systems, findings) if len(findings) else []
     if not groups:
@@ -232,18 +241,20 @@ def by_site(systems, findings, pages):
     )
 
 
-def dates(group):
+def dates(group: Shared) -> str:
     if group.first is None:
         return ""
     same = group.first == group.last
     return group.first if same else f"{group.first} to {group.last}"
 
 
-def coefficients(systems, found, by):
+def coefficients(
+    systems: pd.DataFrame, values: pd.DataFrame, by: str
+) -> Paragraph | Table:
     """Table of the spread of each coefficient, by a label."""
     labels = systems.set_index("id")
     which = labels[by] if by in labels else pd.Series("", labels.index)
-    own = found[found["coefficient"].isin(OWN)]
+    own = values[values["coefficient"].isin(OWN)]
     own = own.assign(by=own["id"].map(which))
     lines = []
     for (label, name), some in own.groupby(["by", "coefficient"], sort=True):
@@ -265,25 +276,31 @@ def coefficients(systems, found, by):
     )
 
 
-def digits(value):
+def digits(value: float) -> str:
     """Four digits, without an exponent."""
     return f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
 
 
-def failures(systems):
+def failures(systems: pd.DataFrame) -> Block | list[Block]:
     """List of messages, with the systems that have them."""
     failed = systems[systems["state"] == "failed"]
     if failed.empty:
         return paragraph("Nothing.")
     groups = failed.groupby("message", sort=False)["id"].apply(list)
     groups = sorted(groups.items(), key=lambda pair: (-len(pair[1]), pair[0]))
-    shown = [(few(names), message) for message, names in groups[:SHOWN]]
+    shown = [(few(names), str(message)) for message, names in groups[:SHOWN]]
     more = len(groups) - len(shown)
     rest = paragraph(f"{more:,} other messages are in systems.parquet.", "soft")
     return [listed(shown), *[rest] * (more > 0)]
 
 
-def shortened(head, rows, total, caption="", wraps=False):
+def shortened(
+    head: Sequence[str],
+    rows: Sequence[Sequence[str | Link]],
+    total: int,
+    caption: str = "",
+    wraps: bool = False,
+) -> Table:
     """A table of the first rows; its caption has their total number."""
     rest = f" The first {SHOWN} of {total:,}; all are in Parquet." * (total > SHOWN)
     return table(head, rows[:SHOWN], (caption + rest).strip(), wraps)

@@ -61,7 +61,7 @@ class Results:
             raise ValueError(f"system {identity} failed: {head['message']}")
         return TASKS[head["task"]].result.from_json(path)
 
-    def __str__(self):
+    def __str__(self) -> str:
         states = self.systems["state"].value_counts()
         counts = ", ".join(f"{states[s]:,} {s}" for s in STATES if states.get(s))
         return f"pvlib_fem: {states.sum():,} systems: {counts}; in {self.out}"

@@ -1,10 +1,10 @@
 """Fit many systems, or close the loop on them, and store the results."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing, suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -17,6 +17,9 @@ from pvlib_fem.fleet._systems_table import opened, systems_of
 from pvlib_fem.fleet._tasks import TASKS, check_task
 from pvlib_fem.types import FilePath
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 NEEDED = ("pyarrow", "fsspec", "distributed")
 
 
@@ -24,11 +27,11 @@ def run(
     systems: pd.DataFrame | FilePath,
     out: FilePath,
     task: str = "loop",
-    client: Any = None,
+    client: "Client | str | None" = None,
     workers: int | None = None,
     resume: bool = True,
     pages: bool = False,
-    memory_limit: Any = "auto",
+    memory_limit: str | int = "auto",
     progress: Callable[[dict], object] | bool | None = None,
     **options: Any,
 ) -> Results:
@@ -113,8 +116,10 @@ def run(
             if workers == 0:
                 answers = serial(work, systems_of(table))
             else:
-                found = stack.enter_context(client_of(client, workers, memory_limit))
-                answers = on_dask(found, work, systems_of(table))
+                connected = stack.enter_context(
+                    client_of(client, workers, memory_limit)
+                )
+                answers = on_dask(connected, work, systems_of(table))
             for answer in stack.enter_context(closing(answers)):
                 tell(answer)
     except KeyboardInterrupt:
@@ -125,7 +130,7 @@ def run(
     return Results(out)
 
 
-def check(task, pages, options):
+def check(task: str, pages: bool, options: Mapping[str, Any]) -> None:
     """Refuse options that no system could use, before the work."""
     check_task(task, options)
     if missing := [name for name in NEEDED if find_spec(name) is None]:
@@ -138,14 +143,16 @@ def check(task, pages, options):
         raise ValueError("pages need matplotlib: pip install 'pvlib_fem[plot]'")
 
 
-def reporter(stack, progress, total):
+def reporter(
+    stack: ExitStack, progress: Callable[[dict], object] | bool | None, total: int
+) -> Callable[[dict], object]:
     """The function to call with each answer."""
     if callable(progress):
         return progress
     tell = stack.enter_context(counting(total, 0, progress, "systems"))
     failed = 0
 
-    def count(answer):
+    def count(answer: dict) -> None:
         nonlocal failed
         failed += answer["state"] == "failed"
         tell(f"{failed:,} failed")

@@ -1,7 +1,9 @@
 """Find causes that systems of one site share, or that one system has alone."""
 
 import json
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, Self
 
 import pandas as pd
 
@@ -15,19 +17,19 @@ FEW = 3  # names that are shown of a longer list
 
 
 @dataclass(frozen=True)
-class Found:
+class SystemFinding:
     """A finding of a system, from a row of the table."""
 
     id: str
-    candidates: set
+    candidates: set[str]
     gain: float
     first: str | None
-    last: str | None
+    last: str
 
     @classmethod
-    def of(cls, row):
+    def of(cls, row: Mapping[Hashable, Any]) -> Self:
         dated = isinstance(row["first"], str)
-        dates = (row["first"], row["last"]) if dated else (None, None)
+        dates = (row["first"], row["last"]) if dated else (None, "")
         gain = row["gain"] if row["gain"] == row["gain"] else 0.0  # NaN for a clock
         return cls(row["id"], {*row["candidates"].split(JOIN)}, gain, *dates)
 
@@ -51,46 +53,50 @@ class Shared:
     maybe : set of str
         Systems with another finding that may have this cause: at that time, or of one
         of its channels and without a date.
-    first, last : str or None
-        Dates between which a change may have begun.
+    first, last : str
+        Dates between which a change may have begun; None and "" without a date.
     """
 
     site: str
-    candidates: set
-    systems: dict = field(default_factory=dict)
-    also: set = field(default_factory=set)
-    without: set = field(default_factory=set)
-    maybe: set = field(default_factory=set)
+    candidates: set[str]
+    systems: dict[str, float] = field(default_factory=dict)
+    also: set[str] = field(default_factory=set)
+    without: set[str] = field(default_factory=set)
+    maybe: set[str] = field(default_factory=set)
     first: str | None = None
-    last: str | None = None
+    last: str = ""
 
-    def fits(self, finding):
+    def fits(self, finding: SystemFinding) -> bool:
         """Whether a finding may have this cause, at the same time."""
         if not self.candidates & finding.candidates:
             return False
         return (finding.first is None) == (self.first is None) and self.meets(finding)
 
-    def meets(self, finding):
+    def meets(self, finding: SystemFinding) -> bool:
         """Whether the dates overlap, as far as they are known."""
-        if None in (self.first, finding.first):
+        if self.first is None or finding.first is None:
             return True
         return finding.first <= self.last and self.first <= finding.last
 
-    def take(self, finding):
+    def take(self, finding: SystemFinding) -> None:
         self.candidates = self.candidates & finding.candidates
         before = self.systems.get(finding.id, finding.gain)
         self.systems[finding.id] = max(finding.gain, before)
-        if finding.first is not None:
+        if finding.first is not None and self.first is not None:
             self.first = min(finding.first, self.first)
             self.last = max(finding.last, self.last)
 
-    def may_be(self, finding):
+    def may_be(self, finding: SystemFinding) -> bool:
         """Whether a finding of another group may still have this cause."""
         dated = None not in (self.first, finding.first)
         same = channels(self.candidates) & channels(finding.candidates)
         return self.meets(finding) and (dated or bool(same))
 
-    def check(self, others, findings):
+    def check(
+        self,
+        others: Mapping[str, Mapping[str, tuple[float, float]]],
+        findings: Sequence[SystemFinding],
+    ) -> None:
         """Sort the other systems into ``also``, ``without`` and ``maybe``."""
         self.maybe = {one.id for one in findings if self.may_be(one)} - {*self.systems}
         for identity, weighed in others.items():
@@ -107,23 +113,23 @@ class Shared:
         self.maybe -= self.also
 
     @property
-    def largest(self):
+    def largest(self) -> float:
         return max(self.systems.values())
 
     @property
-    def have(self):
+    def have(self) -> int:
         return len(self.systems) + len(self.also)
 
     @property
-    def everywhere(self):
+    def everywhere(self) -> bool:
         return self.have > max(len(self.maybe), 1) and not self.without
 
     @property
-    def alone(self):
+    def alone(self) -> bool:
         return self.have == 1 and len(self.without) > len(self.maybe)
 
     @property
-    def likely(self):
+    def likely(self) -> list[str]:
         """Candidates that agree with its occurrence in all systems, or in one alone."""
         if not self.candidates <= {*CHANGES}:
             return []
@@ -131,7 +137,7 @@ class Shared:
         return sorted(self.candidates & side)
 
     @property
-    def words(self):
+    def words(self) -> str:
         """Number of systems with the cause, and the suspected component."""
         some = f" ({few(self.likely, ' or ', ' or ')})" if self.likely else ""
         more = f", and perhaps {len(self.maybe)} more" if self.maybe else ""
@@ -174,22 +180,22 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     done = systems[(systems["state"] == "done") & (systems["site"] != "")]
     added = findings[findings["added"]].sort_values("id", kind="stable")
     rows = dict(list(added.groupby("site")))
-    found: list[Shared] = []
+    causes: list[Shared] = []
     for site, members in done.groupby("site", sort=True):
         if len(members) < 2 or site not in rows:
             continue
-        mine = [Found.of(row) for row in rows[site].to_dict("records")]
+        mine = [SystemFinding.of(row) for row in rows[site].to_dict("records")]
         groups = grouped(str(site), mine)
         weighed = {
             row["id"]: weights(row["weighed"]) for row in members.to_dict("records")
         }
         for group in groups:
             group.check(weighed, mine)
-        found += groups
-    return sorted(found, key=order)
+        causes += groups
+    return sorted(causes, key=order)
 
 
-def grouped(site, findings):
+def grouped(site: str, findings: Sequence[SystemFinding]) -> list[Shared]:
     """Findings of a site, grouped by cause."""
     groups: list[Shared] = []
     for one in findings:
@@ -201,19 +207,19 @@ def grouped(site, findings):
     return groups
 
 
-def channels(names):
+def channels(names: Iterable[str]) -> set[str]:
     """Channels of some candidates; effects without a channel by their names."""
     return {CHANGES[name].channel if name in CHANGES else name for name in names}
 
 
-def few(names, apart=", ", last=" and "):
+def few(names: Iterable[str], apart: str = ", ", last: str = " and ") -> str:
     """The first of some names, and the number of further names."""
     names = sorted(names)
     more = len(names) - FEW
     return apart.join(names[:FEW]) + (f"{last}{more:,} more" if more > 0 else "")
 
 
-def weights(text):
+def weights(text: str | None) -> dict[str, tuple[float, float]]:
     """Known gains and minimum detectable gains by effect."""
     pairs = json.loads(text) if isinstance(text, str) else {}
     known = {}
@@ -223,6 +229,6 @@ def weights(text):
     return known
 
 
-def order(group):
+def order(group: Shared) -> tuple[bool, bool, bool, float, str]:
     named = bool(group.likely)
     return not named, not group.everywhere, not group.alone, -group.largest, group.site

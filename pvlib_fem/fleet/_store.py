@@ -3,33 +3,46 @@
 import hashlib
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
 
 from pvlib_fem._stored import plain, replacing, saved, stamped
-from pvlib_fem.fleet._systems_table import labels_of, systems_of
+from pvlib_fem.fleet._systems_table import System, labels_of, systems_of
 from pvlib_fem.fleet._tasks import COEFFICIENT, FINDING, ROW
+from pvlib_fem.types import FilePath
+
+if TYPE_CHECKING:
+    from pyarrow import Schema
 
 NONE = stamped("pvlib_fem fleet, failed", {})  # a file without a result
 GROUP = 1000  # systems of a row group of a table
 TABLES = ("systems", "coefficients", "findings")
 
 
-def name_of(identity):
+def name_of(identity: str) -> str:
     """A unique name for a system's files that is valid on any disk."""
     code = hashlib.sha256(identity.encode("utf-8", "surrogatepass")).hexdigest()
     plain = re.sub(r"[^A-Za-z0-9_-]+", "-", identity)[:60]
     return f"{code[:2]}/{plain}-{code[:12]}"  # 256 folders
 
 
-def result_path(out, identity):
+def result_path(out: FilePath, identity: str) -> Path:
     return Path(out, "results", f"{name_of(identity)}.json")
 
 
-def page_path(out, identity):
+def page_path(out: FilePath, identity: str) -> Path:
     return Path(out, "pages", f"{name_of(identity)}.html")
 
 
-def keep(out, identity, head, result=None):
+def keep(
+    out: FilePath,
+    identity: str,
+    head: Mapping[str, Any],
+    result: Mapping[str, Any] | None = None,
+) -> None:
     """
     Write a system's result; a failed write leaves no file.
 
@@ -55,7 +68,7 @@ def keep(out, identity, head, result=None):
         ) from error
 
 
-def kept(out, identity):
+def kept(out: FilePath, identity: str) -> dict[str, Any] | None:
     """Content of a system's file, or None without a file that `keep` wrote."""
     try:
         path = result_path(out, identity)
@@ -67,7 +80,7 @@ def kept(out, identity):
     return content if whole else None
 
 
-def put_page(out, identity, html):
+def put_page(out: FilePath, identity: str, html: str | None) -> None:
     """Write a system's page; None removes the page of an older result."""
     path = page_path(out, identity)
     if html is None:
@@ -77,7 +90,7 @@ def put_page(out, identity, html):
     saved(html, path)
 
 
-def compact(out, table, task):
+def compact(out: FilePath, table: pd.DataFrame, task: str) -> dict[str, int]:
     """
     Make the tables of all results; a failed write leaves the old tables.
 
@@ -98,7 +111,7 @@ def compact(out, table, task):
 
     schemas = schemas_of(table)
     counts = dict.fromkeys(("done", "failed", "not run"), 0)
-    rows = {name: [] for name in TABLES}
+    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in TABLES}
     paths = [replacing(Path(out, f"{name}.parquet")) for name in TABLES]
     with paths[0] as a, paths[1] as b, paths[2] as c:
         files = dict(zip(TABLES, (a, b, c)))
@@ -107,7 +120,7 @@ def compact(out, table, task):
             for name in TABLES
         }
 
-        def flush():
+        def flush() -> None:
             for name, writer in writers.items():
                 typed = [finite(row, schemas[name]) for row in rows[name]]
                 batch = pa.Table.from_pylist(typed, schema=schemas[name])
@@ -127,7 +140,7 @@ def compact(out, table, task):
     return counts
 
 
-def schemas_of(table):
+def schemas_of(table: pd.DataFrame) -> "dict[str, Schema]":
     """Names and types of the tables' columns."""
     import pyarrow as pa
 
@@ -142,16 +155,23 @@ def schemas_of(table):
     }
     return {
         name: pa.schema(
-            [(column, kinds[kind]) for column, kind in found.items()]
+            [(column, kinds[kind]) for column, kind in wanted.items()]
             + [("json", pa.string())] * (name != "coefficients")
         )
-        for name, found in columns.items()
+        for name, wanted in columns.items()
     }
 
 
-def taken(rows, system, content, task):
+def taken(
+    rows: Mapping[str, list[dict[str, Any]]],
+    system: System,
+    content: dict[str, Any] | None,
+    task: str,
+) -> str:
     """Append the content of a system's file to the tables; return its state."""
-    head = content["fleet"] if content else {"state": "not run", "message": ""}
+    head: dict[str, Any] = {"state": "not run", "message": ""}
+    if content:
+        head = content["fleet"]
     if head.get("task", task) != task:  # from another run into the same folder
         content, head = None, {"state": "not run", "message": ""}
     files = " | ".join(system.files)
@@ -171,7 +191,7 @@ def taken(rows, system, content, task):
     return head["state"]
 
 
-def finite(row, schema):
+def finite(row: Mapping[str, Any], schema: "Schema") -> dict[str, Any]:
     """A row with infinities as numbers instead of texts."""
     kinds = {name: str(schema.field(name).type) for name in schema.names}
     return {
@@ -182,5 +202,5 @@ def finite(row, schema):
     }
 
 
-def text(content):
+def text(content: Any) -> str:
     return json.dumps(content, ensure_ascii=False, allow_nan=False)

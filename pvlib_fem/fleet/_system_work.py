@@ -2,10 +2,13 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
 
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.layout import Layout
@@ -17,8 +20,15 @@ from pvlib_fem.fleet._store import keep, kept, page_path, put_page
 from pvlib_fem.fleet._systems_table import PLACE, System
 from pvlib_fem.fleet._tasks import TASKS
 
+if TYPE_CHECKING:
+    from fsspec import AbstractFileSystem
+
 #: attributes of a file by which a change is detected, if its file system has them
 MARKS = ("size", "mtime", "ETag", "etag", "LastModified", "last_modified", "updated")
+
+
+#: for each logger of a system: the file system of its files, and their paths
+Groups = list[tuple["AbstractFileSystem", list[str]]]
 
 
 @dataclass(frozen=True)
@@ -29,7 +39,7 @@ class Work:
     task: str
     resume: bool = True
     pages: bool = False
-    options: dict = field(default_factory=dict)
+    options: dict[str, Any] = field(default_factory=dict)
 
     def __call__(self, system: System) -> dict:
         """
@@ -82,7 +92,7 @@ class Work:
         keep(self.out, system.id, head)
         return answer(system, head)
 
-    def before(self, system, key):
+    def before(self, system: System, key: str) -> dict[str, Any] | None:
         """The stored result with this key, if its page is there, too."""
         content = kept(self.out, system.id)
         if content is None or content["fleet"]["key"] != key:
@@ -91,7 +101,7 @@ class Work:
         paged = not self.pages or page_path(self.out, system.id).exists()
         return head if paged or head["state"] == "failed" else None
 
-    def key(self, system, groups):
+    def key(self, system: System, groups: Groups) -> str:
         """Hash of the files, row, task, options and version."""
         from pvlib_fem import __version__
 
@@ -106,12 +116,12 @@ class Work:
         words = json.dumps(plain(whole), sort_keys=True, default=str)
         return hashlib.sha256(words.encode("utf-8", "surrogatepass")).hexdigest()
 
-    def result(self, system, groups, folder):
+    def result(self, system: System, groups: Groups, folder: str) -> Any:
         """The result of the task."""
         data = loaded(system, groups, folder)
         place = [system.place.get(name) for name in PLACE]
         data = in_local_days(data, place[1], system.layout.get("tz"))
-        site = site_of(data.index, *place, **system.tracker)
+        site = site_of(pd.DatetimeIndex(data.index), *place, **system.tracker)
         checked = system.reading.get("check_units", True)
         options = {"check_units": checked, **self.options}
         if system.steady_model:
@@ -119,12 +129,12 @@ class Work:
         return TASKS[self.task].run(data, **site, **options)
 
 
-def title_of(identity, site):
+def title_of(identity: str, site: str) -> str:
     """The title of a system's page."""
     return ", ".join(filter(None, [site, identity]))
 
 
-def failure(head, error):
+def failure(head: Mapping[str, Any], error: Exception) -> dict[str, Any]:
     """The stored result of a failed system; without a key if it is tried again."""
     words = " ".join(str(error).split())
     if isinstance(error, FileNotFoundError):
@@ -136,25 +146,27 @@ def failure(head, error):
     return {"key": key, "task": head["task"], "state": "failed", "message": words}
 
 
-def answer(system, head, kept=False):
+def answer(
+    system: System, head: Mapping[str, Any], kept: bool = False
+) -> dict[str, Any]:
     """The answer of a worker."""
     state = {name: head[name] for name in ("state", "message")}
     return {"id": system.id, **state, "kept": kept}
 
 
-def listed(file):
+def listed(file: str) -> "tuple[AbstractFileSystem, list[str]]":
     """The file system of a path, pattern or URL, and the paths that match."""
     from fsspec.core import url_to_fs
 
     disk, path = url_to_fs(file)
     if not any(sign in path for sign in "*?[") or disk.exists(path):
         return disk, [path]
-    if not (found := sorted(disk.glob(path))):
+    if not (paths := sorted(disk.glob(path))):
         raise FileNotFoundError(f"there is no file {file}")
-    return disk, found
+    return disk, paths
 
 
-def loaded(system, groups, folder):
+def loaded(system: System, groups: Groups, folder: str) -> pd.DataFrame:
     """The frame of a system; remote files are copied to this machine."""
     local = []
     for i, (disk, paths) in enumerate(groups):
@@ -175,7 +187,7 @@ def loaded(system, groups, folder):
     return data
 
 
-def here(disk, path, folder):
+def here(disk: "AbstractFileSystem", path: str, folder: Path) -> Path:
     """Path of a file on this machine; a remote file is copied to ``folder``."""
     from fsspec.implementations.local import LocalFileSystem
 

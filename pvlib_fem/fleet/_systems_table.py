@@ -1,7 +1,7 @@
 """The table of systems: files of each system, how to read them, and its site."""
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -88,16 +88,16 @@ class System:
     """
 
     id: str
-    files: tuple
-    columns: dict
-    units: dict
-    layout: dict
-    reading: dict
-    place: dict
+    files: tuple[str, ...]
+    columns: dict[str, str]
+    units: dict[str, str]
+    layout: dict[str, Any]
+    reading: dict[str, Any]
+    place: dict[str, float]
     pdc0: float
-    labels: dict
+    labels: dict[str, str]
     steady_model: str = ""
-    tracker: dict = field(default_factory=dict)
+    tracker: dict[str, Any] = field(default_factory=dict)
 
 
 def opened(systems: Any) -> pd.DataFrame:
@@ -178,12 +178,12 @@ def systems_of(table: pd.DataFrame) -> Iterator[System]:
             raise ValueError(f"system {row['id']}: {error}") from error
 
 
-def labels_of(table):
+def labels_of(table: pd.DataFrame) -> list[str]:
     """Names of the label columns, the site first."""
     return ["site", *(name for name in table.columns if name not in KNOWN)]
 
 
-def system_of(row, labels, folder):
+def system_of(row: Mapping[str, Any], labels: Iterable[str], folder: str) -> System:
     """A system, from the cells of its row that are not empty."""
     if "file" not in row:
         raise ValueError("it has no file")
@@ -205,16 +205,24 @@ def system_of(row, labels, folder):
         if len(given) == 1:
             (other,) = {*pair} - {*given}
             raise ValueError(f"it has {given[0]} and no {other}")
-    layout = {name: laid(name, row[name]) for name in LAYOUT if name in row}
+    layout: dict[str, Any] = {
+        name: laid(name, row[name]) for name in LAYOUT if name in row
+    }
     if "tz" in layout:
         zoned(pd.DatetimeIndex([]), layout["tz"])  # refuses an unknown zone
-    reading = {name: truth(row[name], name) for name in READING[:2] if name in row}
+    reading: dict[str, Any] = {
+        name: truth(row[name], name) for name in READING[:2] if name in row
+    }
     if "module_area" in row:
         reading["module_area"] = number(row["module_area"], "module_area", 0.0)
     model = str(row.get("steady_model", "")).strip()
     if model:
         steady_model(model)  # refuses an unknown model
-    units = {of: str(row[name]).strip() for name, of in UNITS.items() if name in row}
+    units = {
+        quantity: str(row[name]).strip()
+        for name, quantity in UNITS.items()
+        if name in row
+    }
     return System(
         id=row["id"],
         files=tuple(whole(file, folder) for file in parts(row["file"])),
@@ -230,37 +238,39 @@ def system_of(row, labels, folder):
     )
 
 
-def empty(value):
+def empty(value: Any) -> bool:
     """Whether a cell is empty."""
     if value is None or (isinstance(value, str) and not value.strip()):
         return True
     return bool(np.ndim(value) == 0 and pd.isna(value))
 
 
-def parts(value):
+def parts(value: Any) -> list[str]:
     """The texts of a cell."""
     if isinstance(value, str):
         return [part.strip() for part in value.split(BETWEEN)]
     return [str(value)] if np.ndim(value) == 0 else [str(part) for part in value]
 
 
-def whole(file, folder):
+def whole(file: str, folder: str) -> str:
     """An absolute path; a URL is returned as it is."""
     return file if "://" in file or "::" in file else str(Path(folder, file))
 
 
-def number(value, name, least=-np.inf, most=np.inf):
+def number(
+    value: Any, name: str, least: float = -np.inf, most: float = np.inf
+) -> float:
     """The number of a cell, checked by its range."""
     try:
-        found = float(value)
+        parsed = float(value)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name} is {value!r}; it has to be a number") from error
-    if not (least <= found <= most or np.isnan(found)):
-        raise ValueError(f"{name} is {found:g}; it is {least:g} to {most:g}")
-    return found
+    if not (least <= parsed <= most or np.isnan(parsed)):
+        raise ValueError(f"{name} is {parsed:g}; it is {least:g} to {most:g}")
+    return parsed
 
 
-def truth(value, name):
+def truth(value: Any, name: str) -> bool:
     """The boolean of a cell."""
     word = str(value).strip().lower().removesuffix(".0")
     if word not in TRUE + FALSE:
@@ -268,7 +278,7 @@ def truth(value, name):
     return word in TRUE
 
 
-def laid(name, value):
+def laid(name: str, value: Any) -> str | bool | int | tuple:
     """A field of the layout, from its cell."""
     if name in ("time", "missing"):
         return tuple(parts(value))

@@ -2,7 +2,7 @@
 
 import inspect
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from pvlib_fem._loop.close import close_loop
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._modelchain import FIT, LOOP
 from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.file_summary import present
 from pvlib_fem._recovery.recover import recover_effects
 from pvlib_fem._recovery.recovery_result import FORMAT, Recovery
 from pvlib_fem._report.document import with_error
@@ -70,7 +71,7 @@ class Task:
 
     Attributes
     ----------
-    of : callable
+    function : callable
         The public function, whose options are those of the task.
     run : callable
         ``run(data, location=, surface_tilt=, surface_azimuth=, mount=,
@@ -87,7 +88,7 @@ class Task:
         Whether a result has a page.
     """
 
-    of: Callable[..., Any]
+    function: Callable[..., Any]
     run: Callable[..., Any]
     row: Callable[[Any], Mapping]
     coefficients: Callable[[Any], list]
@@ -97,13 +98,14 @@ class Task:
     paged: bool = True
 
 
-def row_of_fit(fit):
+def row_of_fit(fit: FemFit) -> dict[str, Any]:
     """Row of a fit: its record, and its error before and after the dynamics."""
     end = "test" if fit.test_days else "train"
     errors = fit.scores[f"rmse_{end}"]
-    rows = fit.holdout if fit.test_days else ~fit.holdout
-    poa = pd.Series(fit.record["poa_global"], fit.record.index)
-    seen = fit.residual.where(rows)
+    held, record = present(fit.holdout), present(fit.record)
+    rows = held if fit.test_days else ~held
+    poa = pd.Series(record["poa_global"], record.index)
+    seen = present(fit.residual).where(rows)
     energy = scores.energy_error(poa, seen, 0.0 * seen)
     return {
         **about(fit),
@@ -114,7 +116,7 @@ def row_of_fit(fit):
     }
 
 
-def row_of_loop(loop):
+def row_of_loop(loop: Loop) -> dict[str, Any]:
     """Row of a loop: its record, and its error before and after the findings."""
     end = "test" if loop.fit.test_days else "train"
     before, after = loop.table.loc[loop.base], loop.table.loc[loop.last]
@@ -129,27 +131,28 @@ def row_of_loop(loop):
     }
 
 
-def weighed_of(loop):
+def weighed_of(loop: Loop) -> str:
     """JSON of the gain and minimum detectable gain of effects that were not found."""
     known = loop.ranking[["gain", "minimum_detectable"]]
-    found = {name: [*map(float, row)] for name, row in zip(known.index, known.values)}
+    gains = {name: [*map(float, row)] for name, row in zip(known.index, known.values)}
     for name, why in loop.untestable.items():
         if why.reason is Reason.NO_DATE:  # every date was tested
-            found[name] = [0.0, 0.0]
-    return json.dumps(plain(found))
+            gains[name] = [0.0, 0.0]
+    return json.dumps(plain(gains))
 
 
-def about(fit):
+def about(fit: FemFit) -> dict[str, Any]:
     """Size and times of the record, the form of the model, and insolation per year."""
-    of, poa = fit.summary, pd.Series(fit.record["poa_global"], fit.record.index)
+    size, record = fit.summary, present(fit.record)
+    poa = pd.Series(record["poa_global"], record.index)
     sun = scores.energy_error(poa, 0.0 * poa, 0.0 * poa).insolation
-    hours = (of.end - of.start) / pd.Timedelta("1h")
+    hours = (size.end - size.start) / pd.Timedelta("1h")
     return {
-        "start": of.start.isoformat(),
-        "end": of.end.isoformat(),
-        "rows": of.rows,
-        "days": of.days,
-        "step": of.step,
+        "start": size.start.isoformat(),
+        "end": size.end.isoformat(),
+        "rows": size.rows,
+        "days": size.days,
+        "step": size.step,
         "test_days": fit.test_days,
         "model": fit.model,
         "dynamics": fit.dynamics,
@@ -157,7 +160,7 @@ def about(fit):
     }
 
 
-def coefficients_of(fit):
+def coefficients_of(fit: FemFit) -> list[dict[str, Any]]:
     """Rows of all coefficients with their errors."""
     return [
         {
@@ -173,14 +176,14 @@ def coefficients_of(fit):
 CLOCK = "CLOCK"  # kind of a clock fault among findings
 
 
-def findings_of(loop):
+def findings_of(loop: Loop) -> list[dict[str, Any]]:
     """Rows of the findings of a loop, clocks first."""
     effects = {effect.name: effect for effect in loop.fit.effects}
     clocks = [of_clock(correction) for correction in loop.corrections]
     return clocks + [of_finding(finding, effects) for finding in loop.finding_objects]
 
 
-def of_clock(correction: Correction):
+def of_clock(correction: Correction) -> dict[str, Any]:
     """Row of a clock fault."""
     values = correction.values.items()
     sizes = [
@@ -198,7 +201,7 @@ def of_clock(correction: Correction):
     }
 
 
-def of_finding(finding: Finding, effects: Mapping):
+def of_finding(finding: Finding, effects: Mapping) -> dict[str, Any]:
     """Row of a finding, with the interval of its date, if it has one."""
     dates = effects[finding.effect].settings if finding.effect in effects else {}
     first, last = dates.get("between") or (None, None)
@@ -223,11 +226,11 @@ OWN = {"data", "location", "surface_tilt", "surface_azimuth", "mount", "holdout"
 ENGINES = {"processes", "path", "progress"}  # arguments that the fleet itself sets
 
 
-def check_task(name, options):
+def check_task(name: str, options: Iterable[str]) -> None:
     """Refuse an unknown task, and options that a task does not have."""
     if name not in TASKS:
         raise ValueError(f"unknown task {name!r}; there are {', '.join(TASKS)}")
-    there = inspect.signature(TASKS[name].of).parameters.values()
+    there = inspect.signature(TASKS[name].function).parameters.values()
     named = [p.name for p in there if p.kind is not p.VAR_KEYWORD]
     taken = [one for one in named if one not in {*OWN, *ENGINES, *COLUMNS}]
     for option in options:
@@ -243,33 +246,33 @@ def check_task(name, options):
             )
 
 
-def recover_one(data, **options):
+def recover_one(data: pd.DataFrame, **options: Any) -> Recovery:
     """A recovery in this process, which is one of many workers."""
     return recover_effects(data, processes=1, progress=False, **options)
 
 
-def row_of_recovery(recovery):
+def row_of_recovery(recovery: Recovery) -> dict[str, Any]:
     """Row of a recovery: the effects of its baseline."""
     added = [finding.effect for finding in recovery.baseline if finding.added]
     return {"effects": ", ".join(added)}
 
 
-def sizes_of(recovery):
+def sizes_of(recovery: Recovery) -> Iterator[dict[str, Any]]:
     """Rows of the size at which half of the injections are found, by effect."""
     half = recovery.half
     for name, size in half["size"].items():
-        units = {*recovery.units.get(name, {}).values()}
+        units = {*recovery.units.get(str(name), {}).values()}
         unit = units.pop() if len(units) == 1 else ""
         row = {"coefficient": f"{name}, half found", "value": size, "unit": unit}
         yield {**row, "stderr": np.nan}
 
 
-def baseline_of(recovery):
+def baseline_of(recovery: Recovery) -> list[dict[str, Any]]:
     """Rows of the findings in the record itself."""
     return [of_finding(finding, {}) for finding in recovery.baseline]
 
 
-def nothing(result):
+def nothing(result: object) -> list[dict[str, Any]]:
     """No rows: a fit has no findings."""
     return []
 
