@@ -1,7 +1,7 @@
 """The result of a fit."""
 
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
@@ -11,25 +11,22 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pvlib_fem import plotting
-from pvlib_fem._converter import AnyFloat
 from pvlib_fem._fitting.daily import DailySums, correlation
+from pvlib_fem._fitting.fit_files import fit_content, fit_parts
 from pvlib_fem._fitting.holdout import held_out
 from pvlib_fem._fitting.periods import through_time
-from pvlib_fem._modelchain import FIT, FITS, DynamicCellTemperature, fit_in
+from pvlib_fem._modelchain import CELL, FIT, FITS, DynamicCellTemperature, fit_in
 from pvlib_fem._record.column_names import COLUMNS, printable, with_aliases
 from pvlib_fem._record.file_summary import Summary, summary_of
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._report.document import number, value_and_error
 from pvlib_fem._report.fit_page import brief, fit_page
+from pvlib_fem._report.fit_text import lines
 from pvlib_fem._stored import Stored, opened, saved, written
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
-from pvlib_fem._thermal.model_files import content_of, model_of
 from pvlib_fem._thermal_parameters.parameter_table import thermal_parameters
 from pvlib_fem.effects import EffectLike
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.types import FilePath
-
-CELL = ("deltaT", "k_bs_c")  # from the back of a module to its cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -493,23 +490,7 @@ class FemFit:
 
     def content(self, **cell: float) -> dict:
         """Content of a file of the fit."""
-        if unknown := [name for name in cell if name not in CELL]:
-            raise TypeError(f"to_json keeps {' and '.join(CELL)}, no {unknown[0]}")
-        return {
-            **content_of(self.thermal_model, self.coefficients),
-            "cell": cell or self.cell,
-            "method": self.method,
-            "stderr": self.stderr,
-            "correlation": self.correlation.to_dict(orient="index"),
-            "scores": self.scores.to_dict(orient="index"),
-            "at_bound": self.at_bound,
-            "converged": self.converged,
-            "notes": self.notes,
-            "train_days": self.train_days,
-            "test_days": self.test_days,
-            "night": self.night,
-            "record": self.summary,
-        }
+        return fit_content(self, cell)
 
     @classmethod
     def from_json(
@@ -545,58 +526,13 @@ class FemFit:
         cls, content: Stored, own: EffectLike | Iterable[EffectLike] = ()
     ) -> Self:
         """The fit of a part of a file."""
-        model, coefficients = model_of(content, own)
-        scores = content.read("scores", dict[str, dict[str, AnyFloat]])
-        fit = cls(
-            model=model.steady_model.name,
-            dynamics=model.dynamics,
-            method=content.read("method", str),
-            effects=model.effects,
-            coefficients=coefficients,
-            stderr=content.read("stderr", dict[str, AnyFloat]),
-            scores=pd.DataFrame.from_dict(scores, orient="index"),
-            residual=None,
-            at_bound=content.read("at_bound", tuple[str, ...]),
-            converged=content.read("converged", bool),
-            notes=content.read("notes", tuple[str, ...]),
-            train_days=content.read("train_days", int),
-            test_days=content.read("test_days", int),
-            holdout=None,
-            record=None,
-            night=content.read("night", bool),
-            base=model.base,
-            fixed=dict(model.held),
-            cell=content.read("cell", dict[str, float]),
-        )
-        # attributes that are computed from the rows otherwise
-        vars(fit)["summary"] = content.read("record", Summary)
-        vars(fit)["correlation"] = correlation_of(content, fit.stderr)
+        attributes, computed = fit_parts(content, own)
+        fit = cls(**attributes, residual=None, holdout=None, record=None)
+        vars(fit).update(computed)
         return fit
 
     def __str__(self) -> str:
-        return printable("\n".join(report(self)), "\n")
-
-
-def correlation_of(content: Stored, stderr: dict) -> pd.DataFrame:
-    """The correlations of a part of a file; ValueError if they are not valid."""
-    found = content.read("correlation", dict[str, dict[str, float]])
-    known = {name for name, error in stderr.items() if error > 0.0}
-    place = f"{content.file}: {content.place}correlation"
-    if {*found} - known or any({*row} != {*found} for row in found.values()):
-        raise ValueError(
-            f"{place} is of {', '.join(found)}, where a table of coefficients with an "
-            f"error belongs: {', '.join(sorted(known)) or 'there are none'}"
-        )
-    table = pd.DataFrame.from_dict(found, orient="index", dtype=float)[[*found]]
-    values = table.to_numpy()
-    ones = np.diag(values) == 1.0 if found else True
-    within = np.abs(values) <= 1.0 + 1e-9
-    if not (np.all(ones) and within.all() and (values == values.T).all()):
-        raise ValueError(
-            f"{place} holds no correlations: from -1 to 1, the same both ways, and 1 "
-            "of each with itself"
-        )
-    return table
+        return printable("\n".join(lines(self)), "\n")
 
 
 def out_of(record: Record, counts: np.ndarray, holdout: pd.Series | None) -> np.ndarray:
@@ -620,45 +556,3 @@ def of_rows(
         holdout=pd.Series(out, record.index, name="holdout"),
         record=record,
     )
-
-
-def report(fit: Any) -> Iterator:
-    """Yield the lines of the printed report."""
-    record = fit.summary
-    days = f"{fit.train_days} day{'s' * (fit.train_days != 1)}"
-    added = "".join(f" + {effect.name}" for effect in fit.effects)
-    yield f"pvlib_fem: {fit.model}{added}, {fit.dynamics}, {fit.method}"
-    yield (
-        f"{record.rows:,} rows, {record.start:%Y-%m-%d} to {record.end:%Y-%m-%d}, "
-        f"step {record.step:g} s; {days} fitted, {fit.test_days} held out"
-    )
-    yield ""
-    rows = fit.thermal_model.parameters
-    wide = max(12, *(len(name) + 1 for name in (*rows, *fit.scores.index)))
-    yield f"{'coefficient':<{wide}}{'value':>12}{'± error':>12}   unit"
-    for name, row in rows.items():
-        value, error = value_and_error(fit, name)
-        bound = "   at its bound" if name in fit.at_bound else ""
-        yield f"{name:<{wide}}{value:>12}{error:>12}   {row.unit}{bound}"
-    yield ""
-    yield f"error after each step, {'day and night' if fit.night else 'daytime'} [K]"
-    wide = wide if fit.effects else 10
-    yield f"{'':<{wide}}{'fitted days':^24}  {'held-out days':^24}".rstrip()
-    yield f"{'step':<{wide}}" + "  ".join(
-        "".join(f"{score:>8}" for score in ("RMSE", "MAE", "MBE")) for _ in range(2)
-    )
-    for name, line in fit.scores.iterrows():
-        cells = [f"{number(value):>8}" for value in line]
-        yield f"{name:<{wide}}{''.join(cells[:3])}  {''.join(cells[3:])}"
-    yield ""
-    for what, counts in (
-        ("missing", record.missing),
-        ("impossible, not used", record.impossible),
-    ):
-        if counted := [f"{name} {count:,}" for name, count in counts.items() if count]:
-            yield f"{what}: {', '.join(counted)}"
-    if record.clipped:
-        yield f"negative irradiance, clipped to 0: {record.clipped:,}"
-    if not np.isnan(list(fit.stderr.values())).all():
-        yield f"errors: clustered by day, from the spread of {days}"
-    yield from (f"note: {note}" for note in fit.notes)

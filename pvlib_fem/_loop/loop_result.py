@@ -3,37 +3,25 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self, TypedDict
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
-from pvlib.location import Location
 
 from pvlib_fem import plotting
-from pvlib_fem._budget.covers_and_outages import event_rows, events_from
-from pvlib_fem._budget.error_budget import (
-    BudgetRow,
-    EpisodeRow,
-    budget_rows,
-    budget_table,
-    episode_rows,
-    episode_table,
-)
 from pvlib_fem._ceiling.ceiling_result import Ceiling
 from pvlib_fem._ceiling.trees import ceiling_of, regressor
-from pvlib_fem._converter import AnyFloat
 from pvlib_fem._correction.correct_record import corrected_record
 from pvlib_fem._correction.corrected_record import CorrectedRecord
-from pvlib_fem._findings import Correction, Finding, Kind
+from pvlib_fem._findings import Finding, Kind
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._fitting.horizontal import again
-from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.loop_files import loop_content, loop_parts
 from pvlib_fem._loop.planes import with_series
-from pvlib_fem._loop.ranking_table import RankingRow, ranking_rows, table_of
 from pvlib_fem._loop.threads import one_thread_of_trees
-from pvlib_fem._modelchain import LOOP, DynamicCellTemperature, fit_in
+from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, printable, with_aliases
 from pvlib_fem._report.loop_page import brief, page
 from pvlib_fem._report.loop_text import lines, never
@@ -42,29 +30,16 @@ from pvlib_fem._statements.loop_summary import conclusion, summary
 from pvlib_fem._statements.make import statements_of
 from pvlib_fem._statements.statement import Statement, as_table
 from pvlib_fem._statements.worth import energies
-from pvlib_fem._stored import Stored, opened, saved, written
-from pvlib_fem._thermal.model_files import content_of, model_of
+from pvlib_fem._stored import opened, saved, written
 from pvlib_fem.drivers import checked_place, geometry
 from pvlib_fem.drivers._mounts import (
     ANGLES,
     PLANE,
-    mount_content,
-    mount_from,
     plane_of_rows,
 )
 from pvlib_fem.effects import EffectLike
-from pvlib_fem.quality._limits import Limits
-from pvlib_fem.quality._tracker_standstill import Standing
-from pvlib_fem.reasons import Because
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.types import FilePath
-
-
-class Reading(TypedDict, total=False):
-    """How the data of a loop were read."""
-
-    rows: int
-    notes: list[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -633,33 +608,7 @@ class Loop:
 
     def content(self, **cell: float) -> dict:
         """What is in a file of the loop."""
-        return {
-            "findings": self.finding_objects,
-            "statements": self.statement_objects,
-            "corrections": self.corrections,
-            "table": self.table.to_dict(orient="index"),
-            "base": self.base,
-            "last": self.last,
-            "untestable": self.untestable,
-            "ranking": ranking_rows(self.ranking),
-            "budget": budget_rows(self.budget),
-            "episodes": episode_rows(self.episodes),
-            "events": event_rows(self.events),
-            "notes": self.notes,
-            "place": placed(self.place),
-            "weeks": self.week_rows,
-            "plain": content_of(*self.plain),
-            "criteria": self.criteria,
-            "weighed": self.weighed,
-            "ceiling": self.known_ceiling,
-            "given": self.given,
-            "times": self.times,
-            "transposition": self.transposition,
-            "stand_ins": self.stand_ins,
-            "reading": self.reading,
-            "standings": self.standings,
-            "fit": self.fit.content(**cell),
-        }
+        return loop_content(self, cell)
 
     @classmethod
     def from_json(
@@ -688,48 +637,10 @@ class Loop:
             the message names the key.
         """
         with opened(path, [LOOP]) as stored:
-            return cls.stored(stored, effects)
-
-    @classmethod
-    def stored(
-        cls, content: Stored, own: EffectLike | Iterable[EffectLike] = ()
-    ) -> Self:
-        """The loop of a file."""
-        rows = content.read("table", dict[str, dict[str, AnyFloat]])
-        criteria = content.part("criteria").content
-        limits = Limits(**criteria["limits"])
-        loop = cls(
-            finding_objects=content.read("findings", tuple[Finding, ...]),
-            corrections=content.read("corrections", tuple[Correction, ...]),
-            table=pd.DataFrame.from_dict(rows, orient="index").rename_axis("step"),
-            base=content.read("base", str),
-            last=content.read("last", str),
-            untestable=content.read("untestable", dict[str, Because]),
-            ranking=table_of(content.read("ranking", dict[str, RankingRow])),
-            fit=FemFit.stored(fit_in(content), own),
-            budget=budget_table(content.read("budget", list[BudgetRow])),
-            episodes=episode_table(content.read("episodes", list[EpisodeRow])),
-            events=events_from(content.parts("events")),
-            notes=content.read("notes", tuple[str, ...]),
-            place=place_from(content.part("place")),
-            residual_before=None,
-            weeks=None,
-            plain=model_of(content.part("plain"), own),
-            criteria=Criteria(**criteria | {"limits": limits}),
-            weighed=content.read("weighed", bool),
-            given=content.read("given", dict),
-            times=content.read("times", Times | None),
-            transposition=content.read("transposition", str, ""),
-            stand_ins=content.read("stand_ins", tuple[StandIn, ...], ()),
-            reading=content.read("reading", Reading, {}),
-            standings=content.read("standings", tuple[Standing, ...], ()),
-        )
-        # what else it would take from the rows
-        vars(loop)["week_rows"] = content.read("weeks", dict[str, int])
-        vars(loop)["yearly_energy"] = energies_in(content)
-        if ceiling := content.read("ceiling", Ceiling | None):
-            vars(loop)["own_ceiling"] = ceiling
-        return loop
+            attributes, computed = loop_parts(stored, effects)
+            loop = cls(**attributes, residual_before=None, weeks=None)
+            vars(loop).update(computed)
+            return loop
 
     @cached_property
     def yearly_energy(self) -> dict[str, float]:
@@ -781,36 +692,9 @@ class Loop:
         return printable("\n".join(summary(self)), "\n")
 
 
-def energies_in(content):
-    """Energies of the statements of a file; files before them have none."""
-    if "statements" not in content.content:
-        return {}
-    known = [one for one in content.parts("statements") if one.content.get("energy")]
-    return {one.read("cause", str): one.read("energy", float) for one in known}
-
-
 def untimed(found, index, known):
     """Put a result back on the times of the data; NaN where a time is unknown."""
     if known.all():
         return found.set_axis(index)
     rows = np.where(known, np.cumsum(known) - 1, -1)
     return found.reset_index(drop=True).reindex(rows).set_axis(index)
-
-
-def placed(place):
-    """A place for a file."""
-    where = place["location"]
-    if where is not None:
-        names = ("latitude", "longitude", "tz", "altitude", "name")
-        where = {name: getattr(where, name) for name in names}
-    found = {**place, "location": where, "mount": mount_content(place["mount"])}
-    return {name: v for name, v in found.items() if name != "mount" or v is not None}
-
-
-def place_from(stored):
-    """The place of a part of a file."""
-    place = dict(stored.content)
-    if place["location"] is not None:
-        place["location"] = Location(**place["location"])
-    place["mount"] = mount_from(place.get("mount"))  # none in files of before
-    return place
