@@ -134,7 +134,7 @@ def with_tables(model: ThermalModel, record: Record) -> ThermalModel:
     return replace(model, effects=tables(model.effects, record))
 
 
-def natural(model: ThermalModel, searched: dict) -> Any:
+def natural(model: ThermalModel, searched: dict) -> tuple[dict[str, float], np.ndarray]:
     """Coefficients from those with shares, and the Jacobian of that map."""
     names = list(model.parameters)
     values = {**{name: searched[name] for name in names}, **held(model)}

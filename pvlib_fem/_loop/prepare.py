@@ -1,12 +1,17 @@
 """A user's frame as the loop takes it: checked, and its file's clock corrected."""
 
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from pvlib.location import Location
 
 from pvlib_fem._findings import Check, Correction
 from pvlib_fem._fitting.horizontal import refuse_clock
+from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.divided_record import Case, counting, divided, without_answer
 from pvlib_fem._loop.planes import plane_of_columns, standings_in, with_standings
 from pvlib_fem._loop.replacements import Filled, Replacements
@@ -27,17 +32,21 @@ from pvlib_fem._record.names import unmapped
 from pvlib_fem.drivers import DERIVED, MODELLED, geometry, needed_for
 from pvlib_fem.drivers._mounts import ANGLES, PLANE, angles_at, axis_of, is_known
 from pvlib_fem.drivers._solar import standard_time
+from pvlib_fem.effects import EffectLike
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._testable_effects import candidates, turning
 from pvlib_fem.quality._check import Health, check
-from pvlib_fem.quality._daylight import daylight_saving
+from pvlib_fem.quality._daylight import Daylight, daylight_saving
 from pvlib_fem.quality._irradiance_clock import twin_clock
-from pvlib_fem.quality._plane import fixed_rather, plane_of
+from pvlib_fem.quality._limits import Limits
+from pvlib_fem.quality._module_lag import Clock
+from pvlib_fem.quality._plane import Plane, fixed_rather, plane_of
 from pvlib_fem.quality._screen import Faults, alone
 from pvlib_fem.quality._screening import stuck
 from pvlib_fem.quality._stray_times import refuse_stray
 from pvlib_fem.quality._stuck import stuck_line
 from pvlib_fem.quality._unit_checks import oddities, options_of
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.reasons import Because, Reason, because
 
 UNSEEN_CLOCK = 120.0  # s, by which the module's clock may be off unseen
 FAR_ZONE = 3.0  # h between a record's clock and the sun; no zone of a place has more
@@ -52,39 +61,69 @@ class Look:
 
     whole: Record  # less what was not measured
     parts: np.ndarray  # what each row is for
-    drivers: dict
-    witnesses: tuple  # columns that cross-check others, and drive nothing
-    refused: dict  # further columns, and why they are not used
+    drivers: dict[str, pd.Series]
+    witnesses: tuple[str, ...]  # columns that cross-check others, and drive nothing
+    refused: dict[str, Because]  # further columns, and why they are not used
     faults: Faults
-    odd: tuple  # what looks odd, in sentences
+    odd: tuple[str, ...]  # what looks odd, in sentences
     health: Health
     still: np.ndarray  # test rows of stuck sensors
     kept: np.ndarray  # rows of the file that have a sure time
     filled: Filled  # replacements of missing columns
-    site: dict  # with the plane that its columns have
+    site: dict[str, Any]  # with the plane that its columns have
 
     @property
-    def light(self):
+    def light(self) -> np.ndarray:
         """Irradiance as it was measured, which the middle of the day is found by."""
         horizontal = self.filled.horizontal
         return self.whole["poa_global"] if horizontal is None else horizontal
 
 
 def prepared(
-    data,
-    site,
-    holdout,
-    effects,
-    criteria,
-    check_units=True,
-    fixed=None,
-    instead=None,
-    spared=(),
-):
-    """Everything checked that comes in, and divided before it is looked at."""
-    how = (site, criteria, check_units, instead or Replacements(), spared)
-    look = looked(data, holdout, *how)
-    look, corrections = in_standard_time(data, holdout, look, how)
+    data: pd.DataFrame,
+    site: dict[str, Any],
+    holdout: pd.Series | None,
+    effects: EffectLike | Iterable[EffectLike] | None,
+    criteria: Criteria,
+    check_units: bool = True,
+    fixed: Mapping[str, float] | None = None,
+    instead: Replacements | None = None,
+    spared: Collection[int] = (),
+) -> Case:
+    """
+    Everything checked that comes in, and divided before it is looked at.
+
+    Parameters
+    ----------
+    data : DataFrame
+    site : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    holdout, effects, criteria, check_units, fixed
+        See :func:`pvlib_fem.close_loop`.
+    instead : Replacements, optional
+    spared : sequence of int
+        Days since 1970-01-01 that are no test days by default.
+
+    Returns
+    -------
+    Case
+
+    Raises
+    ------
+    ValueError
+        If the record is unusable: times, columns, units.
+    """
+    look_at = partial(
+        looked,
+        site=site,
+        criteria=criteria,
+        check_units=check_units,
+        instead=instead or Replacements(),
+        spared=spared,
+    )
+    look = look_at(data, holdout)
+    limits = criteria.limits
+    look, corrections = in_standard_time(data, holdout, look, look_at, limits)
     site, faults = look.site, look.health.faults
     if "file_shift" in faults:
         late = look.health.noon.late
@@ -94,12 +133,10 @@ def prepared(
     if look.filled.horizontal is not None:
         refuse_clock({name: faults[name] for name in off})
     if not off and (light := fixed_light(look, site)) is not None:
-        plane = "more of the shape of tilt {:.0f}° and azimuth {:.0f}° all day"
-        why = because(Reason.ANOTHER_PLANE, plane=plane.format(*light))
-        site, refused = (
-            site | dict.fromkeys(PLANE),
-            refused | dict.fromkeys(ANGLES, why),
-        )
+        shape = "more of the shape of tilt {:.0f}° and azimuth {:.0f}° all day"
+        why = because(Reason.ANOTHER_PLANE, plane=shape.format(*light))
+        site = site | dict.fromkeys(PLANE)
+        refused = refused | dict.fromkeys(ANGLES, why)
     plane = None if off or site is not look.site else estimated(look, site)
     if plane is not None:
         site = site | plane.angles
@@ -107,8 +144,8 @@ def prepared(
     if off:
         refused = refused | dict.fromkeys(sun, because(Reason.OFF_THE_SUN))
         sun = {}
-    known = sun and look.filled.horizontal is None
-    standings = standings_in(look.whole, site, late_of(look)) if known else ()
+    measured = bool(sun) and look.filled.horizontal is None
+    standings = standings_in(look.whole, site, late_of(look)) if measured else ()
     power = plant_power(look.whole, criteria.max_missing)
     there, absent = {**look.drivers, **power, **sun}, look.whole.absent
     wanted, untestable = candidates(there, refused, effects, absent=absent)
@@ -151,7 +188,7 @@ def prepared(
     return divided(whole, case)
 
 
-def fixed_light(look, site):
+def fixed_light(look: Look, site: dict[str, Any]) -> tuple[float, float] | None:
     """The fixed plane that the light of clear days has, where the stated one moves."""
     if (
         site["mount"] is None
@@ -164,7 +201,7 @@ def fixed_light(look, site):
     return fixed_rather(stated, look.whole["poa_global"], index, site["location"], late)
 
 
-def estimated(look, site):
+def estimated(look: Look, site: dict[str, Any]) -> Plane | None:
     """The module's plane by the light of clear days, where neither angle is given."""
     given = [value for name, value in site.items() if name != "location"]
     if site["location"] is None or any(value is not None for value in given):
@@ -173,12 +210,12 @@ def estimated(look, site):
     return plane_of(whole["poa_global"], whole.index, site["location"], late_of(look))
 
 
-def is_before_the_sun(effect):
+def is_before_the_sun(effect: Effect) -> bool:
     """Whether it is searched for by the position of the sun, given the plane."""
     return bool(effect.scan) and bool({*GEOMETRY[:2]} & {*effect.drivers})
 
 
-def another_plane(case):
+def another_plane(case: Case) -> Plane | None:
     """The plane by the light of clear days, where that is surely not the stated one."""
     if not is_known(case.site) or case.transposed or case.site["mount"] is not None:
         return None
@@ -188,14 +225,26 @@ def another_plane(case):
     return plane if plane is not None and plane.is_another(*stated) else None
 
 
-def late_of(look):
+def late_of(look: Look) -> float:
     """By how much a file's times run ahead of the sun, if that is known. [s]"""
     late = look.health.noon.late
     return late if np.isfinite(late) else 0.0
 
 
-def looked(data, holdout, site, criteria, check_units, instead, spared=()):
-    """A frame divided and screened, and what its sensors and clocks show."""
+def looked(
+    data: pd.DataFrame,
+    holdout: pd.Series | None,
+    site: dict[str, Any],
+    criteria: Criteria,
+    check_units: bool,
+    instead: Replacements,
+    spared: Collection[int] = (),
+) -> Look:
+    """
+    A frame divided and screened, and what its sensors and clocks show.
+
+    The parameters are those of :func:`prepared`.
+    """
     limits = criteria.limits
     data, site = plane_of_columns(data, site)
     # clocks are looked at below, and may be corrected
@@ -203,8 +252,8 @@ def looked(data, holdout, site, criteria, check_units, instead, spared=()):
     columns = dict(filled.columns)
     usual = as_record(*(columns.pop(name, None) for name in COLUMNS))
     refuse_stray(usual.index, limits)
-    what = parts(usual, counting(usual), holdout, criteria, spared)
-    test = what == Part.TEST
+    purposes = parts(usual, counting(usual), holdout, criteria, spared)
+    test = purposes == Part.TEST
     hidden, faults = alone(
         with_columns(without_answer(usual, test), numeric(columns)),
         limits,
@@ -226,33 +275,63 @@ def looked(data, holdout, site, criteria, check_units, instead, spared=()):
     )
     timed = in_time(hidden, health.clock).inputs
     odd = tuple(oddities(timed, limits, hidden.absent))
-    told = (drivers, witnesses, refused, faults, odd, health, still)
-    return Look(whole, what, *told, np.ones(len(what), dtype=bool), filled, site)
+    return Look(
+        whole=whole,
+        parts=purposes,
+        drivers=drivers,
+        witnesses=witnesses,
+        refused=refused,
+        faults=faults,
+        odd=odd,
+        health=health,
+        still=still,
+        kept=np.ones(len(purposes), dtype=bool),
+        filled=filled,
+        site=site,
+    )
 
 
-def in_time(record, clock):
+def in_time(record: Record, clock: Clock) -> Record:
     """The record with the module's column by the clock of the irradiance."""
     module = clock.corrected(record.inputs.seconds, record["temp_module"])
     return record.having({"temp_module": module})
 
 
-def in_standard_time(data, holdout, look, how):
-    """The look again where a file's clock jumps, and what was made of that."""
-    faults, site, criteria = look.health.faults, look.site, how[1]
+def in_standard_time(
+    data: pd.DataFrame,
+    holdout: pd.Series | None,
+    look: Look,
+    look_at: Callable[[pd.DataFrame, pd.Series | None], Look],
+    limits: Limits,
+) -> tuple[Look, tuple[Correction, ...]]:
+    """
+    The look again where a file's clock jumps, and what was made of that.
+
+    Parameters
+    ----------
+    data : DataFrame
+    holdout : Series of bool, optional
+    look : Look
+        Of both.
+    look_at : callable
+        From both, by one clock, to another look.
+    limits : Limits
+    """
+    faults, site = look.health.faults, look.site
     jumps = [faults[name] for name in ("file_dst", "file_jump") if name in faults]
     if not jumps or site["location"] is None:
         return look, ()
-    place = look.filled.plane(site) | {"limits": criteria.limits}
+    place = look.filled.plane(site) | {"limits": limits}
     summer = daylight_saving(look.light, look.whole.index, look.health.noon, **place)
     if not summer.explained:
-        return look, (told_of(summer, *jumps),)
+        return look, (jumps_correction(summer, "; ".join(jumps)),)
     if holdout is not None:
         holdout = summer.corrected(holdout)
-    look = looked(summer.corrected(data), holdout, *how)
-    return replace(look, kept=np.asarray(summer.kept)), (told_of(summer),)
+    look = look_at(summer.corrected(data), holdout)
+    return replace(look, kept=np.asarray(summer.kept)), (jumps_correction(summer),)
 
 
-def used(look, sun):
+def used(look: Look, sun: Collection[str]) -> tuple[Record, np.ndarray]:
     """The record of what is used, without the sun, and the rows that may count."""
     stands, whole = look.health.mask | look.still, look.whole
     others = {*look.refused, *sun}  # of which the second is added where it is needed
@@ -265,16 +344,22 @@ def used(look, sun):
     return replace(whole, inputs=replace(whole.inputs, columns=columns)), ~stands
 
 
-def notes_of(look, corrections, wanted, site, criteria):
-    """What a reader has to know of the data, one line each."""
+def notes_of(
+    look: Look,
+    corrections: Iterable[Correction],
+    wanted: Sequence[Effect],
+    site: dict[str, Any],
+    criteria: Criteria,
+) -> Iterator[str]:
+    """Notes on the data, one line each."""
     health = look.health
     yield from look.filled.said
     yield from look.faults.notes
     yield from look.odd
-    # doubts are said with the refused, clocks with their correction
-    said = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
-    said |= {fault for one in corrections for fault in one.fault.split("+")}
-    yield from (line for name, line in health.faults.items() if name not in said)
+    # doubts are reported with the refused, clocks with their correction
+    reported = {f"units:{name}" for name in health.doubtful} | {*health.clock.faults}
+    reported |= {fault for one in corrections for fault in one.fault.split("+")}
+    yield from (line for name, line in health.faults.items() if name not in reported)
     yield from health.unchecked
     yield from twins(look, criteria.limits)
     yield from of_the_zone(look.whole.index, site["location"])
@@ -297,42 +382,73 @@ def notes_of(look, corrections, wanted, site, criteria):
     yield from gaps(look.whole, look.drivers, wanted)
 
 
-def twins(look, limits):
+def twins(look: Look, limits: Limits) -> Iterator[str]:
     """Further irradiances whose clock is another than that of poa_global."""
     whole = look.whole
     for name in (*look.drivers, *look.witnesses):
         if name == "ghi" or twin_of(name) == "poa_global":
-            both = (whole["poa_global"], whole[name])
-            if line := twin_clock(*both, whole.index, limits).line:
+            first, second = whole["poa_global"], whole[name]
+            if line := twin_clock(first, second, whole.index, limits).line:
                 yield f"timestamps of {name} {line}"
 
 
-def with_answer(hidden, faults, health, usual, test, limits):
+def with_answer(
+    hidden: Record,
+    faults: Faults,
+    health: Health,
+    usual: Record,
+    test: np.ndarray,
+    limits: Limits,
+) -> tuple[Record, np.ndarray, Faults, Health]:
     """
     The record with the module temperature of the test rows, and the stuck ones.
 
     Of that answer nothing is known to any rule; what it shows of a sensor is of the
     test rows alone. Reported counts are of both.
+
+    Parameters
+    ----------
+    hidden : Record
+        Screened, without the module temperature of the test rows.
+    faults : Faults
+        Of that screening.
+    health : Health
+        Of that record.
+    usual : Record
+        The usual columns as they came.
+    test : array of bool, shape (rows,)
+    limits : Limits
+
+    Returns
+    -------
+    whole : Record
+    still : array of bool, shape (rows,)
+        Test rows of stuck sensors.
+    faults : Faults
+    health : Health
     """
     name = "temp_module"
     own = hidden.only(COLUMNS).having({name: usual[name]})
     own, answer = alone(own, limits, check_units=False, names=(name,))
-    found, came = np.where(test, own[name], hidden[name]), usual[name]
+    answered, came = np.where(test, own[name], hidden[name]), usual[name]
     # as it came it needs no room of its own
-    found = came if np.array_equal(found, came, equal_nan=True) else found
-    whole = hidden.having({name: found})
-    came = faults.record.having({name: came})
-    faults = replace(faults.and_in(test, answer), record=came)
+    same = np.array_equal(answered, came, equal_nan=True)
+    whole = hidden.having({name: came if same else answered})
+    before = faults.record.having({name: came})
+    faults = replace(faults.and_in(test, answer), record=before)
     still = {n: test & rows for n, rows in stuck(own, limits).items()}
     both = {n: rows | still.get(n, False) for n, rows in health.frozen.items()}
     if any(rows.any() for rows in both.values()):
-        told = {"stuck": stuck_line(whole, both)}
-        health = replace(health, faults=told | health.faults | told)
+        line = {"stuck": stuck_line(whole, both)}
+        # the first of the faults
+        health = replace(health, faults=line | health.faults | line)
     whole = replace(whole, impossible=faults.impossible)
     return whole, np.any(list(still.values()), axis=0), faults, health
 
 
-def gaps(record, drivers, wanted):
+def gaps(
+    record: Record, drivers: Iterable[str], wanted: Sequence[Effect]
+) -> Iterator[str]:
     """Rows that do not count for effects because a driver is missing, a line each."""
     for name in drivers:
         lacking = int(np.isnan(record[name]).sum())
@@ -344,11 +460,12 @@ def gaps(record, drivers, wanted):
             )
 
 
-def of_the_zone(index, location):
-    """What to know of hours that are far from those of the sun."""
-    if location is None or index.tz is None:
+def of_the_zone(index: pd.DatetimeIndex, location: Location | None) -> Iterator[str]:
+    """A note on hours that are far from those of the sun."""
+    offset = index[0].utcoffset()
+    if location is None or offset is None:
         return
-    own = index[0].utcoffset().total_seconds() / 3600.0
+    own = offset.total_seconds() / 3600.0
     sun = location.longitude / 15.0
     if abs((own - sun + 12.0) % 24.0 - 12.0) > FAR_ZONE:
         yield (
@@ -359,8 +476,8 @@ def of_the_zone(index, location):
         )
 
 
-def told_of(summer, fault=""):
-    """What was made of a file whose clock jumps."""
+def jumps_correction(summer: Daylight, fault: str = "") -> Correction:
+    """The correction of a file whose clock jumps, or why there is none."""
     noon = "middle of the daily irradiance against the sun, root mean square"
     why = because(Reason.ONE_CLOCK, fault=summer.brief, evidence=summer.evidence)
     if not summer.explained:
@@ -382,7 +499,7 @@ def told_of(summer, fault=""):
     )
 
 
-def zone_of_the_sun(index, late, location):
+def zone_of_the_sun(index: pd.DatetimeIndex, late: float, location: Location) -> str:
     """The zone in which times fit the sun that is late in theirs, or none."""
     utc = index if index.tz is not None else standard_time(index, location)
     own = index.tz_localize(None) - utc.tz_convert("UTC").tz_localize(None)
@@ -393,8 +510,8 @@ def zone_of_the_sun(index, late, location):
     return f"Etc/GMT{-whole:+d}"  # this zone's sign is reversed
 
 
-def shifted(fault, late, zone=""):
-    """What was made of a file whose times do not fit the sun: nothing."""
+def shifted(fault: str, late: float, zone: str = "") -> Correction:
+    """The report on a file whose times do not fit the sun; it is not corrected."""
     fits = f" (the sun fits {zone})" if zone else ""
     remedy = (
         f"give the times the zone that they are in{fits}, or set the location right; "

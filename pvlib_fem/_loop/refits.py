@@ -1,5 +1,6 @@
 """The fits of a case, one step after the other, and what each leaves."""
 
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -7,19 +8,22 @@ from types import MappingProxyType
 import numpy as np
 
 from pvlib_fem import scores
-from pvlib_fem._fitting.daily import DailySums, errors
+from pvlib_fem._fitting.daily import DailySums
 from pvlib_fem._fitting.fit_stages import minimise
 from pvlib_fem._fitting.row_source import Rows, daily_sums
 from pvlib_fem._fitting.search import natural, possible, tables
 from pvlib_fem._loop.divided_record import BASES, Case
-from pvlib_fem._loop.tangents import gather
+from pvlib_fem._loop.tangents import Evidence, gather
+from pvlib_fem._record.inputs import Inputs, Record
 from pvlib_fem._spelling import FIXED, refusal
 from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
+from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.drivers import MODELLED, behind, completed, is_modelled
+from pvlib_fem.effects._effect import Effect
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
-FROZEN = MappingProxyType({})
+FROZEN: Mapping[str, float] = MappingProxyType({})
 MEMORIES = {*MEMORY["ewm"], *MEMORY["balance"]}
 
 
@@ -28,20 +32,21 @@ class Step:
     """A fitted model, and what it says of every row."""
 
     model: ThermalModel
-    coefficients: dict
-    searched: dict
-    coarse: dict  # where the search ended on coarse steps
-    at_bound: tuple
+    coefficients: dict[str, float]
+    searched: dict[str, float]
+    coarse: dict[str, float]  # where the search ended on coarse steps
+    at_bound: tuple[str, ...]
     converged: bool
     temperature: np.ndarray  # NaN where a driver is missing
     measured: np.ndarray
     daily: DailySums | None = None  # of the fitted rows, where effects were fitted
 
-    def as_base(self):
+    def as_base(self) -> "Step":
         """The step by which effects know the temperature of the module."""
         return replace(self, model=replace(self.model, base=self.coefficients))
 
-    def error(self, rows):
+    def error(self, rows: np.ndarray) -> float:
+        """Root mean square error on some rows. [K]"""
         return scores.rmse(self.measured[rows], self.temperature[rows])
 
 
@@ -50,11 +55,21 @@ class Fits:
     """Fits to one case, which share its drivers and the tables of its effects."""
 
     case: Case
-    ready: dict = field(default_factory=dict)  # what is prepared, by record
+    #: by record: the base of a model, the record with drivers, and its effects' tables
+    ready: dict[str, tuple[Mapping | None, Record, dict]] = field(default_factory=dict)
 
-    def bases(self, steady_model):
-        """Fits without any effect, by name."""
-        case, step, steps = self.case, None, {}
+    def bases(self, steady_model: SteadyModel) -> dict[str, Step]:
+        """
+        Fits without any effect, by name.
+
+        Raises
+        ------
+        ValueError
+            If there are no more fitting rows than coefficients.
+        """
+        case = self.case
+        step: Step | None = None
+        steps: dict[str, Step] = {}
         rows = min(int(case.searched.sum()), int(case.fitting.sum()))
         least = len(ThermalModel(steady_model, "balance").parameters)
         if rows <= least:
@@ -71,25 +86,43 @@ class Fits:
             steps[name] = step
         return steps
 
-    def better(self, steps):
+    def better(self, steps: Mapping[str, Step]) -> str:
         """The better dynamics, on fitting weeks left out in turn, to first order."""
         names = ["fem", "balance"]
         # a memory that is held leaves no choice
         if memory := MEMORIES & {*self.case.fixed}:
             names = [n for n in names if memory <= {*MEMORY[BASES[n]]}]
         if self.case.divisible:
-            left = {n: self.left(steps[n]) for n in names}
+            error = {n: self.cross_validated(steps[n]) for n in names}
         else:
-            left = {n: steps[n].error(self.case.fitting) for n in names}
-        return min(left, key=left.get)
+            error = {n: steps[n].error(self.case.fitting) for n in names}
+        return min(error, key=error.__getitem__)
 
-    def fitted(self, model, before=None, start=FROZEN, biased=True, whole=True):
+    def fitted(
+        self,
+        model: ThermalModel,
+        before: Step | None = None,
+        start: Mapping[str, float] = FROZEN,
+        biased: bool = True,
+        whole: bool = True,
+    ) -> Step:
         """
         One step: least squares over the fitting rows, the coarse ones first.
 
         What short steps change of a coarse minimum is nearly the same in the step
         ``before``: it is where their fit begins, and without ``whole`` it is taken
         as it is.
+
+        Parameters
+        ----------
+        model : ThermalModel
+        before : Step, optional
+        start : dict
+            Coefficients that are tried first, where they give a temperature.
+        biased : bool, default True
+            Whether the bias is fitted.
+        whole : bool, default True
+            Whether the record's own steps are fitted.
         """
         case = self.case
         table = {name: row.start for name, row in model.parameters.items()}
@@ -133,32 +166,34 @@ class Fits:
             daily,
         )
 
-    def daily(self, step):
+    def daily(self, step: Step) -> DailySums:
         """Daily sums of a step's fitted rows, on the record's own steps."""
         if step.daily is not None:
             return step.daily
         return self.sums(step, step.coefficients, self.case.whole, self.case.fitting)
 
-    def errors(self, step):
-        """Standard errors of a step's coefficients, from daily sums on coarse steps."""
-        found = natural(step.model, step.coarse)[0]
-        daily = self.sums(step, found, self.case.record, self.case.searched)
-        return errors(step.model, daily, step.at_bound, [])
-
-    def left(self, step):
-        """Mean square that a step leaves on fitting weeks left out in turn. [K²]"""
+    def cross_validated(self, step: Step) -> float:
+        """Mean square error of a step on fitting weeks left out in turn. [K²]"""
         case = self.case
         sums = self.sums(step, step.coefficients, case.record, case.searched).sums
         folds = days_of_folds(sums.dates, FOLDS)
         return replace(sums, folds=folds).cross_validated(range(len(sums.scale)))
 
-    def sums(self, step, coefficients, record, counts):
+    def sums(
+        self,
+        step: Step,
+        coefficients: dict[str, float],
+        record: Record,
+        counts: np.ndarray,
+    ) -> DailySums:
         """Daily sums of the rows of a record that count and that a step knows."""
         record, tabled = self.prepared(record, step.model)
         rows = counts & record.known(step.model.drivers)
         return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)
 
-    def prepared(self, record, model):
+    def prepared(
+        self, record: Record, model: ThermalModel
+    ) -> tuple[Record, ThermalModel]:
         """A record with what a model needs, and the model's effects as tables."""
         case = self.case
         place = "coarse" if record is case.record else "whole"
@@ -177,13 +212,13 @@ class Fits:
             columns = made.inputs.columns
             if place == "whole" and tabled[effect.name][1] is not effect:
                 # a table says all of it: its drivers are as many rows again
-                columns = {n: columns[n] for n in MODELLED if n in columns}
+                columns = columns.only([n for n in MODELLED if n in columns])
             larger = larger.having(columns)
         self.ready[place] = (model.base, larger, tabled)
         effects = tuple(tabled[effect.name][1] for effect in model.effects)
         return larger, replace(model, effects=effects)
 
-    def gathered(self, step, candidates):
+    def gathered(self, step: Step, candidates: Sequence[Effect]) -> Evidence:
         """Evidence of some effects given a step, on the coarse fitting rows."""
         case = self.case
         self.prepared(case.record, step.model)
@@ -202,7 +237,7 @@ class Fits:
         )
 
 
-def with_drivers(record, model, effect):
+def with_drivers(record: Record, model: ThermalModel, effect: Effect) -> Record:
     """A record with the drivers of an effect of a model."""
     inputs, alone = record.inputs, replace(model, effects=(effect,))
     if needed := {*MODELLED} & {*behind(effect.drivers)}:
@@ -210,12 +245,12 @@ def with_drivers(record, model, effect):
     return replace(record, inputs=alone.with_drivers(inputs))
 
 
-def without_base(record):
+def without_base(record: Record) -> Record:
     """A record without what follows from the model without effects."""
     return record.only([n for n in record.inputs.columns if not is_modelled([n])])
 
 
-def with_measured(inputs, effects):
+def with_measured(inputs: Inputs, effects: Iterable[Effect]) -> Inputs:
     """Inputs with those drivers of effects that follow from measured columns alone."""
     for effect in effects:
         wide = effect.scanned_from or effect
@@ -225,7 +260,7 @@ def with_measured(inputs, effects):
     return inputs
 
 
-def check_held(steady_model, case):
+def check_held(steady_model: SteadyModel, case: Case) -> None:
     """Refuse coefficients to hold that are of no model, or of two dynamics."""
     if {*case.fixed} >= MEMORIES:
         raise refusal(

@@ -1,19 +1,20 @@
 """Tangents of a fitted model and of absent effects, row by row."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from typing import Self
 
 import numpy as np
 
 from pvlib_fem._record.column_names import COLUMNS
-from pvlib_fem._record.inputs import Inputs
+from pvlib_fem._record.inputs import Columns, Inputs, Record
 from pvlib_fem._relaxation import FADED, relax
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import completed, needed_for
 from pvlib_fem.effects._effect import Effect, Terms, tabled
-from pvlib_fem.effects._time_profiles import weights_of
-from pvlib_fem.reasons import Reason, because
+from pvlib_fem.effects._time_profiles import scaled_terms, weights_of
+from pvlib_fem.reasons import Because, Reason, because
 
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 FEW = 18  # effects of which the tangents are made at a time
@@ -51,19 +52,21 @@ class Evidence:
         Changes whose dates are to be found, each with the column that it scales.
     """
 
-    columns: dict = field(repr=False)
+    columns: dict[str, np.ndarray] = field(repr=False)
     residual: np.ndarray = field(repr=False)
     dates: np.ndarray = field(repr=False)
     rows: np.ndarray = field(repr=False)
-    base: tuple
-    misfits: tuple
-    own: dict = field(default_factory=dict)
-    effects: dict = field(default_factory=dict)
-    failed: dict = field(default_factory=dict)
-    known: dict = field(default_factory=dict)
-    changing: tuple = ()
+    base: tuple[str, ...]
+    misfits: tuple[str, ...]
+    own: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    effects: dict[str, Effect] = field(default_factory=dict)
+    failed: dict[str, Because] = field(default_factory=dict)
+    known: dict[str, int] = field(default_factory=dict)
+    changing: tuple[tuple[Effect, str], ...] = ()
 
-    def with_effect(self, effect, columns, known):
+    def with_effect(
+        self, effect: Effect, columns: dict[str, np.ndarray], known: np.ndarray
+    ) -> "Evidence":
         """The evidence with the tangents of one more effect, on its known rows."""
         # an absent cause, such as snow that never stays, is not tested
         columns = {n: c for n, c in columns.items() if c[known].any()} or columns
@@ -75,7 +78,7 @@ class Evidence:
             known=self.known | {effect.name: int(known.sum())},
         )
 
-    def without_shape(self):
+    def without_shape(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Remaining error given all functions of the usual inputs, and those."""
         shapes = [n for n, effect in self.effects.items() if effect.confounder]
         names = [*self.base, *self.misfits, *(c for n in shapes for c in self.own[n])]
@@ -83,11 +86,11 @@ class Evidence:
         squares = table.T @ table
         scale = np.sqrt(np.diag(squares)) + 1e-12
         squares = squares / np.outer(scale, scale) + RIDGE * np.eye(len(scale))
-        found = np.linalg.solve(squares, table.T @ self.residual / scale) / scale
-        return self.residual - table @ found, {n: self.columns[n] for n in names}
+        sizes = np.linalg.solve(squares, table.T @ self.residual / scale) / scale
+        return self.residual - table @ sizes, {n: self.columns[n] for n in names}
 
 
-def missing(columns, known):
+def missing(columns: dict[str, np.ndarray], known: np.ndarray) -> dict[str, np.ndarray]:
     """Columns that are unknown on some rows."""
     if known.all():
         return columns
@@ -95,7 +98,13 @@ def missing(columns, known):
 
 
 def gather(
-    model, coefficients, record, seen, candidates, fixed=(), least=0.0
+    model: ThermalModel,
+    coefficients: dict[str, float],
+    record: Record,
+    seen: np.ndarray,
+    candidates: Iterable[Effect],
+    fixed: Collection[str] = (),
+    least: float = 0.0,
 ) -> Evidence:
     """
     Evidence for candidates given a model at its minimum.
@@ -107,7 +116,7 @@ def gather(
         All of the model's.
     record : Record
         With every measured driver of the candidates.
-    seen : array of bool
+    seen : array of bool, shape (rows,)
         Rows that count. Where a driver is missing they do not count for its effect.
     candidates : sequence of Effect
     fixed : sequence of str
@@ -130,7 +139,7 @@ def gather(
     base = [n for n in lasting.free if n not in fixed and own[n].any()]
     before = lasting.temperature(inputs, coefficients) if changes else temperature
     wrong = misfits(before - coefficients["bias"], record, rows)
-    found = Evidence(
+    evidence = Evidence(
         {name: own[name] for name in base} | wrong,
         (record["temp_module"] - temperature)[rows],
         record.dates[rows],
@@ -138,7 +147,8 @@ def gather(
         tuple(base),
         tuple(wrong),
     )
-    scanned, changing = [], []
+    scanned: list[tuple[Callable, Effect, dict[str, np.ndarray], np.ndarray]] = []
+    changing: list[tuple[Effect, str]] = []
     for one, own in tangents(tried, failed, inputs, at):
         known = record.known(needed_for(one.wide.drivers))[rows]
         if not all(are_numbers(column, known) for column in own.values()):
@@ -147,36 +157,62 @@ def gather(
             scanned.append((one.scan, one.wide, own, known))
         elif one.courses:
             (column,) = own
-            found = replace(found, columns=found.columns | missing(own, known))
+            columns = evidence.columns | missing(own, known)
+            evidence = replace(evidence, columns=columns)
             changing += [(course, column) for course in one.courses]
         else:
-            found = found.with_effect(one.wide, own, known)
+            evidence = evidence.with_effect(one.wide, own, known)
     for scan, wide, own, known in scanned:
-        effect = narrowed(found, scan, own, known, inputs, wide.drivers, least)
-        if effect is None:
+        narrow = narrowed(evidence, scan, own, known, inputs, wide.drivers, least)
+        if narrow is None:
             failed[wide.name] = because(wide.not_found)
             continue
-        there = replace(model, effects=(effect,)).with_drivers(inputs)
-        for _, own in tangents([Tried(effect)], failed, there, at):
-            found = found.with_effect(effect, own, known)
+        there = replace(model, effects=(narrow,)).with_drivers(inputs)
+        for _, own in tangents([Tried(narrow)], failed, there, at):
+            evidence = evidence.with_effect(narrow, own, known)
     secants = {}
     for effect in changes:
         column = next((c for e, c in changing if e.channel == effect.channel), None)
         if column is not None and coefficients[next(iter(effect.rows()))]:
-            given = effect, coefficients, record.dates[rows], before
-            does, known = secant(lasting, inputs, *given)[rows], found.columns[column]
-            secants[column] = np.where(np.isnan(known), np.nan, does)
-    found = replace(found, columns=found.columns | secants)
-    return replace(found, changing=tuple(changing), failed=failed)
+            dates, tangent = record.dates[rows], evidence.columns[column]
+            response = secant(lasting, inputs, effect, coefficients, dates, before)
+            secants[column] = np.where(np.isnan(tangent), np.nan, response[rows])
+    columns = evidence.columns | secants
+    return replace(evidence, columns=columns, changing=tuple(changing), failed=failed)
 
 
-def secant(model, inputs, effect, coefficients, dates, before):
+def secant(
+    model: ThermalModel,
+    inputs: Inputs,
+    effect: Effect,
+    coefficients: dict[str, float],
+    dates: np.ndarray,
+    before: np.ndarray,
+) -> np.ndarray:
     """
     Effect of a change in the model on the temperature, per unit of its size. [K]
 
     The tangent is too small for a large change: a third less loss warms by a half.
+
+    Parameters
+    ----------
+    model : ThermalModel
+        Without changes.
+    inputs : Inputs
+    effect : Effect
+        The change, with its dates.
+    coefficients : dict
+        Its own, and those of the model.
+    dates : array of int
+        Days of the rows that count, from 1970-01-01.
+    before : array, shape (rows,)
+        Temperature of the model. [°C]
+
+    Returns
+    -------
+    array, shape (rows,)
     """
-    channel, (size,) = effect.terms.channel, effect.rows()
+    channel, (size,) = scaled_terms(effect).channel, effect.rows()
     weights = weights_of(effect, dates)
     there = coefficients[size] * float(np.mean(weights[weights > 0.0]))
     (row,) = channel.rows()
@@ -190,21 +226,24 @@ class Tried:
 
     wide: Effect
     scan: Callable | None = None  # that takes the effect from the wide one
-    courses: tuple = ()  # effects whose dates are to be found
+    courses: tuple[Effect, ...] = ()  # whose dates are to be found
 
     @property
-    def names(self):
+    def names(self) -> list[str]:
         return [one.name for one in self.courses or (self.wide,)]
 
 
-def ready(model, inputs, seen, candidates):
+def ready(
+    model: ThermalModel, inputs: Inputs, seen: np.ndarray, candidates: Iterable[Effect]
+) -> tuple[Inputs, list[Tried], dict[str, Because]]:
     """
     Inputs with the drivers of all effects, what is tried of them, and why not.
 
     An effect that is scanned enters as the wide one from which its scan takes it, and
     all courses of a channel as the channel, whole.
     """
-    tried, failed = {}, {}
+    tried: dict[str, Tried] = {}
+    failed: dict[str, Because] = {}
     for effect in candidates:
         try:
             if effect.prepare:
@@ -225,7 +264,7 @@ def ready(model, inputs, seen, candidates):
     return inputs, [*tried.values()], failed
 
 
-def broken(error):
+def broken(error: Exception) -> Because:
     """Why an effect cannot be tried that raises an error of its own."""
     return because(Reason.BROKEN, error=f"{type(error).__name__}: {error}")
 
@@ -236,12 +275,18 @@ class Tangents:
 
     model: ThermalModel  # which knows its effects on those that are read
     inputs: Inputs  # of those
-    coefficients: dict
+    coefficients: dict[str, float]
     read: np.ndarray  # rows of the record
     places: np.ndarray  # of those asked for among them
 
     @classmethod
-    def of(cls, model, inputs, coefficients, rows):
+    def of(
+        cls,
+        model: ThermalModel,
+        inputs: Inputs,
+        coefficients: dict[str, float],
+        rows: np.ndarray,
+    ) -> Self:
         """The evidence at some rows, which are in order."""
         model = model.knowing(inputs, coefficients)
         lasting = FADED * model.longest(inputs, coefficients)
@@ -251,16 +296,16 @@ class Tangents:
         places = np.searchsorted(read, rows)
         return cls(model.on(read), inputs, coefficients, read, places)
 
-    def slopes(self, also=None):
+    def slopes(self, also: Mapping[str, Terms] | None = None) -> dict[str, np.ndarray]:
         """By the model's own parameters, or by further terms, which are of all rows."""
-        wanted, terms = also is None, also or {}
-        terms = {name: held(one.part(self.read)) for name, one in terms.items()}
+        wanted, further = also is None, also or {}
+        terms = {name: held(one.part(self.read)) for name, one in further.items()}
         slopes = self.model.slopes(self.inputs, self.coefficients, wanted, terms)[1]
         names = [*slopes] if wanted else terms
         return {name: slopes.pop(name)[self.places] for name in names}
 
 
-def remembered(rows, seconds, lasting):
+def remembered(rows: np.ndarray, seconds: np.ndarray, lasting: float) -> np.ndarray:
     """Some rows, and those before each that are no older than so long. [s]"""
     ahead = np.full(len(seconds), np.inf)
     ahead[rows] = seconds[rows]
@@ -268,14 +313,31 @@ def remembered(rows, seconds, lasting):
     return np.flatnonzero(ahead - seconds <= lasting)
 
 
-def tangents(tried, failed, inputs, at):
+def tangents(
+    tried: Sequence[Tried], failed: dict[str, Because], inputs: Inputs, at: Tangents
+) -> Iterator[tuple[Tried, dict[str, np.ndarray]]]:
     """
     What is tried with the tangents of its parameters, one by one.
 
     Of a few at a time terms and slopes are held on many rows.
+
+    Parameters
+    ----------
+    tried : sequence of Tried
+    failed : dict of Because
+        Takes the reasons of those whose terms raise an error.
+    inputs : Inputs
+        With their drivers.
+    at : Tangents
+        Of the fitted model.
+
+    Yields
+    ------
+    Tried, dict of array
     """
     for first in range(0, len(tried), FEW):
-        terms, there = {}, []
+        terms: dict[str, Terms] = {}
+        there: list[Tried] = []
         for one in tried[first : first + FEW]:
             try:
                 terms |= terms_of(one.wide, inputs.columns)
@@ -287,18 +349,24 @@ def tangents(tried, failed, inputs, at):
             yield one, {key: slopes.pop(key) for key in one.wide.rows()}
 
 
-def are_numbers(column, known):
+def are_numbers(column: np.ndarray, known: np.ndarray) -> bool:
     """Whether a column is a number on all rows that are known."""
     # a sum that is one says it of all, in one fast pass
-    return bool(np.isfinite(column.sum()) or np.isfinite(column[known]).all())
+    return bool(np.isfinite(total(column)) or np.isfinite(column[known]).all())
 
 
-def terms_of(effect, columns):
+def total(column: np.ndarray) -> float:
+    """Sum of a column; NaN of infinities of both signs, without a warning."""
+    with np.errstate(invalid="ignore"):
+        return float(column.sum())
+
+
+def terms_of(effect: Effect, columns: Columns) -> Mapping[str, Terms]:
     """Slopes of an effect's terms from where it adds nothing."""
     return tabled(effect, columns).slopes(columns, effect.start)
 
 
-def held(terms):
+def held(terms: Terms) -> Terms:
     """
     Terms over gaps as the kernel takes them: the next sample counts for all of it.
 
@@ -307,32 +375,42 @@ def held(terms):
     return Terms(*(filled(getattr(terms, column.name)) for column in fields(terms)))
 
 
-def filled(column):
+def filled(column: np.ndarray | float) -> np.ndarray | float:
     """A column of terms with the next number in each gap, at its end the last one."""
-    if not np.ndim(column) or not np.isnan(column.sum()):
+    if isinstance(column, float) or not np.ndim(column) or not np.isnan(total(column)):
         return column
-    lacks = np.flatnonzero(np.isnan(column))
-    if len(lacks) == len(column):
+    gaps = np.flatnonzero(np.isnan(column))
+    if len(gaps) in (0, len(column)):
         return column
-    begins = np.diff(lacks, prepend=-2) > 1
-    after = lacks[np.append(begins[1:], True)] + 1  # the row behind each gap
+    begins = np.diff(gaps, prepend=-2) > 1
+    after = gaps[np.append(begins[1:], True)] + 1  # the row behind each gap
     if after[-1] == len(column):
-        after[-1] = lacks[begins][-1] - 1
+        after[-1] = gaps[begins][-1] - 1
     column = column.copy()
-    column[lacks] = column[after[np.cumsum(begins) - 1]]
+    column[gaps] = column[after[np.cumsum(begins) - 1]]
     return column
 
 
-def narrowed(found, scan, own, known, inputs, drivers, least):
+def narrowed(
+    evidence: Evidence,
+    scan: Callable,
+    own: dict[str, np.ndarray],
+    known: np.ndarray,
+    inputs: Inputs,
+    drivers: Iterable[str],
+    least: float,
+) -> Effect | None:
     """The effect where a scan of the remaining error shows it, or None."""
-    places = {name: inputs[name][found.rows[known]] for name in drivers}
-    rest, beside = found.without_shape()
-    columns = {key: column[known] for key, column in (own | beside).items()}
-    weeks = calendar_weeks(found.dates[known])
+    places = {name: inputs[name][evidence.rows[known]] for name in drivers}
+    rest, shapes = evidence.without_shape()
+    columns = {key: column[known] for key, column in (own | shapes).items()}
+    weeks = calendar_weeks(evidence.dates[known])
     return scan(rest[known], columns, places, weeks, least)
 
 
-def misfits(temperature, record, rows):
+def misfits(
+    temperature: np.ndarray, record: Record, rows: np.ndarray
+) -> dict[str, np.ndarray]:
     """
     Errors of a misshapen steady model at some rows, given other confounders.
 
@@ -340,6 +418,18 @@ def misfits(temperature, record, rows):
     its own shares: curvature in the over-temperature, its fall with air
     temperature, a slower mass, a record that is late, and a sky that follows the air.
     The temperature is that without changes of instruments.
+
+    Parameters
+    ----------
+    temperature : array, shape (rows of the record,)
+        By the model without bias. [°C]
+    record : Record
+    rows : array of int
+        Those that count.
+
+    Returns
+    -------
+    dict of array, shape (len(rows),)
     """
     air, hour = record["temp_air"], 3600.0 / record.inputs.unit
     over = temperature - air

@@ -78,8 +78,8 @@ class Terms:
             for one, another in self.paired(other)
         )
 
-    def part(self, rows: slice) -> "Terms":
-        """The terms on a slice of the rows."""
+    def part(self, rows: slice | np.ndarray) -> "Terms":
+        """The terms on some of the rows."""
         columns = (getattr(self, column.name) for column in fields(Terms))
         return Terms(*(c[rows] if np.ndim(c) else c for c in columns))
 

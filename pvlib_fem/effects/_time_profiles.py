@@ -8,7 +8,7 @@ time profile (its *course*). Each course is defined once and applies to every ch
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -165,11 +165,17 @@ def dates_in_words(dates: Mapping) -> str:
     return words + (f" ({low} to {high})" if low != high else "")
 
 
-def weights_of(effect: Any, days: np.ndarray) -> np.ndarray:
+def scaled_terms(effect: Effect) -> ScaledTerms:
+    """Terms of an effect that has a channel."""
+    return cast(ScaledTerms, effect.terms)
+
+
+def weights_of(effect: Effect, days: np.ndarray) -> np.ndarray:
     """Weight of each day, from 1970-01-01, of an effect along a course."""
     middle = np.asarray(days) + 0.5
     if effect.channel:
-        return effect.terms.course.weight(**effect.terms.dates)(middle)
+        terms = scaled_terms(effect)
+        return terms.course.weight(**terms.dates)(middle)
     return episode(effect.settings["start"], effect.settings["end"])(middle)
 
 
@@ -178,10 +184,10 @@ def is_dated(effect: Effect) -> bool:
     return bool(effect.channel) or "start" in effect.settings
 
 
-def course_of(effect: Any) -> str:
+def course_of(effect: Effect) -> str:
     """How a fault comes and goes: ``"step"``, ``"drift"``, ``"episode"`` or ``""``."""
     if effect.channel:
-        return effect.terms.course.name
+        return scaled_terms(effect).course.name
     return "episode" if is_dated(effect) else ""
 
 
@@ -190,7 +196,7 @@ def is_drift(effect: Effect) -> bool:
     return course_of(effect) == "drift"
 
 
-def interval(effect: Any) -> Any:
+def interval(effect: Effect) -> tuple[float, ...] | None:
     """Days between which a change began; None for a trend over the whole record."""
     dates = effect.settings
     begin = dates.get("at") or dates.get("start")
@@ -199,6 +205,6 @@ def interval(effect: Any) -> Any:
     return tuple(number(day) for day in dates.get("between") or (begin, begin))
 
 
-def along_all(channel: Any) -> Any:
+def along_all(channel: Effect) -> tuple[Effect, ...]:
     """The effects of a channel with every time profile."""
     return tuple(DatedChange(channel, course).undated() for course in COURSES)

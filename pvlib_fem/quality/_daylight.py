@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -18,6 +18,9 @@ from pvlib_fem.quality._hours import listed, offsets, span
 from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._noon import SolarNoon, solar_noon_shift, universal
 from pvlib_fem.quality._onset import DAY
+
+#: of a file
+Data = TypeVar("Data", pd.DataFrame, pd.Series)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,7 @@ class Daylight:
             return "file_dst+file_jump" if self.jumps else "file_dst"
         return "file_jump"
 
-    def corrected(self, data: pd.DataFrame) -> Any:
+    def corrected(self, data: Data) -> Data:
         """A Series or DataFrame of the file by one clock, without lost rows."""
         return data[self.kept].set_axis(self.index)
 

@@ -99,7 +99,10 @@ def test_terms_that_add_nothing_yet_are_answered_along(dynamics, monkeypatch):
         np.testing.assert_allclose(found[name], theirs[name], rtol=1e-9, atol=1e-12)
 
 
-@given(st.lists(st.sampled_from([1.0, 2.0, 3.0, np.nan]), min_size=1, max_size=30))
+VALUES = [1.0, 2.0, np.inf, -np.inf, np.nan]
+
+
+@given(st.lists(st.sampled_from(VALUES), min_size=1, max_size=30))
 def test_terms_over_gaps_are_those_of_the_next_row(column):
     """At the end of the last one that is there, and where there is none nothing."""
     column = np.array(column)
