@@ -22,15 +22,17 @@ COMMANDS = {
 class OnDemand(click.Group):
     """Commands that are loaded when they are called, so that a list of them is not."""
 
-    def list_commands(self, ctx):
+    def list_commands(self, ctx: click.Context) -> list[str]:
         return [*COMMANDS]
 
-    def get_command(self, ctx, name):
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         from pvlib_fem._cli import commands
 
         return getattr(commands, name) if name in COMMANDS else None
 
-    def resolve_command(self, ctx, args):
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
         name = click.utils.make_str(args[0])
         if name in COMMANDS or name.startswith("-"):
             return super().resolve_command(ctx, args)
@@ -39,14 +41,16 @@ class OnDemand(click.Group):
         near = did_you_mean(name, COMMANDS)
         ctx.fail(f"no such command {name!r}{near}; there are {', '.join(COMMANDS)}")
 
-    def format_commands(self, ctx, formatter):
+    def format_commands(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(cls=OnDemand, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="pvlib-fem")
-def main():
+def main() -> None:
     """The temperature of PV modules, second by second, from measured data.
 
     With a new file begin with --guess: it proposes the command that reads it.

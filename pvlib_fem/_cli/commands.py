@@ -1,8 +1,11 @@
 """The commands: what each reads, does and writes."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
+import pandas as pd
 
 from pvlib_fem._cli.demo import check_length, demo_site, demo_week, demo_years
 from pvlib_fem._cli.file_options import files_argument, layout_options, reading_options
@@ -83,7 +86,14 @@ FEW = 5  # failures that are reported
 @title_option
 @out_option
 @plot_option
-def fit(files, out, plot, report, title, **options):
+def fit(
+    files: tuple[Path, ...],
+    out: Path | None,
+    plot: Path | None,
+    report: Path | None,
+    title: str | None,
+    **options: Any,
+) -> None:
     """Fit FILE, or several that are joined on their times, and print the report.
 
     CSV, Excel and Parquet go; Parquet files that follow each other, as a folder or a
@@ -123,7 +133,16 @@ def fit(files, out, plot, report, title, **options):
 @report_option
 @title_option
 @out_option
-def loop(files, report, title, out, details, corrected, resolve, **options):
+def loop(
+    files: tuple[Path, ...],
+    report: Path | None,
+    title: str | None,
+    out: Path | None,
+    details: bool,
+    corrected: Path | None,
+    resolve: tuple[str, ...],
+    **options: Any,
+) -> None:
     """Find the effects and faults that the model misses in FILE, or several.
 
     In addition to the columns of a fit it takes wind_direction [° from north],
@@ -145,12 +164,12 @@ def loop(files, report, title, out, details, corrected, resolve, **options):
             data, options, otherwise = prepared(files, options, drivers=not details)
         options["effects"] = options["effects"] or None
         with or_propose(otherwise):
-            found = closed(data, **options)
-        say(found.report() if details else found)
-        write(out, found.to_json)
-        write_report(report, found, title, files)
+            result = closed(data, **options)
+        say(result.report() if details else result)
+        write(out, result.to_json)
+        write_report(report, result, title, files)
         if corrected:
-            whole = found.corrected(data, resolve)
+            whole = result.corrected(data, resolve)
             say(f"\n{whole}")
             table = whole.data.rename(columns=data.attrs["headers"])
             write(corrected, lambda path: saved(as_csv(table), path))
@@ -167,7 +186,7 @@ def loop(files, report, title, out, details, corrected, resolve, **options):
 @shared_options
 @recovery_options
 @out_option
-def recover(files, out, **options):
+def recover(files: tuple[Path, ...], out: Path | None, **options: Any) -> None:
     """Put effects into FILE, and find from what size the loop sees them.
 
     --effects are those that are put in, in known sizes, by default all that have their
@@ -190,7 +209,7 @@ def recover(files, out, **options):
     type=WRITTEN,
     help="Write FILE as CSV without what is at fault, in the package's names.",
 )
-def screen(files, cleaned, **options):
+def screen(files: tuple[Path, ...], cleaned: Path | None, **options: Any) -> None:
     """Find what FILE holds that was not measured: codes, spikes, stuck sensors …
 
     fit and loop leave out the same by themselves. Any of their columns will do.
@@ -198,9 +217,9 @@ def screen(files, cleaned, **options):
     with plainly():
         check_outputs(files, pictures=False, cleaned=cleaned)
         data, _ = read(files, options, needed=())
-        found = screen_record(data)
-        say(found)
-        write(cleaned, lambda path: saved(as_csv(found.cleaned), path))
+        screening = screen_record(data)
+        say(screening)
+        write(cleaned, lambda path: saved(as_csv(screening.cleaned), path))
 
 
 @command_with(
@@ -215,7 +234,9 @@ def screen(files, cleaned, **options):
     help="Write FILE as CSV with what the sensors have in common as temp_module, for "
     "the command loop.",
 )
-def modules(files, common, model, **options):
+def modules(
+    files: tuple[Path, ...], common: Path | None, model: str, **options: Any
+) -> None:
     """Compare the module sensors of FILE: what is common, what is one's own.
 
     The sensors are the columns temp_module, temp_module_1, temp_module_2 …, two and
@@ -225,9 +246,9 @@ def modules(files, common, model, **options):
         check_outputs(files, common=common)
         wanted = [n for n in needed_by(model) if n != "temp_module"]
         data, _ = read(files, options, needed=wanted)
-        found = compare_modules(data, model=model)
-        say(found)
-        write(common, lambda path: saved(as_csv(found.common), path))
+        comparison = compare_modules(data, model=model)
+        say(comparison)
+        write(common, lambda path: saved(as_csv(comparison.common), path))
 
 
 @command_with(
@@ -250,7 +271,16 @@ def modules(files, common, model, **options):
 @parameter_options
 @output("--report", type=WRITTEN, help="Write the table as one HTML file.")
 @title_option
-def parameters(source, files, holdout, report, csv, title, typical_year, **options):
+def parameters(
+    source: Path,
+    files: tuple[Path, ...],
+    holdout: tuple[str, ...],
+    report: Path | None,
+    csv: Path | None,
+    title: str | None,
+    typical_year: Path | None,
+    **options: Any,
+) -> None:
     """Give the thermal parameters of FIT as pvlib, PVsyst and SAM take them.
 
     FIT is what fit or loop wrote with --out. FILE is the record, which NMOT by IEC
@@ -264,11 +294,14 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
         result = FemFit.from_json(source)
         own, otherwise = {name: options.pop(name) for name in ARGUMENTS}, Refused
         if files:
-            told = options["tz"]
+            zones = options["tz"]
             wanted = (*result.thermal_model.usual, "temp_module")
             data, otherwise = read(files, options, needed=wanted)
-            data = in_their_days(data, None, told)
-            own |= {"data": data, "holdout": days_of(holdout, data.index)}
+            data = in_their_days(data, None, zones)
+            own |= {
+                "data": data,
+                "holdout": days_of(holdout, pd.DatetimeIndex(data.index)),
+            }
         if typical_year is not None:
             own["typical_year"] = read_file(typical_year)
         with or_propose(otherwise):
@@ -287,7 +320,15 @@ def parameters(source, files, holdout, report, csv, title, typical_year, **optio
     type=WRITTEN,
     help="Write one page of all systems, with links to each of the worst.",
 )
-def fleet(systems, out, report, effects, fix, min_gain, **options):
+def fleet(
+    systems: Path,
+    out: Path,
+    report: Path | None,
+    effects: tuple[str, ...],
+    fix: tuple[str, ...],
+    min_gain: float | None,
+    **options: Any,
+) -> None:
     """Close the loop on each of the SYSTEMS of a table, or fit them.
 
     The table is CSV, Excel or Parquet with a row for each system: id, file (path,
@@ -304,9 +345,9 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
         options |= {"fixed": held(fix)} if fix else {}
         if min_gain is not None:
             options["min_gain"] = min_gain
-        found = run_fleet(systems, out, **options)
-        say(found)
-        tell_failures(found)
+        results = run_fleet(systems, out, **options)
+        say(results)
+        tell_failures(results)
         write(report, lambda path: fleet_report(out, path, title=systems.name))
 
 
@@ -321,7 +362,7 @@ def fleet(systems, out, report, effects, fix, min_gain, **options):
 )
 @simulated("--seed", type=click.IntRange(0), default=0, show_default=True)
 @report_option
-def demo(days, step, seed, report):
+def demo(days: int, step: float, seed: int, report: Path | None) -> None:
     """Close the loop on a measured plant, a simulated site and a measured week.
 
     The simulation is made from first principles; its truth is printed after the
@@ -331,12 +372,14 @@ def demo(days, step, seed, report):
         check_length(days, step)
         check_outputs(report=report)
         demo_years()
-        found = demo_site(days, step, seed)
-        write(report, lambda path: found.to_html(path, title="A simulated site"))
+        simulated_loop = demo_site(days, step, seed)
+        write(
+            report, lambda path: simulated_loop.to_html(path, title="A simulated site")
+        )
         demo_week()
 
 
-def kept_in(out, resume):
+def kept_in(out: Path, resume: bool) -> str:
     """How a fleet that was interrupted goes on."""
     again = f"run the same command {'' if resume else 'without --anew '}to go on"
     try:
@@ -347,9 +390,9 @@ def kept_in(out, resume):
     return f"{ran:,} of {len(states):,} systems are kept in {out}; {again}"
 
 
-def tell_failures(found):
+def tell_failures(results: Results) -> None:
     """Why systems failed, the first few of them; an error where none was done."""
-    rows = found.systems
+    rows = results.systems
     failed = rows[rows["state"] == "failed"]
     for _, row in failed.head(FEW).iterrows():
         note(f"{row['id']}: {row['message']}")
@@ -359,7 +402,9 @@ def tell_failures(found):
         raise ValueError("no system could be done; see the notes above")
 
 
-def check_correction(files, corrected, resolve):
+def check_correction(
+    files: Sequence[Path], corrected: Path | None, resolve: Sequence[str]
+) -> None:
     """Refuse before the work a correction that cannot be written."""
     if resolve and corrected is None:
         raise ValueError("--resolve is for --corrected, which is not given")

@@ -3,6 +3,7 @@
 import textwrap
 
 import click
+import pandas as pd
 from pvlib.location import Location
 
 from pvlib_fem import datasets, simulator
@@ -10,6 +11,7 @@ from pvlib_fem._cli.printing import say
 from pvlib_fem._cli.run_methods import closed
 from pvlib_fem._findings import Kind, Verdict
 from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.progress import line
 from pvlib_fem.drivers._record_site import site_of
 
@@ -17,7 +19,7 @@ HIDDEN = ("sky_radiation", "wind_direction", "electrical_output")
 MOST_ROWS = 10_000_000  # ten years by the half minute, some GiB
 
 
-def check_length(days, step):
+def check_length(days: int, step: float) -> None:
     if days * 86400.0 / step > MOST_ROWS:
         raise click.BadParameter(
             f"{days} days at {step:g} s are {days * 86400.0 / step:,.0f} rows; the "
@@ -26,7 +28,7 @@ def check_length(days, step):
         )
 
 
-def demo_site(days, step, seed):
+def demo_site(days: int, step: float, seed: int) -> Loop:
     """A simulated site as a user has it, the answer, and then the truth."""
     say(
         f"a simulated site, {days} days at {step / 60:g} min, with {len(HIDDEN)} "
@@ -40,22 +42,22 @@ def demo_site(days, step, seed):
     # few sites have these, so the sky has to come from the humidity
     data = data.drop(columns=["longwave_down", "snow_depth"])
     place = site.latitude, site.longitude, site.surface_tilt, site.surface_azimuth
-    found = closed(data, site=site_of(data.index, *place))
-    say(f"{found}\n\nthe truth, which the loop has not seen")
+    loop = closed(data, site=site_of(pd.DatetimeIndex(data.index), *place))
+    say(f"{loop}\n\nthe truth, which the loop has not seen")
     for name in HIDDEN:
         what = simulator.SWITCHES[name].split(";")[0]
-        say(f"  {name:<22}{what}: {answer(name, found)}")
+        say(f"  {name:<22}{what}: {answer(name, loop)}")
     always = [name for name in simulator.PHYSICS if name not in HIDDEN]
     say(f"  {'in every module':<22}{', '.join(always)}")
-    for name in found.effects:
+    for name in loop.effects:
         if name not in effects:
             say(f"  {name:<22}is not in the simulation")
-    return found
+    return loop
 
 
-def answer(name, found):
+def answer(name: str, loop: Loop) -> str:
     """What a loop said of an effect that is there."""
-    for finding in found.finding_objects:
+    for finding in loop.finding_objects:
         if name in finding.candidates and finding.kind is not Kind.STRUCTURE:
             under = "" if name == finding.effect else f", under {finding.effect}"
             how = "a hint only" if finding.verdict is Verdict.SUGGESTIVE else "found"
@@ -63,40 +65,40 @@ def answer(name, found):
     return "not found"
 
 
-def demo_years():
+def demo_years() -> None:
     """Eight measured years, or the reason why they cannot be had."""
     data = had("eurac_bolzano", "the measured plant")
     if data is None:
         say("")
         return
     place = [data.attrs[name] for name in ("latitude", "longitude", "tz")]
-    found = closed(data, site={"location": Location(*place)})
+    loop = closed(data, site={"location": Location(*place)})
     say(
         f"a measured plant: {data.attrs['site']}, eight hourly years; "
-        f"{data.attrs['source']}\n\n{found}\n\n"
+        f"{data.attrs['source']}\n\n{loop}\n\n"
         "no log of this plant is published, so that the truth is not known; without a "
         "model the record shows\nthat from April 2012 on over-temperature per "
         "irradiance is a fifth higher, at the same power\n"
     )
 
 
-def demo_week():
+def demo_week() -> None:
     """The measured week, or the reason why it cannot be had."""
     say("")
     data = had("sandia_week", "the measured week")
     if data is None:
         return
-    found = closed(data)
-    days = found.fit.train_days + found.fit.test_days
+    loop = closed(data)
+    days = loop.fit.train_days + loop.fit.test_days
     say(
-        f"a measured week: {data.attrs['source']}\n\n{found}\n\n"
+        f"a measured week: {data.attrs['source']}\n\n{loop}\n\n"
         f"what {days} days can say: what memory and bias are worth, on days that the "
         f"fit has not seen\nwhat they cannot: the name of an effect, which takes "
         f"{Criteria().enough_days} days and its driver"
     )
 
 
-def had(name, what):
+def had(name: str, what: str) -> pd.DataFrame | None:
     """A measured record, or None after the reason why it cannot be had."""
     try:
         with line() as bar:

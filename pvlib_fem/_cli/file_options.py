@@ -1,7 +1,10 @@
 """Options of a file: its columns, times and layout."""
 
 import glob
+import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -14,13 +17,18 @@ column, times, layout = under(COLUMNS), under(TIMES), under(LAYOUT)
 class Readable(click.Path):
     """A file or a folder that is there, or a pattern of files."""
 
-    def convert(self, value, param, ctx):
+    def convert(
+        self,
+        value: str | os.PathLike[str],
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> Any:
         if glob.has_magic(str(value)) and not Path(value).exists():
             return Path(value)
         return super().convert(value, param, ctx)
 
 
-def files_argument(required=True):
+def files_argument(required: bool = True) -> Callable:
     return click.argument(
         "files",
         metavar="FILE..." if required else "[FILE...]",

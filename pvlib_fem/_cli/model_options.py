@@ -1,5 +1,7 @@
 """Options of a fit: site, model and effects."""
 
+from collections.abc import Callable
+
 import click
 
 from pvlib_fem._cli.headings import COLUMNS, EFFECTS, MODEL, SITE, added, under
@@ -100,7 +102,7 @@ min_gain_option = effect(
 )
 
 
-def model_option(default, instead):
+def model_option(default: str, instead: str) -> Callable:
     return model(
         "--model",
         type=click.Choice(list(STEADY_MODELS)),

@@ -1,6 +1,9 @@
 """What the texts of options mean."""
 
 import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import click
 import pandas as pd
@@ -34,21 +37,21 @@ PER_FILE = {
 SAME = ("missing", "sort", "drop_doubled", "drop_untimed")
 
 
-def bad(text, option, why):
+def bad(text: str, option: str, why: str) -> click.BadParameter:
     return click.BadParameter(f"{text!r} {why}", param_hint=option)
 
 
-def pairs(texts, option, form):
+def pairs(texts: Iterable[str], option: str, form: str) -> dict[str, str]:
     """Texts of the form NAME=VALUE, each name once."""
-    found = {}
+    values = {}
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not value:
             raise bad(text, option, f"is not {form}")
-        if name in found:
-            raise bad(text, option, f"comes after {name}={found[name]}; give one")
-        found[name] = value
-    return found
+        if name in values:
+            raise bad(text, option, f"comes after {name}={values[name]}; give one")
+        values[name] = value
+    return values
 
 
 #: names that columns of a file may have
@@ -58,7 +61,7 @@ TRACKER = (*TRACKED, "backtrack")
 PLACE = ("lat", "lon", "tilt", "azimuth", *TRACKER)
 
 
-def columns_of(renames):
+def columns_of(renames: Iterable[str]) -> dict[str, str]:
     """The map of --map, from the package's names to those of the file."""
     mapped = in_new_names(pairs(renames, "--map", "NAME=COLUMN"))
     for name, column in mapped.items():
@@ -81,29 +84,29 @@ def columns_of(renames):
     return mapped
 
 
-def units_of(texts):
+def units_of(texts: Iterable[str]) -> dict[str, str]:
     """The units of --unit by the package's names."""
-    found = in_new_names(pairs(texts, "--unit", "NAME=UNIT"))
+    units = in_new_names(pairs(texts, "--unit", "NAME=UNIT"))
     try:
-        return {name: unit_of(name, unit) for name, unit in found.items()}
+        return {name: unit_of(name, unit) for name, unit in units.items()}
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--unit") from error
 
 
-def held(texts):
+def held(texts: Iterable[str]) -> dict[str, float]:
     """The coefficients of --fix."""
-    found = {}
+    numbers = {}
     for name, value in pairs(texts, "--fix", "NAME=NUMBER").items():
         try:
-            found[name] = float(value)
+            numbers[name] = float(value)
         except ValueError as error:
             raise bad(value, "--fix", f"is no number for {name}") from error
-    return found
+    return numbers
 
 
-def settings_of(texts):
+def settings_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
     """The settings of --effect-setting by the names of the effects."""
-    form, found = "NAME.SETTING=VALUE", {}
+    form, settings = "NAME.SETTING=VALUE", {}
     for key, text in pairs(texts, "--effect-setting", form).items():
         name, dot, setting = key.partition(".")
         if not dot or not setting:
@@ -112,11 +115,11 @@ def settings_of(texts):
             value = json.loads(text)
         except ValueError:  # a word, such as a source
             value = text
-        found.setdefault(name, {})[setting] = value
-    return found
+        settings.setdefault(name, {})[setting] = value
+    return settings
 
 
-def layouts_of(options, files):
+def layouts_of(options: Mapping[str, Any], files: Sequence[Path]) -> list[Layout]:
     """How each file is written."""
     values = {}
     for name, default in PER_FILE.items():
@@ -142,7 +145,9 @@ def layouts_of(options, files):
     ]
 
 
-def left_out(options, lines, values):
+def left_out(
+    options: Mapping[str, Any], lines: Sequence[str], values: Mapping[str, list[Any]]
+) -> list[int | tuple[int, ...]]:
     """The lines before the header of each file, or those that are left out."""
     if not options["skip_lines"]:
         return [lines_of(text, "--skip-rows") for text in values["skip_rows"]]
@@ -155,7 +160,7 @@ def left_out(options, lines, values):
     return [lines_of(f"{text},", "--skip-lines") if text else 0 for text in lines]
 
 
-def lines_of(text, option):
+def lines_of(text: str, option: str) -> int | tuple[int, ...]:
     """A number of lines; with a comma the numbers of lines, as ``3,`` the fourth."""
     if not text:
         return 0
@@ -168,7 +173,7 @@ def lines_of(text, option):
     return numbers if "," in text else numbers[0]
 
 
-def days_of(texts, index):
+def days_of(texts: Sequence[str], index: pd.DatetimeIndex) -> pd.Series | None:
     """The rows of --holdout, or None without it."""
     if not texts:
         return None
@@ -190,7 +195,9 @@ def days_of(texts, index):
     return out
 
 
-def effects_of(texts, settings):
+def effects_of(
+    texts: Iterable[str], settings: Mapping[str, Mapping[str, Any]]
+) -> list[str | dict[str, Any]]:
     """The effects of --effects from the catalogue, with their settings."""
     names = [name.strip() for text in texts for name in text.split(",")]
     for name in names:

@@ -1,9 +1,14 @@
 """What is written: nothing that is read, and nothing that cannot be."""
 
+from collections.abc import Callable, Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
+import pandas as pd
+
 from pvlib_fem._cli.printing import say
+from pvlib_fem._fitting.fem_fit import FemFit
+from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._stored import replacing
 from pvlib_fem.plotting._style import check_format
 
@@ -19,7 +24,12 @@ ENDINGS = {
 FORMULA = ("=", "+", "-", "@")  # with which a formula begins
 
 
-def check_outputs(read=(), made=(), pictures=True, **written):
+def check_outputs(
+    read: Iterable[Path] = (),
+    made: Iterable[Path] = (),
+    pictures: bool = True,
+    **written: Path | None,
+) -> None:
     """
     Refuse before the work what cannot be written after it, or would destroy a file.
 
@@ -61,7 +71,7 @@ def check_outputs(read=(), made=(), pictures=True, **written):
             )
 
 
-def check_ceiling(wanted):
+def check_ceiling(wanted: bool) -> None:
     """Refuse before the work what needs a package that is missing."""
     if wanted and find_spec("sklearn") is None:
         raise ValueError(
@@ -69,24 +79,24 @@ def check_ceiling(wanted):
         )
 
 
-def same(path):
+def same(path: Path) -> str | tuple[int, int]:
     """One name for one file, through links and on systems without capitals."""
     path = Path(path).resolve()
     if path.exists():
-        found = path.stat()
-        if found.st_ino:
-            return found.st_dev, found.st_ino
+        status = path.stat()
+        if status.st_ino:
+            return status.st_dev, status.st_ino
     return str(path).casefold()
 
 
-def write(path, writer):
+def write(path: Path | None, writer: Callable[[Path], object]) -> None:
     """Write a file, and say so."""
     if path is not None:
         writer(path)
         say(f"\nwrote {path}")
 
 
-def as_csv(frame):
+def as_csv(frame: pd.DataFrame) -> str:
     """
     A frame as CSV, in whose header a spreadsheet finds no formula.
 
@@ -98,14 +108,16 @@ def as_csv(frame):
     ).to_csv()
 
 
-def picture(result, path):
+def picture(result: FemFit, path: Path) -> None:
     """The picture of a fit, in the format that its name ends with."""
     figure = result.plot().figure
     with replacing(path) as whole:
         figure.savefig(whole, dpi=150, format=path.suffix[1:].lower())
 
 
-def write_report(path, result, title, files):
+def write_report(
+    path: Path | None, result: FemFit | Loop, title: str | None, files: Iterable[Path]
+) -> None:
     """The page of a fit or a loop, headed by the title or the names of the files."""
     title = title or ", ".join(file.name for file in files)
     write(path, lambda whole: result.to_html(whole, title=title))

@@ -2,8 +2,11 @@
 
 import sys
 import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Event, Timer
+from types import TracebackType
+from typing import IO, Any, Self
 
 import click
 
@@ -11,7 +14,7 @@ from pvlib_fem._record.column_names import steers
 from pvlib_fem._spelling import in_shell
 
 
-def safe(text):
+def safe(text: object) -> str:
     """Text of a file, which cannot steer the terminal."""
     return "".join(
         f"\\x{ord(sign):02x}" if steers(sign) and sign not in "\n\t" else sign
@@ -19,7 +22,7 @@ def safe(text):
     )
 
 
-def say(text, err=False):
+def say(text: object, err: bool = False) -> None:
     """Print; a character that the terminal does not have becomes "?"."""
     stream = sys.stderr if err else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
@@ -27,7 +30,7 @@ def say(text, err=False):
     click.echo(text, err=err)
 
 
-def note(text):
+def note(text: object) -> None:
     """What is no part of the answer goes where errors go."""
     say(f"note: {text}", err=True)
 
@@ -36,7 +39,7 @@ PATIENCE = 1.0  # s, from which waiting is explained
 
 
 @contextmanager
-def waiting(words):
+def waiting(words: str) -> Iterator[None]:
     """
     Say on a terminal what is done, where it takes longer than a second.
 
@@ -47,7 +50,7 @@ def waiting(words):
         yield
         return
 
-    def show():
+    def show() -> None:
         stream.write(words)
         stream.flush()
         shown.set()
@@ -68,14 +71,18 @@ def waiting(words):
 class Refused(click.ClickException):
     """An error in one line, and what to do about it below."""
 
-    def __init__(self, reason, remedy=""):
+    def __init__(self, reason: Exception | str, remedy: str = "") -> None:
         super().__init__(" ".join(in_shell(reason).split()))
         self.remedy = remedy
 
-    def show(self, file=None):
+    def show(self, file: IO[Any] | None = None) -> None:
         say(f"Error: {self.message}", err=True)
         if self.remedy:
             say(f"\n{self.remedy}", err=True)
+
+
+#: makes of an error of reading the refusal that the command ends with
+Otherwise = Callable[[Exception], Refused]
 
 
 class Interrupted(click.ClickException):
@@ -83,7 +90,7 @@ class Interrupted(click.ClickException):
 
     exit_code = 130  # 128 and the number of SIGINT, as of a shell
 
-    def show(self, file=None):
+    def show(self, file: IO[Any] | None = None) -> None:
         say(f"Interrupted: {self.message}" if self.message else "Interrupted", err=True)
 
 
@@ -97,16 +104,21 @@ class plainly:
         Gives the words that say after Ctrl-C how to go on.
     """
 
-    def __init__(self, after_interrupt=lambda: ""):
+    def __init__(self, after_interrupt: Callable[[], str] = lambda: "") -> None:
         self.after_interrupt = after_interrupt
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         self.caught = warnings.catch_warnings()
         self.caught.__enter__()
         warnings.showwarning = lambda message, *where: note(message)
         return self
 
-    def __exit__(self, kind, error, trace):
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self.caught.__exit__(kind, error, trace)
         if isinstance(error, (ValueError, OSError)):
             raise Refused(error) from error
@@ -114,4 +126,3 @@ class plainly:
             raise Interrupted(self.after_interrupt()) from error
         if isinstance(error, MemoryError):
             raise Refused("the record is too long for the memory") from error
-        return False

@@ -4,16 +4,21 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import click
+import pandas as pd
 from click.core import ParameterSource
 
 from pvlib_fem._cli.option_texts import PER_FILE, PLACE, SAME, TRACKER
 from pvlib_fem._fitting.stand_ins import SERVED
 from pvlib_fem._record.column_names import COLUMNS, of_several, twin_of
-from pvlib_fem._record.guess import guess
+from pvlib_fem._record.guess import Guess, guess
 from pvlib_fem._record.header_units import QUANTITIES, ForeignUnit, named_unit
 from pvlib_fem._record.inputs import as_record
+from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._sensors.compare_sensors import FEWEST
 from pvlib_fem._sensors.sensor_errors import is_sensor
@@ -32,7 +37,7 @@ LOOK = "this command may read it; look at it before you run it:"
 ANEW = (*PER_FILE, *SAME, "renames", "convert", "units", "guess")
 
 
-def check_columns(data, needed=COLUMNS):
+def check_columns(data: pd.DataFrame, needed: Iterable[str] = COLUMNS) -> None:
     if lacking := [name for name in needed if name not in data]:
         there = ", ".join(map(str, data.columns))
         raise refusal(
@@ -42,7 +47,7 @@ def check_columns(data, needed=COLUMNS):
         )
 
 
-def without(lacking, data):
+def without(lacking: Sequence[str], data: pd.DataFrame) -> str:
     """What a fit can do without columns."""
     given = options_given()
     others = [name for name in data if len(lacking) == 1 and twin_of(name) in lacking]
@@ -55,7 +60,7 @@ def without(lacking, data):
     return ""
 
 
-def check_record(data):
+def check_record(data: pd.DataFrame) -> None:
     """Refuse what a fit would, such as a unit that only the numbers show."""
     screened(as_record(*map(data.get, COLUMNS)))
     for name in QUANTITIES:
@@ -64,32 +69,39 @@ def check_record(data):
             raise ForeignUnit(f"{name} is in {unit}", (name,), unit, most)
 
 
-def proposal(files, layouts, columns, how, place, needed=COLUMNS):
+def proposal(
+    files: Sequence[Path],
+    layouts: list[Layout],
+    columns: Mapping[str, str],
+    how: Mapping[str, Any],
+    place: float | None,
+    needed: Iterable[str] = COLUMNS,
+) -> tuple[str, str]:
     """What to look at, and the command that may read files; both empty without any."""
     try:
         several = click.get_current_context().info_name == "modules"
-        found = guess(files, layouts, columns, how, place, check_record, several)
-        lacking = [name for name in needed if name not in found.there]
-        level = of_the_sky(found) if "poa_global" in lacking else []
+        guessed = guess(files, layouts, columns, how, place, check_record, several)
+        lacking = [name for name in needed if name not in guessed.there]
+        level = of_the_sky(guessed) if "poa_global" in lacking else []
         calm = "wind_speed" in lacking and "model" in options_given()
         spared = ["poa_global"] * bool(level) + ["wind_speed"] * calm
         lacking = [name for name in lacking if name not in spared]
         calm = calm and not lacking
-        lacking += lacking_sensors(found.there) if several else []
+        lacking += lacking_sensors(guessed.there) if several else []
         if not lacking:
             needed = [name for name in needed if name not in spared]
-            check = {**how, "convert": how["convert"] or found.headers}
-            check["units"] = {**how["units"], **found.units}
-            if found.area and not how["module_area"]:
+            check = {**how, "convert": how["convert"] or guessed.headers}
+            check["units"] = {**how["units"], **guessed.units}
+            if guessed.area and not how["module_area"]:
                 check["module_area"] = 1.0
-            data = frame(files, found.layouts, found.columns, **check)
+            data = frame(files, guessed.layouts, guessed.columns, **check)
             check_columns(data, needed)
     except Exception:  # a proposal is an extra; the error itself is reported anyway
         return "", ""
-    line = command(found, lacking, how, ["--model", "ross"] * calm, level)
+    line = command(guessed, lacking, how, ["--model", "ross"] * calm, level)
     lines = [LOOK, "", f"  {line}", ""]
-    lines += [f"- {doubt}" for doubt in found.doubts]
-    if power := found.columns.get("power_ac"):
+    lines += [f"- {doubt}" for doubt in guessed.doubts]
+    if power := guessed.columns.get("power_ac"):
         unit = (
             "--convert"
             if named_unit("p_dc_per_area", power)
@@ -103,9 +115,9 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
         )
     lines += [
         f"- not mapped, {reason}: {', '.join(map(repr, columns))}"
-        for reason, columns in found.unused.items()
+        for reason, columns in guessed.unused.items()
     ]
-    if found.unused and click.get_current_context().info_name in ("loop", "recover"):
+    if guessed.unused and click.get_current_context().info_name in ("loop", "recover"):
         lines.append("- of those the numeric ones that vary are tried as causes, too")
     if calm:
         lines.append(
@@ -119,34 +131,37 @@ def proposal(files, layouts, columns, how, place, needed=COLUMNS):
         )
     if lacking:
         free = (
-            f"There are {', '.join(found.free)}" if found.free else "No other is left"
+            f"There are {', '.join(guessed.free)}"
+            if guessed.free
+            else "No other is left"
         )
         lines.append(f"- which column is {', '.join(lacking)}? {free}")
-    if found.area and not how["module_area"]:
+    if guessed.area and not how["module_area"]:
         lines.append("- the area of the modules is not in the file: put it for AREA")
     return "\n".join(lines).rstrip(), line
 
 
-def lacking_sensors(names):
+def lacking_sensors(names: Iterable[str]) -> list[str]:
     """Module sensors that a comparison needs in addition."""
     there = [name for name in names if is_sensor(name)]
     two = [name for name in ("temp_module", "temp_module_2") if name not in there]
     return two[: max(FEWEST - len(there), 0)]
 
 
-def of_the_sky(found):
+def of_the_sky(guessed: Guess) -> list[str]:
     """Words that make irradiance in the plane of a column of horizontal one, if any."""
     context = click.get_current_context()
-    columns = [c for c in (*found.columns.values(), *found.free) if GHI.search(c)]
+    columns = [c for c in (*guessed.columns.values(), *guessed.free) if GHI.search(c)]
     if not columns or "transposition" not in options_given():
         return []
-    if "ghi" not in (*found.columns, columns[0]):
-        found.columns["ghi"] = columns[0]
-    found.free = [column for column in found.free if column != columns[0]]
-    left = {
-        why: [c for c in some if c != columns[0]] for why, some in found.unused.items()
+    if "ghi" not in (*guessed.columns, columns[0]):
+        guessed.columns["ghi"] = columns[0]
+    guessed.free = [column for column in guessed.free if column != columns[0]]
+    unused = {
+        why: [c for c in some if c != columns[0]]
+        for why, some in guessed.unused.items()
     }
-    found.unused = {why: some for why, some in left.items() if some}
+    guessed.unused = {why: some for why, some in unused.items() if some}
     words = [] if context.params["transposition"] else ["--transposition", "perez"]
     turns = any(context.params[name] is not None for name in TRACKER)
     for name in PLACE[:2] if turns else PLACE[:4]:
@@ -154,50 +169,58 @@ def of_the_sky(found):
     return words
 
 
-def options_given():
+def options_given() -> list[str | None]:
     """Names of the options that the command has."""
     return [param.name for param in click.get_current_context().command.params]
 
 
-def command(found, lacking, how, model=(), more=()):
+def command(
+    guessed: Guess,
+    lacking: Iterable[str],
+    how: Mapping[str, Any],
+    model: Sequence[str] = (),
+    more: Iterable[str] = (),
+) -> str:
     """The command as it was given, with the reading as it was found, and more."""
     context = click.get_current_context()
     source = context.get_parameter_source
-    words, files = ["pvlib-fem", context.info_name], []
+    words, files = ["pvlib-fem", str(context.info_name)], []
     for param in context.command.params:
         value = context.params[param.name]
         if isinstance(param, click.Argument):
             files = [str(file) for file in value]
         elif param.name == "model" and model:
             words += model
-        elif param.name not in ANEW and source(param.name) is COMMANDLINE:
+        elif isinstance(param, click.Option) and (
+            param.name not in ANEW and source(param.name) is COMMANDLINE
+        ):
             words += spoken(param, value)
     words[2:2] = files
     for name, default in PER_FILE.items():
-        values = fields_of(name, found.layouts)
+        values = fields_of(name, guessed.layouts)
         if len(set(values)) == 1 and values[0] == default:
             continue
         values = values[:1] if len(set(values)) == 1 else values
         for value in values:
             words += [f"--{name.replace('_', '-')}", as_option(name, value)]
-    for text in dict.fromkeys(t for one in found.layouts for t in one.missing):
+    for text in dict.fromkeys(t for one in guessed.layouts for t in one.missing):
         words += ["--missing", text]
-    words += ["--sort"] * any(one.sort for one in found.layouts)
-    words += ["--drop-doubled"] * any(one.drop_doubled for one in found.layouts)
-    words += ["--drop-untimed"] * any(one.drop_untimed for one in found.layouts)
-    for name, column in found.columns.items():
+    words += ["--sort"] * any(one.sort for one in guessed.layouts)
+    words += ["--drop-doubled"] * any(one.drop_doubled for one in guessed.layouts)
+    words += ["--drop-untimed"] * any(one.drop_untimed for one in guessed.layouts)
+    for name, column in guessed.columns.items():
         words += ["--map", f"{name}={column}"]
     for name in lacking:
         words += ["--map", f"{name}=COLUMN"]
-    words += ["--convert"] * (found.headers or how["convert"])
-    for name, unit in {**how["units"], **found.units}.items():
+    words += ["--convert"] * (guessed.headers or how["convert"])
+    for name, unit in {**how["units"], **guessed.units}.items():
         words += ["--unit", f"{name}={unit}"]
-    if found.area and not how["module_area"]:
+    if guessed.area and not how["module_area"]:
         words += ["--module-area", "AREA"]
     return quoted([*words, *more])
 
 
-def fields_of(name, layouts):
+def fields_of(name: str, layouts: Sequence[Layout]) -> list[Any]:
     """What each layout has for an option; of lines that are left out one of the two."""
     if name not in ("skip_rows", "skip_lines"):
         return [getattr(layout, name) for layout in layouts]
@@ -208,13 +231,13 @@ def fields_of(name, layouts):
     return [PER_FILE[name]] * len(layouts)
 
 
-def quoted(words):
+def quoted(words: Iterable[str]) -> str:
     """Words as a shell takes them."""
     join = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
     return join(words)
 
 
-def spoken(param, value):
+def spoken(param: click.Option, value: Any) -> list[str]:
     """An option as it was given."""
     option = max(param.opts, key=len)
     if param.is_flag:
@@ -223,13 +246,13 @@ def spoken(param, value):
     return [word for one in values for word in (option, str(one))]
 
 
-def as_option(name, value):
+def as_option(name: str, value: Any) -> str:
     """A field of a layout as its option has it."""
     if value is None or value == () or (name == "sheet" and value == 0):
         return ""
     if name == "sep":
         return value.replace("\t", r"\t")
     if isinstance(value, tuple):
-        lonely = name == "skip_rows" and len(value) == 1
-        return ",".join(map(str, value)) + "," * lonely
+        single = name == "skip_rows" and len(value) == 1
+        return ",".join(map(str, value)) + "," * single
     return str(value)

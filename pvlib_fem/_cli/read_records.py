@@ -2,7 +2,10 @@
 
 import glob
 import stat
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 import click
 import pandas as pd
@@ -19,7 +22,7 @@ from pvlib_fem._cli.option_texts import (
     settings_of,
     units_of,
 )
-from pvlib_fem._cli.printing import Refused, note, safe, say, waiting
+from pvlib_fem._cli.printing import Otherwise, Refused, note, safe, say, waiting
 from pvlib_fem._cli.proposal import ANEW, check_columns, command, proposal, quoted
 from pvlib_fem._fitting.stand_ins import chosen
 from pvlib_fem._loop.replacements import Replacements
@@ -31,7 +34,7 @@ from pvlib_fem._record.header_units import ForeignUnit, SwappedTemperatures
 from pvlib_fem._record.layout import PARQUET
 from pvlib_fem._record.logger_files import frame
 from pvlib_fem._record.names import unmapped
-from pvlib_fem._record.parquet import open_parquet
+from pvlib_fem._record.parquet import ParquetRecord, open_parquet
 from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._record_site import in_local_days, site_of
@@ -39,7 +42,9 @@ from pvlib_fem.quality._limits import Limits
 from pvlib_fem.quality._unit_checks import options_of
 
 
-def needed_by(model, transposition=None, stand_ins=()):
+def needed_by(
+    model: str, transposition: str | None = None, stand_ins: Sequence[str] = ()
+) -> list[str]:
     """Columns that a fit of a steady model needs."""
     usual = COLUMNS if steady_model(model).takes_wind else ALWAYS
     # those that the fit looks for, or makes
@@ -47,7 +52,12 @@ def needed_by(model, transposition=None, stand_ins=()):
     return [name for name in usual if name not in made]
 
 
-def read(files, options, drivers=False, needed=COLUMNS):
+def read(
+    files: Sequence[Path],
+    options: dict[str, Any],
+    drivers: bool = False,
+    needed: Sequence[str] = COLUMNS,
+) -> tuple[pd.DataFrame, Otherwise]:
     """
     The files as a frame in the package's names.
 
@@ -73,7 +83,7 @@ def read(files, options, drivers=False, needed=COLUMNS):
         With the command that may read them, where one is found.
     """
     columns, layouts = columns_of(options["renames"]), layouts_of(options, files)
-    asked, place = options.pop("guess"), options.get("lon")
+    propose_only, place = options.pop("guess"), options.get("lon")
     how = dict(
         convert=options.pop("convert"),
         units=units_of(options.pop("units")),
@@ -88,13 +98,13 @@ def read(files, options, drivers=False, needed=COLUMNS):
 
     done = {}  # units that columns were converted from
 
-    def otherwise(error):
+    def otherwise(error: Exception) -> Refused:
         with waiting(f"looking for what reads {named_files(files)} …"):
             proposed, line = proposal(files, layouts, columns, how, place, needed)
         same = line == command(Guess(layouts, columns), [], how)
         return Refused(after_conversion(error, done), "" if same else proposed)
 
-    if asked:
+    if propose_only:
         with waiting(f"looking at {named_files(files)} …"):
             proposed, _ = proposal(files, layouts, columns, how, place, needed)
         if not proposed:
@@ -125,14 +135,14 @@ def read(files, options, drivers=False, needed=COLUMNS):
     return data, otherwise
 
 
-def named_files(files):
+def named_files(files: Sequence[Path]) -> str:
     """Files in a few words."""
     name = safe(files[0].name)
     return name if len(files) == 1 else f"{name} and {len(files) - 1} more"
 
 
 @contextmanager
-def or_propose(otherwise):
+def or_propose(otherwise: Otherwise) -> Iterator[None]:
     """What a fit refuses since the file says something else, with the proposal."""
     try:
         yield
@@ -140,19 +150,20 @@ def or_propose(otherwise):
         raise otherwise(error) from error
 
 
-def after_conversion(error, units):
+def after_conversion(error: Exception, units: Iterable[str]) -> Exception | str:
     """An error that does not ask for a conversion that was made."""
-    told = getattr(error, "columns", ())
-    if not told or not {*told} <= {*units}:
+    if not isinstance(error, ForeignUnit) or not error.columns:
         return error
-    look = "looks" if len(told) == 1 else "look"
+    if not {*error.columns} <= {*units}:
+        return error
+    look = "looks" if len(error.columns) == 1 else "look"
     return (
-        f"{' and '.join(told)} still {look} to be in {error.unit} after the "
+        f"{' and '.join(error.columns)} still {look} to be in {error.unit} after the "
         f"conversion: {error.why}; give --no-unit-check if that is right"
     )
 
 
-def is_data_set(files):
+def is_data_set(files: Sequence[Path]) -> bool:
     """Whether files follow each other, as a folder, a pattern or some of one kind."""
     if len(files) == 1:
         return files[0].is_dir() or glob.has_magic(str(files[0]))
@@ -164,7 +175,7 @@ def is_data_set(files):
     return len(columns) == 1
 
 
-def opened(files, options):
+def opened(files: Sequence[Path], options: dict[str, Any]) -> ParquetRecord:
     """Parquet files that follow each other, by the options that go with them."""
     times = {name: options.pop(name) for name in ("time", "tz")}
     if long := [name for name, given in times.items() if len(given) > 1]:
@@ -185,18 +196,20 @@ def opened(files, options):
         return open_parquet(data, renames, **times, **how)
 
 
-def in_their_days(data, lon, told):
+def in_their_days(
+    data: pd.DataFrame, lon: float | None, zones: Sequence[str]
+) -> pd.DataFrame:
     """Instants with the days of their place, and a note where nobody told the zone."""
-    local = in_local_days(data, lon, told)
+    local = in_local_days(data, lon, zones)
     if local is not data:
+        index = pd.DatetimeIndex(local.index)
         note(
-            f"the times are instants; days and hours are those of {local.index.tz}, by "
-            "--lon"
+            f"the times are instants; days and hours are those of {index.tz}, by --lon"
         )
     return local
 
 
-def check_partners(options):
+def check_partners(options: Mapping[str, Any]) -> None:
     """Refuse half a place."""
     for pair in (("lat", "lon"), ("tilt", "azimuth")):
         given = [name for name in pair if options[name] is not None]
@@ -205,7 +218,7 @@ def check_partners(options):
             raise ValueError(f"--{given[0]} needs --{other}, too")
 
 
-def site_in(index, place):
+def site_in(index: pd.DatetimeIndex, place: Mapping[str, Any]) -> dict[str, Any]:
     """The site of a record, from the options of its place."""
     fixed = (place[name] for name in PLACE[:4])
     site = site_of(index, *fixed, **{name: place[name] for name in TRACKER})
@@ -213,7 +226,9 @@ def site_in(index, place):
     return site
 
 
-def prepared_files(files, options, sun=False):
+def prepared_files(
+    files: Sequence[Path], options: dict[str, Any], sun: bool = False
+) -> dict[str, Any]:
     """What a fit takes of Parquet files that follow each other, or a loop."""
     check_partners(options)
     how = options.pop("transposition"), options.pop("stand_ins")
@@ -228,7 +243,7 @@ def prepared_files(files, options, sun=False):
             )
     effects, fixed = effects_of(options.pop("effects"), settings), options.pop("fix")
     record = opened(files, options)
-    ends = [time.tz_localize(None).normalize() for time in record.ends]
+    start, end = (time.tz_localize(None).normalize() for time in record.ends)
     site = site_in(pd.DatetimeIndex(record.ends), place)
     if sun:
         options |= {"site": site, "transposition": how[0], "stand_ins": how[1]}
@@ -240,26 +255,29 @@ def prepared_files(files, options, sun=False):
         "record": record,
         "effects": effects,
         "fixed": held(fixed) or None,
-        "holdout": days_of(days, pd.date_range(*ends)),
+        "holdout": days_of(days, pd.date_range(start, end)),
     }
 
 
-def prepared(files, options, drivers=False):
+def prepared(
+    files: Sequence[Path], options: dict[str, Any], drivers: bool = False
+) -> tuple[pd.DataFrame, dict[str, Any], Otherwise]:
     """The frame, and what a fit or a loop takes; all that is wrong is refused here."""
     check_partners(options)
     settings = settings_of(options.pop("settings"))
     effects = effects_of(options.pop("effects"), settings)
     fixed = held(options.pop("fix"))
-    days, told = options.pop("holdout"), options["tz"]
+    days, zones = options.pop("holdout"), options["tz"]
     how = options.get("transposition"), options.get("stand_ins", ())
     needed = needed_by(options["model"], *how)
     data, otherwise = read(files, options, drivers, needed)
     place = {name: options.pop(name) for name in PLACE}
-    data = in_their_days(data, place["lon"], told)
+    data = in_their_days(data, place["lon"], zones)
+    index = pd.DatetimeIndex(data.index)
     options |= {
         "effects": effects,
         "fixed": fixed or None,
-        "holdout": days_of(days, data.index),
-        "site": site_in(data.index, place),
+        "holdout": days_of(days, index),
+        "site": site_in(index, place),
     }
     return data, options, otherwise

@@ -1,21 +1,34 @@
 """From a frame to a fit or a loop."""
 
 import sys
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import pandas as pd
 
 from pvlib_fem._cli.printing import waiting
 from pvlib_fem._fit import fit_fem, fit_frame
+from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._loop.close import close_loop
+from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.progress import line
+from pvlib_fem._record.parquet import ParquetRecord
 from pvlib_fem._recovery.recover import recover_effects
-from pvlib_fem.effects import find
+from pvlib_fem._recovery.recovery_result import Recovery
+from pvlib_fem.effects import EffectLike, find
 
 
 def closed(
-    data, model="faiman", no_unit_check=False, site=None, ceiling=False, **options
-):
+    data: pd.DataFrame | ParquetRecord,
+    model: str = "faiman",
+    no_unit_check: bool = False,
+    site: Mapping[str, Any] | None = None,
+    ceiling: bool = False,
+    **options: Any,
+) -> Loop:
     """The loop of a frame, with its progress on a terminal."""
     with line() as bar:
-        found = close_loop(
+        loop = close_loop(
             data,
             model,
             **(site or {}),
@@ -25,11 +38,16 @@ def closed(
         )
         if ceiling:
             bar.set_description_str("growing trees")
-            found.ceiling()
-        return found
+            loop.ceiling()
+        return loop
 
 
-def injected(data, no_unit_check=False, site=None, **options):
+def injected(
+    data: pd.DataFrame,
+    no_unit_check: bool = False,
+    site: Mapping[str, Any] | None = None,
+    **options: Any,
+) -> Recovery:
     """What is found of effects that are put into a frame."""
     return recover_effects(
         data,
@@ -40,14 +58,25 @@ def injected(data, no_unit_check=False, site=None, **options):
     )
 
 
-def fitted(data, effects, site, no_unit_check=False, **options):
+def fitted(
+    data: pd.DataFrame,
+    effects: Iterable[EffectLike],
+    site: Mapping[str, Any],
+    no_unit_check: bool = False,
+    **options: Any,
+) -> FemFit:
     """The fit of a frame."""
     options["check_units"] = not no_unit_check
     with waiting("fitting …"):
         return fit_frame(data, effects, **site, **options)
 
 
-def fitted_files(record, effects, no_unit_check=False, **options):
+def fitted_files(
+    record: ParquetRecord,
+    effects: Iterable[EffectLike],
+    no_unit_check: bool = False,
+    **options: Any,
+) -> FemFit:
     """The fit of Parquet files that follow each other."""
     effects = [find(one) for one in effects]
     options["check_units"] = not no_unit_check

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 import warnings
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -71,7 +71,7 @@ REAR = "poa_rear"  # light on the other side, and no second sensor of the front
 TWIN = re.compile(r"(poa|poa_global|temp_air|wind_speed|temp_module)_\w+")
 
 
-def twin_of(name: str) -> Any:
+def twin_of(name: Hashable) -> Any:
     """The usual column of which one is a second sensor, by its name, or None."""
     found = TWIN.fullmatch(str(name))
     own = name in (*COLUMNS, REAR)
@@ -210,7 +210,7 @@ def of_several(columns: dict | pd.Index) -> tuple:
     return f". Of {len(sensors)} module sensors give one as temp_module, or ", COMPARED
 
 
-def numeric(columns: dict) -> dict:
+def numeric(columns: Mapping | pd.DataFrame) -> dict:
     """Columns that hold numbers, and no infinity."""
     found = {
         name: column.astype(float)

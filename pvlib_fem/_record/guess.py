@@ -1,7 +1,7 @@
 """How files may be read: proposed by names and data, never acted upon."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -71,8 +71,8 @@ class Guess:
 def guess(
     files: Sequence,
     layouts: list,
-    columns: dict,
-    how: dict | None = None,
+    columns: Mapping,
+    how: Mapping | None = None,
     place: Any = None,
     check: Callable | None = None,
     sensors: bool = False,
@@ -278,7 +278,7 @@ def texts_of_missing(raw: pd.DataFrame, layout: Layout) -> tuple:
     return tuple(found)
 
 
-def by_evidence(found: Guess, files: Any, how: dict, check: Callable) -> None:
+def by_evidence(found: Guess, files: Any, how: Mapping, check: Callable) -> None:
     """Units that headers do not name and the record itself shows."""
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
     headers = {name: found.columns.get(name, name) for name in QUANTITIES}
