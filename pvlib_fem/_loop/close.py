@@ -266,7 +266,8 @@ def searched(
         if own is not None:
             loop = own.confirmed(loop)
     case = search.case
-    times = Times.of(frame.index, case.kept, case.whole.index, search.clock)
+    index = cast(pd.DatetimeIndex, frame.index)  # else it had been refused
+    times = Times.of(index, case.kept, case.whole.index, search.clock)
     if own is None:
         sky = how["instead"].transposition if case.transposed else ""
         replaced = {"transposition": sky, "stand_ins": case.standing}

@@ -1,10 +1,12 @@
 """The corrections of a record's clocks, to be applied to the record again."""
 
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._record.checks import no_datetimes
 from pvlib_fem.quality._clock_changes import plain
 from pvlib_fem.quality._module_lag import Clock
 
@@ -39,7 +41,13 @@ class Times:
     module: Clock = field(default_factory=Clock)
 
     @classmethod
-    def of(cls, index, kept, corrected, clock):
+    def of(
+        cls,
+        index: pd.DatetimeIndex,
+        kept: np.ndarray,
+        corrected: pd.DatetimeIndex,
+        clock: Clock,
+    ) -> Self:
         """
         Compare the times of a file with the corrected ones.
 
@@ -54,7 +62,8 @@ class Times:
         clock : Clock
             Clock of the module's logger, as it was corrected.
         """
-        own, offsets = plain(index), ()
+        own = plain(index)
+        offsets: tuple[tuple[str, float], ...] = ()
         added = np.asarray((plain(corrected) - own[kept]).total_seconds())
         if added.any():
             begins = np.flatnonzero(np.diff(added, prepend=np.nan) != 0.0)
@@ -62,36 +71,73 @@ class Times:
             offsets = tuple(zip(map(str, times), map(float, added[begins])))
         edges = np.flatnonzero(np.diff(~kept, prepend=False, append=False))
         lost = [(str(own[a]), str(own[b - 1])) for a, b in zip(edges[::2], edges[1::2])]
-        ends = str(own.min()), str(own.max())
+        first, last = str(own.min()), str(own.max())
         origin = str(plain(corrected[0]))
-        return cls(zone_name(index), *ends, offsets, tuple(lost), origin, clock)
+        return cls(zone_name(index), first, last, offsets, tuple(lost), origin, clock)
 
-    def inside(self, index):
+    def inside(self, index: pd.Index) -> np.ndarray:
         """Find the times that lie within the record, in its zone."""
-        own = plain(index)
+        times = datetimes(index)
+        own = plain(times)
         within = (own >= pd.Timestamp(self.first)) & (own <= pd.Timestamp(self.last))
-        return np.asarray(within) & (zone_name(index) == self.zone)
+        return np.asarray(within) & (zone_name(times) == self.zone)
 
-    def corrected(self, index):
-        """Correct the times of the record, and say which times are known."""
+    def corrected(self, index: pd.Index) -> tuple[pd.Index, np.ndarray]:
+        """
+        Correct the times of the record, and say which times are known.
+
+        Parameters
+        ----------
+        index : Index
+            Times of data.
+
+        Returns
+        -------
+        index : Index
+            Corrected where they lie within the record.
+        known : array of bool, shape (rows,)
+
+        Raises
+        ------
+        ValueError
+            If the record's clock was corrected and the index has no times.
+        """
         known = np.ones(len(index), dtype=bool)
         if not self.offsets:
             return index, known
-        own, rows = plain(index), self.inside(index)
+        times = datetimes(index)
+        own, rows = plain(times), self.inside(times)
         begins = pd.DatetimeIndex([time for time, _ in self.offsets])
         place = np.maximum(begins.searchsorted(own, side="right") - 1, 0)
         added = np.where(rows, np.array([by for _, by in self.offsets])[place], 0.0)
         for first, last in self.lost:
             out = (own >= pd.Timestamp(first)) & (own <= pd.Timestamp(last))
             known &= ~(np.asarray(out) & rows)
-        return index + pd.to_timedelta(added, unit="s"), known
+        return times + pd.to_timedelta(added, unit="s"), known
 
-    def of_module(self, index, values):
-        """Interpolate the module's readings to the clock of the irradiance."""
-        times = plain(index) - pd.Timestamp(self.origin)
-        return self.module.corrected(times.total_seconds().to_numpy(), values)
+    def of_module(self, index: pd.Index, values: np.ndarray | pd.Series) -> np.ndarray:
+        """
+        Interpolate the module's readings to the clock of the irradiance.
+
+        Parameters
+        ----------
+        index : Index
+            Corrected times.
+        values : array, shape (rows,)
+            Of a column that the module's logger wrote.
+        """
+        times = plain(datetimes(index)) - pd.Timestamp(self.origin)
+        seconds = times.total_seconds().to_numpy()
+        return self.module.corrected(seconds, np.asarray(values))
 
 
-def zone_name(index):
+def datetimes(index: pd.Index) -> pd.DatetimeIndex:
+    """The times of data whose clock is corrected; refuse an index without any."""
+    if not isinstance(index, pd.DatetimeIndex):
+        raise ValueError(no_datetimes("data", index))
+    return index
+
+
+def zone_name(index: pd.DatetimeIndex) -> str:
     """Name of the zone of some times; "" without one."""
     return "" if index.tz is None else str(index.tz)

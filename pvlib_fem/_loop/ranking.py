@@ -1,7 +1,8 @@
 """Rank absent effects by how much of the residual of a fit they could explain."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,10 +13,11 @@ from scipy.special import fdtrc, stdtrit
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import FOLDS, Design
+from pvlib_fem._loop.dictionary import Candidate, Column
 from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.ranking_table import Ranking, table_of
 from pvlib_fem._loop.selection import Score, Selection, rows_of, size_seen
-from pvlib_fem._loop.tangents import gather
+from pvlib_fem._loop.tangents import Evidence, gather
 from pvlib_fem._record.column_names import (
     COLUMNS as USUAL,
     GEOMETRY,
@@ -50,15 +52,15 @@ class Row:
     p_value: float  # for this candidate alone
     detectable: float  # minimum detectable gain [K]
     rows: int  # on which its drivers are there
-    ties: tuple
+    ties: tuple[str, ...]  # other candidates that explain as much
     note: Because | None
 
     @property
-    def gain(self):
+    def gain(self) -> float:
         """Root of the fall of the mean square on weeks left out, with its sign. [K]"""
         return float(np.copysign(np.sqrt(abs(self.score.fall)), self.score.fall))
 
-    def content(self):
+    def content(self) -> dict[str, Any]:
         """The row of the table."""
         return {
             "gain": self.gain,
@@ -73,15 +75,21 @@ class Row:
         }
 
 
-def ranked(selection, found, given, days, taken=()):
+def ranked(
+    selection: Selection,
+    evidence: Evidence,
+    given: Sequence[Column],
+    days: int,
+    taken: Collection[str] = (),
+) -> tuple[dict[str, Row], dict[str, Because]]:
     """
     All candidates given what a model has, and those that could not be weighed.
 
     Parameters
     ----------
     selection : Selection
-    found : Evidence
-    given : sequence
+    evidence : Evidence
+    given : sequence of int or Changed
         Columns given which each is weighed.
     days : int
         That count.
@@ -92,45 +100,47 @@ def ranked(selection, found, given, days, taken=()):
     -------
     dict of Row, dict of Because
     """
-    design, rows, failed = selection.design, {}, dict(found.failed)
-    there = []
+    design, failed = selection.design, dict(evidence.failed)
+    rows: dict[str, Row] = {}
+    there: list[tuple[Candidate, np.ndarray]] = []
     for one in selection.candidates(given, taken):
         squares = design.whole([*given, *one.columns])
         size = len(one.columns)
-        own = np.diag(squares)[-size:]
-        beside = beyond(squares, size)
+        own, remainder = np.diag(squares)[-size:], beyond(squares, size)
         if not (own > 0).all():
             failed[one.name] = because(Reason.ADDS_NOTHING)
-        elif (beside < UNSEEN * own).any():
+        elif (remainder < UNSEEN * own).any():
             failed[one.name] = because(Reason.COLLINEAR)
         else:
-            there.append((one, beside / design.count))
+            there.append((one, remainder / design.count))
     names = {one.name for one, _ in there}
     for effect in design.changing:
         if effect.name not in names and effect.name not in {*taken}:
             failed.setdefault(effect.name, because(Reason.NO_DATE))
     tied = [one for one, _ in there]
-    for one, beside in there:
+    for one, remainder in there:
         score = selection.score(one, given)
         size = len(score.estimate)
         null = score.null + np.diag(np.diag(score.null)) * 1e-9
         statistic = score.seen @ np.linalg.solve(null, score.seen)
         scale = design.scales(one.columns)
-        errors = np.sqrt(np.diag(null)) * scale * np.sqrt(beside)
+        errors = np.sqrt(np.diag(null)) * scale * np.sqrt(remainder)
         detectable = needed(one, design, score) * float(errors.max())
         rows[one.name] = Row(
             one.effect,
             score,
             float(fdtrc(size, score.freedom, max(statistic / size, 0.0))),
             float(detectable),
-            found.known.get(one.name, len(found.rows)),
+            evidence.known.get(one.name, len(evidence.rows)),
             ties(selection, one, tied, given, score),
-            hindrance(one.effect, score, found, days, selection.criteria.enough_days),
+            hindrance(
+                one.effect, score, evidence, days, selection.criteria.enough_days
+            ),
         )
     return rows, failed
 
 
-def beyond(squares, size):
+def beyond(squares: np.ndarray, size: int) -> np.ndarray:
     """Squares of the last columns given the others."""
     inner, cross = squares[1:-size, 1:-size], squares[1:-size, -size:]
     scale = np.sqrt(np.diag(inner)) + 1e-30
@@ -139,21 +149,27 @@ def beyond(squares, size):
     return np.diag(squares)[-size:] - (taken * np.linalg.solve(normal, taken)).sum(0)
 
 
-def needed(one, design, score):
+def needed(one: Candidate, design: Design, score: Score) -> float:
     """Standard errors that its size needs to be seen, with the stated power."""
-    rows = list(rows_of(one, design))
+    rows = rows_of(one, design)
     way = np.sqrt(np.diag(score.null) / len(rows))
     least = size_seen(one, rows, way, score.null, score.freedom, SEEN)
     return min(least, LARGEST) + float(stdtrit(score.freedom, POWER))
 
 
-def ties(selection, one, others, given, score):
+def ties(
+    selection: Selection,
+    one: Candidate,
+    others: Sequence[Candidate],
+    given: Sequence[Column],
+    score: Score,
+) -> tuple[str, ...]:
     """Other candidates that explain as much, given which it has little left."""
     least = selection.criteria.hint_gain**2
     own = selection.in_sample(one, given)
     if not score.possible or own < least or score.probability < SEEN:
         return ()
-    found = []
+    names = []
     for other in others:
         if other.name == one.name:
             continue
@@ -161,14 +177,16 @@ def ties(selection, one, others, given, score):
             continue
         shared = selection.alike(one, other, given)
         if shared >= TIED and selection.score(other, given).possible:
-            found.append(other.name)
-    return tuple(found)
+            names.append(other.name)
+    return tuple(names)
 
 
-def hindrance(effect, score, found, days, least):
-    """What stands in the way of a candidate, if anything does."""
+def hindrance(
+    effect: Effect, score: Score, evidence: Evidence, days: int, least: int
+) -> Because | None:
+    """Why a candidate is no cause, if there is such a reason."""
     if not score.possible and score.fall > 0:
-        there = {key.split(".")[0] for key in found.base}
+        there = {key.split(".")[0] for key in evidence.base}
         if effect.confounder or there & {*effect.confused_with}:
             return because(Reason.ANOTHER_CONFOUNDER)
         if "p_dc_per_area" in effect.drivers:  # power measures irradiance, too
@@ -181,7 +199,9 @@ def hindrance(effect, score, found, days, least):
     return None
 
 
-def refuse_missing(effects, columns, refused):
+def refuse_missing(
+    effects: Iterable[Effect], columns: Container[str], refused: Mapping[str, Because]
+) -> None:
     """Refuse a record without a column that an effect of a fit needs."""
     for effect in effects:
         for name in needed_for(effect.drivers):
@@ -297,11 +317,11 @@ def rank_effects(
         rows |= {effect.name: {"note": few} for effect in testable}
     else:
         coefficients = {**model.steady_model.fixed, **fit.coefficients}
-        how = (fit.at_bound, criteria.hint_gain)
-        found = gather(model, coefficients, record, seen, testable, *how)
-        design = Design.of(found, record, drivers=drivers)
+        bounds, least = fit.at_bound, criteria.hint_gain
+        evidence = gather(model, coefficients, record, seen, testable, bounds, least)
+        design = Design.of(evidence, record, drivers=drivers)
         selection = Selection(design, criteria)
-        weighed, failed = ranked(selection, found, [*design.base], days)
+        weighed, failed = ranked(selection, evidence, [*design.base], days)
         rows |= {name: {"note": str(why)} for name, why in failed.items()}
         rows |= {name: row.content() for name, row in weighed.items()}
     table = table_of(rows)

@@ -1,5 +1,6 @@
 """The ranking of effects as a table that prints whole."""
 
+from collections.abc import Iterator, Mapping
 from typing import Any, TypedDict
 
 import numpy as np
@@ -32,10 +33,10 @@ class Ranking(pd.DataFrame):
     """A DataFrame of the columns above that prints all it says, whatever its width."""
 
     @property
-    def _constructor(self):
+    def _constructor(self) -> type[pd.DataFrame]:
         return pd.DataFrame
 
-    def lines(self):
+    def lines(self) -> Iterator[tuple[str, str, str, str, str, str]]:
         """Cells of the printed table, a row for each effect."""
         for name, row in self.iterrows():
             ties = row["ties"] if isinstance(row["ties"], tuple) else ()
@@ -48,11 +49,11 @@ class Ranking(pd.DataFrame):
                 number(row["gain"]),
                 number(row["minimum_detectable"]),
                 f"{chance:.1g}" if np.isfinite(chance) else "–",
-                coefficients(name, row["coefficients"], row["stderr"]),
+                coefficients(str(name), row["coefficients"], row["stderr"]),
                 "; ".join(words),
             )
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         if list(self.columns) != COLUMNS:
             return pd.DataFrame.__repr__(self)
         head = [name.removeprefix("#") for name in HEAD]
@@ -67,13 +68,13 @@ class Ranking(pd.DataFrame):
             for row in rows
         )
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         if list(self.columns) != COLUMNS:
-            return pd.DataFrame._repr_html_(self)
+            return pd.DataFrame._repr_html_(self)  # type: ignore[attr-defined]
         return fragment([table(HEAD, self.lines())])
 
 
-def coefficients(effect, values, errors):
+def coefficients(effect: str, values: Any, errors: Any) -> str:
     """Coefficients of an effect in one line."""
     if not isinstance(values, dict):
         return ""
@@ -83,13 +84,13 @@ def coefficients(effect, values, errors):
     )
 
 
-def table_of(rows):
+def table_of(rows: Mapping[str, Mapping[str, Any]]) -> Ranking:
     """The ranking of dicts by effect, in their order."""
-    frame = pd.DataFrame.from_dict(rows, orient="index")
+    frame = pd.DataFrame.from_dict({**rows}, orient="index")
     return Ranking(frame.reindex(index=list(rows), columns=COLUMNS))
 
 
-def ranking_rows(ranking):
+def ranking_rows(ranking: pd.DataFrame) -> dict[str, dict[str, Any]]:
     """The ranking for a file, without what is not known."""
     return {
         name: {

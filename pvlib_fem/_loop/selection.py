@@ -1,5 +1,6 @@
 """Which candidates the remaining error asks for, and how sure each is."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -7,8 +8,17 @@ import numpy as np
 
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.design import Design
-from pvlib_fem._loop.dictionary import DATED, Candidate, dated, first_days, undated
+from pvlib_fem._loop.dictionary import (
+    DATED,
+    Candidate,
+    Column,
+    dated,
+    first_days,
+    place_of,
+    undated,
+)
 from pvlib_fem._loop.noise import random_effects
+from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import (
     LeastSquares,
     alike,
@@ -16,6 +26,8 @@ from pvlib_fem._statistics.weekly_sums import (
     held_out,
     steady,
 )
+from pvlib_fem.effects._effect import Effect, Parameter
+from pvlib_fem.effects._time_profiles import course_of
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
@@ -34,7 +46,7 @@ SLACK = 0.35  # share of a bound by which it may: a tangent is bent where it is 
 class Score:
     """What a candidate explains given others."""
 
-    keys: tuple  # names of its coefficients
+    keys: tuple[str, ...]  # names of its coefficients
     fall: float  # of the mean square on weeks left out in turn [K²]
     estimate: np.ndarray  # natural units
     covariance: np.ndarray
@@ -45,16 +57,17 @@ class Score:
     freedom: float  # of that
 
     @property
-    def stderr(self):
+    def stderr(self) -> np.ndarray:
+        """Standard errors of the coefficients."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
-    def coefficients(self):
+    def coefficients(self) -> dict[str, float]:
         """Coefficients by name."""
         return dict(zip(self.keys, map(float, self.estimate)))
 
     @property
-    def errors(self):
+    def errors(self) -> dict[str, float]:
         """Standard errors by name."""
         return dict(zip(self.keys, map(float, self.stderr)))
 
@@ -65,22 +78,26 @@ class Choice:
 
     top: Candidate
     score: Score
-    members: dict = field(default_factory=dict)  # name to candidate
-    scores: dict = field(default_factory=dict)  # name to score
-    weights: dict = field(default_factory=dict)  # name to posterior among members
-    probabilities: dict = field(default_factory=dict)  # the outside among them
+    members: dict[str, Candidate] = field(default_factory=dict)
+    scores: dict[str, Score] = field(default_factory=dict)
+    weights: dict[str, float] = field(default_factory=dict)  # posterior among members
+    #: the outside among them
+    probabilities: dict[str, float] = field(default_factory=dict)
 
     @property
-    def fall(self):
+    def fall(self) -> float:
+        """Of the mean square on weeks left out in turn, by its best candidate. [K²]"""
         return self.score.fall
 
     @property
-    def first(self):
+    def first(self) -> str:
         """Name of the most probable member."""
         return max(self.members, key=self.probabilities.__getitem__)
 
 
-def selected(design, criteria, closed=frozenset()):
+def selected(
+    design: Design, criteria: Criteria, closed: frozenset[str] = frozenset()
+) -> tuple["Selection", list[Choice]]:
     """
     A selection and its choices, by the noise that they leave.
 
@@ -110,30 +127,33 @@ class Selection:
 
     design: Design
     criteria: Criteria
-    closed: frozenset = frozenset()  # names that are not to be taken
-    noise: tuple = ()  # random effects, by which the certainty is computed
-    known: dict = field(default_factory=dict)
+    closed: frozenset[str] = frozenset()  # names that are not to be taken
+    #: random effects, by which the certainty is computed
+    noise: tuple[Table, ...] = ()
+    #: candidates given some columns
+    known: dict[tuple[str, ...], list[Candidate]] = field(default_factory=dict)
 
     @cached_property
-    def seen(self):
+    def seen(self) -> Design:
         """The design as generalised least squares sees it."""
         return self.design.whitened(self.noise)
 
-    def run(self, choices=()):
+    def run(self, choices: Sequence[Choice] = ()) -> list[Choice]:
         """All choices, the largest first, beginning with some."""
-        choices, seen = self.settled([*choices]), set()
-        while len(choices) < MOST:
-            best = self.best(choices)
+        settled = self.settled([*choices])
+        seen: set[frozenset[Column]] = set()
+        while len(settled) < MOST:
+            best = self.best(settled)
             if best is None:
                 break
-            choices = self.settled([*choices, best])
-            key = frozenset(c for one in choices for c in one.top.columns)
+            settled = self.settled([*settled, best])
+            key = frozenset(c for one in settled for c in one.top.columns)
             if key in seen:  # one that comes lets another go, in turn
                 break
             seen.add(key)
-        return sorted(choices, key=lambda one: -one.fall)
+        return sorted(settled, key=lambda one: -one.fall)
 
-    def settled(self, choices):
+    def settled(self, choices: list[Choice]) -> list[Choice]:
         """The choices when none is better replaced, or removed, given the others."""
         for _ in range(SWEEPS):
             changed = False
@@ -141,12 +161,12 @@ class Selection:
                 mine = choices[i]
                 others = [*choices[:i], *choices[i + 1 :]]
                 now = self.score(mine.top, self.given(others))
-                held = self.holds(now)
-                found = self.best(others, BETTER * now.fall if held else 0.0)
-                if found is not None:
-                    changed = changed or found.top.columns != mine.top.columns
-                    choices = [*choices[:i], found, *choices[i + 1 :]]
-                elif held:
+                holds = self.holds(now)
+                better = self.best(others, BETTER * now.fall if holds else 0.0)
+                if better is not None:
+                    changed = changed or better.top.columns != mine.top.columns
+                    choices = [*choices[:i], better, *choices[i + 1 :]]
+                elif holds:
                     choices[i] = replace(mine, score=now)
                 else:
                     choices, changed = others, True
@@ -154,7 +174,7 @@ class Selection:
                 break
         return choices
 
-    def dated(self, choice, name, given):
+    def dated(self, choice: Choice, name: str, given: Sequence[Column]) -> Effect:
         """The effect of a member, with the days between which its date is."""
         one, score = choice.members[name], choice.scores[name]
         if not one.effect.channel:
@@ -163,59 +183,64 @@ class Selection:
         side = self.criteria.change_side
         return first_days(self.design, one, given, side, errors)
 
-    def given(self, choices):
+    def given(self, choices: Iterable[Choice]) -> list[Column]:
         """Columns of the base and of some choices."""
         return [*self.design.base, *(c for one in choices for c in one.top.columns)]
 
-    def candidates(self, given, taken=()):
+    def candidates(
+        self, given: Sequence[Column], taken: Iterable[str] = ()
+    ) -> list[Candidate]:
         """Candidates given some columns, but those that are taken."""
         key = tuple(map(str, given))
         if key not in self.known:
             limits = self.criteria
-            found = [
+            every = [
                 *undated(self.design, limits.prior),
                 *dated(self.design, given, limits.change_side, limits.prior),
             ]
-            self.known[key] = [one for one in found if one.name not in self.closed]
+            self.known[key] = [one for one in every if one.name not in self.closed]
         return [one for one in self.known[key] if one.name not in {*taken}]
 
-    def best(self, choices, least=0.0):
+    def best(self, choices: Sequence[Choice], least: float = 0.0) -> Choice | None:
         """The choice that explains most given others, and more than that, or None."""
-        given, best = self.given(choices), None
-        found = self.candidates(given, [one.top.name for one in choices])
-        falls, least = self.in_samples(found, given), max(self.least, least)
+        given = self.given(choices)
+        best: Choice | None = None
+        others = self.candidates(given, [one.top.name for one in choices])
+        falls, least = self.in_samples(others, given), max(self.least, least)
         for i in np.argsort(-falls, kind="stable"):
             # on weeks left out it explains no more than on those that are fitted
             if falls[i] < least or (best and falls[i] < best.fall):
                 break
-            score = self.score(found[i], given)
+            score = self.score(others[i], given)
             better = score.fall > (least if best is None else best.fall)
             if better and self.holds(score):
-                best = Choice(found[i], score)
+                best = Choice(others[i], score)
         return best
 
     @cached_property
-    def least(self):
+    def least(self) -> float:
         """Fall of the mean square that is material. [K²]"""
         mean = held_out(self.design.by_week(self.design.base), self.design.folds)
         limits = self.criteria
         return max(limits.min_gain**2, limits.min_share * mean / self.design.count)
 
-    def holds(self, score):
+    def holds(self, score: Score) -> bool:
         """Whether it is possible, there and material."""
         there = score.probability >= self.criteria.probability
         return score.possible and there and score.fall >= self.least
 
-    def in_sample(self, one, given):
+    def in_sample(self, one: Candidate, given: Sequence[Column]) -> float:
         """Fall of the mean square on the weeks that are fitted. [K²]"""
         whole = self.design.whole([*given, *one.columns])
-        return fall(whole, len(one.columns)) / self.design.count
+        return float(fall(whole, len(one.columns))) / self.design.count
 
-    def in_samples(self, found, given):
-        """Scores of many candidates given the same columns, at once."""
-        design, size, falls = self.design, len(given), np.zeros(len(found))
-        plain = [i for i, one in enumerate(found) if not one.effect.channel]
-        places = dict.fromkeys(c for i in plain for c in found[i].columns)
+    def in_samples(
+        self, candidates: Sequence[Candidate], given: Sequence[Column]
+    ) -> np.ndarray:
+        """:meth:`in_sample` of many candidates given the same columns, at once."""
+        design, size, falls = self.design, len(given), np.zeros(len(candidates))
+        plain = [i for i, one in enumerate(candidates) if not one.effect.channel]
+        places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
         order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
         whole = design.whole([*given, *order])
         whole[1:, 1:] = steady(whole[1:, 1:])
@@ -226,60 +251,67 @@ class Selection:
             whole[1 : size + 1, 1 : size + 1], cross
         )
         for i in plain:
-            at = [order[c] for c in found[i].columns if c in order]
+            at = [order[c] for c in candidates[i].columns if c in order]
             score = beyond[at, 0]
             falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
         falls /= design.count
-        for i, one in enumerate(found):
+        for i, one in enumerate(candidates):
             if one.effect.channel:
                 falls[i] = self.in_sample(one, given)
         return falls
 
-    def alike(self, one, other, given):
+    def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:
         """Share of what a candidate explains that another would explain as well."""
         own, rival = one.beyond(given), other.beyond(given)
         whole = self.design.whole([*given, *own, *rival])
         return float(alike(whole, len(own), len(rival)))
 
-    def score(self, one, given):
-        """What a candidate explains given some columns."""
+    def score(self, one: Candidate, given: Sequence[Column]) -> Score:
+        """
+        What a candidate explains given some columns.
+
+        Parameters
+        ----------
+        one : Candidate
+        given : sequence of int or Changed
+        """
         design, own = self.design.fit_for([one.effect]), one.beyond(given)
         weekly = design.by_week([*given, *own])
         size = len(own)
         inner = weekly[:, :-size, :-size]
         gain = held_out(inner, design.folds) - held_out(weekly, design.folds)
-        found, scale = LeastSquares(weekly, size), design.scales(own)
+        plain, scale = LeastSquares(weekly, size), design.scales(own)
         unit = np.outer(scale, scale)
-        estimate, covariance = found.estimate / scale, found.covariance / unit
+        estimate, covariance = plain.estimate / scale, plain.covariance / unit
         # sizes are those of the refit; whether there is one, of whitened columns
-        sure = found
+        whitened = plain
         if self.noise:
-            seen = self.seen.fit_for([one.effect])
-            sure = LeastSquares(seen.by_week([*given, *own]), size)
+            whole = self.seen.fit_for([one.effect])
+            whitened = LeastSquares(whole.by_week([*given, *own]), size)
         if one.effect.channel:
             # other dates are no placebo of a date: whatever is slow has some
-            null, freedom = sure.by_all_weeks()
+            null, freedom = whitened.by_all_weeks()
         else:
-            null, freedom = self.seen.placebo(given, own, sure)
-        rows, null = list(rows_of(one, design)), null / unit
-        seen = sure.estimate / scale
+            null, freedom = self.seen.placebo(given, own, whitened)
+        rows, null = rows_of(one, design), null / unit
+        seen = whitened.estimate / scale
         there = existence(one, rows, seen, null, freedom)
         fits = possible(rows, estimate, np.sqrt(np.diag(covariance)))
         keys = tuple(one.effect.rows())
         if not one.effect.channel:
-            keys = tuple(design.names[column] for column in one.columns)
-        sizes = gain / design.count, estimate, covariance
-        return Score(keys, *sizes, there, fits, seen, null, freedom)
+            keys = tuple(design.names[place_of(column)] for column in one.columns)
+        gain = gain / design.count
+        sizes = estimate, covariance
+        return Score(keys, gain, *sizes, there, fits, seen, null, freedom)
 
-    def with_members(self, choices):
+    def with_members(self, choices: Sequence[Choice]) -> list[Choice]:
         """Choices with all candidates that may be each, and their posterior."""
-        found = []
-        for i, one in enumerate(choices):
-            others = [*choices[:i], *choices[i + 1 :]]
-            found.append(self.weighed(one, others))
-        return found
+        return [
+            self.weighed(one, [*choices[:i], *choices[i + 1 :]])
+            for i, one in enumerate(choices)
+        ]
 
-    def weighed(self, choice, others):
+    def weighed(self, choice: Choice, others: Sequence[Choice]) -> Choice:
         """A choice with its rivals, by how much of its part each explains."""
         taken = [one.top.name for one in others]
         top = choice.top
@@ -301,13 +333,34 @@ class Selection:
         weights = self.posterior(members, given, top, min(sure, MOST_SURE))
         return replace(choice, members=members, scores=parts, weights=weights)
 
-    def posterior(self, members, given, top, sure):
+    def posterior(
+        self,
+        members: dict[str, Candidate],
+        given: Sequence[Column],
+        top: Candidate,
+        sure: float,
+    ) -> dict[str, float]:
         """
         Posterior among members of one single effect, averaged over draws of weeks.
 
         Each explains some of what the best one explains. The difference is
         compared with the error of the laws: an exact likelihood of so many rows
         would be sure of a law that is not exact (Huggins and Miller, 2023).
+
+        Parameters
+        ----------
+        members : dict of Candidate
+        given : sequence of int or Changed
+            Columns of the base and of the other choices.
+        top : Candidate
+            The best of them.
+        sure : float
+            Standard errors by which its size differs from nothing.
+
+        Returns
+        -------
+        dict of float
+            By name; they sum to 1.
         """
         design = self.design.fit_for(one.effect for one in members.values())
         if len(members) == 1:
@@ -322,49 +375,66 @@ class Selection:
         shared = np.minimum(parts, most)
         mine = top.beyond(given)
         for i, one in enumerate(members.values()):
-            own = one.beyond(given)
-            wholes = drawn(design.by_week([*given, *mine, *own]), draws)
-            shared[i] = np.minimum(shared[i], alike(wholes, len(mine), len(own)) * most)
+            rival = one.beyond(given)
+            wholes = drawn(design.by_week([*given, *mine, *rival]), draws)
+            share = alike(wholes, len(mine), len(rival))
+            shared[i] = np.minimum(shared[i], share * most)
         shapes = any(one.effect.confounder for one in members.values())
         law = (self.criteria.shape_error if shapes else self.criteria.law_error) ** 2
         # time profiles of one law differ by no error of that law
-        groups, logs = {}, np.empty_like(parts)
+        groups: dict[str, list[int]] = {}
+        logs = np.empty_like(parts)
         for i, one in enumerate(members.values()):
             groups.setdefault(one.effect.channel or one.name, []).append(i)
-        for own in groups.values():
-            within = 0.5 * sure**2 * parts[own] / most
-            within -= np.array(
-                [[dates_cost([*members.values()][i], sure)] for i in own]
-            )
+        costs = np.array([[dates_cost(one, sure)] for one in members.values()])
+        for same in groups.values():
+            within = 0.5 * sure**2 * parts[same] / most
+            within -= costs[same]
             within -= within.max(axis=0)
             within -= np.log(np.exp(within).sum(axis=0))
-            best = shared[own].max(axis=0)
-            logs[own] = within - 0.5 * (most - best) / (law * most)
+            best = shared[same].max(axis=0)
+            logs[same] = within - 0.5 * (most - best) / (law * most)
         logs += np.array([[one.log_prior] for one in members.values()])
         shares = np.exp(logs - logs.max(axis=0))
         shares = (shares / shares.sum(axis=0))[:, 1:].mean(axis=1)
         return dict(zip(members, shares.tolist()))
 
 
-def drawn_part(design, one, given, draws):
-    """Fall of the mean square by a candidate in draws of weeks, less noise."""
+def drawn_part(
+    design: Design, one: Candidate, given: Sequence[Column], draws: np.ndarray
+) -> np.ndarray:
+    """
+    Fall of the mean square by a candidate in draws of weeks, less noise.
+
+    Parameters
+    ----------
+    design : Design
+    one : Candidate
+    given : sequence of int or Changed
+    draws : array, shape (draws, weeks)
+        How often each week is drawn.
+
+    Returns
+    -------
+    array, shape (draws,)
+    """
     own = one.beyond(given)
     weekly = design.by_week([*given, *own])
-    found = LeastSquares(weekly, len(own))
+    fit = LeastSquares(weekly, len(own))
     # Takeuchi: what as many columns take of noise that is alike within weeks
-    beside = weekly.sum(axis=0)[1:, 1:]
-    inverse = np.linalg.inv(beside + 1e-9 * np.diag(np.diag(beside)))
+    squares = weekly.sum(axis=0)[1:, 1:]
+    inverse = np.linalg.inv(squares + 1e-9 * np.diag(np.diag(squares)))
     own_part = np.linalg.inv(inverse[-len(own) :, -len(own) :])
-    noise = np.trace(own_part @ found.covariance)
+    noise = np.trace(own_part @ fit.covariance)
     return (fall(drawn(weekly, draws), len(own)) - noise) / design.count
 
 
-def drawn(weekly, draws):
+def drawn(weekly: np.ndarray, draws: np.ndarray) -> np.ndarray:
     """Sums of products over each draw of weeks."""
     return np.einsum("dw,wij->dij", draws, weekly)
 
 
-def dates_cost(one, sure):
+def dates_cost(one: Candidate, sure: float) -> float:
     """
     What a date costs: minus the logarithm of the share of dates that are as good.
 
@@ -373,22 +443,24 @@ def dates_cost(one, sure):
     """
     if not one.effect.channel:
         return 0.0
-    many = DATED[one.effect.terms.course.name]
+    many = DATED[course_of(one.effect)]
     return many * max(float(np.log(sure**2 / DAYS_ALIKE)), 0.0)
 
 
-def rows_of(one, design):
+def rows_of(one: Candidate, design: Design) -> list[Parameter]:
     """Rows of the parameters of a candidate's columns."""
     rows = one.effect.rows()
     if one.effect.channel:
-        return rows.values()
-    return [rows[design.names[c]] for c in one.columns]
+        return [*rows.values()]
+    return [rows[design.names[place_of(column)]] for column in one.columns]
 
 
-def possible(rows, estimate, stderr):
+def possible(
+    rows: Sequence[Parameter], estimate: np.ndarray, stderr: np.ndarray
+) -> bool:
     """Whether coefficients are within their bounds, as far as a tangent can say."""
 
-    def slack(bound, error):
+    def slack(bound: float, error: float) -> float:
         return max(SLACK_ERRORS * error, SLACK * abs(bound))
 
     return all(
@@ -399,12 +471,29 @@ def possible(rows, estimate, stderr):
     )
 
 
-def existence(one, rows, estimate, covariance, freedom):
+def existence(
+    one: Candidate,
+    rows: Sequence[Parameter],
+    estimate: np.ndarray,
+    covariance: np.ndarray,
+    freedom: float,
+) -> float:
     """
     Probability that a candidate is there, by its estimate and its error alone.
 
     Wakefield's approximate Bayes factor, with the tails of Student's law for so many
     weeks.
+
+    Parameters
+    ----------
+    one : Candidate
+    rows : sequence of Parameter
+        Of its coefficients.
+    estimate : array, shape (coefficients,)
+    covariance : array, shape (coefficients, coefficients)
+        That the estimate would have by accident.
+    freedom : float
+        Of the covariance.
     """
     plain, wide, volume = distances(rows, estimate, covariance)
     tails = np.log1p(plain / freedom) - np.log1p(wide / freedom)
@@ -413,24 +502,50 @@ def existence(one, rows, estimate, covariance, freedom):
     return float(1.0 / (1.0 + np.exp(-np.clip(log_odds, -500.0, 500.0))))
 
 
-def distances(rows, estimate, covariance):
+def distances(
+    rows: Sequence[Parameter], estimate: np.ndarray, covariance: np.ndarray
+) -> tuple[float, float, float]:
     """
     Squared distances of an estimate from nothing, and how much broader one is.
 
     By the covariance, and by that with the prior of its size.
+
+    Returns
+    -------
+    plain, wide : float
+        Squared distance by each. [-]
+    volume : float
+        Logarithm of the ratio of their determinants.
     """
     widths = np.array([(row.upper - row.lower) / SIZES for row in rows])
     scale = np.sqrt(np.diag(covariance))
     inner = covariance / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
     sizes, mean = np.diag(np.square(widths / scale)), estimate / scale
-    plain = mean @ np.linalg.solve(inner, mean)
-    wide = mean @ np.linalg.solve(inner + sizes, mean)
+    plain = float(mean @ np.linalg.solve(inner, mean))
+    wide = float(mean @ np.linalg.solve(inner + sizes, mean))
     _, volume = np.linalg.slogdet(np.eye(len(mean)) + np.linalg.solve(inner, sizes))
     return plain, wide, volume
 
 
-def size_seen(one, rows, way, covariance, freedom, probability):
-    """How many times an estimate has to be to be there with a probability."""
+def size_seen(
+    one: Candidate,
+    rows: Sequence[Parameter],
+    way: np.ndarray,
+    covariance: np.ndarray,
+    freedom: float,
+    probability: float,
+) -> float:
+    """
+    How many times an estimate has to be to be there with a probability.
+
+    The other parameters are those of :func:`existence`.
+
+    Parameters
+    ----------
+    way : array, shape (coefficients,)
+        The estimate.
+    probability : float
+    """
     plain, wide, volume = distances(rows, way, covariance)
     log_odds = np.log(probability / (1.0 - probability))
     log_factor = log_odds - one.log_prior + one.log_dates + 0.5 * volume

@@ -130,14 +130,15 @@ def step_of(
     )
     selection = Selection(design, criteria)
     given = [*design.base]
-    (found,) = [*selection.candidates(given)] or [None]
-    if found is None:
+    candidates = selection.candidates(given)
+    if not candidates:
         return {}
-    score = selection.score(found, given)
+    (step,) = candidates
+    score = selection.score(step, given)
     both = selection.design.whole(given)
     before = share + float(solve(both)[0] / design.scale[1])
     if score.probability < criteria.probability or score.fall < criteria.hint_gain**2:
         return {}
     (size,), (error,) = score.estimate / before, score.stderr / before
-    at = found.effect.settings["at"]
+    at = step.effect.settings["at"]
     return {"step": at, "change": float(size), "stderr": float(error)}

@@ -103,3 +103,9 @@ def test_a_part_beside_a_change_has_no_time_to_correct(on_the_wall):
     lost = data[~loop.timed(data)[1]]
     with pytest.raises(ValueError, match=r"no row of data, .*, has a sure time"):
         loop.corrected(lost.iloc[:1])
+
+
+def test_data_without_times_are_refused_where_a_clock_was_corrected(on_the_wall):
+    data, loop = on_the_wall
+    with pytest.raises(ValueError, match="data has no DatetimeIndex but a RangeIndex"):
+        loop.predict(data.reset_index(drop=True))
