@@ -6,16 +6,25 @@ daily sums of all columns are made once; a change of an instrument from a date o
 column times a weight of each day, so that no date needs a pass over the rows.
 """
 
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
-from pvlib_fem._statistics.axes import axes
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._statistics.axes import Axis, axes
 from pvlib_fem._statistics.clusters import calendar_weeks
-from pvlib_fem._statistics.weekly_sums import products, solve, steady
+from pvlib_fem._statistics.tables import Table
+from pvlib_fem._statistics.weekly_sums import LeastSquares, products, solve, steady
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import weights_of
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.dictionary import Changed, Column
+    from pvlib_fem._loop.tangents import Evidence
 
 HOUR = 3600.0  # s, over which rows share a cell
 FOLDS = 5  # groups of weeks that are held out in turn
@@ -33,14 +42,14 @@ class Design:
     ----------
     names : tuple of str
         Of the columns.
-    cells : array
+    cells : array, shape (cells, columns)
         Means of each column over the rows of each cell, tangents scaled to a mean
         square of 1. [K]
-    scale : array
+    scale : array, shape (columns,)
         What each column was divided by.
-    rows : array
+    rows : array, shape (cells,)
         Number of rows in each cell.
-    days : array of int
+    days : array of int, shape (cells,)
         Day of each cell, from 1970-01-01.
     base : tuple of int
         Columns of the fitted coefficients and of what a misshapen steady model leaves.
@@ -55,25 +64,30 @@ class Design:
         Mean of each driver in each cell, and the clock and calendar of the cells.
     """
 
-    names: tuple
+    names: tuple[str, ...]
     cells: np.ndarray = field(repr=False)
     scale: np.ndarray = field(repr=False)
     rows: np.ndarray = field(repr=False)
     days: np.ndarray = field(repr=False)
-    base: tuple
-    own: dict
-    effects: dict
-    channels: dict
-    changing: tuple
-    places: dict = field(repr=False)
-    noise: tuple = ()  # random effects by which the cells are whitened
-    daily_draws: bool = (
-        False  # whether each day is a draw of the weather, and not a week
-    )
+    base: tuple[int, ...]
+    own: dict[str, tuple[int, ...]]
+    effects: dict[str, Effect]
+    channels: dict[str, int]
+    changing: tuple[Effect, ...]
+    places: dict[str, np.ndarray] = field(repr=False)
+    noise: tuple[Table, ...] = ()  # random effects by which the cells are whitened
+    #: whether each day is a draw of the weather, and not a week
+    daily_draws: bool = False
     plain: "Design | None" = field(default=None, repr=False)  # the same without
 
     @classmethod
-    def of(cls, found, record, lifted=(), drivers=()):
+    def of(
+        cls,
+        found: "Evidence",
+        record: Record,
+        lifted: Sequence[tuple[Effect, Mapping[str, float]]] = (),
+        drivers: Iterable[str] = (),
+    ) -> Self:
         """
         The design of the evidence of a fitted model.
 
@@ -95,7 +109,7 @@ class Design:
         first = np.flatnonzero(np.diff(key, prepend=key[:1] - 1))
         rows = np.diff(first, append=len(key)).astype(float)
 
-        def means(column):
+        def means(column: np.ndarray) -> np.ndarray:
             return np.add.reduceat(np.nan_to_num(column), first) / rows
 
         channels = {effect.channel: column for effect, column in found.changing}
@@ -150,8 +164,29 @@ class Design:
         )
 
     @classmethod
-    def of_columns(cls, residual, columns, channel, dates, changing):
-        """A design of some columns, and of one along which something changes."""
+    def of_columns(
+        cls,
+        residual: np.ndarray,
+        columns: dict[str, np.ndarray],
+        channel: np.ndarray,
+        dates: np.ndarray,
+        changing: Collection[Effect],
+    ) -> Self:
+        """
+        A design of some columns, and of one along which something changes.
+
+        Parameters
+        ----------
+        residual : array, shape (rows,)
+        columns : dict of array, shape (rows,)
+            Without changes.
+        channel : array, shape (rows,)
+            The column that a change scales.
+        dates : array of int, shape (rows,)
+            In order, from 1970-01-01.
+        changing : sequence of Effect
+            Changes whose dates are to be found.
+        """
         first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
         days = np.repeat(np.arange(len(first)), np.diff(first, append=len(dates)))
         values = np.column_stack([residual, *columns.values(), channel])
@@ -173,78 +208,79 @@ class Design:
         )
 
     @cached_property
-    def dates(self):
+    def dates(self) -> np.ndarray:
         """Each day that has cells."""
         return self.days[self.first]
 
     @cached_property
-    def first(self):
+    def first(self) -> np.ndarray:
         """First cell of each day."""
         return np.flatnonzero(np.diff(self.days, prepend=self.days[:1] - 1))
 
     @cached_property
-    def daily(self):
-        """Daily sums of products."""
+    def daily(self) -> np.ndarray:
+        """Daily sums of products: an array of (days, columns, columns)."""
         return products(self.cells, self.rows, np.append(self.first, len(self.rows)))
 
     @cached_property
-    def clusters(self):
+    def clusters(self) -> np.ndarray:
         """First day of each week, whose weather is shared; each day where few weeks."""
         weeks = self.has_weeks and not self.daily_draws
         return self.starts if weeks else np.arange(len(self.dates))
 
     @cached_property
-    def starts(self):
+    def starts(self) -> np.ndarray:
         """First day of each week."""
         weeks = calendar_weeks(self.dates)
         return np.flatnonzero(np.diff(weeks, prepend=weeks[:1] - 1))
 
     @property
-    def has_weeks(self):
+    def has_weeks(self) -> bool:
         """Whether there are enough of them to see how far they differ."""
         return len(self.starts) >= FEWEST_WEEKS
 
     @cached_property
-    def weekly(self):
-        """Weekly sums of products."""
+    def weekly(self) -> np.ndarray:
+        """Weekly sums of products: an array of (weeks, columns, columns)."""
         return np.add.reduceat(self.daily, self.clusters, axis=0)
 
     @cached_property
-    def total(self):
+    def total(self) -> np.ndarray:
+        """Products over all weeks: an array of (columns, columns)."""
         return self.weekly.sum(axis=0)
 
     @cached_property
-    def in_days(self):
+    def in_days(self) -> "Design":
         """The design whose errors come from the spread between days."""
-        found = replace(self, daily_draws=True)
-        vars(found)["daily"] = self.daily
-        return found
+        design = replace(self, daily_draws=True)
+        vars(design)["daily"] = self.daily
+        return design
 
-    def fit_for(self, effects):
+    def fit_for(self, effects: Iterable[Effect]) -> "Design":
         """The design for some effects: in days, if one may act in a week alone."""
         return self.in_days if any(one.turns for one in effects) else self
 
     @cached_property
-    def folds(self):
+    def folds(self) -> np.ndarray:
         """Which weeks are in which group, as a table of ones."""
         weeks = np.arange(len(self.clusters))
         return (weeks % FOLDS == np.arange(FOLDS)[:, None]).astype(float)
 
     @property
-    def count(self):
+    def count(self) -> float:
         """Number of rows."""
         return float(self.rows.sum())
 
     @cached_property
-    def made(self):
+    def made(self) -> dict["Changed", tuple[np.ndarray, np.ndarray]]:
         """Weights of changes, and their daily products with all columns, made once."""
         return {}
 
-    def weights(self, change):
+    def weights(self, change: "Changed") -> np.ndarray:
         """Weight of each day of a change."""
         return weights_of(change.effect, self.dates)
 
-    def parts(self, change):
+    def parts(self, change: "Changed") -> tuple[np.ndarray, np.ndarray]:
         """Weights of a change, and its daily products with every column."""
         if change not in self.made:
             weights = self.weights(change)
@@ -257,30 +293,30 @@ class Design:
         return self.made[change]
 
     @cached_property
-    def weeks(self):
+    def weeks(self) -> np.ndarray:
         """Number of the week of each cell; of the day where weeks are few."""
         starts = np.zeros(len(self.days), dtype=int)
         starts[self.first[self.clusters[1:]]] = 1
         return np.cumsum(starts)
 
     @cached_property
-    def axes(self):
+    def axes(self) -> list[Axis]:
         """Ways to sort the cells."""
         return [*axes(self.places, self.days)]
 
-    def left_by(self, columns):
+    def left_by(self, columns: Sequence["Column"]) -> np.ndarray:
         """What some columns leave of the residual in the cells. [K]"""
         table = np.column_stack([self.values(c) for c in columns])
         return self.cells[:, 0] - table @ solve(self.whole(columns))
 
-    def whitened(self, noise):
+    def whitened(self, noise: Sequence[Table]) -> "Design":
         """The design for generalised least squares with some random effects."""
         if not noise:
             return self
         cells = np.column_stack([self.freed(column, noise) for column in self.cells.T])
         return replace(self, cells=cells, noise=tuple(noise), plain=self)
 
-    def freed(self, column, noise):
+    def freed(self, column: np.ndarray, noise: Iterable[Table]) -> np.ndarray:
         """A column less a part of its mean in each group of each random effect."""
         for table in noise:
             sums = np.bincount(table.groups, column * self.rows, len(table.rows))
@@ -288,7 +324,7 @@ class Design:
             column = column - (table.free * means)[table.groups]
         return column
 
-    def adding(self, sizes):
+    def adding(self, sizes: Mapping["Column", float]) -> "Design":
         """The design whose residual has multiples of some columns or changes more."""
         cells = self.cells.copy()
         for column, size in sizes.items():
@@ -296,31 +332,46 @@ class Design:
             cells[:, 0] += size * scale * self.values(column)
         return replace(self, cells=cells)
 
-    def by_week(self, columns):
-        """Weekly products of the residual and some columns, changes among them."""
+    def by_week(self, columns: Sequence["Column"]) -> np.ndarray:
+        """
+        Weekly products of the residual and some columns, changes among them.
 
-        def sums(rows):
+        Parameters
+        ----------
+        columns : sequence of int or Changed
+
+        Returns
+        -------
+        array, shape (weeks, len(columns) + 1, len(columns) + 1)
+        """
+
+        def sums(rows: np.ndarray) -> np.ndarray:
             return np.add.reduceat(rows, self.clusters, axis=0)
 
         return self.products(columns, self.weekly, sums)
 
-    def whole(self, columns):
+    def whole(self, columns: Sequence["Column"]) -> np.ndarray:
         """Products of the residual and some columns over all weeks."""
         return self.products(columns, self.total, lambda rows: rows.sum(axis=0))
 
-    def products(self, columns, known, sums):
+    def products(
+        self,
+        columns: Sequence["Column"],
+        known: np.ndarray,
+        sums: Callable[[np.ndarray], np.ndarray],
+    ) -> np.ndarray:
         """Products of the residual and some columns, from daily ones."""
         places = [0, *(c if isinstance(c, int) else c.place for c in columns)]
-        found = known[..., places, :][..., places]
+        table = known[..., places, :][..., places]
         changes = [(i + 1, c) for i, c in enumerate(columns) if not isinstance(c, int)]
         for i, change in changes:
             rows = sums(self.parts(change)[1][:, places])
-            found[..., i, :] = found[..., i] = rows
+            table[..., i, :] = table[..., i] = rows
             for j, other in changes:
-                found[..., i, j] = found[..., j, i] = sums(self.crossed(change, other))
-        return found
+                table[..., i, j] = table[..., j, i] = sums(self.crossed(change, other))
+        return table
 
-    def crossed(self, change, other):
+    def crossed(self, change: "Changed", other: "Changed") -> np.ndarray:
         """Daily products of two changes."""
         if self.noise:
             product = self.values(change) * self.values(other) * self.rows
@@ -328,40 +379,41 @@ class Design:
         both = self.parts(change)[0] * self.parts(other)[0]
         return both * self.daily[:, change.place, other.place]
 
-    def by_day(self, place, columns):
+    def by_day(self, place: int, columns: Sequence["Column"]) -> np.ndarray:
         """Daily products of one column with the residual and some others."""
-        found = np.empty((len(self.dates), len(columns) + 1))
-        found[:, 0] = self.daily[:, place, 0]
+        table = np.empty((len(self.dates), len(columns) + 1))
+        table[:, 0] = self.daily[:, place, 0]
         for i, column in enumerate(columns):
             if isinstance(column, int):
-                found[:, i + 1] = self.daily[:, place, column]
+                table[:, i + 1] = self.daily[:, place, column]
             else:
                 weights = self.parts(column)[0]
-                found[:, i + 1] = weights * self.daily[:, place, column.place]
-        return found
+                table[:, i + 1] = weights * self.daily[:, place, column.place]
+        return table
 
-    def values(self, column):
+    def values(self, column: "Column") -> np.ndarray:
         """A column, or a change, in the cells."""
         if isinstance(column, int):
             return self.cells[:, column]
-        if self.noise:
+        if self.plain is not None:
             if column not in self.freed_changes:
                 values = self.freed(self.plain.values(column), self.noise)
                 self.freed_changes[column] = values
             return self.freed_changes[column]
         return self.cells[:, column.place] * self.weight(column)
 
-    def weight(self, change):
+    def weight(self, change: "Changed") -> np.ndarray:
         """Weight of each cell of a change."""
         lengths = np.diff(self.first, append=len(self.days))
         return np.repeat(self.weights(change), lengths)
 
     @cached_property
-    def freed_changes(self):
+    def freed_changes(self) -> dict["Changed", np.ndarray]:
+        """Whitened changes in the cells, made once."""
         return {}
 
     @cached_property
-    def grid(self):
+    def grid(self) -> tuple[np.ndarray, tuple[int, int]]:
         """Place of each cell in a table of days by hours, and the table's shape."""
         days = np.repeat(
             np.arange(len(self.dates)), np.diff(self.first, append=len(self.days))
@@ -369,24 +421,40 @@ class Design:
         hours = int(self.places["hour"].max()) + 1
         return days * hours + self.places["hour"].astype(int), (len(self.dates), hours)
 
-    def placebo(self, given, own, found):
+    def placebo(
+        self, given: Sequence["Column"], own: Sequence["Column"], fit: LeastSquares
+    ) -> tuple[np.ndarray, float]:
         """
         Covariance that an estimate would have by accident, and its freedom.
 
         The residual is compared with the effect as it was on other days: each shift
         by a week or more is a draw in which the effect explains nothing.
+
+        Parameters
+        ----------
+        given, own : sequence of int or Changed
+            Columns of the base and of other choices, and those of the effect.
+        fit : LeastSquares
+            Of all of them, those of the effect last.
+
+        Returns
+        -------
+        covariance : array, shape (len(own), len(own))
+        freedom : float
         """
         size, root = len(own), np.sqrt(self.rows)
-        whole = found.whole[1:, 1:]
-        beside = np.linalg.solve(steady(whole)[:-size, :-size], whole[:-size, -size:])
+        whole = fit.whole[1:, 1:]
+        explained = np.linalg.solve(
+            steady(whole)[:-size, :-size], whole[:-size, -size:]
+        )
         table = np.column_stack([self.values(c) for c in given])
         mine = np.column_stack([self.values(c) for c in own])
-        rest = self.cells[:, 0] - table @ found.solved[:-size]
-        rest = (rest - mine @ found.estimate) * root
-        mine = (mine - table @ beside) * root[:, None]
+        rest = self.cells[:, 0] - table @ fit.solved[:-size]
+        rest = (rest - mine @ fit.estimate) * root
+        mine = (mine - table @ explained) * root[:, None]
         place, shape = self.grid
 
-        def spectrum(column):
+        def spectrum(column: np.ndarray) -> np.ndarray:
             laid = np.zeros(shape)
             laid.flat[place] = column
             return np.fft.rfft(laid, axis=0)
@@ -403,16 +471,19 @@ class Design:
         covariance = inverse @ (drawn @ drawn.T / drawn.shape[1]) @ inverse
         return covariance, max(shape[0] / APART - 1.0, 1.0)
 
-    def scales(self, columns):
+    def scales(self, columns: Sequence["Column"]) -> np.ndarray:
         """What the coefficients of some columns are to be divided by."""
         return np.array(
             [self.scale[c if isinstance(c, int) else c.place] for c in columns]
         )
 
 
-def independent(cells, rows, places):
+def independent(
+    cells: np.ndarray, rows: np.ndarray, places: Iterable[int]
+) -> tuple[int, ...]:
     """Drop columns of an effect that are sums of its others, as in one hour of snow."""
-    kept, root = [], np.sqrt(rows)
+    root = np.sqrt(rows)
+    kept: list[int] = []
     for place in places:
         column = cells[:, place] * root
         if kept:
@@ -424,7 +495,9 @@ def independent(cells, rows, places):
     return tuple(kept)
 
 
-def drivers_of(record, rows, drivers):
+def drivers_of(
+    record: Record, rows: np.ndarray, drivers: Iterable[str]
+) -> dict[str, np.ndarray]:
     """Inputs, geometry and measured drivers of a record at some rows."""
     # power follows the light itself, and would sort by what it should tell
     names = {*COLUMNS[:3], *GEOMETRY, *drivers} & {*record.inputs.columns} - {

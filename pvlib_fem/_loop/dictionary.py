@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, cast
 
 import numpy as np
 
@@ -57,6 +57,12 @@ class Candidate:
     @property
     def name(self) -> str:
         return self.effect.name
+
+    @property
+    def change(self) -> Changed:
+        """The only column of a candidate that has a channel."""
+        (column,) = self.columns
+        return cast(Changed, column)
 
     def beyond(self, given: Sequence[Column]) -> list[Column]:
         """Columns that are not given already."""
@@ -230,9 +236,8 @@ def first_days(
     begin = dates.get("at") or dates.get("start")
     if begin is None:
         return effect
-    (column,) = one.columns
     scan = Scan.of(design, given, side)
-    sums, last = scan.sums(place_of(column)), len(days)
+    sums, last = scan.sums(one.change.place), len(days)
     if "end" in dates:
         last = int(np.searchsorted(days, number(dates["end"])))
     starts = np.arange(1, max(last, 2))

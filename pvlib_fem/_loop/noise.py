@@ -7,7 +7,9 @@ and its law leaves nothing along its own drivers. What stands in for something u
 loses its size within those tables, or leaves as much as it explains.
 """
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +19,14 @@ from pvlib_fem._statistics.axes import CLOCK, Axis, sorted_by
 from pvlib_fem._statistics.tables import Table, group_means, joined, largest
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import needed_for
+from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import OF_NO_COEFFICIENT
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.criteria import Criteria
+    from pvlib_fem._loop.design import Design
+    from pvlib_fem._loop.dictionary import Candidate, Column
+    from pvlib_fem._loop.selection import Choice
 
 TINY = 1e-100  # density of what is as far as anything
 FAR = 0.35  # spread of the part of an effect that holds under other conditions
@@ -44,7 +53,7 @@ class OutsidePrior:
     alike: float  # probability that it follows them exactly as the candidate
 
 
-def prior_of(effect, outside):
+def prior_of(effect: Effect, outside: float) -> OutsidePrior:
     """The prior of a cause outside the catalogue as a rival of an effect."""
     if effect.settings.get("sensor"):  # a reflection onto the module looks the same
         return OutsidePrior(REFLECTION, 1.0)
@@ -55,7 +64,13 @@ def prior_of(effect, outside):
     return OutsidePrior(outside, 1.0)
 
 
-def with_outside(design, choice, given, criteria, logs=None):
+def with_outside(
+    design: "Design",
+    choice: "Choice",
+    given: Sequence["Column"],
+    criteria: "Criteria",
+    logs: Mapping[str, float] | None = None,
+) -> "Choice":
     """
     The choice with the probability of each member and of a cause outside.
 
@@ -64,11 +79,15 @@ def with_outside(design, choice, given, criteria, logs=None):
     design : Design
     choice : Choice
         With members and their weights.
-    given : sequence
+    given : sequence of int or Changed
         Columns of the base and of the other choices.
     criteria : Criteria
     logs : dict, optional
         Log-likelihoods by references of each member, and of :data:`OUTSIDE`.
+
+    Returns
+    -------
+    Choice
     """
     logs = logs or dict.fromkeys([*choice.members, OUTSIDE], 0.0)
     most = max(logs.values())
@@ -92,20 +111,23 @@ def with_outside(design, choice, given, criteria, logs=None):
     return replace(choice, probabilities=probabilities)
 
 
-def shares(design, one, given):
+def shares(
+    design: "Design", one: "Candidate", given: Sequence["Column"]
+) -> list[tuple[float, float]]:
     """Share of its size that remains under other conditions, with its error."""
     own = one.beyond(given)
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
     others = [within(design, given, own, t) for t in tables(design, one.effect)]
     if one.effect.channel in OF_NO_COEFFICIENT:
         # what the instrument has had all the time is no change
-        (change,) = one.columns
-        others.append(design.by_week([*given, change.place, *own]))
-    found = (kept(plain, LeastSquares(other, len(own))) for other in others)
-    return [share for share in found if share is not None]
+        others.append(design.by_week([*given, one.change.place, *own]))
+    every = (kept(plain, LeastSquares(other, len(own))) for other in others)
+    return [share for share in every if share is not None]
 
 
-def misfits(design, one, given, fall):
+def misfits(
+    design: "Design", one: "Candidate", given: Sequence["Column"], fall: float
+) -> list[float]:
     """
     What a law leaves along its own drivers, over what the best law explains.
 
@@ -118,20 +140,21 @@ def misfits(design, one, given, fall):
         return []
     rest = design.left_by([*given, *one.beyond(given)])
     if one.effect.channel:
-        found = [of_hours(design, one, rest)]
+        tables = [of_hours(design, one, rest)]
     else:
         mine = own_columns(one.effect)
         axes = [axis for axis in design.axes if axis.column in mine]
         if mine:
-            axes += [sorted_by("", design.cells[:, place]) for place in one.columns]
+            columns = (design.values(column) for column in one.columns)
+            axes += filter(None, (sorted_by("", column) for column in columns))
         weeks = design.rows, design.weeks
-        found = [Table.of((axis,), rest, *weeks) for axis in axes if axis is not None]
+        tables = [Table.of((axis,), rest, *weeks) for axis in axes]
     # by a standard error less: no more than is sure
-    sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in found]
+    sure = [t.variance * max(1.0 - 1.0 / max(t.errors, 1.0), 0.0) for t in tables]
     return [float(np.sqrt(variance / fall)) for variance in sure]
 
 
-def of_hours(design, one, rest):
+def of_hours(design: "Design", one: "Candidate", rest: np.ndarray) -> Table:
     """
     The table by hour of what a change leaves, on days with more and with less of it.
 
@@ -140,20 +163,21 @@ def of_hours(design, one, rest):
     the change.
     """
     (hour,) = (axis for axis in design.axes if axis.name == "hour")
-    (column,) = one.columns
-    weight = design.weight(column)
+    weight = design.weight(one.change)
     much = (weight > weight @ design.rows / design.count).astype(int)
     side = Axis("change", much, ((0, 0), (1, 1)))
     rest = rest - group_means(hour.bins, design.rows)(rest)
     return Table.of((hour, side), rest, design.rows, design.weeks)
 
 
-def own_columns(effect):
+def own_columns(effect: Effect) -> set[str]:
     """Measured columns of an effect beyond the usual inputs and the sun."""
     return {*needed_for(effect.drivers)} - {*COLUMNS[:3], *GEOMETRY}
 
 
-def likelihoods(sizes, rest, law):
+def likelihoods(
+    sizes: Sequence[tuple[float, float]], rest: Sequence[float], law: float
+) -> tuple[float, float]:
     """
     How likely sizes within tables and misfits are, by a law and by something unknown.
 
@@ -175,16 +199,33 @@ def likelihoods(sizes, rest, law):
     return law * inside, law * float(np.mean(unknown or [inside]))
 
 
-def density(distance, width):
+def density(distance: float, width: float) -> float:
+    """Density of a normal distribution, up to a factor, and not zero."""
     return max(float(np.exp(-0.5 * (distance / width) ** 2) / width), TINY)
 
 
-def within(design, given, own, groups):
+def within(
+    design: "Design",
+    given: Sequence["Column"],
+    own: Sequence["Column"],
+    groups: np.ndarray,
+) -> np.ndarray:
     """
     Weekly products of columns less their means in groups of cells.
 
     A change counts as far as its weight differs within a group. Variation of the
     sensor's column within a group is no evidence of a change.
+
+    Parameters
+    ----------
+    design : Design
+    given, own : sequence of int or Changed
+        Columns of the base and of other choices, and those of an effect.
+    groups : array of int, shape (cells,)
+
+    Returns
+    -------
+    array, shape (weeks, columns, columns)
     """
     mean = group_means(groups, design.rows)
     columns = [design.cells[:, 0], *map(design.values, given)]
@@ -201,7 +242,7 @@ def within(design, given, own, groups):
     return products(values, design.rows, starts)
 
 
-def kept(plain, other):
+def kept(plain: LeastSquares, other: LeastSquares) -> tuple[float, float] | None:
     """Share of its size that remains in another fit, and its error."""
     size = plain.size
     before, after = (np.diag(one.whole)[-size:] for one in (plain, other))
@@ -219,7 +260,7 @@ def kept(plain, other):
     return share, float(error)
 
 
-def tables(design, effect):
+def tables(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
     """Group of each cell, by each table of unknown structure that an effect meets."""
     axes = {axis.name: axis for axis in design.axes}
     for kind in usual_tables(axes):
@@ -232,20 +273,22 @@ def tables(design, effect):
             yield numbered(joined((axis, axes["hour"]))[0])
 
 
-def usual_tables(axes):
+def usual_tables(axes: Mapping[str, Axis]) -> list[tuple[Axis, ...]]:
     """Axes of the tables over clock and calendar, usual inputs, the sun's position."""
     found = [tuple(axes[name] for name in pair if name in axes) for pair in PAIRS]
     return [kind for kind in dict.fromkeys(found) if kind]
 
 
-def random_effects(design, given, least):
+def random_effects(
+    design: "Design", given: Sequence["Column"], least: float
+) -> tuple[Table, ...]:
     """
     Tables of the residual given some columns: the largest, then that of the rest.
 
     Parameters
     ----------
     design : Design
-    given : sequence
+    given : sequence of int or Changed
         Columns.
     least : float
         Variance that is material. [K²]
@@ -258,7 +301,9 @@ def random_effects(design, given, least):
     return in_turn(design, design.left_by(given), kinds, least)
 
 
-def in_turn(design, rest, kinds, least):
+def in_turn(
+    design: "Design", rest: np.ndarray, kinds: list[tuple[Axis, ...]], least: float
+) -> tuple[Table, ...]:
     """The largest table of some kinds, then the largest of the rest, and so on."""
     found = []
     while len(found) < MOST_TABLES:
@@ -270,6 +315,6 @@ def in_turn(design, rest, kinds, least):
     return tuple(found)
 
 
-def numbered(groups):
+def numbered(groups: np.ndarray) -> np.ndarray:
     """The groups numbered without those that do not occur."""
     return np.unique(groups, return_inverse=True)[1]
