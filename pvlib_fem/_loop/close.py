@@ -21,6 +21,7 @@ from pvlib_fem._loop.design import Design
 from pvlib_fem._loop.dictionary import Column
 from pvlib_fem._loop.divided_record import Case
 from pvlib_fem._loop.leaks import leaks
+from pvlib_fem._loop.loop_files import Reading
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
@@ -271,7 +272,7 @@ def searched(
     if own is None:
         sky = how["instead"].transposition if case.transposed else ""
         replaced = {"transposition": sky, "stand_ins": case.standing}
-    reading = {"rows": len(frame.index), "notes": notes_of(frame)}
+    reading = Reading(rows=len(frame.index), notes=notes_of(frame))
     return search, replace(
         loop,
         given=given,

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -13,12 +13,13 @@ from pvlib_fem._ceiling.ceiling_result import Ceiling
 from pvlib_fem._ceiling.trees import ceiling_of, regressor
 from pvlib_fem._correction.correct_record import corrected_record
 from pvlib_fem._correction.corrected_record import CorrectedRecord
-from pvlib_fem._findings import Finding, Kind
+from pvlib_fem._findings import Correction, Finding, Kind
 from pvlib_fem._fitting.fem_fit import FemFit
 from pvlib_fem._fitting.horizontal import again
+from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.loop_files import loop_content, loop_parts
+from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
 from pvlib_fem._loop.planes import with_series
 from pvlib_fem._loop.threads import one_thread_of_trees
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
@@ -31,6 +32,7 @@ from pvlib_fem._statements.make import statements_of
 from pvlib_fem._statements.statement import Statement, as_table
 from pvlib_fem._statements.worth import energies
 from pvlib_fem._stored import opened, saved, written
+from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem.drivers import checked_place, geometry
 from pvlib_fem.drivers._mounts import (
     ANGLES,
@@ -38,8 +40,13 @@ from pvlib_fem.drivers._mounts import (
     plane_of_rows,
 )
 from pvlib_fem.effects import EffectLike
+from pvlib_fem.quality._tracker_standstill import Standing
+from pvlib_fem.reasons import Because
 from pvlib_fem.scores import GAMMA
 from pvlib_fem.types import FilePath
+
+#: at the times of data
+Result = TypeVar("Result", pd.DataFrame, pd.Series)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,36 +138,37 @@ class Loop:
     """
 
     finding_objects: tuple[Finding, ...]
-    corrections: tuple
+    corrections: tuple[Correction, ...]
     table: pd.DataFrame
     base: str
     last: str
-    untestable: dict
+    untestable: dict[str, Because]
     ranking: pd.DataFrame = field(repr=False)
     fit: FemFit = field(repr=False)
-    notes: tuple
-    place: dict
+    notes: tuple[str, ...]
+    place: dict[str, Any]
     residual_before: pd.Series | None = field(repr=False)
     weeks: pd.Series | None = field(repr=False)
     budget: pd.DataFrame = field(repr=False)
     episodes: pd.DataFrame = field(repr=False)
     events: pd.DataFrame = field(repr=False)
-    plain: tuple = field(repr=False)
+    plain: tuple[ThermalModel, dict[str, float]] = field(repr=False)
     criteria: Criteria = field(repr=False)
     weighed: bool = True
-    given: dict = field(repr=False, default_factory=dict)
+    given: dict[str, str] = field(repr=False, default_factory=dict)
     own_steps: FemFit | None = field(repr=False, default=None)
     times: Times | None = field(repr=False, default=None)
     transposition: str = ""
-    stand_ins: tuple = ()
-    reading: dict = field(repr=False, default_factory=dict)
-    standings: tuple = ()
+    stand_ins: tuple[StandIn, ...] = ()
+    reading: Reading = field(repr=False, default_factory=Reading)
+    standings: tuple[Standing, ...] = ()
 
     @cached_property
-    def week_rows(self) -> dict:
+    def week_rows(self) -> dict[str, int]:
         """Rows of each kind of weeks."""
         # a loop that was read from a file has no weeks, and brings these
-        return self.weeks.value_counts().to_dict()  # type: ignore[union-attr]
+        counts = self.weeks.value_counts()  # type: ignore[union-attr]
+        return {str(name): int(rows) for name, rows in counts.items()}
 
     @cached_property
     def own_ceiling(self) -> Ceiling:
@@ -297,9 +305,8 @@ class Loop:
         self, data: pd.DataFrame, correct_times: bool = True
     ) -> tuple[pd.DataFrame, np.ndarray]:
         """Correct the times of ``data``; return rows with a time, and their mask."""
-        known = np.ones(len(data), dtype=bool)
         if self.times is None or not correct_times:
-            return data, known
+            return data, np.ones(len(data), dtype=bool)
         index, known = self.times.corrected(data.index)
         return data[known].set_axis(index[known]), known
 
@@ -352,7 +359,7 @@ class Loop:
         model, coefficients = self.plain
         if not fallback:
             return self.fit.predict(*usual, **drivers)
-        plain = model.predict(*usual, coefficients)
+        plain = model.predict(*usual, coefficients=coefficients)
         if {*self.fit.thermal_model.drivers} - {*drivers}:
             return plain
         return self.fit.predict(*usual, **drivers).fillna(plain)
@@ -487,7 +494,7 @@ class Loop:
                 found.data.pop(name)
         return found
 
-    def filled(self, data: pd.DataFrame, place: dict) -> dict[str, pd.Series]:
+    def filled(self, data: pd.DataFrame, place: dict[str, Any]) -> dict[str, pd.Series]:
         """The columns of ``data`` with what stood in for others in this loop."""
         columns = with_aliases(data, ())
         for one in self.stand_ins:
@@ -500,7 +507,7 @@ class Loop:
         columns = self.filled(timed, self.there(timed, {}))
         names = [one.usual for one in self.stand_ins if one.column in columns]
         names += ["poa_global"] if self.transposition else []
-        labels = {printable(label): label for label in data}
+        labels: dict[str, Any] = {printable(label): label for label in data}
         return data.assign(
             **{
                 labels.get(name, name): untimed(columns[name], data.index, known)
@@ -578,12 +585,13 @@ class Loop:
         -------
         str
         """
-        found = self.statement_objects
+        statements = self.statement_objects
         if gamma != GAMMA:
-            found = statements_of(self, energies(self, gamma))
-        return saved(page(self, as_table(found), never(self.fit), title, gamma), path)
+            statements = statements_of(self, energies(self, gamma))
+        table = as_table(statements)
+        return saved(page(self, table, never(self.fit), title, gamma), path)
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return brief(self)
 
     def to_json(self, path: FilePath | None = None, **cell: float) -> str:
@@ -688,11 +696,11 @@ class Loop:
         """
         return printable("\n".join(lines(self)), "\n")
 
-    def __str__(self):
+    def __str__(self) -> str:
         return printable("\n".join(summary(self)), "\n")
 
 
-def untimed(found, index, known):
+def untimed(found: Result, index: pd.Index, known: np.ndarray) -> Result:
     """Put a result back on the times of the data; NaN where a time is unknown."""
     if known.all():
         return found.set_axis(index)
