@@ -35,8 +35,11 @@ sun's position and the date; {{py:meth}}`loop.ceiling <pvlib_fem.Loop.ceiling>`
 describes their training. The *share closed* refers to the squared error that the trees
 explain.
 
-| record | paper's form | the loop | trees | rows | share closed |
-|---|---|---|---|---|---|
+*Causes* are the loop's findings; *the loop* also has its unexplained patterns, which
+repeat from week to week and have no known cause.
+
+| record | paper's form | causes | the loop | trees | rows | share closed | by causes |
+|---|---|---|---|---|---|---|---|
 """
 WITHOUT = """
 ## What the trees follow
@@ -67,8 +70,12 @@ def page(found, day):
         python=platform.python_version(),
     ).rstrip()
     for name, one in found.items():
-        errors = " | ".join(f"{e:.2f}" for e in (one.paper, one.loop, one.trees))
-        yield f"| `{name}` | {errors} | {one.rows:,} | {100 * one.closed:.0f} % |"
+        errors = one.paper, one.causes, one.loop, one.trees
+        cells = " | ".join(f"{error:.2f}" for error in errors)
+        shares = " | ".join(
+            f"{100 * one.share(error):.0f} %" for error in (one.loop, one.causes)
+        )
+        yield f"| `{name}` | {cells} | {one.rows:,} | {shares} |"
     groups = list(
         dict.fromkeys(group for one in found.values() for group in one.without)
     )

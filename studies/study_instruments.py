@@ -129,9 +129,8 @@ def looked(seed):
     row["clear"] = off is not None and clear(loop, off, own(world, channel, course, at))
     row["dates"] = dated(loop, right, world, course, at)
     row["told"] = told_of(right, channel, course, size, world.days / 365.0)
-    row["before"], row["after"] = (
-        float(loop.table["rmse_test"].loc[name]) for name in (loop.base, loop.last)
-    )
+    errors = loop.table["rmse_test"]
+    row["before"], row["after"] = float(errors[loop.base]), float(errors.iloc[-1])
     return row
 
 

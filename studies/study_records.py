@@ -306,7 +306,7 @@ def mentioned(loop, case):
 def errors(loop, data, case, off, site):
     """Test-week errors, and how large the effects are. [K]"""
     table = loop.table["rmse_test"]
-    before, after = float(table[loop.base]), float(table[loop.last])
+    before, after = float(table[loop.base]), float(table.iloc[-1])
     terms = catalogue(loop, data, case, site)
     best = refit(loop, list(terms.values())) if terms else before
     row = {"before": before, "after": after, "oracle": best}

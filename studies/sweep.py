@@ -226,7 +226,7 @@ def swept(names, world, case, change):
         )
         row["left"] = tuple(f.candidates for f in loop.unexplained)
         row["told"] = told(loop)
-        row["error"] = float(loop.table["rmse_test"][loop.last])
+        row["error"] = float(loop.table["rmse_test"].iloc[-1])
         rows.append(row)
     return rows
 

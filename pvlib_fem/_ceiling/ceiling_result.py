@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pvlib_fem._converter import AnyFloat
 from pvlib_fem._report.ceiling_text import sentence
 
 
@@ -17,14 +18,16 @@ class Ceiling:
     Attributes
     ----------
     paper, loop, trees : float
-        RMSE of the paper's form, which has no effects, of the loop's last step, and of
-        the trees. [K]
+        RMSE of the paper's form, which has no effects, of the loop with its unexplained
+        patterns, and of the trees. [K]
     rows : int
         Rows of test weeks that all three are of.
     without : dict of float
         RMSE of trees without a group of columns: ``power``, ``wind``, ``other
         columns``, ``past values``, ``hour and season`` with the place of the sun, and
         ``date``, as far as the record has them. [K]
+    causes : float
+        RMSE of the loop with the causes alone that were found. [K]
     """
 
     paper: float
@@ -32,6 +35,7 @@ class Ceiling:
     trees: float
     rows: int
     without: dict[str, float] = field(default_factory=dict)
+    causes: AnyFloat = np.nan
 
     @property
     def closed(self) -> float:
@@ -41,8 +45,12 @@ class Ceiling:
         With the RMSE of the paper's form, the loop and the trees it is
         ``(paper² - loop²) / (paper² - trees²)``. [-]
         """
+        return self.share(self.loop)
+
+    def share(self, error: float) -> float:
+        """Share of the closable squared error that a model with an RMSE closes. [-]"""
         closable = self.paper**2 - self.trees**2
-        return (self.paper**2 - self.loop**2) / closable if closable > 0 else np.nan
+        return (self.paper**2 - error**2) / closable if closable > 0 else np.nan
 
     @property
     def most(self) -> str:

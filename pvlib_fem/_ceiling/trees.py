@@ -50,9 +50,11 @@ def ceiling_of(loop: Any) -> Ceiling:
         group: trees.error({n: columns[n] for n in columns if n not in own}, count)
         for group, own in groups.items()
     }
+    errors = loop.table["rmse_test"]
     return Ceiling(
-        paper=float(loop.table.loc["fem", "rmse_test"]),
-        loop=float(rmse(after[test], 0.0)),
+        paper=float(errors["fem"]),
+        causes=float(rmse(after[test], 0.0)),
+        loop=float(errors.iloc[-1]),
         trees=grown,
         rows=len(test),
         without=without,

@@ -11,15 +11,23 @@ from pvlib_fem._budget.error_budget import budget_of, episodes_of
 from pvlib_fem._findings import Finding
 from pvlib_fem._fitting.daily import errors
 from pvlib_fem._fitting.least_squares_fit import finished
-from pvlib_fem._loop.conclude import hints, in_the_model, not_seen, patterns
+from pvlib_fem._loop.conclude import hints, in_the_model, not_seen
 from pvlib_fem._loop.divided_record import BASES, FEWEST_FITTING_DAYS, Case
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._loop.power_events import events_of
+from pvlib_fem._loop.predicted_patterns import Pattern
 from pvlib_fem._loop.ranking import ranked
 from pvlib_fem._loop.ranking_table import Ranking, table_of
 from pvlib_fem._loop.refits import Step
+from pvlib_fem._loop.repeated_patterns import (
+    STEP,
+    pattern_findings,
+    repeated,
+    with_patterns,
+)
 from pvlib_fem._loop.weeks import Part, named
 from pvlib_fem._record.column_names import DAYLIGHT
+from pvlib_fem._statistics.tables import Table
 from pvlib_fem.drivers._mounts import without_rows
 from pvlib_fem.reasons import Because, Reason, because
 
@@ -53,14 +61,19 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
     record = case.placed_for(case.whole, last.model)
     at_bound, daily = last.at_bound, search.fits.daily(last)
     stderr = errors(last.model, daily, at_bound, notes)
-    table = error_table(case, search.steps)
+    tables = repeatable(search, last)
+    patterns = tuple(Pattern.of(table, record.index) for table in tables)
+    steps = dict(search.steps)
+    if patterns and case.enough:
+        steps[STEP] = with_patterns(case, last, patterns)
+    table = error_table(case, steps)
     fit = finished(
         last.model,
         record,
         last.temperature,
         (case.fitting, case.test, case.parts == Part.TEST),
         (last.coefficients, stderr, at_bound, last.converged),
-        scores=table[SCORES].rename_axis(None),
+        scores=table.loc[[*search.steps], SCORES].rename_axis(None),
         notes=tuple(notes),
         method="least_squares",
         night=True,
@@ -70,7 +83,8 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
         in_the_model(f, search.choices[f.effect], last, stderr, case.criteria)
         for f in search.findings
     ]
-    ranking, more, unseen = left_over(search, [*findings, *search.refused])
+    findings = [*findings, *search.refused]
+    ranking, more, unseen = left_over(search, findings, tables)
     raw = search.start
     first = search.steps[base]
     before = pd.Series(first.measured - first.temperature, record.index)
@@ -85,7 +99,7 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
         corrections=tuple(search.corrections),
         table=table,
         base=base,
-        last=list(table.index)[-1] if last is not search.steps[base] else base,
+        last=list(search.steps)[-1] if last is not search.steps[base] else base,
         untestable=search.untestable | unseen,
         ranking=ranking,
         fit=fit,
@@ -99,11 +113,19 @@ def outcome(search: "Search", last: Step, base: str) -> Loop:
         budget=budget,
         episodes=stretches,
         events=shown,
+        patterns=patterns if STEP in steps else (),
     )
 
 
+def repeatable(search: "Search", last: Step) -> list[Table]:
+    """Tables of what the last step leaves, where there are days enough."""
+    if search.last is None or (search.findings and not search.case.enough):
+        return []
+    return repeated(search.fits, last, search.last.selection.least)
+
+
 def left_over(
-    search: "Search", findings: list[Finding]
+    search: "Search", findings: list[Finding], tables: list[Table]
 ) -> tuple[Ranking, list[Finding], dict[str, Because]]:
     """The ranking, all findings, and why the others could not be seen, by name."""
     case, this = search.case, search.last
@@ -117,9 +139,7 @@ def left_over(
     rows, failed = ranked(selection, this.found, given, case.days, names)
     floor = selection.least
     shown = [*findings, *hints(case, rows, findings, floor)]
-    if case.enough or not taken:
-        chosen = [search.choices[name] for name in taken]
-        shown += patterns(selection.design, selection.given(chosen), floor)
+    shown += pattern_findings(tables, floor)
     whole = search.start.error(case.fitting)
     unseen = dict(not_seen(case, rows, failed, shown, whole))
     table = table_of(

@@ -1,4 +1,4 @@
-"""Findings: single effects, hints, patterns without a cause, and what was not seen."""
+"""Findings: single effects, hints, and what was not seen."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -17,10 +17,8 @@ from pvlib_fem._findings import (
     Verdict,
 )
 from pvlib_fem._loop.criteria import Criteria
-from pvlib_fem._loop.noise import in_turn
 from pvlib_fem._loop.references import SLACK
 from pvlib_fem._record.column_names import GEOMETRY
-from pvlib_fem._statistics.tables import ways
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect, Parameter, deciding
@@ -28,8 +26,6 @@ from pvlib_fem.effects._time_profiles import dates_in_words, is_dated, is_drift
 from pvlib_fem.reasons import Because, Reason, because
 
 if TYPE_CHECKING:
-    from pvlib_fem._loop.design import Design
-    from pvlib_fem._loop.dictionary import Column
     from pvlib_fem._loop.divided_record import Case
     from pvlib_fem._loop.ranking import Row
     from pvlib_fem._loop.refits import Step
@@ -37,7 +33,6 @@ if TYPE_CHECKING:
 
 HALF = 0.5  # probability from which a cause outside the catalogue is the likelier one
 NINETY = 1.645  # standard errors in half a range that holds 90 %
-SUN = ("solar_azimuth", "solar_zenith")
 
 
 def finding_of(
@@ -254,43 +249,6 @@ def hints(
             (check,),
             Kind.of(effect),
             place=dates_in_words(effect.settings) if is_dated(effect) else "",
-        )
-
-
-def patterns(
-    design: "Design", given: Sequence["Column"], floor: float
-) -> Iterator[Finding]:
-    """
-    Tables of the remaining error that no effect explains, the strongest first.
-
-    Parameters
-    ----------
-    design : Design
-    given : sequence of int or Changed
-        Columns of the base and of all that was found.
-    floor : float
-        Fall of the mean square that is material. [K²]
-
-    Yields
-    ------
-    Finding
-    """
-    axes = [axis for axis in design.axes if axis.name not in GEOMETRY]
-    sun = [axis for axis in design.axes if axis.name in SUN]
-    kinds = [*ways(axes), *([tuple(sun)] if len(sun) == len(SUN) else [])]
-    for table in in_turn(design, design.left_by(given), kinds, floor):
-        yield Finding(
-            table.name,
-            table.drivers,
-            Verdict.UNKNOWN,
-            table.gain,
-            {"mean": table.size},
-            {},
-            because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
-            (Check("gain", "min_gain", table.gain, float(np.sqrt(floor)), unit="K"),),
-            Kind.STRUCTURE,
-            table.ranges,
-            table.where,
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
 from pvlib_fem._record.inputs import Record
-from pvlib_fem._statistics.axes import Axis, axes
+from pvlib_fem._statistics.axes import Axis, axes, calendar_of
 from pvlib_fem._statistics.clusters import calendar_weeks
 from pvlib_fem._statistics.tables import Table
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products, solve, steady
@@ -26,11 +26,38 @@ if TYPE_CHECKING:
     from pvlib_fem._loop.dictionary import Changed, Column
     from pvlib_fem._loop.tangents import Evidence
 
-HOUR = 3600.0  # s, over which rows share a cell
 FOLDS = 5  # groups of weeks that are held out in turn
 FEWEST_WEEKS = 8  # below which errors come from the spread between days
 ALIKE = 1e-6  # share of a column's square below which it is a sum of others
 APART = 7  # days by which an effect is shifted at least to see what chance does
+
+
+@dataclass(frozen=True, eq=False)
+class Hours:
+    """
+    Cells of an hour.
+
+    Attributes
+    ----------
+    first : array of int
+        First of the rows of each cell.
+    count : array
+        Number of rows of each cell.
+    """
+
+    first: np.ndarray
+    count: np.ndarray
+
+    @classmethod
+    def of(cls, record: Record, rows: np.ndarray) -> Self:
+        """Cells of some rows of a record."""
+        key = record.dates[rows] * 24 + np.asarray(record.index[rows].hour)
+        first = np.flatnonzero(np.diff(key, prepend=key[:1] - 1))
+        return cls(first, np.diff(first, append=len(key)).astype(float))
+
+    def means(self, column: np.ndarray) -> np.ndarray:
+        """Mean of a column in each cell; missing values count as 0."""
+        return np.add.reduceat(np.nan_to_num(column), self.first) / self.count
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,15 +130,8 @@ class Design:
         drivers : sequence of str
             Measured columns beyond the usual ones.
         """
-        seconds = record.inputs.seconds[found.rows]
-        clock = np.asarray(record.index[found.rows].hour)
-        key = found.dates * 24 + clock if len(seconds) else found.dates
-        first = np.flatnonzero(np.diff(key, prepend=key[:1] - 1))
-        rows = np.diff(first, append=len(key)).astype(float)
-
-        def means(column: np.ndarray) -> np.ndarray:
-            return np.add.reduceat(np.nan_to_num(column), first) / rows
-
+        hours = Hours.of(record, found.rows)
+        first, rows, means = hours.first, hours.count, hours.means
         channels = {effect.channel: column for effect, column in found.changing}
         residual, own, taken = found.residual, {}, set()
         for effect, coefficients in lifted:
@@ -140,12 +160,10 @@ class Design:
         scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
         order = {name: i + 1 for i, name in enumerate(wanted)}
         places = {
-            name: np.add.reduceat(values, first) / rows
+            name: means(values)
             for name, values in drivers_of(record, found.rows, drivers).items()
         }
-        index = record.index[found.rows][first]
-        places |= {"hour": clock[first], "month": np.asarray(index.month)}
-        places["weekend"] = np.asarray(index.day_of_week) >= 5
+        places |= calendar_of(record.index[found.rows][first])
         return cls(
             names=("residual", *wanted),
             cells=cells / scale,

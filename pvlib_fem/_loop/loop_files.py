@@ -23,6 +23,7 @@ from pvlib_fem._fitting.fit_files import fit_content
 from pvlib_fem._fitting.stand_ins import StandIn
 from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
+from pvlib_fem._loop.predicted_patterns import Pattern
 from pvlib_fem._loop.ranking_table import RankingRow, ranking_rows, table_of
 from pvlib_fem._modelchain import fit_in
 from pvlib_fem._stored import Stored
@@ -79,6 +80,7 @@ def loop_content(loop: "Loop", cell: dict[str, float]) -> dict[str, Any]:
         "stand_ins": loop.stand_ins,
         "reading": loop.reading,
         "standings": loop.standings,
+        "patterns": loop.patterns,
         "fit": fit_content(loop.fit, cell),
     }
 
@@ -121,6 +123,7 @@ def loop_parts(
         stand_ins=content.read("stand_ins", tuple[StandIn, ...], ()),
         reading=content.read("reading", Reading, {}),
         standings=content.read("standings", tuple[Standing, ...], ()),
+        patterns=content.read("patterns", tuple[Pattern, ...], ()),
     )
     computed = {
         "week_rows": content.read("weeks", dict[str, int]),

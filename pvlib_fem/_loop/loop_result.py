@@ -21,6 +21,7 @@ from pvlib_fem._loop.corrected_times import Times
 from pvlib_fem._loop.criteria import Criteria
 from pvlib_fem._loop.loop_files import Reading, loop_content, loop_parts
 from pvlib_fem._loop.planes import with_series
+from pvlib_fem._loop.predicted_patterns import Pattern, behind_patterns, errors_by
 from pvlib_fem._loop.threads import one_thread_of_trees
 from pvlib_fem._modelchain import LOOP, DynamicCellTemperature
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY, printable, with_aliases
@@ -65,11 +66,13 @@ class Loop:
         What was made of clocks that are off.
     table : DataFrame
         A row for each step, ``steady``, ``fem`` (the paper's form), ``balance``,
-        ``clock corrected`` where it was, then ``+<effect>``; errors on fitting and
+        ``clock corrected`` where it was, then ``+<effect>``, and ``+patterns``, the
+        last effect with ``patterns``; errors on fitting and
         test weeks [K], on test days and nights alone, and the error of the test
         weeks' performance ratio that they cause [percentage points].
     base, last : str
-        Rows of the table: the better of ``fem`` and ``balance``, and the last step.
+        Rows of the table: the better of ``fem`` and ``balance``, and the last step
+        with a cause.
     untestable : dict of Because
         Effect to what it would need, or why this record cannot see it.
     ranking : DataFrame
@@ -135,6 +138,10 @@ class Loop:
     standings : tuple of Standing
         Days on which the irradiance sensor was stuck, while the record describes a
         plane that turns.
+    patterns : tuple of Pattern
+        Repeatable errors without a known cause, which ``predict``, ``residual`` and
+        ``contributions`` have; ``fit`` and ``temperature_model`` have not. There are
+        none in a record of fewer than ``criteria.enough_days`` days.
     """
 
     finding_objects: tuple[Finding, ...]
@@ -162,6 +169,7 @@ class Loop:
     stand_ins: tuple[StandIn, ...] = ()
     reading: Reading = field(repr=False, default_factory=Reading)
     standings: tuple[Standing, ...] = ()
+    patterns: tuple[Pattern, ...] = field(repr=False, default=())
 
     @cached_property
     def week_rows(self) -> dict[str, int]:
@@ -211,8 +219,9 @@ class Loop:
 
         Notes
         -----
-        With the RMSE of the paper's form :math:`p`, of the loop :math:`l` and of the
-        trees :math:`t`, the share of the closable squared error that is closed is
+        With the RMSE of the paper's form :math:`p`, of the loop with its unexplained
+        patterns :math:`l` and of the trees :math:`t`, the share of the closable squared
+        error that is closed is
 
         .. math::
 
@@ -276,14 +285,14 @@ class Loop:
         return tuple(f for f in self.finding_objects if f.kind is Kind.STRUCTURE)
 
     def inputs(
-        self, data: pd.DataFrame, **place: Any
+        self, data: pd.DataFrame, wanted: Iterable[str] | None = None, **place: Any
     ) -> tuple[list[Any], dict[str, pd.Series]]:
         """The usual three columns of ``data``, and those that the effects need."""
         needed, there = self.fit.thermal_model.usual, self.there(data, place)
         columns = self.filled(data, there)
         if lacking := [name for name in needed if name not in columns]:
             with_aliases(data, lacking)  # which refuses them
-        wanted = self.fit.thermal_model.drivers
+        wanted = self.fit.thermal_model.drivers if wanted is None else wanted
         columns = {n: c for n, c in columns.items() if n not in ANGLES}
         if {*wanted} & {*GEOMETRY}:
             columns = {**geometry(data.index, **there), **columns}
@@ -315,10 +324,11 @@ class Loop:
         data: pd.DataFrame,
         fallback: bool = False,
         correct_times: bool = True,
+        patterns: bool | None = None,
         **place: Any,
     ) -> pd.Series:
         """
-        Module temperature of the last step.
+        Module temperature of the last step, with the unexplained patterns.
 
         Parameters
         ----------
@@ -327,10 +337,14 @@ class Loop:
             effects; ``wind_speed`` only where the model depends on it.
         fallback : bool, default False
             Where the column of an effect is missing, take the model without any effect
-            instead of NaN.
+            instead of NaN. Patterns whose column is missing are left out.
         correct_times : bool, default True
             Apply the clock corrections of this record to times within its period. The
             result has the times of ``data``.
+        patterns : bool, optional
+            Add the errors of ``loop.patterns``, which repeat without a known cause. By
+            default they are added, unless another place or plane is given: they are of
+            this plant.
         **place
             ``location``, ``surface_tilt`` and ``surface_azimuth``, or ``mount``, where
             they are others than those of this record. Angles that change with time are
@@ -348,24 +362,52 @@ class Loop:
         """
         data, place = with_series(data, place)
         timed, known = self.timed(data, correct_times)
-        found = self.by_one_clock(timed, fallback, place)
+        found = self.by_one_clock(timed, fallback, patterns, place)
         return untimed(found, data.index, known)
 
     def by_one_clock(
-        self, data: pd.DataFrame, fallback: bool, place: dict[str, Any]
+        self,
+        data: pd.DataFrame,
+        fallback: bool,
+        patterns: bool | None,
+        place: dict[str, Any],
     ) -> pd.Series:
         """Predict at correct times."""
         usual, drivers = self.inputs(data, **place)
         model, coefficients = self.plain
-        if not fallback:
-            return self.fit.predict(*usual, **drivers)
-        plain = model.predict(*usual, coefficients=coefficients)
-        if {*self.fit.thermal_model.drivers} - {*drivers}:
+        plain = None
+        if fallback:
+            plain = model.predict(*usual, coefficients=coefficients)
+        if plain is not None and {*self.fit.thermal_model.drivers} - {*drivers}:
             return plain
-        return self.fit.predict(*usual, **drivers).fillna(plain)
+        found = self.fit.predict(*usual, **drivers)
+        if patterns is None:
+            patterns = self.is_of(data, place)
+        if self.patterns and patterns:
+            errors = self.errors_by_pattern(data, fallback, **place)
+            found = found + errors.sum(axis=1)
+        return found if plain is None else found.fillna(plain)
+
+    def is_of(self, data: pd.DataFrame, place: dict[str, Any]) -> bool:
+        """Whether no other place or plane is given than that of the record."""
+        angles = {*ANGLES} & {printable(label) for label in data}
+        return not place and (not angles or self.place["mount"] is not None)
+
+    def errors_by_pattern(
+        self, data: pd.DataFrame, fallback: bool = False, **place: Any
+    ) -> pd.DataFrame:
+        """Error by each unexplained pattern at the times of ``data``. [K]"""
+        wanted = [*COLUMNS[:3], *behind_patterns(self.patterns)]
+        usual, drivers = self.inputs(data, wanted, **place)
+        columns = dict(zip(COLUMNS, usual)) | drivers
+        return errors_by(self.patterns, columns, fallback)
 
     def residual(
-        self, data: pd.DataFrame, correct_times: bool = True, **place: Any
+        self,
+        data: pd.DataFrame,
+        correct_times: bool = True,
+        patterns: bool | None = None,
+        **place: Any,
     ) -> pd.Series:
         """
         Measured minus modelled temperature, with the clocks of the record corrected.
@@ -374,7 +416,7 @@ class Loop:
         ----------
         data : DataFrame
             As in :meth:`predict`, and ``temp_module`` [°C].
-        correct_times, **place
+        correct_times, patterns, **place
             As in :meth:`predict`; the module's clock is corrected in the same rows.
 
         Returns
@@ -390,14 +432,16 @@ class Loop:
             measured = measured.where(
                 ~rows, self.times.of_module(timed.index, measured)
             )
-        found = measured - self.by_one_clock(timed, False, place)
+        found = measured - self.by_one_clock(timed, False, patterns, place)
         return untimed(found, data.index, known)
 
     def contributions(
         self, data: pd.DataFrame, correct_times: bool = True
     ) -> pd.DataFrame:
         """
-        What each effect adds to the temperature, with all the others there.
+        What each effect and each unexplained pattern adds to the temperature.
+
+        Of an effect it is the difference to the model without it, with all others.
 
         Parameters
         ----------
@@ -409,7 +453,7 @@ class Loop:
         Returns
         -------
         DataFrame
-            A column for each effect. [K]
+            A column for each effect, then for each of ``loop.patterns``. [K]
         """
         timed, known = self.timed(data, correct_times)
         usual, drivers = self.inputs(timed)
@@ -420,6 +464,7 @@ class Loop:
             without = {**fit.coefficients, **effect.start}
             part = model.predict(*usual, coefficients=without, **drivers)
             parts[effect.name] = whole - part
+        parts |= dict(self.errors_by_pattern(timed).items())
         return untimed(pd.DataFrame(parts, index=timed.index), data.index, known)
 
     def corrected(

@@ -16,7 +16,7 @@ import numpy as np
 from pvlib_fem._findings import OUTSIDE
 from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
 from pvlib_fem._statistics.axes import CLOCK, Axis, sorted_by
-from pvlib_fem._statistics.tables import Table, group_means, joined, largest
+from pvlib_fem._statistics.tables import Cells, Table, group_means, joined, largest
 from pvlib_fem._statistics.weekly_sums import LeastSquares, products
 from pvlib_fem.drivers import needed_for
 from pvlib_fem.effects._effect import Effect
@@ -297,17 +297,13 @@ def random_effects(
     -------
     tuple of Table
     """
-    kinds = usual_tables({axis.name: axis for axis in design.axes})
-    return in_turn(design, design.left_by(given), kinds, least)
-
-
-def in_turn(
-    design: "Design", rest: np.ndarray, kinds: list[tuple[Axis, ...]], least: float
-) -> tuple[Table, ...]:
-    """The largest table of some kinds, then the largest of the rest, and so on."""
-    found = []
+    kinds = [
+        Cells.of(kind, design.rows, design.weeks)
+        for kind in usual_tables({axis.name: axis for axis in design.axes})
+    ]
+    rest, found = design.left_by(given), []
     while len(found) < MOST_TABLES:
-        table = largest(kinds, rest, design.rows, design.weeks, least)
+        table = largest(kinds, rest, least)
         if table is None:
             break
         rest = rest - table.values

@@ -10,14 +10,19 @@ if TYPE_CHECKING:
 
 def sentence(ceiling: "Ceiling") -> str:
     """What the loop has closed of what trees on the same columns close."""
+    patterns = ceiling.loop < ceiling.causes  # False where the causes are not known
+    own = f"the loop {ceiling.loop:.2f} K"
+    if patterns:
+        own += f" ({ceiling.causes:.2f} K without unexplained patterns)"
     errors = (
-        f"On the test weeks the paper's form leaves {ceiling.paper:.2f} K, the loop "
-        f"{ceiling.loop:.2f} K, and boosted trees on the same columns "
-        f"{ceiling.trees:.2f} K"
+        f"On the test weeks the paper's form leaves {ceiling.paper:.2f} K, {own}, and "
+        f"boosted trees on the same columns {ceiling.trees:.2f} K"
     )
     if np.isnan(ceiling.closed):
         return f"{errors}: the trees find nothing in them that could be closed."
     words = f"the loop closes {100 * ceiling.closed:.0f} % of the squared error"
+    if patterns:
+        words += f" ({100 * ceiling.share(ceiling.causes):.0f} % by causes)"
     lost = ""
     if ceiling.most:
         error = ceiling.without[ceiling.most]

@@ -95,6 +95,7 @@ STEPS = {
     "fem": "the paper's form",
     "balance": "heat balance",
     "+radiative_loss": "longwave exchange of every module",
+    "+patterns": "unexplained patterns, without a known cause",
 }
 VERDICTS = {
     "named": "no other tested cause explains it",

@@ -40,7 +40,10 @@ LATE = {
 
 
 #: what is in the base model, and no finding
-STEPS = {"+radiative_loss": "longwave exchange, which every module has"}
+STEPS = {
+    "+radiative_loss": "longwave exchange, which every module has",
+    "+patterns": "unexplained patterns, which repeat without a known cause",
+}
 OPEN = (Verdict.CLASS, Verdict.SUGGESTIVE)
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 LINES, WIDTH = 25, 100
 MOST_EFFECTS = 3
+PREDICTED = "+patterns"  # row of errors with the unexplained patterns
 MORE = "loop.report() (--details) has every check, hint and note."
 
 
@@ -77,6 +78,8 @@ def conclusion(loop: "Loop", statements: list[Statement]) -> Iterator[str]:
         words = f"{before:.2f} K; no effect was added"
     else:
         words = f"{before:.2f} → {after:.2f} K"
+    if loop.patterns:
+        words += f" ({error.iloc[-1]:.2f} K with unexplained patterns)"
     if np.isfinite(energy[loop.last]):
         both = dict.fromkeys(f"{energy[n]:.2f}" for n in (loop.base, loop.last))
         words += f"; absolute energy error: {' → '.join(both)} %"
@@ -117,7 +120,9 @@ def steps(loop: "Loop") -> Iterator[str]:
     names = [*loop.table.index]
     effects = names[names.index(loop.base) + 1 :]
     first = [n for n in ("steady", "fem") if n in names and n != loop.base]
-    for name in [*first, loop.base, *effects[-MOST_EFFECTS:]]:
+    causes = [name for name in effects if name != PREDICTED]
+    others = [name for name in effects if name == PREDICTED]
+    for name in [*first, loop.base, *causes[-MOST_EFFECTS:], *others]:
         row = loop.table.loc[name]
         cells = "".join(cell(row[key], 8) for key in keys)
         yield f"{step_name(name):<26}{cells}"
@@ -135,7 +140,9 @@ def findings(statements: list[Statement], room: int) -> list[str]:
         action = f" → {one.action}." if one.action else ""
         block = wrapped(f"{i + 1:>2}. {words}.{action}", "    ")
         if len(lines) + len(block) > room:
-            return [*lines, f"    {len(statements) - i} more are in loop.statements."]
+            rest = len(statements) - i
+            more = f"{rest} more {'is' if rest == 1 else 'are'} in loop.statements."
+            return [*lines, f"    {more}"]
         lines += block
     return lines
 

@@ -73,7 +73,7 @@ def statements_of(loop: "Loop", energies: Mapping[str, float]) -> list[Statement
         *(standing_statement(one, loop.episodes) for one in loop.standings),
         *causes,
         *event_statements(loop),
-        *map(pattern_statement, loop.unexplained),
+        *(pattern_statement(one, bool(loop.patterns)) for one in loop.unexplained),
         *date_statements(loop),
         *hints,
     ]
@@ -196,8 +196,8 @@ def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) ->
     return clauses[0].action
 
 
-def pattern_statement(finding: Finding) -> Statement:
-    """An unexplained pattern as a statement."""
+def pattern_statement(finding: Finding, predicted: bool = False) -> Statement:
+    """An unexplained pattern as a statement; ``predicted`` if predictions have it."""
     mean = finding.coefficients.get("mean", np.nan)
     way = "warmer" if mean > 0 else "colder"
     return Statement(
@@ -210,6 +210,7 @@ def pattern_statement(finding: Finding) -> Statement:
             "modelled"
         ),
         action=f"Record a quantity that changes {finding.place}",
+        certainty="No known cause; loop.predict includes it" * predicted,
         gain=finding.gain,
         value=mean,
         unit="K",

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pvlib_fem._record.column_names import UNITS
 
@@ -15,6 +16,12 @@ DRIVER_BINS = 10  # bins of a driver, with equal numbers of rows
 #: bin widths of the solar position, and the value from which one bin holds all [°]
 WIDTHS = {"solar_azimuth": (12.0, 359.9), "solar_zenith": (6.0, 90.0)}
 SECTORS = np.array(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
+#: drivers that are a past mean minus the present value: quantity, span and unit
+PAST = {
+    "poa_stored_1h": ("the irradiance", "hour", "W/m²"),
+    "poa_stored_3h": ("the irradiance", "3 h", "W/m²"),
+    "air_stored": ("the air temperature", "3 h", "K"),
+}
 #: names of axes that are not columns
 CLOCK = ("hour", "weekend", "month")
 MONTHS = (
@@ -22,6 +29,7 @@ MONTHS = (
     *("July", "August", "September", "October", "November", "December"),
 )
 OF_COLUMN = "column "  # prefix of a column whose name is one of CLOCK
+MISSING = ("missing", "missing")  # label of the bin of missing values
 
 
 def month_words(name: str, start: int, end: int) -> str:
@@ -29,10 +37,25 @@ def month_words(name: str, start: int, end: int) -> str:
     return f"in {one}" if start == end else f"from {one} to {other}"
 
 
+def past_words(name: str, start: Any, end: Any) -> str:
+    """Words for a part of the range of a past mean minus the present value."""
+    what, span, unit = PAST[name]
+    low, high = f"{abs(start):g}", f"{abs(end):g}"
+    if end <= 0.0:
+        than = f"{high} to {low} {unit} lower"
+    elif start >= 0.0:
+        than = f"{low} to {high} {unit} higher"
+    else:
+        than = f"from {low} {unit} lower to {high} {unit} higher"
+    return f"where {what} of the past {span} was {than} than now"
+
+
 def column_words(name: str, start: float | str, end: float | str) -> str:
     """Words for a part of a column's range; missing values are in the last bin."""
     if start == "missing":
         return f"where {name} is missing"
+    if name in PAST and end != "missing":
+        return past_words(name, start, end)
     if name == "wind_direction":
         sectors = f"from {start}" + ("" if start == end else f" to {end}")
         return f"with wind {sectors}".replace("to missing", "on, or unknown")
@@ -70,13 +93,44 @@ class Axis:
         The binned column; empty for clock or calendar.
     cyclic : bool
         Whether the first bin follows the last.
+    cuts : tuple of float
+        Least value of the second bin, of the third and so on. Compass points have none.
     """
 
     name: str
-    bins: np.ndarray = field(repr=False)
-    labels: tuple = field(repr=False)
+    bins: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0, dtype=int))
+    labels: tuple[tuple[Any, Any], ...] = field(repr=False, default=())
     column: str = ""
     cyclic: bool = False
+    cuts: tuple[float, ...] = field(repr=False, default=())
+
+    in_file = ("name", "labels", "column", "cyclic", "cuts")
+
+    @classmethod
+    def of_values(
+        cls,
+        name: str,
+        values: np.ndarray,
+        labels: tuple,
+        cuts: tuple = (),
+        column: str = "",
+        cyclic: bool = False,
+    ) -> "Axis":
+        """The axis of some values; missing ones get a bin of their own."""
+        if not np.isfinite(values).all():
+            labels = (*labels, MISSING)
+        found = cls(name, labels=labels, column=column, cyclic=cyclic, cuts=cuts)
+        return replace(found, bins=found.numbers(values))
+
+    def numbers(self, values: np.ndarray) -> np.ndarray:
+        """Bin of each of some values; -1 for a missing one without a bin."""
+        count = len(self.labels) - (self.labels[-1] == MISSING)
+        if self.column == "wind_direction":
+            bins = np.round(np.nan_to_num(values) * count / 360.0).astype(int) % count
+        else:
+            bins = np.searchsorted(self.cuts, values, side="right")
+        unknown = count if count < len(self.labels) else -1
+        return np.where(np.isfinite(values), bins, unknown)
 
     def of(self, rows: Any) -> Any:
         """The axis for some of the rows."""
@@ -150,14 +204,15 @@ def axes(places: dict, dates: np.ndarray) -> Iterator:
         Day of each value, from 1970-01-01.
     """
     hours = tuple((h, h + 1) for h in range(24))
-    yield Axis("hour", places["hour"], hours, cyclic=True)
+    cuts = tuple(range(1, 24))
+    yield Axis.of_values("hour", places["hour"], hours, cuts, cyclic=True)
     if len(np.unique(dates)) >= WEEKEND_DAYS:
         labels = (("weekdays",) * 2, ("weekend",) * 2)
-        yield Axis("weekend", places["weekend"].astype(int), labels)
-    month = places["month"] - 1
-    if len(np.unique(month)) > 1:
+        yield Axis.of_values("weekend", places["weekend"], labels, (1,))
+    if len(np.unique(places["month"])) > 1:
         labels = tuple((m, m) for m in range(1, 13))
-        yield Axis("month", month, labels, cyclic=True)
+        cuts = tuple(range(2, 13))
+        yield Axis.of_values("month", places["month"], labels, cuts, cyclic=True)
     for name, values in places.items():
         if name in CLOCK:
             continue
@@ -165,17 +220,21 @@ def axes(places: dict, dates: np.ndarray) -> Iterator:
             yield axis
 
 
+def calendar_of(index: pd.Index) -> dict[str, np.ndarray]:
+    """Hour, month and weekend of some times, as the axes have them."""
+    times = pd.DatetimeIndex(index)
+    found = {"hour": np.asarray(times.hour), "month": np.asarray(times.month)}
+    return found | {"weekend": np.asarray(times.day_of_week) >= 5}
+
+
 def sorted_by(name: str, values: np.ndarray) -> Axis | None:
     """Axis of one driver; None if it does not vary."""
-    known = np.isfinite(values)
     if name == "wind_direction":
-        count = len(SECTORS)
-        bins = np.round(np.nan_to_num(values) * count / 360.0).astype(int) % count
         labels = tuple((s, s) for s in SECTORS)
-        return Axis(name, *with_missing(bins, labels, known), name, cyclic=True)
+        return Axis.of_values(name, values, labels, column=name, cyclic=True)
     if name in WIDTHS:
         return of_width(name, np.minimum(values, WIDTHS[name][1]), WIDTHS[name][0])
-    finite = values[known]
+    finite = values[np.isfinite(values)]
     if name == "poa_global":  # nights are a bin of their own
         finite = finite[finite > DARK]
     if len(finite) == 0:
@@ -190,27 +249,18 @@ def sorted_by(name: str, values: np.ndarray) -> Axis | None:
         return None
     edges = [min(low, np.nanmin(values)), *cuts, high]
     labels = tuple((rounded(a), rounded(b)) for a, b in pairwise(edges))
-    bins = np.searchsorted(cuts, values, side="right")
     clear = name not in CLOCK and not name.startswith(OF_COLUMN)
     shown = name if clear else OF_COLUMN + name
-    return Axis(shown, *with_missing(bins, labels, known), name)
+    return Axis.of_values(shown, values, labels, tuple(cuts.tolist()), name)
 
 
-def of_width(name: str, values: Any, width: Any) -> Any:
+def of_width(name: str, values: np.ndarray, width: float) -> Axis:
     """Bins of equal width."""
-    bins = np.floor(values / width).astype(int)
-    low, high = bins.min(), bins.max()
-    labels = tuple((n * width, (n + 1) * width) for n in range(low, high + 1))
-    return Axis(name, bins - low, labels, name)
-
-
-def with_missing(
-    bins: np.ndarray, labels: tuple, known: np.ndarray
-) -> tuple[np.ndarray, tuple]:
-    """Bins and labels with one more bin for rows where the driver is missing."""
-    if known.all():
-        return bins, labels
-    return np.where(known, bins, len(labels)), (*labels, ("missing",) * 2)
+    ends = np.floor(np.array([values.min(), values.max()]) / width).astype(int)
+    places = range(ends[0], ends[1] + 1)
+    labels = tuple((n * width, (n + 1) * width) for n in places)
+    cuts = tuple(n * width for n in places[1:])
+    return Axis.of_values(name, values, labels, cuts, name)
 
 
 def rounded(value: float) -> float:

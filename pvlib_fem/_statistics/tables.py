@@ -69,27 +69,7 @@ class Table:
         .. [1] S. R. Searle, G. Casella and C. E. McCulloch, "Variance Components",
            Wiley, 1992, chapter 3. :doi:`10.1002/9780470316856`
         """
-        groups, count = joined(axes)
-        rest = rest - rest @ rows / rows.sum()
-        place, size = weeks * count + groups, (weeks[-1] + 1) * count
-        sums = np.bincount(place, rest * rows, size).reshape(-1, count)
-        held = np.bincount(place, rows, size).reshape(-1, count)
-        whole, number = sums.sum(axis=0), held.sum(axis=0)
-        # mean product of two weeks per cell, weighted by the cell's share of rows
-        alike = number**2 - np.square(held).sum(axis=0)
-        weight = number / number.sum() / np.where(alike > 0, alike, np.inf)
-        shared = (sums * weight) @ sums.T
-        crossed = shared.sum() - np.trace(shared)
-        spread = np.square(shared).sum() - np.square(np.diag(shared)).sum()
-        variance = max(crossed, 0.0)
-        errors = crossed / np.sqrt(2.0 * spread) if spread > 0 else 0.0
-        noise = np.square(sums).sum() - variance * np.square(held).sum()
-        noise = max(noise / number.sum(), 1e-12)
-        shares = variance * number / (variance * number + noise)
-        means = whole / np.maximum(number, 1.0)
-        return cls(
-            tuple(axes), groups, float(variance), float(errors), means, shares, number
-        )
+        return Cells.of(axes, rows, weeks).table(rest)
 
     @property
     def values(self) -> np.ndarray:
@@ -154,6 +134,65 @@ class Table:
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
 
 
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """
+    Cells of some axes by week, for the tables of many remaining errors.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+    place : array of int
+        Week and cell of each value as one number.
+    rows : array
+        Number of rows behind each value.
+    number, squares : array
+        Per cell: number of rows, and its square summed over the weeks.
+    weeks : int
+        Number of weeks.
+    """
+
+    axes: tuple
+    place: np.ndarray = field(repr=False)
+    rows: np.ndarray = field(repr=False)
+    number: np.ndarray = field(repr=False)
+    squares: np.ndarray = field(repr=False)
+    weeks: int
+
+    @classmethod
+    def of(cls, axes: tuple, rows: np.ndarray, weeks: np.ndarray) -> "Cells":
+        """The cells of some axes; ``rows`` and ``weeks`` as in :meth:`Table.of`."""
+        groups, count = joined(axes)
+        size = int(weeks[-1]) + 1
+        place = (weeks * count + groups).astype(np.int32)
+        held = np.bincount(place, rows, size * count).reshape(-1, count)
+        squares = np.square(held).sum(axis=0)
+        return cls(tuple(axes), place, rows, held.sum(axis=0), squares, size)
+
+    def table(self, rest: np.ndarray) -> Table:
+        """The table of a remaining error, in order of time. [K]"""
+        rows, number, count = self.rows, self.number, len(self.number)
+        rest = rest - rest @ rows / rows.sum()
+        sums = np.bincount(self.place, rest * rows, self.weeks * count)
+        sums = sums.reshape(-1, count)
+        # mean product of two weeks per cell, weighted by the cell's share of rows
+        alike = number**2 - self.squares
+        weight = number / number.sum() / np.where(alike > 0, alike, np.inf)
+        shared = (sums * weight) @ sums.T
+        crossed = shared.sum() - np.trace(shared)
+        spread = np.square(shared).sum() - np.square(np.diag(shared)).sum()
+        variance = max(crossed, 0.0)
+        errors = crossed / np.sqrt(2.0 * spread) if spread > 0 else 0.0
+        noise = np.square(sums).sum() - variance * self.squares.sum()
+        noise = max(noise / number.sum(), 1e-12)
+        shares = variance * number / (variance * number + noise)
+        means = sums.sum(axis=0) / np.maximum(number, 1.0)
+        groups = self.place % count
+        return Table(
+            self.axes, groups, float(variance), float(errors), means, shares, number
+        )
+
+
 def group_means(groups: np.ndarray, rows: np.ndarray) -> Callable:
     """A function from values, each the mean of some rows, to the mean of its group."""
     count = np.maximum(np.bincount(groups, rows), 1.0)
@@ -175,22 +214,19 @@ def ways(axes: list) -> list:
     return [*((one,) for one in axes), *(p for p in pairs if p[0].name != p[1].name)]
 
 
-def largest(
-    kinds: list, rest: np.ndarray, rows: np.ndarray, weeks: np.ndarray, least: float
-) -> Any:
+def largest(kinds: list[Cells], rest: np.ndarray, least: float) -> Table | None:
     """
     The table with the largest significant and material variance, or None.
 
     A table of two axes must have clearly more variance than the best of one axis,
     because it always contains that.
     """
-    best = {}
-    for axes in kinds:
-        found = Table.of(axes, rest, rows, weeks)
-        if found.errors >= SURE and found.variance >= least:
-            size = len(axes)
-            if size not in best or found.variance > best[size].variance:
-                best[size] = found
+    best: dict[int, Table] = {}
+    for cells in kinds:
+        found, size = cells.table(rest), len(cells.axes)
+        beaten = size in best and best[size].variance >= found.variance
+        if found.errors >= SURE and found.variance >= least and not beaten:
+            best[size] = found
     one, two = best.get(1), best.get(2)
     if one is None or two is None:
         return one or two

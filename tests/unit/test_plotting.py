@@ -451,7 +451,7 @@ def test_without_colours_lines_can_be_told_apart(closed, ax):
     other = Figure().subplots()
     plotting.plot_before_after(closed, ax)
     plotting.plot_contributions(closed, other)
-    for drawn, count in ((ax, 3), (other, 2)):
+    for drawn, count in ((ax, 3), (other, 2 + len(closed.patterns))):
         named = [n for n in drawn.get_lines() if not n.get_label().startswith("_")]
         assert len({line.get_linestyle() for line in named}) == len(named) == count
 

@@ -156,7 +156,9 @@ def test_it_has_the_printed_report_to_the_letter(closed, page):
 def test_it_begins_with_what_was_found(closed, page):
     error = closed.table["rmse_test"]
     before = error[closed.base]
-    heading = f"Module temperature: {before:.2f} K before, {error.iloc[-1]:.2f} K after"
+    heading = (
+        f"Module temperature: {before:.2f} K before, {error[closed.last]:.2f} K after"
+    )
     assert heading in page.texts
     first = page.text.index("Error by step")
     statements = closed.statements.set_index("cause")

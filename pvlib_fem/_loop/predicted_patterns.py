@@ -1,0 +1,129 @@
+"""Errors that repeat without a known cause, as predictions have them."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from pvlib_fem._record.column_names import COLUMNS
+from pvlib_fem._record.inputs import Inputs, read
+from pvlib_fem._statistics.axes import Axis, calendar_of
+from pvlib_fem._statistics.tables import Table, joined
+from pvlib_fem._thermal.model import as_in_a_fit
+from pvlib_fem.drivers import behind, completed
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """
+    A repeatable error without a known cause.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        Bins of one or two drivers: the clock, the calendar, columns, and past means of
+        irradiance and air minus the present.
+    means : tuple of float
+        Mean error in each cell, shrunk by its uncertainty. The last axis varies
+        fastest. [K]
+    zone : str
+        Time zone of hours and months; "" for times without one.
+    """
+
+    axes: tuple[Axis, ...]
+    means: tuple[float, ...] = field(repr=False)
+    zone: str = ""
+
+    @classmethod
+    def of(cls, table: Table, index: pd.DatetimeIndex) -> Self:
+        """The pattern of a table of a record with these times."""
+        own = tuple(replace(axis, bins=np.zeros(0, dtype=int)) for axis in table.axes)
+        zone = "" if index.tz is None else str(index.tz)
+        return cls(own, tuple((table.shares * table.means).tolist()), zone)
+
+    @property
+    def name(self) -> str:
+        """Names of its axes."""
+        return " × ".join(axis.name for axis in self.axes)
+
+    @property
+    def drivers(self) -> list[str]:
+        """Drivers that it needs, without clock and calendar."""
+        return [axis.column for axis in self.axes if axis.column]
+
+    def at(self, inputs: Inputs) -> np.ndarray:
+        """
+        Error at some times; 0 where a driver is missing. [K]
+
+        Parameters
+        ----------
+        inputs : Inputs
+            With its drivers.
+        """
+        calendar = calendar_of(self.local(inputs.index))
+        cells = [
+            axis.numbers(inputs[axis.column] if axis.column else calendar[axis.name])
+            for axis in self.axes
+        ]
+        known = np.all([cell >= 0 for cell in cells], axis=0)
+        bins = (replace(axis, bins=cell) for axis, cell in zip(self.axes, cells))
+        groups, _ = joined(tuple(bins))
+        return np.where(known, np.array(self.means)[np.where(known, groups, 0)], 0.0)
+
+    def local(self, index: pd.Index) -> pd.Index:
+        """Some times by the clock of the record."""
+        if isinstance(index, pd.DatetimeIndex) and index.tz is not None and self.zone:
+            return index.tz_convert(self.zone)
+        return index
+
+
+def behind_patterns(patterns: tuple[Pattern, ...]) -> list[str]:
+    """Measured columns and angles that some patterns need."""
+    return behind(list(dict.fromkeys(n for one in patterns for n in one.drivers)))
+
+
+def errors_by(
+    patterns: tuple[Pattern, ...],
+    columns: Mapping[str, pd.Series | None],
+    fallback: bool = False,
+) -> pd.DataFrame:
+    """
+    Error by each pattern at the times of some columns.
+
+    Parameters
+    ----------
+    patterns : tuple of Pattern
+    columns : dict of Series
+        ``poa_global``, ``temp_air``, ``wind_speed`` (or None), and what else the
+        patterns need.
+    fallback : bool, default False
+        Leave out patterns whose columns are missing.
+
+    Returns
+    -------
+    DataFrame
+        A column for each pattern. [K]
+
+    Raises
+    ------
+    ValueError
+        If a column is missing, and there is no fallback.
+    """
+    there = {name: column for name, column in columns.items() if column is not None}
+    if fallback:
+        patterns = tuple(one for one in patterns if {*behind(one.drivers)} <= {*there})
+    if lacking := [n for n in behind_patterns(patterns) if n not in there]:
+        raise ValueError(
+            f"data lack {', '.join(lacking)}, which unexplained patterns of this loop "
+            "depend on; give it, or patterns=False for a prediction without them"
+        )
+    if not patterns:
+        return pd.DataFrame(index=there["poa_global"].index)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the model has warned of impossible values
+        inputs = as_in_a_fit(read({COLUMNS[2]: 0.0, **there}, purpose="a pattern"))
+    inputs = completed(inputs, [name for one in patterns for name in one.drivers])
+    return pd.DataFrame({one.name: one.at(inputs) for one in patterns}, inputs.index)

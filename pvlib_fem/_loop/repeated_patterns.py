@@ -1,0 +1,131 @@
+"""Unexplained but repeatable patterns: tables of what the last step leaves."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pvlib_fem._findings import Check, Finding, Kind, Verdict
+from pvlib_fem._loop.design import FEWEST_WEEKS, Hours
+from pvlib_fem._loop.predicted_patterns import Pattern
+from pvlib_fem._record.column_names import COLUMNS, GEOMETRY
+from pvlib_fem._record.inputs import Record
+from pvlib_fem._statistics.axes import PAST, axes, calendar_of
+from pvlib_fem._statistics.clusters import calendar_weeks
+from pvlib_fem._statistics.tables import Cells, Table, largest, ways
+from pvlib_fem.drivers import behind, completed
+from pvlib_fem.reasons import Reason, because
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.divided_record import Case
+    from pvlib_fem._loop.refits import Fits, Step
+
+STEP = "+patterns"  # row of the loop's table
+SUN = GEOMETRY[:2]
+POWER = "p_dc_per_area"  # follows the irradiance itself
+CYCLES = 2  # times that each table is estimated again, given all others
+
+
+def repeated(fits: "Fits", step: "Step", least: float) -> list[Table]:
+    """
+    Tables of the error that a step leaves on the fitting weeks, the strongest first.
+
+    Tables of clock, calendar and present columns come first. Then those of what these
+    leave, with the past of irradiance and air. Each is estimated given all others
+    (backfitting [1]_).
+
+    Parameters
+    ----------
+    fits : Fits
+    step : Step
+        The last one.
+    least : float
+        Variance that is material. [K²]
+
+    References
+    ----------
+    .. [1] A. Buja, T. Hastie and R. Tibshirani, "Linear smoothers and additive models",
+       Ann. Statist. 17, 453-510, 1989. :doi:`10.1214/aos/1176347115`
+    """
+    case = fits.case
+    record, model = fits.prepared(case.record, step.model)
+    error = record["temp_module"] - model.temperature(record.inputs, step.coefficients)
+    rows = np.flatnonzero(case.searched & np.isfinite(error))
+    hours = Hours.of(record, rows)
+    rest, dates = hours.means(error[rows]), record.dates[rows][hours.first]
+    own = list(axes(places_of(record, rows, hours, case.drivers), dates))
+    usual = [axis for axis in own if axis.name not in {*GEOMETRY, *PAST}]
+    past = [axis for axis in own if axis.name in PAST]
+    sun = tuple(axis for axis in own if axis.name in SUN)
+    present = [*ways(usual), *([sun] if len(sun) == len(SUN) else [])]
+    late = [kind for kind in ways([*usual, *past]) if {*kind} & {*past}]
+    weeks = numbered_weeks(dates)
+    cells: list[Cells] = []
+    found: list[Table] = []
+    for kinds in (present, late):
+        new = [Cells.of(kind, hours.count, weeks) for kind in kinds]
+        while (table := largest(new, rest, least)) is not None:
+            (own_cells,) = (one for one in new if one.axes == table.axes)
+            new.remove(own_cells)
+            cells.append(own_cells)
+            found.append(table)
+            rest = rest - table.values
+            for i in [*range(len(found))] * CYCLES if len(found) > 1 else []:
+                rest = rest + found[i].values
+                found[i] = cells[i].table(rest)
+                rest = rest - found[i].values
+    return found
+
+
+def places_of(
+    record: Record, rows: np.ndarray, hours: Hours, drivers: tuple
+) -> dict[str, np.ndarray]:
+    """Mean of each driver in cells of an hour, NaN with a gap, and their calendar."""
+    inputs = completed(record.inputs, list(PAST))
+    names = {*COLUMNS[:3], *GEOMETRY, *drivers, *PAST} & {*inputs.columns} - {POWER}
+    columns = {name: inputs[name][rows] for name in sorted(names)}
+    found = {
+        name: np.add.reduceat(column, hours.first) / hours.count
+        for name, column in columns.items()
+        if np.isfinite(column).any()
+    }
+    return found | calendar_of(record.index[rows][hours.first])
+
+
+def numbered_weeks(dates: np.ndarray) -> np.ndarray:
+    """Number of the week of each date; of the day where weeks are few."""
+    weeks = np.unique(calendar_weeks(dates), return_inverse=True)[1]
+    if weeks[-1] + 1 < FEWEST_WEEKS:
+        return np.unique(dates, return_inverse=True)[1]
+    return weeks
+
+
+def with_patterns(case: "Case", step: "Step", patterns: tuple[Pattern, ...]) -> "Step":
+    """The step with the errors by some patterns in its temperature."""
+    drivers = [name for one in patterns for name in one.drivers]
+    record = case.whole
+    if {*behind(drivers)} & {*GEOMETRY} - {*record.inputs.columns}:
+        record = case.placed(record)
+    inputs = completed(record.inputs, drivers)
+    added = np.sum([one.at(inputs) for one in patterns], axis=0)
+    return replace(step, temperature=step.temperature + added)
+
+
+def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
+    """Some tables as findings."""
+    return [
+        Finding(
+            table.name,
+            table.drivers,
+            Verdict.UNKNOWN,
+            table.gain,
+            {"mean": table.size},
+            {},
+            because(Reason.UNEXPLAINED, gain=table.gain, where=table.where),
+            (Check("gain", "min_gain", table.gain, float(np.sqrt(least)), unit="K"),),
+            Kind.STRUCTURE,
+            table.ranges,
+            table.where,
+        )
+        for table in tables
+    ]
