@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import DRIVERS
+from matplotlib.dates import date2num
 from matplotlib.figure import Figure
 
 import pvlib_fem as fem
@@ -295,7 +296,8 @@ def test_the_picture_has_the_numbers_and_the_changes():
         drawn = panel.containers[0].lines[0].get_ydata()
         np.testing.assert_array_equal(drawn, table.loc[name, "value"])
         dashed = [line for line in panel.lines if line.get_linestyle() == "--"]
-        assert [line.get_xdata()[0] for line in dashed] == [pd.Timestamp("2023-07-15")]
+        changed = date2num(pd.Timestamp("2023-07-15"))
+        assert [line.get_xdata()[0] for line in dashed] == [changed]
         assert name in panel.get_ylabel()
     quarter = plotting.plot_through_time(fit.through_time("QS", "u0"))
     assert len(quarter.figure.axes) == 2
