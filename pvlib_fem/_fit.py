@@ -219,7 +219,7 @@ def fit_frame(
     instead = Replacements.of_arguments(transposition, stand_ins)
     how = (options.get("limits"), options.get("check_units", True))
     filled = instead.of(data, ALWAYS, place, *how)
-    columns, notes = filled.columns, filled.said
+    columns, notes = filled.columns, filled.notes
     there: dict[str, Any] = columns
     if effects:
         there = {**geometry(data.index, **place), **columns}

@@ -136,7 +136,7 @@ def left_over(
     selection, taken = this.selection, [f.effect for f in findings if f.added]
     given = selection.given(this.choices)
     names = [*taken, *this.names]
-    rows, failed = ranked(selection, this.found, given, case.days, names)
+    rows, failed = ranked(selection, this.evidence, given, case.days, names)
     floor = selection.least
     shown = [*findings, *hints(case, rows, findings, floor)]
     shown += pattern_findings(tables, floor)

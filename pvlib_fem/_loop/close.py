@@ -302,7 +302,7 @@ def notes_of(data: pd.DataFrame) -> list[str]:
 class Round:
     """What one linearisation chose, and from what."""
 
-    found: Evidence
+    evidence: Evidence
     selection: Selection
     choices: tuple[Choice, ...]
 
@@ -456,7 +456,7 @@ class Search:
             return plain
         effects = tuple(one.top.effect for one in choices)
         model = replace(plain.model, effects=(*plain.model.effects, *effects))
-        start = {}
+        start: dict[str, float] = {}
         for one in choices:
             start |= one.score.coefficients
         fit = self.fits.fitted(model, plain, start, whole=False)

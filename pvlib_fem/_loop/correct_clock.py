@@ -45,11 +45,11 @@ def module_clock(
     both &= np.isfinite(raw.measured + step.measured)
     before, after = (s.error(rows & both) for s in (raw, step))
     check, _ = rise_check(*rise(case, raw, step))
-    found = described(case.clock, before, after, check)
+    correction = described(case.clock, before, after, check)
     if check.passed:
-        return other, step, found
+        return other, step, correction
     untouched = replace(case, clock=Clock())
-    return fits_of(untouched), raw, found
+    return fits_of(untouched), raw, correction
 
 
 def described(clock: Clock, before: float, after: float, check: Check) -> Correction:

@@ -299,7 +299,14 @@ class Design:
         return weights_of(change.effect, self.dates)
 
     def parts(self, change: "Changed") -> tuple[np.ndarray, np.ndarray]:
-        """Weights of a change, and its daily products with every column."""
+        """
+        Weights of a change, and its daily products with every column.
+
+        Returns
+        -------
+        weights : array, shape (days,)
+        products : array, shape (days, columns)
+        """
         if change not in self.made:
             weights = self.weights(change)
             if self.noise:
@@ -343,7 +350,14 @@ class Design:
         return column
 
     def adding(self, sizes: Mapping["Column", float]) -> "Design":
-        """The design whose residual has multiples of some columns or changes more."""
+        """
+        The design whose residual has multiples of some columns or changes more.
+
+        Parameters
+        ----------
+        sizes : dict of float
+            By column: an int, or a Changed. [unit of the column's coefficient]
+        """
         cells = self.cells.copy()
         for column, size in sizes.items():
             (scale,) = self.scales([column])
@@ -369,7 +383,17 @@ class Design:
         return self.products(columns, self.weekly, sums)
 
     def whole(self, columns: Sequence["Column"]) -> np.ndarray:
-        """Products of the residual and some columns over all weeks."""
+        """
+        Products of the residual and some columns over all weeks.
+
+        Parameters
+        ----------
+        columns : sequence of int or Changed
+
+        Returns
+        -------
+        array, shape (len(columns) + 1, len(columns) + 1)
+        """
         return self.products(columns, self.total, lambda rows: rows.sum(axis=0))
 
     def products(
@@ -398,7 +422,19 @@ class Design:
         return both * self.daily[:, change.place, other.place]
 
     def by_day(self, place: int, columns: Sequence["Column"]) -> np.ndarray:
-        """Daily products of one column with the residual and some others."""
+        """
+        Daily products of one column with the residual and some others.
+
+        Parameters
+        ----------
+        place : int
+            Of the one.
+        columns : sequence of int or Changed
+
+        Returns
+        -------
+        array, shape (days, len(columns) + 1)
+        """
         table = np.empty((len(self.dates), len(columns) + 1))
         table[:, 0] = self.daily[:, place, 0]
         for i, column in enumerate(columns):

@@ -70,7 +70,7 @@ class Candidate:
 
 
 def undated(design: "Design", prior: float) -> Iterator[Candidate]:
-    """Candidates that have no date."""
+    """Candidates that have no date; ``prior`` are the odds of any one effect."""
     for name, columns in design.own.items():
         odds = np.log(prior * RARE.get(name, 1.0))
         yield Candidate(design.effects[name], columns, float(odds))
@@ -155,7 +155,15 @@ class Scan:
         return np.where(good, score**2 / np.where(good, beyond, 1.0), 0.0)
 
     def sums(self, place: int) -> np.ndarray:
-        """Products of a column with the remaining error and others, up to each day."""
+        """
+        Products of a column with the remaining error and others, before each day.
+
+        Returns
+        -------
+        array, shape (days + 1, columns + 2)
+            With the remaining error, with itself, and with the given columns, of which
+            each is independent of the others.
+        """
         rows = self.design.by_day(place, self.given) * self.trust[:, None]
         scores = rows[:, 0] - rows[:, 1:] @ self.solved
         squares = self.design.daily[:, place, place] * self.trust
@@ -163,7 +171,21 @@ class Scan:
         return np.vstack([np.zeros(table.shape[1]), np.cumsum(table, axis=0)])
 
     def along(self, place: int, low: float, high: float) -> dict[str, dict[str, str]]:
-        """Dates of the best step and temporary change of a column, and of a trend."""
+        """
+        Dates of the best step and temporary change of a column, and of a trend.
+
+        Parameters
+        ----------
+        place : int
+            Of the column.
+        low, high : float
+            Signs of the least and the largest size that it can have.
+
+        Returns
+        -------
+        dict of dict
+            By time profile, its dates by name.
+        """
         days, sums = len(self.design.dates), self.sums(place)
 
         def worth(parts: np.ndarray) -> np.ndarray:

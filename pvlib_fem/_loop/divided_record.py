@@ -133,17 +133,26 @@ class Case:
 
 
 def without_answer(record: Record, rows: np.ndarray) -> Record:
-    """The record without the module's temperature in some rows."""
+    """The record without the module's temperature in some rows, a mask."""
     return record.lacking({"temp_module": rows})
 
 
 def counting(record: Record) -> np.ndarray:
-    """Rows that can be fitted."""
+    """Mask of the rows that can be fitted."""
     return np.asarray(counted(record.inputs.columns, with_night=True))
 
 
 def divided(whole: Record, case: Case) -> Case:
-    """The case with this record and its coarse steps."""
+    """
+    The case with this record and its coarse steps.
+
+    Parameters
+    ----------
+    whole : Record
+        On its own steps.
+    case : Case
+        Of the same rows; ``record`` and ``whole`` are replaced.
+    """
     limits = case.criteria
     seen = case.seen & counting(whole)
     short = whole

@@ -97,23 +97,23 @@ def forms(
     now = np.interp(seconds, at, values)
     step = max(inputs.step, SHORT)
     lags = [*np.arange(-step, LATE + step, step), *LATER]
-    found = [np.interp(seconds[rows] - lag, at, values) for lag in lags]
-    found += [relax(now, inputs.steps, s / inputs.unit)[rows] for s in SMOOTH]
-    return np.column_stack([*found, now[rows] ** 2, now[rows] ** 3])
+    columns = [np.interp(seconds[rows] - lag, at, values) for lag in lags]
+    columns += [relax(now, inputs.steps, s / inputs.unit)[rows] for s in SMOOTH]
+    return np.column_stack([*columns, now[rows] ** 2, now[rows] ** 3])
 
 
 def functions(record: Record, rows: np.ndarray) -> np.ndarray:
     """Smooth functions of each usual input at some rows, now and smoothed in time."""
-    inputs, found = record.inputs, [np.ones(len(rows))]
+    inputs, columns = record.inputs, [np.ones(len(rows))]
     for name in COLUMNS[:3]:
         known = np.isfinite(record[name])
         values = record[name][known]
         now = np.interp(inputs.seconds, inputs.seconds[known], values)
-        found += [np.log1p(np.maximum(now[rows], 0.0))]
-        found += splines(now[rows])
+        columns += [np.log1p(np.maximum(now[rows], 0.0))]
+        columns += splines(now[rows])
         for memory in MEMORY:
-            found += splines(relax(now, inputs.steps, memory / inputs.unit)[rows])
-    return np.column_stack(found)
+            columns += splines(relax(now, inputs.steps, memory / inputs.unit)[rows])
+    return np.column_stack(columns)
 
 
 def splines(values: np.ndarray) -> list[np.ndarray]:
@@ -192,8 +192,8 @@ def held_out(column: np.ndarray, others: np.ndarray, folds: np.ndarray) -> np.nd
     squares = np.empty(len(column))
     for fold in range(FOLDS):
         out = folds == fold
-        found = coefficients(others[~out], column[~out, None])
-        squares[out] = (column[out] - (others[out] @ found)[:, 0]) ** 2
+        sizes = coefficients(others[~out], column[~out, None])
+        squares[out] = (column[out] - (others[out] @ sizes)[:, 0]) ** 2
     return squares
 
 

@@ -275,8 +275,8 @@ def tables(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
 
 def usual_tables(axes: Mapping[str, Axis]) -> list[tuple[Axis, ...]]:
     """Axes of the tables over clock and calendar, usual inputs, the sun's position."""
-    found = [tuple(axes[name] for name in pair if name in axes) for pair in PAIRS]
-    return [kind for kind in dict.fromkeys(found) if kind]
+    kinds = [tuple(axes[name] for name in pair if name in axes) for pair in PAIRS]
+    return [kind for kind in dict.fromkeys(kinds) if kind]
 
 
 def random_effects(

@@ -71,7 +71,7 @@ def in_means(
 
 
 def on_days(holdout: pd.Series, index: pd.Index) -> pd.Series:
-    """Booleans of the rows of a user's choice of days."""
+    """Booleans of the rows of a user's choice of days, a Series of bool by day."""
     dates = given_days(holdout)
     return pd.Series(np.isin(dates_of(index), dates), index)
 

@@ -75,7 +75,20 @@ def plane_of_columns(
 def with_given(
     data: pd.DataFrame, site: dict[str, Any]
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """The record with angles that are given as Series, and the site without."""
+    """
+    The record with angles that are given as Series, and the site without.
+
+    Parameters
+    ----------
+    data : DataFrame
+    site : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+
+    Raises
+    ------
+    ValueError
+        If data have a column of that name, or other times.
+    """
     mount = site["mount"]
     if not isinstance(mount, ByColumns):
         return data, site
@@ -96,7 +109,15 @@ def with_given(
 def with_series(
     data: pd.DataFrame, place: dict[str, Any]
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """Data with the angles of a place that are Series as columns, and the others."""
+    """
+    Data with the angles of a place that are Series as columns, and the others.
+
+    Parameters
+    ----------
+    data : DataFrame
+    place : dict
+        Some of the arguments of :func:`pvlib_fem.drivers.checked_place`.
+    """
     series = {n: v for n, v in place.items() if isinstance(v, pd.Series)}
     if not series:
         return data, place
@@ -160,7 +181,17 @@ def standings_in(
 def with_standings(
     site: dict[str, Any], index: pd.DatetimeIndex, standings: tuple[Standing, ...]
 ) -> dict[str, Any]:
-    """The site with the angles at which its sensor stood, on those days."""
+    """
+    The site with the angles at which its sensor stood, on those days.
+
+    Parameters
+    ----------
+    site : dict
+        From :func:`pvlib_fem.drivers.checked_place`.
+    index : DatetimeIndex
+        Times of the record.
+    standings : tuple of Standing
+    """
     if not standings:
         return site
     columns = geometry(index, **site)

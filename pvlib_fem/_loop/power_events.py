@@ -76,7 +76,7 @@ def events_of(fits: "Fits", step: "Step") -> pd.DataFrame:
 
 def without_power(step: "Step", model: ThermalModel, inputs: Inputs) -> np.ndarray:
     """Temperature of a step without its effects that follow power. [°C]"""
-    start = {}
+    start: dict[str, float] = {}
     for effect in model.effects:
         if effect.name in BY_POWER:
             start |= effect.start

@@ -353,7 +353,7 @@ def notes_of(
 ) -> Iterator[str]:
     """Notes on the data, one line each."""
     health = look.health
-    yield from look.filled.said
+    yield from look.filled.notes
     yield from look.faults.notes
     yield from look.odd
     # doubts are reported with the refused, clocks with their correction

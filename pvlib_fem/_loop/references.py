@@ -222,7 +222,7 @@ class DailyDeviation:
         self,
         weights: np.ndarray,
         values: np.ndarray | None = None,
-        beside: Sequence[np.ndarray] = (),
+        others: Sequence[np.ndarray] = (),
     ) -> tuple[float, float, np.ndarray]:
         """
         The change along a time profile given others, its error, and the residual.
@@ -233,8 +233,8 @@ class DailyDeviation:
             The time profile.
         values : array, shape (days,), optional
             By default the deviation.
-        beside : sequence of array, shape (days,)
-            Other time profiles.
+        others : sequence of array, shape (days,)
+            Further time profiles.
 
         Returns
         -------
@@ -242,7 +242,7 @@ class DailyDeviation:
         residual : array, shape (days,)
         """
         values = self.apart if values is None else values
-        columns = [*self.usual, *beside, weights]
+        columns = [*self.usual, *others, weights]
         sums = cluster_sums(columns, values, self.days)
         sums = replace(sums, weeks=sums.weeks * WEEK // MONTH)
         kept = list(range(len(columns)))
@@ -344,7 +344,20 @@ class DailyDeviation:
         along: np.ndarray,
         coefficients: Mapping[str, float],
     ) -> float:
-        """What a change of that size would have it show along a course."""
+        """
+        The deviation that a change would make along a time profile.
+
+        Parameters
+        ----------
+        effect : Effect
+            The change.
+        size : float
+            Its coefficient.
+        along : array, shape (days,)
+            The time profile.
+        coefficients : dict
+            Of the fitted model.
+        """
         shows = self.comparison.shows.get(kind(effect))
         if shows is None:
             return 0.0
@@ -404,7 +417,7 @@ def compared_columns(case: "Case") -> dict[str, np.ndarray]:
 
 
 def apart(case: "Case") -> list[DailyDeviation]:
-    """All comparisons that some rows of a record allow."""
+    """All comparisons that a case has enough days for."""
     columns = compared_columns(case)
     return [
         one

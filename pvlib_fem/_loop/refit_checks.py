@@ -20,7 +20,15 @@ RISE = 1.0  # of them, by which an error may rise
 
 
 def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]:
-    """The check that none of some coefficients is at a bound, and why it fails."""
+    """
+    The check that none of some coefficients is at a bound, and why it fails.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of the coefficients.
+    step : Step or FemFit
+    """
     bound = sorted({*names} & {*step.at_bound})
     return (
         Check("coefficients at a bound", "", len(bound), 0, most=True),
@@ -31,7 +39,16 @@ def bounds(names: Iterable[str], step: "Step | FemFit") -> tuple[Check, Because]
 def sureness(
     finding: Finding, values: Mapping[str, float], stderr: Mapping[str, float]
 ) -> tuple[Check, Because]:
-    """The check that its surest coefficient is not nothing, and why it fails."""
+    """
+    The check that its surest coefficient is not nothing, and why it fails.
+
+    Parameters
+    ----------
+    finding : Finding
+        Of which the coefficients are.
+    values, stderr : dict
+        Coefficients of a fit, and their standard errors.
+    """
     sizes = {n: distance(values[n], stderr[n]) for n in finding.coefficients}
     name = max(sizes, key=sizes.__getitem__)
     size, least = sizes[name], SURE
@@ -49,7 +66,7 @@ def distance(value: float, error: float) -> float:
 
 
 def rise_check(errors: float, rise: float) -> tuple[Check, Because]:
-    """The check that no error rises, and why it fails."""
+    """The check that no error rises, by :func:`rise_of`, and why it fails."""
     name, most = "rise of the error", RISE
     return (
         Check(name, "", errors, most, most=True, unit=ERRORS),

@@ -20,11 +20,14 @@ from pvlib_fem._statistics.clusters import FOLDS, days_of_folds
 from pvlib_fem._thermal.model import MEMORY, ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel
 from pvlib_fem.drivers import MODELLED, behind, completed, is_modelled
-from pvlib_fem.effects._effect import Effect
+from pvlib_fem.effects._effect import Effect, LinearisedEffect
 
 ROUGH, CLOSE = 1e-7, 1e-3  # relative fall of the cost that ends a coarse, a full fit
 FROZEN: Mapping[str, float] = MappingProxyType({})
 MEMORIES = {*MEMORY["ewm"], *MEMORY["balance"]}
+#: an effect, and the same as a table of a record if it is linear
+Tabled = tuple[Effect, Effect | LinearisedEffect]
+Ready = tuple[Mapping[str, float] | None, Record, dict[str, Tabled]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +59,7 @@ class Fits:
 
     case: Case
     #: by record: the base of a model, the record with drivers, and its effects' tables
-    ready: dict[str, tuple[Mapping | None, Record, dict]] = field(default_factory=dict)
+    ready: dict[str, Ready] = field(default_factory=dict)
 
     def bases(self, steady_model: SteadyModel) -> dict[str, Step]:
         """
@@ -186,7 +189,18 @@ class Fits:
         record: Record,
         counts: np.ndarray,
     ) -> DailySums:
-        """Daily sums of the rows of a record that count and that a step knows."""
+        """
+        Daily sums of the rows of a record that count and that a step knows.
+
+        Parameters
+        ----------
+        step : Step
+        coefficients : dict
+            Of its model.
+        record : Record
+            The coarse one of the case, or the whole one.
+        counts : array of bool, shape (rows,)
+        """
         record, tabled = self.prepared(record, step.model)
         rows = counts & record.known(step.model.drivers)
         return daily_sums(tabled, coefficients, Rows(record, rows), step.at_bound)

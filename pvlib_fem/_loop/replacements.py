@@ -43,7 +43,7 @@ class Replacements:
         stand_ins: str | Iterable[str],
         calm: bool = False,
     ) -> Self:
-        """The replacements of a call, in which no transposition is None."""
+        """The replacements by the arguments of :func:`close_loop`."""
         return cls(transposition or "", tuple(chosen(stand_ins).values()), calm)
 
     def of(
@@ -94,7 +94,16 @@ class Replacements:
     def of_files(
         self, source: ParquetRecord, place: dict[str, Any], limits: Limits
     ) -> tuple[ParquetRecord, dict[str, Any]]:
-        """Files with the replacements, and these as fields of a :class:`Loop`."""
+        """
+        Files with the replacements, and these as fields of a :class:`Loop`.
+
+        Parameters
+        ----------
+        source : ParquetRecord
+        place : dict
+            From :func:`pvlib_fem.drivers.checked_place`.
+        limits : Limits
+        """
         transposed = bool(self.transposition) and "poa_global" not in source.columns
         if transposed:
             source = files_in_plane(source, place, self.transposition, limits)
@@ -141,10 +150,10 @@ class Filled:
     """Columns with the replacements of missing ones."""
 
     columns: dict[str, pd.Series]
-    said: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     horizontal: np.ndarray | None = None  # irradiance that was transposed [W/m²]
     standing: tuple[StandIn, ...] = ()
 
     def plane(self, site: dict[str, Any]) -> dict[str, Any]:
-        """Where the measured light is from."""
+        """The site with the plane in which irradiance was measured."""
         return site if self.horizontal is None else {**site, **LEVEL}

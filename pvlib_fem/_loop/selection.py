@@ -175,7 +175,17 @@ class Selection:
         return choices
 
     def dated(self, choice: Choice, name: str, given: Sequence[Column]) -> Effect:
-        """The effect of a member, with the days between which its date is."""
+        """
+        The effect of a member, with the days between which its date is.
+
+        Parameters
+        ----------
+        choice : Choice
+        name : str
+            Of the member.
+        given : sequence of int or Changed
+            Columns of the base and of the other choices.
+        """
         one, score = choice.members[name], choice.scores[name]
         if not one.effect.channel:
             return one.effect
@@ -261,7 +271,14 @@ class Selection:
         return falls
 
     def alike(self, one: Candidate, other: Candidate, given: Sequence[Column]) -> float:
-        """Share of what a candidate explains that another would explain as well."""
+        """
+        Share of the part of a candidate that another would explain as well.
+
+        Parameters
+        ----------
+        one, other : Candidate
+        given : sequence of int or Changed
+        """
         own, rival = one.beyond(given), other.beyond(given)
         whole = self.design.whole([*given, *own, *rival])
         return float(alike(whole, len(own), len(rival)))

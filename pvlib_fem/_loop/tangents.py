@@ -18,6 +18,11 @@ from pvlib_fem.reasons import Because, Reason, because
 
 RIDGE = 1e-9  # of a column's square: what a record does not determine stays 0
 FEW = 18  # effects of which the tangents are made at a time
+#: the attribute ``scan`` of an :class:`Effect`
+Scan = Callable[
+    [np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, float],
+    Effect | None,
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +152,7 @@ def gather(
         tuple(base),
         tuple(wrong),
     )
-    scanned: list[tuple[Callable, Effect, dict[str, np.ndarray], np.ndarray]] = []
+    scanned: list[tuple[Scan, Effect, dict[str, np.ndarray], np.ndarray]] = []
     changing: list[tuple[Effect, str]] = []
     for one, own in tangents(tried, failed, inputs, at):
         known = record.known(needed_for(one.wide.drivers))[rows]
@@ -225,7 +230,7 @@ class Tried:
     """What is tried first of an effect, or of a channel along its courses."""
 
     wide: Effect
-    scan: Callable | None = None  # that takes the effect from the wide one
+    scan: Scan | None = None  # that takes the effect from the wide one
     courses: tuple[Effect, ...] = ()  # whose dates are to be found
 
     @property
@@ -287,7 +292,18 @@ class Tangents:
         coefficients: dict[str, float],
         rows: np.ndarray,
     ) -> Self:
-        """The evidence at some rows, which are in order."""
+        """
+        The tangents of a model at some rows.
+
+        Parameters
+        ----------
+        model : ThermalModel
+        inputs : Inputs
+            With all drivers of its effects.
+        coefficients : dict
+        rows : array of int
+            In order.
+        """
         model = model.knowing(inputs, coefficients)
         lasting = FADED * model.longest(inputs, coefficients)
         read = remembered(rows, inputs.seconds, lasting)
@@ -297,7 +313,18 @@ class Tangents:
         return cls(model.on(read), inputs, coefficients, read, places)
 
     def slopes(self, also: Mapping[str, Terms] | None = None) -> dict[str, np.ndarray]:
-        """By the model's own parameters, or by further terms, which are of all rows."""
+        """
+        By the model's own parameters, or by further terms.
+
+        Parameters
+        ----------
+        also : dict of Terms, optional
+            Of all rows of the record, by name.
+
+        Returns
+        -------
+        dict of array, shape (rows asked for,)
+        """
         wanted, further = also is None, also or {}
         terms = {name: held(one.part(self.read)) for name, one in further.items()}
         slopes = self.model.slopes(self.inputs, self.coefficients, wanted, terms)[1]
@@ -393,7 +420,7 @@ def filled(column: np.ndarray | float) -> np.ndarray | float:
 
 def narrowed(
     evidence: Evidence,
-    scan: Callable,
+    scan: Scan,
     own: dict[str, np.ndarray],
     known: np.ndarray,
     inputs: Inputs,

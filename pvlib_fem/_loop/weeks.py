@@ -25,7 +25,7 @@ class Part(IntEnum):
 
 
 def named(parts: np.ndarray) -> "pd.Categorical[str]":
-    """The parts by name, as users see them."""
+    """The parts of rows by name, as users see them: ``fitting`` or ``test``."""
     there = [part.name.lower() for part in Part if (parts == part).any()]
     names = pd.Index([part.name.lower() for part in Part])
     return pd.Categorical.from_codes(parts, names).set_categories(there)

@@ -32,11 +32,11 @@ def products(cells: np.ndarray, rows: np.ndarray, ends: np.ndarray) -> np.ndarra
     """
     weighted = cells * np.sqrt(rows)[:, None]
     size = cells.shape[1]
-    found = np.empty((len(ends) - 1, size, size))
+    sums = np.empty((len(ends) - 1, size, size))
     for i, (low, high) in enumerate(pairwise(ends)):
         part = weighted[low:high]
-        np.matmul(part.T, part, out=found[i])
-    return found
+        np.matmul(part.T, part, out=sums[i])
+    return sums
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +73,8 @@ class LeastSquares:
     def shifts(self) -> np.ndarray:
         """Change of the estimate without each week in turn."""
         squares = steady((self.whole - self.weekly)[:, 1:, 1:])
-        found = np.linalg.solve(squares, self.scores[..., None])[..., 0]
-        return -found[:, -self.size :]
+        changes = np.linalg.solve(squares, self.scores[..., None])[..., 0]
+        return -changes[:, -self.size :]
 
     @cached_property
     def covariance(self) -> np.ndarray:
@@ -97,8 +97,8 @@ class LeastSquares:
     @cached_property
     def weights(self) -> np.ndarray:
         """Square of these columns in each week."""
-        found = np.einsum("iq,wij,jq->w", self.mix, self.weekly[:, 1:, 1:], self.mix)
-        return np.maximum(found, 0.0)
+        squares = np.einsum("iq,wij,jq->w", self.mix, self.weekly[:, 1:, 1:], self.mix)
+        return np.maximum(squares, 0.0)
 
     @cached_property
     def freedom(self) -> float:
@@ -179,8 +179,8 @@ def fall(whole: np.ndarray, size: int) -> Squares:
 
 def residual_squares(whole: np.ndarray) -> Squares:
     """Residual sum of squares of some columns."""
-    found = solve(whole)
-    return whole[..., 0, 0] - np.einsum("...i,...i->...", found, whole[..., 1:, 0])
+    sizes = solve(whole)
+    return whole[..., 0, 0] - np.einsum("...i,...i->...", sizes, whole[..., 1:, 0])
 
 
 def alike(whole: np.ndarray, size: int, rival: int) -> Squares:
@@ -206,10 +206,10 @@ def alike(whole: np.ndarray, size: int, rival: int) -> Squares:
     scores = whole[..., 1 + own :, 0]
     scores = scores - np.einsum("...gi,...g->...i", given, whole[..., 1 : 1 + own, 0])
     mine, theirs = beyond[..., :size, :size], beyond[..., size:, size:]
-    found = np.linalg.solve(mine, scores[..., :size, None])
-    seen = beyond[..., size:, :size] @ found
+    sizes = np.linalg.solve(mine, scores[..., :size, None])
+    seen = beyond[..., size:, :size] @ sizes
     explained = (seen * np.linalg.solve(theirs, seen)).sum(axis=(-2, -1))
-    return explained / np.maximum((found * (mine @ found)).sum(axis=(-2, -1)), 1e-300)
+    return explained / np.maximum((sizes * (mine @ sizes)).sum(axis=(-2, -1)), 1e-300)
 
 
 def held_out(weekly: np.ndarray, folds: np.ndarray) -> float:
@@ -224,7 +224,7 @@ def held_out(weekly: np.ndarray, folds: np.ndarray) -> float:
         1 where a week is in a group, else 0.
     """
     parts = np.einsum("fw,wij->fij", folds, weekly)
-    found = solve(parts.sum(axis=0) - parts)
-    crossed = np.einsum("fi,fi->f", found, parts[:, 1:, 0])
-    squared = np.einsum("fi,fij,fj->f", found, parts[:, 1:, 1:], found)
+    sizes = solve(parts.sum(axis=0) - parts)
+    crossed = np.einsum("fi,fi->f", sizes, parts[:, 1:, 0])
+    squared = np.einsum("fi,fij,fj->f", sizes, parts[:, 1:, 1:], sizes)
     return float((parts[:, 0, 0] - 2.0 * crossed + squared).sum())

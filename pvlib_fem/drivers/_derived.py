@@ -228,7 +228,7 @@ def lost_without(name: str) -> tuple:
     return () if getattr(name, "name", name) in THROUGHOUT else tuple(behind([name]))
 
 
-def is_modelled(names: list) -> bool:
+def is_modelled(names: Sequence[str]) -> bool:
     """Whether any driver depends on a result of the model without effects."""
     return not {*MODELLED}.isdisjoint(behind(names))
 

@@ -158,8 +158,9 @@ class Days:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Products with residual and itself between two days, given the fit."""
         score, square, *known = total[:, last] - total[:, first]
-        left = square - np.sum(np.square(known), axis=0)
-        return score, np.where(left > UNSEEN * np.maximum(square, 1e-12), left, 0.0)
+        remainder = square - np.sum(np.square(known), axis=0)
+        independent = remainder > UNSEEN * np.maximum(square, 1e-12)
+        return score, np.where(independent, remainder, 0.0)
 
     def falls(
         self, total: np.ndarray, first: Day, last: Day
@@ -173,14 +174,14 @@ class Days:
 
     def best(self, total: np.ndarray, lengths: np.ndarray) -> tuple[float, int, int]:
         """The best standstill of some lengths: its fall, first day, first day after."""
-        found = (0.0, 0, 0)
+        best = (0.0, 0, 0)
         for length in lengths.tolist():
             first = np.arange(len(self.dates) - length + 1)
             falls, _ = self.falls(total, first, first + length)
             at = largest(falls)
-            if falls[at] > found[0]:
-                found = float(falls[at]), at, at + length
-        return found
+            if falls[at] > best[0]:
+                best = float(falls[at]), at, at + length
+        return best
 
     def errors(self, total: np.ndarray, first: int, last: int) -> float:
         """
@@ -271,9 +272,9 @@ def find_standstill(
     lengths = days.lengths
     if not len(lengths):
         return None
-    found = [days.best(days.sums(tangent), lengths) for tangent in tangents]
-    at = largest([fall for fall, *_ in found])
-    fall, first, last = found[at]
+    each = [days.best(days.sums(tangent), lengths) for tangent in tangents]
+    at = largest([fall for fall, *_ in each])
+    fall, first, last = each[at]
     if not fall > len(rest) * least**2:
         return None
     best = fall, angles[at], tangents[at], first, last
