@@ -77,7 +77,28 @@ def proposal(
     place: float | None,
     needed: Iterable[str] = COLUMNS,
 ) -> tuple[str, str]:
-    """What to look at, and the command that may read files; both empty without any."""
+    """
+    What to look at, and the command that may read files; both empty without any.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    layouts : list of Layout
+        How each file is read, as far as it is given.
+    columns : dict of str
+        Columns of the files by the package's names, as far as they are given.
+    how : dict
+        ``convert``, ``units``, ``check_units`` and ``module_area`` of reading.
+    place : float or None
+        Longitude. [°]
+    needed : iterable of str
+        Columns without which nothing can be done.
+
+    Returns
+    -------
+    (str, str)
+        The proposal for a person, and its line with the command.
+    """
     try:
         several = click.get_current_context().info_name == "modules"
         guessed = guess(files, layouts, columns, how, place, check_record, several)
@@ -181,7 +202,24 @@ def command(
     model: Sequence[str] = (),
     more: Iterable[str] = (),
 ) -> str:
-    """The command as it was given, with the reading as it was found, and more."""
+    """
+    The command as it was given, with the reading as it was found, and more.
+
+    Parameters
+    ----------
+    guessed : Guess
+        Layouts, columns and units.
+    lacking : iterable of str
+        Columns that are missing, for which the line has a placeholder.
+    how : dict
+        Options of reading.
+    model, more : sequence of str
+        Words of the option for the model, and at the end.
+
+    Returns
+    -------
+    str
+    """
     context = click.get_current_context()
     source = context.get_parameter_source
     words, files = ["pvlib-fem", str(context.info_name)], []

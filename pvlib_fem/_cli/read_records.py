@@ -229,7 +229,23 @@ def site_in(index: pd.DatetimeIndex, place: Mapping[str, Any]) -> dict[str, Any]
 def prepared_files(
     files: Sequence[Path], options: dict[str, Any], sun: bool = False
 ) -> dict[str, Any]:
-    """What a fit takes of Parquet files that follow each other, or a loop."""
+    """
+    What a fit takes of Parquet files that follow each other, or a loop.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    options : dict
+        Options of the command; those of reading are taken out of it.
+    sun : bool, default False
+        Whether the place counts, as for a loop.
+
+    Returns
+    -------
+    dict
+        Arguments: ``record``, ``effects``, ``fixed``, ``holdout``, of a loop ``site``,
+        and the other options.
+    """
     check_partners(options)
     how = options.pop("transposition"), options.pop("stand_ins")
     settings, days = settings_of(options.pop("settings")), options.pop("holdout")
@@ -262,7 +278,27 @@ def prepared_files(
 def prepared(
     files: Sequence[Path], options: dict[str, Any], drivers: bool = False
 ) -> tuple[pd.DataFrame, dict[str, Any], Otherwise]:
-    """The frame, and what a fit or a loop takes; all that is wrong is refused here."""
+    """
+    The frame, and what a fit or a loop takes; all that is wrong is refused here.
+
+    Parameters
+    ----------
+    files : sequence of Path
+    options : dict
+        Options of the command; those of reading are taken out of it.
+    drivers : bool, default False
+        Whether further columns count, so that likely ones are proposed.
+
+    Returns
+    -------
+    DataFrame
+        In the package's names.
+    dict
+        Arguments of the fit or the loop: ``effects``, ``fixed``, ``holdout``, ``site``
+        and the other options.
+    callable
+        Makes of an error its refusal, as that of `read`.
+    """
     check_partners(options)
     settings = settings_of(options.pop("settings"))
     effects = effects_of(options.pop("effects"), settings)

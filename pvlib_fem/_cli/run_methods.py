@@ -26,7 +26,25 @@ def closed(
     ceiling: bool = False,
     **options: Any,
 ) -> Loop:
-    """The loop of a frame, with its progress on a terminal."""
+    """
+    The loop of a frame, with its progress on a terminal.
+
+    Parameters
+    ----------
+    data : DataFrame or ParquetRecord
+    model : str, default "faiman"
+    no_unit_check : bool, default False
+    site : dict, optional
+        ``location``, ``surface_tilt``, ``surface_azimuth`` and ``mount``.
+    ceiling : bool, default False
+        Compute the ceiling, too.
+    **options
+        Further ones of :func:`pvlib_fem.close_loop`.
+
+    Returns
+    -------
+    Loop
+    """
     with line() as bar:
         loop = close_loop(
             data,

@@ -181,8 +181,21 @@ def table(
     """
     A table of formatted cells.
 
-    Columns whose head begins with ``#`` hold numbers, with ``@`` dates. ``wraps``
-    breaks long cells into lines.
+    Columns whose head begins with ``#`` hold numbers, with ``@`` dates.
+
+    Parameters
+    ----------
+    head : sequence of str
+        Heads of the columns.
+    rows : iterable of sequence of str or Link
+        A cell for each column.
+    caption : str, optional
+    wraps : bool, default False
+        Break long cells into lines.
+
+    Returns
+    -------
+    Table
     """
     styles = [KINDS.get(name[:1], "") for name in head]
     names = [name[1:] if style else name for name, style in zip(head, styles)]

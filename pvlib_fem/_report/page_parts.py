@@ -40,7 +40,22 @@ def heading(
     site: str = "",
     tag: str = "h1",
 ) -> list[Block]:
-    """The name of the plant, its site, a clock that is off, and the main result."""
+    """
+    The name of the plant, its site, a clock that is off, and the main result.
+
+    Parameters
+    ----------
+    words : str
+        The main result.
+    title, site : str, optional
+        Name of the plant, and a line on its site.
+    corrections : iterable of Correction, optional
+    tag : str, default "h1"
+
+    Returns
+    -------
+    list of Block
+    """
     body = [paragraph(one, "plant") for one in (title, site) if one]
     for one in corrections:
         body.append(paragraph(clock_words(one), "" if one.applied else "alert"))
@@ -58,7 +73,20 @@ def coefficients(
     corrections: Iterable[Correction] = (),
     ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> Table:
-    """Values, errors and ranges of a fit, and what clocks are out by."""
+    """
+    Values, errors and ranges of a fit, and what clocks are out by.
+
+    Parameters
+    ----------
+    fit : FemFit
+    corrections : iterable of Correction, optional
+    ranges : dict of (float, float), optional
+        90 % range by coefficient; without any the table has no column for them.
+
+    Returns
+    -------
+    Table
+    """
     rows, ranges = [], ranges or {}
     for name, row in fit.thermal_model.parameters.items():
         share = f" of {row.share_of}" if row.share_of else ""
@@ -89,7 +117,23 @@ def coefficients(
 def in_energy(
     fit: "FemFit", residuals: Mapping[str, pd.Series | None], gamma: float
 ) -> Table | Paragraph:
-    """What the errors in K are worth in yield, on the days that were held out."""
+    """
+    What the errors in K are worth in yield, on the days that were held out.
+
+    Parameters
+    ----------
+    fit : FemFit
+    residuals : dict of Series
+        Measured minus modelled temperature on the rows of the fit, by the name of the
+        model. [K]
+    gamma : float
+        Temperature coefficient of power. [1/K]
+
+    Returns
+    -------
+    Table or Paragraph
+        A row for each residual; a sentence where the fit has no rows.
+    """
     if fit.record is None:
         return NO_ROWS
     index = fit.record.index
@@ -124,7 +168,19 @@ def in_energy(
 
 
 def done_to_data(rows: Sequence[Treatment], notes: Sequence[str]) -> list[Block]:
-    """What was done to the data, with the number of rows, and notes on them."""
+    """
+    What was done to the data, with the number of rows, and notes on them.
+
+    Parameters
+    ----------
+    rows : sequence of (str, str, int or None, str)
+        Step, column, number of rows and what was done, see :func:`.treatment`.
+    notes : sequence of str
+
+    Returns
+    -------
+    list of Block
+    """
     body: list[Block] = [paragraph("Nothing: no value is missing or impossible.")]
     if rows:
         cells = (

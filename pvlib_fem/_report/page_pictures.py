@@ -191,7 +191,26 @@ def draw(
     projection: str | None = None,
     **size: tuple[float, float],
 ) -> tuple[str, str]:
-    """A picture and what it shows."""
+    """
+    A picture and what it shows.
+
+    Parameters
+    ----------
+    name : str
+        Prefix of the identifiers in the picture, unique within a page.
+    picture : callable
+        Function that draws on axes.
+    words : str
+        What the picture shows.
+    projection : str, optional
+    **size : (float, float)
+        ``size``, width and height. [inch]
+
+    Returns
+    -------
+    (str, str)
+        An ``svg`` element, and ``words``.
+    """
     return svg(picture, name, projection=projection, **size), words
 
 

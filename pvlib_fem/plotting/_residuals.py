@@ -195,8 +195,18 @@ def mesh(
     """
     Draw cells from blue (model too hot) to red, with their scale.
 
-    ``means`` has a row for each bin of ``up`` and a column for each bin of
-    ``across``. Each column is drawn in so many ``pieces``.
+    Parameters
+    ----------
+    ax : matplotlib Axes
+    across, up : array
+        Edges of the cells, of ``m·pieces + 1`` and of ``n + 1`` values.
+    means : DataFrame
+        ``n`` rows, one for each bin of ``up``, and ``m`` columns, one for each of
+        ``across``. [K]
+    limit : float, optional
+        End of the colour scale either way, by default the largest mean. [K]
+    pieces : int, default 1
+        Parts into which each column is divided.
     """
     limit = largest(means) if limit is None else limit
     values = means.to_numpy(dtype=float)
@@ -238,7 +248,23 @@ def by_hour_and_month(residual: pd.Series) -> pd.DataFrame:
 def by_sector(
     residual: pd.Series, wind_speed: Numeric, wind_direction: Numeric
 ) -> tuple[pd.DataFrame, np.ndarray]:
-    """Mean residual, a row for each bin of speed and a column for each sector."""
+    """
+    Mean residual, a row for each bin of speed and a column for each sector.
+
+    Parameters
+    ----------
+    residual : Series
+        Measured minus modelled temperature. [K]
+    wind_speed, wind_direction : Series
+        On the same index. [m/s, °]
+
+    Returns
+    -------
+    DataFrame
+        A row for each bin of speed and a column for each sector. [K]
+    array
+        Edges of the bins of speed, one more than there are rows. [m/s]
+    """
     speed = aligned(residual, wind_speed, "wind_speed")
     angle = aligned(residual, wind_direction, "wind_direction")
     speed = speed.clip(lower=0.0)  # a negative offset of the anemometer is calm
@@ -294,7 +320,24 @@ def cell_means(
     columns: np.ndarray,
     rows: np.ndarray,
 ) -> pd.DataFrame:
-    """Mean of each cell with enough rows and days."""
+    """
+    Mean of each cell with enough rows and days.
+
+    Parameters
+    ----------
+    residual : Series
+        With a DatetimeIndex. [K]
+    across, up : array
+        Column and row of the cell of each value; NaN for none.
+    columns, rows : array
+        Edges of the cells, one more than there are columns or rows.
+
+    Returns
+    -------
+    DataFrame
+        A row for each bin of ``up``, a column for each of ``across``; NaN in cells with
+        few rows or days.
+    """
     days = pd.DatetimeIndex(residual.index).tz_localize(None).floor("D")
     table = pd.DataFrame(
         {

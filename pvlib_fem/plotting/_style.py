@@ -56,7 +56,22 @@ def polar_axes(ax: "Axes | None") -> "PolarAxes":
 
 
 def panels(ax: "Axes", heights: Sequence[float], gap: float = 0.06) -> "list[Axes]":
-    """Divide the given axes into panels, one below the other, with one x axis."""
+    """
+    Divide the given axes into panels, one below the other, with one x axis.
+
+    Parameters
+    ----------
+    ax : matplotlib Axes
+        Becomes the upper panel.
+    heights : sequence of float
+        Height of each panel, relative to the others.
+    gap : float, default 0.06
+
+    Returns
+    -------
+    list of matplotlib Axes
+        From top to bottom.
+    """
     count, share = len(heights), np.array(heights) / sum(heights)
     if place := ax.get_subplotspec():
         rows = place.subgridspec(count, 1, height_ratios=heights, hspace=gap)

@@ -63,7 +63,26 @@ def light(
     covered: np.ndarray,
     albedo: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Irradiance through the glass, and heat that the back absorbs. [W/m²]"""
+    """
+    Irradiance through the glass, and heat that the back absorbs. [W/m²]
+
+    Parameters
+    ----------
+    weather : DataFrame
+        Result of `weather`, of n rows; so in the functions below.
+    site : Site
+    on : dict of float
+        Amplitudes by switch, see `amplitudes`.
+    covered : array
+        Share of the module under snow. [-]
+    albedo : array
+        Of the ground. [-]
+
+    Returns
+    -------
+    sun, rear : array
+        Of n rows.
+    """
     tilt, azimuth = orientation(weather, site, on["tracker_stuck"])
     beam, sky, ground, cosine = plane(
         weather, tilt, azimuth, albedo, site.forms.transposition
@@ -104,7 +123,22 @@ def heats(
 def output(
     sun: np.ndarray, idle: np.ndarray, on: Mapping[str, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Power as constant + slope·T_cell, with T_cell in °C. [W/m², W/(m² K)]"""
+    """
+    Power as constant + slope·T_cell, with T_cell in °C. [W/m², W/(m² K)]
+
+    Parameters
+    ----------
+    sun : array
+        Irradiance through the glass. [W/m²]
+    idle : array
+        Share of the output that is curtailed. [-]
+    on : dict of float
+        Amplitudes by switch.
+
+    Returns
+    -------
+    constant, slope : array
+    """
     full = EFFICIENCY * sun * (1 - idle)
     low = on["conversion"] * LOW_LIGHT * np.log(np.clip(sun, 10.0, None) / 1000.0)
     slope = on["conversion"] * GAMMA * full
@@ -149,7 +183,25 @@ def wet_bulb(celsius: np.ndarray, humidity: np.ndarray) -> np.ndarray:
 def forcing(
     weather: pd.DataFrame, site: "Site", on: Mapping[str, float]
 ) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """All inputs of the module that do not depend on its temperature."""
+    """
+    All inputs of the module that do not depend on its temperature.
+
+    Parameters
+    ----------
+    weather : DataFrame
+    site : Site
+    on : dict of float
+        Amplitudes by switch.
+
+    Returns
+    -------
+    surfaces : dict
+        Constants of the ground, law of natural convection, and numbers of the
+        saturation vapour pressure.
+    series : dict of array
+        Inputs over time, with rows as the last axis; before it an axis for the front
+        and the back where the faces differ.
+    """
     celsius, step = weather["temp_air"].to_numpy(), seconds(times_of(weather))
     ghi = weather["ghi"].to_numpy()
     air = celsius + ZERO + total(AIR, weather, site, on)  # where the module is

@@ -22,7 +22,27 @@ def plane(
     albedo: np.ndarray,
     form: str,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Beam, sky and ground irradiance on a plane, and the cosine of incidence."""
+    """
+    Beam, sky and ground irradiance on a plane, and the cosine of incidence.
+
+    Parameters
+    ----------
+    weather : DataFrame
+        Result of `weather`.
+    tilt, azimuth : float or array
+        Of the plane. [°]
+    albedo : array
+        Of the ground. [-]
+    form : str
+        Model of the sky diffuse irradiance, see `Forms`.
+
+    Returns
+    -------
+    beam, sky, ground : array
+        [W/m²]
+    cosine : array
+        Of the angle of incidence of the beam, 0 behind the plane and at night.
+    """
     elevation = weather["elevation"].to_numpy()
     cosine = irradiance.aoi_projection(
         tilt, azimuth, 90.0 - elevation, weather["azimuth"].to_numpy()

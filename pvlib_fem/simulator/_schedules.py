@@ -29,7 +29,23 @@ def undeclared(
     on: Mapping[str, float],
     forms: Forms = PLAIN,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heat of scheduled and neighbouring sources, on glass and back. [W/m²]"""
+    """
+    Heat of scheduled and neighbouring sources, on glass and back. [W/m²]
+
+    Parameters
+    ----------
+    times : DatetimeIndex
+    air : array
+        Air temperature. [°C]
+    on : dict of float
+        Amplitudes by switch.
+    forms : Forms, optional
+        With the timetables.
+
+    Returns
+    -------
+    front, back : array
+    """
     hour, month = clock(times)[0], times.month.to_numpy()
     weekend = times.day_of_week.to_numpy() >= 5
     exhaust = 120.0 * (weekend & (hour >= 9) & (hour < 16))
