@@ -1,7 +1,7 @@
 """The pictures of a closed loop's page, each with what it shows."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -217,7 +217,7 @@ def draw(
 def on_one_scale(
     kind: str,
     residuals: Mapping[str, pd.Series],
-    means: Callable[[pd.Series], Any],
+    means: Callable[[pd.Series], pd.DataFrame],
     plot: Callable[..., object],
     words: str,
     projection: str | None = None,

@@ -1,12 +1,15 @@
 """The findings of a loop as a DataFrame."""
 
 from numbers import Integral
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from pvlib_fem._findings import Kind
 from pvlib_fem._statements.make import finding_statement, pattern_statement
+
+if TYPE_CHECKING:
+    from pvlib_fem._loop.loop_result import Loop
 
 #: column of the table, and the field of the statement that it has
 FIELDS = {
@@ -46,7 +49,7 @@ class Findings(pd.DataFrame):
             ) from error
 
 
-def findings_table(loop: Any) -> Findings:
+def findings_table(loop: "Loop") -> Findings:
     """
     A row for each of ``loop.finding_objects``, in their order.
 

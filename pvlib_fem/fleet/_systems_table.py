@@ -15,6 +15,7 @@ from pvlib_fem._record.header_units import QUANTITIES, unit_of
 from pvlib_fem._record.layout import EXCEL, PARQUET, Layout
 from pvlib_fem._thermal.steady_models import steady_model
 from pvlib_fem.drivers._mounts import ANGLES, TRACKER
+from pvlib_fem.types import FilePath
 
 #: numbers of a place, with their ranges
 PLACE = {
@@ -100,7 +101,7 @@ class System:
     tracker: dict[str, Any] = field(default_factory=dict)
 
 
-def opened(systems: Any) -> pd.DataFrame:
+def opened(systems: pd.DataFrame | FilePath) -> pd.DataFrame:
     """
     The table as text and numbers, in the order of its ids.
 
