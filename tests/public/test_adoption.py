@@ -74,6 +74,7 @@ def test_the_oldest_dependencies_are_the_lower_bounds():
     extras = PROJECT["optional-dependencies"].values()
     asked = [*PROJECT["dependencies"], *(row for rows in extras for row in rows)]
     lowest = dict(re.findall(r"^(\S+)==(\S+)$", text(".github/oldest.txt"), re.M))
+    assert lowest
     for name, version in bounds(PROJECT["dependencies"]).items():
         assert lowest[name] == version
     for name, version in lowest.items():
@@ -102,6 +103,7 @@ def test_every_reference_is_cited_and_has_a_doi():
     cited = {*re.findall(r"@(\w+)", text("paper.md").split("---\n", 2)[2])}
     entries = re.findall(r"^@\w+\{(\w+),(.*?)^\}", text("paper.bib"), re.M | re.S)
     assert {name for name, _ in entries} == cited
+    assert entries
     for name, fields in entries:
         assert re.search(r"doi +=\s\{10\.\d{4,}/\S+\}", fields), name
 

@@ -125,7 +125,9 @@ def test_every_picture_has_a_size_and_a_caption(shown):
 
 def test_letters_of_pictures_are_large_enough(shown):
     """Without a need to enlarge what is seen, and the whole picture on the screen."""
-    for figure in shown.locator("figure svg").all():
+    figures = shown.locator("figure svg").all()
+    assert figures
+    for figure in figures:
         sizes = figure.evaluate(LETTERS)
         assert min(sizes) >= SMALLEST, sizes
         held, width = figure.bounding_box(), shown.viewport_size["width"]
@@ -142,7 +144,9 @@ LETTERS = """svg => {
 
 def test_no_words_of_a_picture_are_on_others(shown):
     """Dates and numbers on an axis, labels of bars, and legends."""
-    for svg in shown.locator("figure svg").all():
+    pictures = shown.locator("figure svg").all()
+    assert pictures
+    for svg in pictures:
         boxes = svg.evaluate(BOXES)
         assert len(boxes) > 3
         for i, (words, *box) in enumerate(boxes):

@@ -38,6 +38,7 @@ def test_every_effect_has_all_that_a_reader_needs(name):
     said, effect = PAGES[f"effects/{name}.rst"], find(name)
     assert f".. _effect-{name}:" in said
     assert re.search(r"\.\. math::\s+\\mathrm\{(heat|loss|capacity|offset)\} = ", said)
+    assert effect.rows() and effect.forms
     for parameter, row in effect.rows().items():
         bounds = [effects_page.number(edge) for edge in (row.lower, row.upper)]
         unit = re.escape(row.unit if row.unit != "-" else "\\-")
@@ -58,6 +59,7 @@ def test_every_effect_has_all_that_a_reader_needs(name):
 def test_an_equation_has_the_names_of_the_code(name):
     effect = find(name)
     left, right = next(equations(effects_page.forms(effect)[0]))
+    assert effect.drivers and effect.parameters
     for driver in effect.drivers:
         assert f"\\mathrm{{{driver}}}" in right
     for parameter in effect.parameters:
@@ -106,6 +108,7 @@ def test_every_column_and_driver_says_what_it_is_in_its_unit():
 
 def test_the_first_page_leads_to_all_others():
     first, *others = PAGES
+    assert others
     for path in others:
         assert f"\n   {path.removesuffix('.rst')}\n" in PAGES[first]
     for name in [*EFFECTS, *(c.name for c in SENSOR_FAULTS)]:

@@ -71,7 +71,7 @@ def test_two_arrays_have_one_temperature_each(weather, in_tuples):
     run = chain(system(90, 270), fem.DynamicCellTemperature("wm1", "ewm", WM1))
     results = run.run_model((weather, weather) if in_tuples else weather).results
     assert isinstance(results.cell_temperature, tuple)
-    for cell, total in zip(results.cell_temperature, results.total_irrad):
+    for cell, total in zip(results.cell_temperature, results.total_irrad, strict=True):
         want = expected(total["poa_global"], weather, **WM1)
         pd.testing.assert_series_equal(cell, want)
     east, west = results.cell_temperature
@@ -99,7 +99,7 @@ def test_a_run_from_plane_of_array_irradiance(weather, azimuths):
     run = chain(system(*azimuths), fem.DynamicCellTemperature("wm1", "ewm", WM1))
     run.run_model_from_poa(frames if len(frames) > 1 else frames[0])
     cells = run.results.cell_temperature
-    for cell, frame in zip(cells if len(frames) > 1 else (cells,), frames):
+    for cell, frame in zip(cells if len(frames) > 1 else (cells,), frames, strict=True):
         want = expected(frame["poa_global"], weather, **WM1)
         pd.testing.assert_series_equal(cell, want)
 
@@ -119,7 +119,7 @@ def test_a_run_from_effective_irradiance(weather, azimuths, with_poa):
         tuple(frames) if len(frames) > 1 else frames[0]
     )
     cells = run.results.cell_temperature
-    for cell, frame in zip(cells if len(frames) > 1 else (cells,), frames):
+    for cell, frame in zip(cells if len(frames) > 1 else (cells,), frames, strict=True):
         sun = frame["poa_global" if with_poa else "effective_irradiance"]
         want = expected(sun, weather, **WM1)
         pd.testing.assert_series_equal(cell, want, check_names=False)

@@ -62,6 +62,7 @@ def test_what_a_fit_leaves_is_told_apart(plant):
     assert others["own"].max() < 0.5  # noise of 0.3 K, and of a median of three
     assert found["own"]["temp_module_2"] == pytest.approx(1.5, abs=0.3)  # half of 3 K
     assert (found["left"] ** 2 < 2.0 * (found["common"] ** 2 + found["own"] ** 2)).all()
+    assert comparison.fits
     for name, fit in comparison.fits.items():
         alone = fem.fit_fem(
             *(data[n] for n in USUAL), data[name], model="faiman", dynamics="balance"

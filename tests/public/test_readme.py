@@ -81,5 +81,6 @@ def test_its_energies_are_those_of_the_script(monkeypatch):
         )
     )
     assert list(shown) == list(found)
+    assert found
     for name, value in found.items():
         assert float(shown[name]) == pytest.approx(value, abs=0.02), name

@@ -31,7 +31,9 @@ def table():
 
 
 def of(table, family):
-    return table[table["family"] == family]
+    rows = table[table["family"] == family]
+    assert len(rows), family
+    return rows
 
 
 def test_every_switch_is_one_and_leads_to_the_catalogue():
@@ -117,6 +119,7 @@ def test_a_short_record_is_never_better_than_suggestive(table):
 def test_the_error_of_test_weeks_hardly_ever_rises(table):
     """A measurement: nothing was chosen by them."""
     done = table[table["after"].notna()]
+    assert len(done)
     for _, row in done.iterrows():
         assert hardly_worse(row), (row["truth"], row["before"], row["after"])
 

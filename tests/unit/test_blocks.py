@@ -79,6 +79,7 @@ def test_blocks_are_the_whole(dynamics, effects, kind, law, rows, seed):
     close = dict(rtol=1e-12, atol=1e-12, equal_nan=True)
     np.testing.assert_allclose(found, whole, **close)
     assert list(parts) == list(slopes)
+    assert parts
     for name, part in parts.items():
         size = max(np.nanmax(np.abs(slopes[name])), 1e-300)
         np.testing.assert_allclose(part / size, slopes[name] / size, **close)
@@ -95,6 +96,7 @@ def test_terms_that_add_nothing_yet_are_answered_along(dynamics, monkeypatch):
     theirs = model.slopes(inputs, values)[1]
     monkeypatch.setattr(thermal, "BLOCK", 70)
     found = replace(model, effects=()).slopes(inputs, values, also=also)[1]
+    assert also
     for name in also:
         np.testing.assert_allclose(found[name], theirs[name], rtol=1e-9, atol=1e-12)
 
@@ -138,6 +140,7 @@ def test_the_compiled_loops_answer_further_terms_alike(kind, dynamics, monkeypat
         np.testing.assert_allclose(found, temperature, rtol=1e-12, atol=1e-12)
         there = np.isfinite(temperature)
         assert model.slopes(inputs, values, wanted=False, also={})[1] == {}
+        assert how["also"]
         for name in how["also"]:
             one, other = (slopes[name][there] for slopes in (ours, theirs))
             np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-11)
@@ -157,6 +160,7 @@ def test_tangents_at_some_rows_need_only_what_those_remember(kind, dynamics):
     at = Tangents.of(model, inputs, values, rows)
     assert len(rows) < len(at.read) + (dynamics == "steady") < 0.7 * len(whole.index)
     assert [*at.slopes()] == [*own] and [*at.slopes(also)] == [*also]
+    assert own and also
     for ours, theirs in ((at.slopes(), own), (at.slopes(also), further)):
         for name in ours:
             column = np.broadcast_to(theirs[name], len(whole.index))[rows]

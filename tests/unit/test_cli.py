@@ -438,7 +438,9 @@ def test_fit_and_loop_take_the_same_options():
     assert set(fit) - set(loop) == {"dynamics", "method", "calm_wind", "plot"}
     extra = {"min_gain", "corrected", "resolve", "details", "ceiling"}
     assert set(loop) - set(fit) == extra
-    for name in set(fit) & set(loop) - {"model"}:
+    both = set(fit) & set(loop) - {"model"}
+    assert both
+    for name in both:
         assert fit[name].default == loop[name].default
     said = {name: " ".join(call(name, "-h").output.split()) for name in ("fit", "loop")}
     assert "fit takes the paper's wm1 by default" in said["loop"]

@@ -128,6 +128,7 @@ def test_a_fine_record_is_fitted_in_means_where_a_comparator_says_so(month):
 def test_the_table_has_what_fit_fem_says_of_each_model(compared, fortnight):
     columns = [fortnight[name] for name in COLUMNS]
     fit = fem.fit_fem(*columns, model="wm1")
+    assert len(fit.scores)
     for step, row in fit.scores.iterrows():
         for score in ("rmse", "mae", "mbe"):
             found = compared.table.loc[(300.0, "wm1", step), score]

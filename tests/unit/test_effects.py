@@ -141,6 +141,7 @@ def test_a_planted_effect_is_found(plant, noise, name, dynamics):
         **columns(plant, model),
     )
     assert fit.converged
+    assert planted_as(name).rows()
     for key in planted_as(name).rows():
         error = fit.stderr[key]
         assert abs(fit.coefficients[key] - values[key]) < 4 * error
@@ -164,6 +165,7 @@ def test_an_effect_that_is_not_there_comes_out_as_nothing(plant, noise, name):
         effects=[planted_as(name)],
         **columns(plant, model_with("balance", name)),
     )
+    assert planted_as(name).rows()
     for key in planted_as(name).rows():
         nothing = fit.coefficients[key] == 0.0 or key in fit.at_bound
         assert nothing or abs(fit.coefficients[key]) < 4 * fit.stderr[key]
@@ -184,6 +186,7 @@ def test_all_driven_effects_at_once_are_told_apart(plant, noise):
         effects=[planted_as(name) for name in DRIVEN],
         **columns(plant, model),
     )
+    assert values
     for key, value in values.items():
         assert abs(fit.coefficients[key] - value) < 4 * fit.stderr[key], key
     assert fit.scores["rmse_train"].is_monotonic_decreasing
@@ -928,6 +931,7 @@ def test_the_base_is_the_fit_without_effects(plant, noise, tmp_path):
     fit = fem.fit_fem(*usual, module, effects=names, **options)
     alone = fem.fit_fem(*usual, module, **options)
     assert alone.base is None and set(fit.base) == set(alone.coefficients)
+    assert fit.base
     for name, value in fit.base.items():
         assert value == pytest.approx(alone.coefficients[name], rel=1e-3), name
     other = [plant[n].iloc[:2000] + shift for n, shift in zip(DRIVERS, (0, -8, 1))]
@@ -953,6 +957,7 @@ def test_where_a_driver_lacks_there_is_no_temperature(plant, name):
     drivers = {n: plant[n] for n in model.drivers}
     whole = model.predict(*usual, values, **drivers)
     some = slice(400, 460)
+    assert drivers
     for column in drivers:
         gap = drivers[column].copy()
         gap.iloc[some] = np.nan

@@ -111,7 +111,9 @@ def test_no_code_takes_a_sentence_apart():
         r"|(startswith|removeprefix)\(\"driver:"
         r"|\" in (finding|f|hint)\.why"
     )
-    for path in PACKAGE.rglob("*.py"):
+    paths = [*PACKAGE.rglob("*.py")]
+    assert paths
+    for path in paths:
         for line in path.read_text(encoding="utf-8").splitlines():
             # the first line of a docstring is a heading, and no reason
             assert not parsing.search(line) or "words.strip()" in line, (path, line)

@@ -111,6 +111,7 @@ def test_the_jacobian_is_exact(month, model, dynamics):
         return target.predict(*drivers, {**truth, **changed}).to_numpy()
 
     np.testing.assert_allclose(temperature, predicted(), rtol=1e-12)
+    assert target.parameters
     for name in target.parameters:
         step = 1e-5 * abs(truth[name])
         up, down = (predicted(**{name: truth[name] + s}) for s in (step, -step))
@@ -393,6 +394,7 @@ def test_the_search_sees_the_share_and_the_user_the_number(model):
     steady_model = {name: values[name] for name in target.steady_model.coefficients}
     assert target.steady_model.complete(steady_model) == steady_model
     names = list(target.parameters)
+    assert names
     for i, name in enumerate(names):
         moved, _ = natural(target, {**searched, name: searched[name] + 1e-6})
         change = [(moved[n] - values[n]) / 1e-6 for n in names]

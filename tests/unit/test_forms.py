@@ -336,7 +336,9 @@ def test_the_draw_has_every_rival_and_is_the_same_for_a_seed():
 def test_a_drawn_obstacle_stands_before_the_sun(seed):
     site = (RHINE, ALBUQUERQUE)[seed % 2]
     sky = weather(site, step=900.0, seed=1)
-    for one in drawn(seed, site).obstacles:
+    obstacles = drawn(seed, site).obstacles
+    assert obstacles
+    for one in obstacles:
         day = sky["elevation"] > 0
         assert (hidden(sky, [one])[day] > 0).mean() > 0.003
 

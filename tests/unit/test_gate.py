@@ -123,6 +123,8 @@ def test_the_page_has_a_row_for_each_gate():
     table = pd.DataFrame([record(sets=[SNOW], sizes=("snow",), truths=("snow",))])
     some = table, [change(1)]
     text = "\n".join(page(*some, oracle=some, day="today"))
-    for row in (*gates(*some), *against(*some, *some)):
+    rows = [*gates(*some), *against(*some, *some)]
+    assert rows
+    for row in rows:
         assert f"| {row[0]} | {row[1]} | {row[2]} |" in text
     assert "they took 2.0 s" in text

@@ -303,7 +303,9 @@ def test_every_limit_says_what_it_is_and_its_unit():
     text = inspect.getdoc(Limits).split("Attributes")[1]
     for field in dataclasses.fields(Limits):
         assert re.search(rf"^.*\b{field.name}\b.* : (float|int)$", text, re.M)
-    for entry in re.split(r"\n\w.* : (?:float|int)\n", text)[1:]:
+    entries = re.split(r"\n\w.* : (?:float|int)\n", text)[1:]
+    assert entries
+    for entry in entries:
         unit = r"\[(-|s|K|days|W/m²)\]$"
         assert re.search(unit, entry.rstrip()), entry
 

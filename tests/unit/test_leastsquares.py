@@ -101,6 +101,7 @@ def test_searches_that_share_their_passes_end_where_each_does():
 
     found, each = minima_of(searches(), together), searches()
     assert list(found) and set(found) == set(starts)
+    assert each.keys() == found.keys()
     for name, search in each.items():
         np.testing.assert_array_equal(found[name].x, minimum_of(search, evaluate).x)
     # one pass serves all that have not ended

@@ -58,6 +58,7 @@ def test_hidden_effects_are_named_with_their_size(two):
     for finding in named.values():
         assert finding.gain > 0.3 and finding.candidates[0] == finding.effect
         assert finding.probabilities[finding.effect] > 0.9
+        assert finding.stderr
         for key, error in finding.stderr.items():
             assert 0 < error < 0.2 * max(map(abs, finding.coefficients.values())), key
 
@@ -110,6 +111,7 @@ def test_the_report_says_all(two):
         assert words in text
     assert "from measured longwave" in " ".join(text.split())  # lines are folded
     assert "not identifiable" in text
+    assert loop.untestable
     for name in loop.untestable:
         assert name in text
 
@@ -394,6 +396,7 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
     assert first.coefficients["shading.share"] == pytest.approx(share, rel=0.15)
     (effect,) = (e for e in loop.fit.effects if e.name == "shading")
     assert effect.settings["sensor"] == (switch == "shading_sensor")
+    assert effect.settings["windows"]
     for start, end, low, high in effect.settings["windows"]:
         assert start >= 99 and end <= 144 and low >= 0 and high <= 32
     again = fem.effects.find(effect.spec)
@@ -475,6 +478,7 @@ def test_rows_without_a_driver_do_not_count_for_its_effect(two):
 def test_every_finding_keeps_the_rules_it_was_asked(two):
     _, loop = two
     names = {field.name for field in fields(fem.Criteria)}
+    assert loop.finding_objects
     for finding in loop.finding_objects:
         assert finding.checks
         for check in finding.checks:

@@ -74,7 +74,9 @@ def test_the_sums_of_files_are_those_of_memory(data, folder, dynamics):
     size = np.sqrt(np.outer(np.diag(one.normal), np.diag(one.normal)))
     np.testing.assert_allclose(other.normal / size, one.normal / size, atol=1e-12)
     assert files.winds == pytest.approx(rows.winds, rel=1e-12)
-    for name, means in coarse(record, 480.0).inputs.columns.items():
+    columns = coarse(record, 480.0).inputs.columns
+    assert len(columns)
+    for name, means in columns.items():
         np.testing.assert_allclose(files.means[name], means, rtol=1e-13)
 
 
@@ -178,7 +180,9 @@ def test_what_minutes_remember_is_as_in_memory(effect, lacking, step, tmp_path):
     """For any missing values and blocks, if the record determines the coefficient."""
     data = worlds(effect, lacking, step)
     expected, fit, left = in_memory_and_of_files(data, effect, tmp_path)
-    for name in [name for name, error in expected.stderr.items() if error > 0]:
+    names = [name for name, error in expected.stderr.items() if error > 0]
+    assert names
+    for name in names:
         known = pytest.approx(expected.coefficients[name], rel=1e-6)
         assert fit.coefficients[name] == known
     pd.testing.assert_frame_equal(fit.scores, expected.scores, atol=2e-5)
@@ -193,7 +197,9 @@ def test_what_seconds_remember_is_of_means(effect, lacking, tmp_path):
     data = worlds(effect, lacking, 15)
     expected, fit, left = in_memory_and_of_files(data, effect, tmp_path)
     share = 1e-3 if effect == "rain" else 0.1
-    for name in [name for name, error in expected.stderr.items() if error > 0]:
+    names = [name for name, error in expected.stderr.items() if error > 0]
+    assert names
+    for name in names:
         off = abs(fit.coefficients[name] - expected.coefficients[name])
         assert off <= share * expected.stderr[name]
     pd.testing.assert_frame_equal(fit.scores, expected.scores, atol=0.005)

@@ -106,6 +106,7 @@ def test_the_last_model_is_fitted_to_the_records_own_steps(loops):
     one, other = loops
     own = other.own_steps
     assert own.summary.rows == len(one.weeks)
+    assert one.fit.coefficients
     for name, value in one.fit.coefficients.items():
         # the loop ends where the errors of the coefficients are a thousand times more
         assert abs(own.coefficients[name] - value) < 1e-2 * one.fit.stderr[name]

@@ -73,6 +73,7 @@ def both(data, folder):
         assert str(other.value) == str(error)
         return None
     columns, found = in_blocks(source)
+    assert columns
     for name, values in columns.items():
         np.testing.assert_array_equal(values, clean[name], err_msg=name)
     assert found.notes == notes

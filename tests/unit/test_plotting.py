@@ -134,6 +134,7 @@ def test_contributions_are_those_of_the_loop(closed, ax):
     words = {label(name): name for name in parts}
     found = {words[k.split(", rms")[0]]: v for k, v in drawn.items() if ", rms" in k}
     assert list(found) == list(parts)
+    assert found
     for name, (_, values) in found.items():
         np.testing.assert_allclose(values, day[name], atol=1e-12)
 
@@ -212,6 +213,7 @@ def test_a_fit_from_a_file_has_no_rows_to_plot(draw, held, ax):
 def test_a_fit_stays_in_axes_without_a_grid(held):
     ax = Figure().add_axes([0.2, 0.3, 0.5, 0.6])
     plotting.plot_fit(held, ax=ax)
+    assert ax.figure.axes
     for part in ax.figure.axes:
         x0, y0, x1, y1 = part.get_position().extents
         assert x0 >= 0.2 - 1e-9

@@ -27,6 +27,7 @@ def run(block):
 def test_every_block_runs_and_prints_what_is_shown(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names, printed = {}, []
+    assert BLOCKS
     for language, block in BLOCKS:
         match language:
             case "python":

@@ -60,6 +60,7 @@ def test_the_range_holds_the_truth_and_more_than_the_error(loop):
 
 
 def test_what_is_not_in_the_model_has_no_range(loop):
+    assert loop.finding_objects
     for finding in loop.finding_objects:
         assert bool(finding.ranges) is finding.added
         for name, (low, high) in finding.ranges.items():

@@ -31,7 +31,9 @@ def test_the_papers_recipe(month, model):
     offset = paper.night_bias(*kept).value
     k = paper.r_eq_max(*train, calm_wind=1.0, intercept=False, offset=offset).value
     assert fit.coefficients["tau"] == paper.time_constant(*train, k).value
-    for name, estimate in recipe(model, train, 1.0, offset).items():
+    estimates = recipe(model, train, 1.0, offset)
+    assert estimates
+    for name, estimate in estimates.items():
         assert fit.coefficients[name] == estimate.value
     assert fit.scores.loc["fem", "mbe_train"] == pytest.approx(0, abs=1e-9)
     assert fit.coefficients["bias"] == pytest.approx(fit.scores.loc["ewm", "mbe_train"])
@@ -82,6 +84,7 @@ def test_a_sensors_offset_changes_the_bias_and_nothing_else(fortnight, model, of
                 (moved, (*drivers, module + offset)),
             )
         )
+        assert inner
         for name, estimate in inner.items():
             assert outer[name].value == pytest.approx(estimate.value, rel=1e-6)
 

@@ -161,6 +161,7 @@ def test_single_precision_is_read_as_it_is_and_summed_in_double(days, dynamics):
     narrow = faulty(datasets.synthetic(days, seed=2)[list(COLUMNS)]).astype("float32")
     own = fit(narrow, dynamics=dynamics)
     wide = fit(narrow.astype(float), dynamics=dynamics)
+    assert wide.coefficients
     for name, value in wide.coefficients.items():
         assert own.coefficients[name] == pytest.approx(value, rel=1e-9)
         assert own.stderr[name] == pytest.approx(wide.stderr[name], rel=1e-6)

@@ -252,7 +252,9 @@ def test_the_picture_has_the_shares_by_size(recovery):
     pytest.importorskip("matplotlib")
     axes = recovery.plot()
     shares = recovery.summary["found"]
-    for line in axes.get_lines()[: shares.index.unique("effect").size]:
+    lines = axes.get_lines()[: shares.index.unique("effect").size]
+    assert lines
+    for line in lines:
         part = shares[line.get_label()]
         np.testing.assert_array_equal(line.get_xdata(), part.index)
         np.testing.assert_array_equal(line.get_ydata(), part)

@@ -99,6 +99,7 @@ def page(closed):
 
 def test_it_has_every_row_of_the_table(closed, page):
     rows = {row[0].replace("+ ", "+", 1): row for row in page.rows}
+    assert len(closed.table)
     for name, line in closed.table.iterrows():
         keys = ("rmse_test", "rmse_test_day", "rmse_test_night", "mbe_test")
         shown = [float(value) for value in rows[name][1:5]]
@@ -111,14 +112,17 @@ def test_it_has_every_finding_and_what_is_not_testable(closed, page):
     for finding in closed.finding_objects:
         assert f"{finding.gain:.2f}" in page.text
         names = finding.where if finding.verdict == "unknown" else finding.candidates
+        assert names
         for name in names:
             assert name in page.text
+    assert closed.untestable
     for name, why in closed.untestable.items():
         assert name in page.text
         if why.reason is Reason.DETECTABLE:
             assert f"{name} below {why.values['gain']:.2g} K" in page.text
         else:
             assert str(why) in page.text
+    assert closed.notes
     for note in closed.notes:
         assert note in page.text
 
@@ -136,6 +140,7 @@ def test_it_has_the_months_of_a_long_record(closed, page):
 
 def test_it_has_every_coefficient(closed, page):
     rows = {row[0]: row for row in page.rows}
+    assert closed.fit.coefficients
     for name, value in closed.fit.coefficients.items():
         error = closed.fit.stderr[name]
         shown, around = rows[name][1:3]
@@ -162,6 +167,7 @@ def test_it_begins_with_what_was_found(closed, page):
     assert heading in page.texts
     first = page.text.index("Error by step")
     statements = closed.statements.set_index("cause")
+    assert closed.effects and len(closed.conclusion)
     for name in closed.effects:
         assert statements["text"][name] in page.text[:first]
     for sentence in closed.conclusion:
@@ -177,6 +183,7 @@ def test_names_of_columns_are_text_and_nothing_else(closed, page):
 
 
 def test_it_needs_nothing_from_outside(page):
+    assert page.attributes
     for name, value in page.attributes:
         if name in ("href", "src", "xlink:href"):
             assert value.startswith(("#", "data:image/png;base64"))
@@ -243,6 +250,7 @@ def test_what_was_done_to_the_data_is_counted():
     assert ["screening", "temp_air", "50", "missing"] in rows
     assert ["screening", "temp_module", "3", "impossible, not used"] in rows
     assert ["screening", "poa_global", "8", "below zero, set to 0"] in rows
+    assert loop.week_rows
     for name, count in loop.week_rows.items():
         assert ["rows", "all", f"{count:,}", f"in {name} weeks"] in rows
     unknown = int(loop.fit.residual.isna().sum())
@@ -493,6 +501,7 @@ def test_a_fit_has_a_page_as_a_loop_has(fit, tmp_path):
     assert "Plant 7" in page.texts
     assert page.tags.count("figure") == page.tags.count("svg") == 3
     rows = {row[0]: row for row in page.rows}
+    assert len(fit.scores)
     for name, line in fit.scores.iterrows():
         assert float(rows[name][1]) == pytest.approx(line["rmse_test"], abs=0.006)
     assert rows["u1"][1:3] == ["6.84", "held"]

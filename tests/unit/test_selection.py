@@ -224,7 +224,9 @@ def test_a_true_effect_keeps_its_size_within_every_table():
     random, (days, hours) = np.random.default_rng(2), clock(300)
     own = np.maximum(random.normal(size=len(days)) + np.cos(hours / 4.0), 0.0)
     made, one, choice = chosen(2.0 * own + noise(random, len(days)), own, days, hours)
-    for share, error in shares(made, one, [*made.base]):
+    sizes = [*shares(made, one, [*made.base])]
+    assert sizes
+    for share, error in sizes:
         assert abs(share - 1.0) < 4.0 * error + 0.02
     assert choice.probabilities["rain"] > 0.95
     assert sum(choice.probabilities.values()) == pytest.approx(1.0)

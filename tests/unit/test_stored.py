@@ -328,6 +328,7 @@ def test_findings_come_back_as_what_they_were(loop, files):
     """A verdict equals its text, and is compared by identity."""
     again = fem.Loop.from_json(files / "loop.json")
     assert again.finding_objects
+    assert loop.finding_objects
     for one, was in zip(again.finding_objects, loop.finding_objects, strict=True):
         assert one.verdict is was.verdict and one.kind is was.kind
         assert type(one.because) is Because and repr(one) == repr(was)

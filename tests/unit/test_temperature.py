@@ -244,6 +244,7 @@ def test_the_slopes_of_a_steady_model_are_exact(model):
     wind = np.array([0.0, 0.3, 2.0, 7.0, 12.0])
     slopes = steady_model.slopes(wind, **own)
     assert slopes.keys() == {*steady_model.parameters, "wind_speed"}
+    assert steady_model.parameters
     for name in steady_model.parameters:
         step = 1e-6 * abs(own[name])
         up, down = (

@@ -121,7 +121,9 @@ def test_means_of_five_minutes_are_worth_what_minutes_are(monkeypatch):
     assert "wind_direction" in loop.effects
     means = energies(loop)
     monkeypatch.setattr("pvlib_fem._statements.worth.STEP", 60.0)
-    for name, energy_of_minutes in energies(loop).items():
+    minutes = energies(loop)
+    assert minutes
+    for name, energy_of_minutes in minutes.items():
         assert means[name] == pytest.approx(energy_of_minutes, rel=0.03)
 
 
