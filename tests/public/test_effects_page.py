@@ -89,10 +89,11 @@ def test_what_looks_like_an_effect_by_name_is_another_one(name):
         assert other != name
 
 
-@every
-def test_a_variant_is_confused_with_what_the_effect_is(name):
-    for variant in find(name).variants:
-        assert variant.confused_with == find(name).confused_with
+@pytest.mark.parametrize(
+    "variant", [v for effect in EFFECTS.values() for v in effect.variants]
+)
+def test_a_variant_is_confused_with_what_the_effect_is(variant):
+    assert variant.confused_with == find(variant.name).confused_with
 
 
 def test_every_column_and_driver_says_what_it_is_in_its_unit():
