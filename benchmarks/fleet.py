@@ -30,14 +30,22 @@ A_SITE = 10  # systems of one
 #: under which a record can tell it
 OF_STATION = (
     None,
-    ("sensitivity", 0.12, {"sensitivity_step", "contact_step", "mounting_step"}),
-    ("wind_gain", 0.5, {"wind_gain_step"}),
+    (
+        "irradiance_sensor",
+        0.12,
+        {"irradiance_sensor_step", "module_sensor_contact_step", "mounting_step"},
+    ),
+    ("anemometer", 0.5, {"anemometer_step"}),
 )
 OF_MODULE = (
     None,
     None,
     None,
-    ("contact", 0.25, {"contact_step", "mounting_step", "sensitivity_step"}),
+    (
+        "module_sensor_contact",
+        0.25,
+        {"module_sensor_contact_step", "mounting_step", "irradiance_sensor_step"},
+    ),
     ("module_offset", 2.5, {"module_offset_step", "air_offset_step"}),
     ("shading", 1.0, {"shading"}),
     ("soiling", 1.5, {"soiling"}),

@@ -64,7 +64,7 @@ print(loop.table["rmse_test"].round(2).to_string())
 # a back sensor that comes off: from year to year it shows 10 % less of the module and
 # that much more of the air.
 
-drift = {"sensitivity_drift": 1.0}
+drift = {"irradiance_sensor_drift": 1.0}
 years = dict(days=730, step=600)
 clean, drifting = simulator.records(simulator.RHINE, [world, world | drift], **years)
 lost = np.linspace(0.0, 0.2, len(clean))
@@ -73,13 +73,13 @@ loose = clean.assign(temp_module=mixed)
 records = {"nothing wrong": clean, "pyranometer": drifting, "back sensor": loose}
 for name, data in {**records, "back sensor, one year": loose.loc["2023"]}.items():
     loop = fem.close_loop(data[COLUMNS], **place)
-    rate = loop.fit.coefficients.get("sensitivity_drift.per_year")
+    rate = loop.fit.coefficients.get("irradiance_sensor_drift.per_year")
     print(f"{name:<24}{', '.join(loop.effects)}", f"{rate:+.3f} a year" if rate else "")
 
 # %%
-# The faulty pyranometer gives ``sensitivity_drift``, the faulty back sensor
-# ``contact_drift``. Both are ambiguous, and the signs differ. One year is too short: a
-# drift and the season cannot be distinguished there.
+# The faulty pyranometer gives ``irradiance_sensor_drift``, the faulty back sensor
+# ``module_sensor_contact_drift``. Both are ambiguous, and the signs differ. One year is
+# too short: a drift and the season cannot be distinguished there.
 #
 # The nights
 # ----------

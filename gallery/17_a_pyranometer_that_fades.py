@@ -156,8 +156,10 @@ if data is not None:
         "second plane, 40°": sunny["poa_global_2"] / sunny["poa_global"],
         "modelled irradiance": sunny["poa_modelled"] / sunny["poa_global"],
     }
-    drift = next(f for f in loop.finding_objects if f.effect == "sensitivity_drift")
-    rate = 100.0 * drift.coefficients["sensitivity_drift.per_year"]
+    drift = next(
+        f for f in loop.finding_objects if f.effect == "irradiance_sensor_drift"
+    )
+    rate = 100.0 * drift.coefficients["irradiance_sensor_drift.per_year"]
     figure, axes = plt.subplots(
         2, 2, figsize=(9, 5), sharex=True, sharey=True, layout="constrained"
     )

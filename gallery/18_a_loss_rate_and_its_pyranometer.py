@@ -63,7 +63,7 @@ if data is not None:
     (fading,) = (
         one
         for one in corrected.actions.itertuples()
-        if one.cause == "sensitivity_drift"
+        if one.cause == "irradiance_sensor_drift"
     )
 
 # %%

@@ -18,6 +18,7 @@ from pvlib_fem._loop.planes import plane_of_columns, with_given
 from pvlib_fem._loop.replacements import Replacements
 from pvlib_fem._record.column_names import ALWAYS, COLUMNS, by_own_names, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, is_data_set
+from pvlib_fem._renamed_effects import keys_in_new_names
 from pvlib_fem._spelling import LEAST_SQUARES, ShellText, argument, refusal
 from pvlib_fem._thermal.model import ThermalModel, thermal_model
 from pvlib_fem.drivers import checked_place, geometry, needed_for
@@ -151,6 +152,7 @@ def fit_fem(
        thermal models at second-to-minute timescales", 2022, Eq. 28.
        :doi:`10.22541/au.166922866.68736478`
     """
+    fixed = keys_in_new_names(fixed) if fixed else fixed
     target = holding(
         thermal_model(model, dynamics, map(find, several(effects))), fixed or {}
     )

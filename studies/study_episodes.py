@@ -30,7 +30,7 @@ WORLDS = {
         "wind_direction": 1.0,
         "sky_radiation": 1.0,
         "soiling": 1.0,
-        "sensitivity_drift": 1.0,
+        "irradiance_sensor_drift": 1.0,
     },
 }
 

@@ -31,10 +31,10 @@ from pvlib_fem.effects import CHANGES, find
 COURSES = ("step", "drift", "episode")
 #: sizes from which one is drawn, either way where that can be
 SIZES = {
-    "sensitivity": (0.06, 0.15),
-    "contact": (0.08, 0.25),
-    "wind_gain": (0.25, 0.6),  # of the wind that is lost
-    "wind_stall": (1.2, 2.0),  # m/s, below which the cups stand
+    "irradiance_sensor": (0.06, 0.15),
+    "module_sensor_contact": (0.08, 0.25),
+    "anemometer": (0.25, 0.6),  # of the wind that is lost
+    "anemometer_stall": (1.2, 2.0),  # m/s, below which the cups stand
     "air_offset": (0.8, 2.0),  # K
     "module_offset": (0.8, 2.0),  # K
     "none": (0.0, 0.0),
@@ -43,20 +43,23 @@ ODDS = [0.18, 0.18, 0.1, 0.08, 0.13, 0.13, 0.2]
 #: effects of the simulator's physics, of which a part of the sun's heat is power
 PRESENT = {*simulator.OUTDOORS, "electrical_output"} | IN_PHYSICS
 #: what one record cannot tell from each other is one truth
-SAME = {"contact": ("contact", "mounting"), "module_offset": ("module_offset",)}
+SAME = {
+    "module_sensor_contact": ("module_sensor_contact", "mounting"),
+    "module_offset": ("module_offset",),
+}
 
 
 def changed(data, channel, size, weight):
     """The record whose sensor has changed, by the weight of each row."""
     data, air = data.copy(), data["temp_air"]
-    if channel == "sensitivity":
+    if channel == "irradiance_sensor":
         data["poa_global"] *= 1.0 - size * weight
-    elif channel == "contact":
+    elif channel == "module_sensor_contact":
         over = data["temp_module"] - air
         data["temp_module"] = air + over * (1.0 - size * weight)
-    elif channel == "wind_gain":
+    elif channel == "anemometer":
         data["wind_speed"] *= 1.0 - size * weight
-    elif channel == "wind_stall":
+    elif channel == "anemometer_stall":
         stalls = data["wind_speed"] < size * weight
         data["wind_speed"] = data["wind_speed"].where(~stalls, 0.0)
     elif channel in ("air_offset", "module_offset"):
@@ -73,7 +76,7 @@ def drawn(seed):
     course = str(random.choice(COURSES, p=[0.5, 0.25, 0.25]))
     low, high = SIZES[channel]
     size = float(random.uniform(low, high))
-    if channel != "wind_gain" and channel != "wind_stall":
+    if channel != "anemometer" and channel != "anemometer_stall":
         size *= random.choice([-1.0, 1.0])
     at = np.sort(random.uniform(0.15, 0.85, 2)) * days
     if at[1] - at[0] < 40:
@@ -177,10 +180,13 @@ def told_of(right, channel, course, size, years):
 
 def expected(channel, named, size):
     """The coefficient that a change of that size makes; NaN where it has none."""
-    over = {"sensitivity": 1.0 / (1.0 - size) - 1.0, "contact": -size}.get(channel)
+    over = {
+        "irradiance_sensor": 1.0 / (1.0 - size) - 1.0,
+        "module_sensor_contact": -size,
+    }.get(channel)
     offset = {"module_offset": size, "air_offset": -size}.get(channel)
     if over is not None:
-        gains = {"sensitivity": over, "contact": over}
+        gains = {"irradiance_sensor": over, "module_sensor_contact": over}
         return (gains | {"mounting": 1.0 / (1.0 + over) - 1.0}).get(named, np.nan)
     # the air's offset reaches the module by the heat that air brings: no share of both
     return offset if named == channel and offset is not None else np.nan

@@ -128,7 +128,9 @@ TRUTHS = {
     "soiling_sensor": Truth("soiling", "per_day", sensor_dirt, place=DRY),
     "shading": Truth("shading", "share", beam_share, sizes=SHADES),
     "shading_sensor": Truth("shading", "share", sensor_share, sizes=SHADES),
-    "sensitivity_drift": Truth("sensitivity_drift", "per_year", aged, days=730),
+    "irradiance_sensor_drift": Truth(
+        "irradiance_sensor_drift", "per_year", aged, days=730
+    ),
     "clock_shift": Truth(
         "clock_shift", "minutes", 1.0, sizes=(1.0, 2.0, 4.0, 8.0), step=60.0
     ),
@@ -335,7 +337,7 @@ SECOND = dict(
     shading_sensor=1.0,
     electrical_output=1.0,
     snow=1.0,
-    sensitivity_drift=2.0,
+    irradiance_sensor_drift=2.0,
     rear_irradiance=2.0,
     poa_misalignment=8.0,
     season=2.0,
@@ -546,7 +548,7 @@ ON_TRACKERS = dict(
     soiling_sensor=2.0,
     shading=1.0,
     shading_sensor=1.0,
-    sensitivity_drift=2.0,
+    irradiance_sensor_drift=2.0,
     clock_shift=8.0,
 )
 STANDS = {"tracker_stuck": 1.0}

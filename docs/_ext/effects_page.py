@@ -33,10 +33,10 @@ would decide.
 """,
 }
 CHANGES = """
-Faults of sensors and mountings. Each has a time profile, such as ``contact_step`` or
-``sensitivity_drift``. The loop estimates the dates;
-``{'name': 'contact_step', 'at': '2012-04-01'}`` sets them. A fault of constant size is
-in the coefficients of the steady model.
+Faults of sensors and mountings. Each has a time profile, such as
+``module_sensor_contact_step`` or ``irradiance_sensor_drift``. The loop estimates the
+dates; ``{'name': 'module_sensor_contact_step', 'at': '2012-04-01'}`` sets them. A fault
+of constant size is in the coefficients of the steady model.
 """
 DRIVERS = """
 Inputs of effects: measured columns, and quantities computed from them.

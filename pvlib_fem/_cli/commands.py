@@ -176,7 +176,7 @@ def loop(
 
 
 @command_with(
-    "pvlib-fem recover plant.csv --effects soiling,wind_gain_step --out sizes.json"
+    "pvlib-fem recover plant.csv --effects soiling,anemometer_step --out sizes.json"
 )
 @reading_options
 @site_options

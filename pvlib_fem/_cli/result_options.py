@@ -118,7 +118,7 @@ correction_options = added(
         "--resolve",
         multiple=True,
         metavar="NAME",
-        help="The cause of an ambiguous finding, such as sensitivity_step, for "
+        help="The cause of an ambiguous finding, such as irradiance_sensor_step, for "
         "--corrected; once for each.",
     ),
 )

@@ -6,6 +6,7 @@ from typing import Any
 
 from pvlib_fem._correction.repairs import repair_of
 from pvlib_fem._findings import Finding, Member
+from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem.effects import EFFECTS, find
 from pvlib_fem.effects._effect import Effect
 
@@ -32,6 +33,7 @@ class Fault:
 def chosen(loop: Any, resolve: tuple) -> list:
     """The findings in the model as faults, ambiguous ones by the member to apply."""
     names = [resolve] if isinstance(resolve, str) else [*resolve]
+    names = [in_new_names(name) for name in names]
     added = [finding for finding in loop.finding_objects if finding.added]
     there = [name for finding in added for name in finding.candidates]
     if strange := [name for name in names if name not in there]:

@@ -105,7 +105,7 @@ LESS, MORE = "reads less", "reads more"
 COLD, WARM = "reads too cold", "reads too warm"
 #: what the faults of instruments are, by channel or by the name of the effect
 REPAIRS = {
-    "sensitivity": Repair("poa_global", SENSOR, LESS, MORE, same, READING),
+    "irradiance_sensor": Repair("poa_global", SENSOR, LESS, MORE, same, READING),
     "soiling": Repair(
         "poa_global",
         SENSOR,
@@ -114,8 +114,8 @@ REPAIRS = {
         same,
         "of the reading for each day since rain",
     ),
-    "wind_gain": Repair("wind_speed", ANEMOMETER, LESS, MORE, over_wind, READING),
-    "wind_stall": Repair(
+    "anemometer": Repair("wind_speed", ANEMOMETER, LESS, MORE, over_wind, READING),
+    "anemometer_stall": Repair(
         "wind_speed",
         ANEMOMETER,
         "turns too little in light wind",
@@ -124,7 +124,7 @@ REPAIRS = {
         "of the difference between 1.5 m/s and the reading",
     ),
     "air_offset": Repair("temp_air", SHIELD, COLD, WARM, same, "", "K"),
-    "air_shelter": Repair(
+    "air_sensor_shield": Repair(
         "temp_air",
         SHIELD,
         f"{COLD} in sun",
@@ -142,7 +142,7 @@ REPAIRS = {
         "at 1000 W/m² without wind",
         "K",
     ),
-    "contact": Repair(
+    "module_sensor_contact": Repair(
         "temp_module",
         CONTACT,
         "reads less of the over-temperature",

@@ -38,6 +38,7 @@ from pvlib_fem._loop.tangents import Evidence
 from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
+from pvlib_fem._renamed_effects import keys_in_new_names
 from pvlib_fem._report.loop_page import said_of
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel, steady_model
@@ -189,6 +190,7 @@ def close_loop(
     how: dict[str, Any] = dict(
         holdout=holdout, effects=effects, check_units=check_units
     )
+    fixed = keys_in_new_names(fixed) if fixed else fixed
     how |= {"fixed": fixed, "criteria": criteria}
     if transposition:
         frame = isinstance(data, pd.DataFrame)

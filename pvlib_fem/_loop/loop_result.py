@@ -475,11 +475,12 @@ class Loop:
 
         Corrected are the clocks of the file and of the module's logger, the unit of
         humidity and wind direction, and of the named findings those that are faults of
-        an instrument: the gain of the irradiance sensor (``sensitivity``, and
-        ``soiling`` where the sensor soils), the anemometer (``wind_gain``,
-        ``wind_stall``), the air's thermometer (``air_offset``, ``air_shelter``,
-        ``air_shield``) and the module's (``module_offset``, ``contact``). What happens
-        to the module itself, such as ``mounting``, changes no column.
+        an instrument: the gain of the irradiance sensor (``irradiance_sensor``, and
+        ``soiling`` where the sensor soils), the anemometer (``anemometer``,
+        ``anemometer_stall``), the air's thermometer (``air_offset``,
+        ``air_sensor_shield``, ``air_shield``) and the module's (``module_offset``,
+        ``module_sensor_contact``). What happens to the module itself, such as
+        ``mounting``, changes no column.
 
         Parameters
         ----------
@@ -488,7 +489,7 @@ class Loop:
             units that the loop took.
         resolve : str or sequence of str, optional
             For ambiguous findings the candidate that is the cause, such as
-            ``["sensitivity_step"]``. Without it they change no column.
+            ``["irradiance_sensor_step"]``. Without it they change no column.
 
         Returns
         -------

@@ -163,13 +163,15 @@ def of_wind(change: np.ndarray, coefficients: Mapping[str, float]) -> np.ndarray
         return np.log1p(change / coefficients.get("u1", np.inf))
 
 
-LIGHT: dict[str, Shows] = {"sensitivity": lambda change, _: np.log1p(change)}
+LIGHT: dict[str, Shows] = {"irradiance_sensor": lambda change, _: np.log1p(change)}
 #: modules in another plane than the sensor, whose own light is as it should be
 STUCK: dict[str, Shows] = {"tracker_stuck": lambda change, _: np.log1p(change)}
-WIND: dict[str, Shows] = {"wind_gain": of_wind}
+WIND: dict[str, Shows] = {"anemometer": of_wind}
 AIR: dict[str, Shows] = {"air_offset": lambda change, _: change}
-SHELTER: dict[str, Shows] = {"air_shelter": lambda change, _: -change}
-CONTACT: dict[str, Shows] = {"contact": lambda change, _: -np.log1p(change)}
+SHELTER: dict[str, Shows] = {"air_sensor_shield": lambda change, _: -change}
+CONTACT: dict[str, Shows] = {
+    "module_sensor_contact": lambda change, _: -np.log1p(change)
+}
 OFFSET: dict[str, Shows] = {"module_offset": lambda change, _: -change}
 
 COMPARISONS = (

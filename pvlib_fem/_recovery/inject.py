@@ -120,10 +120,10 @@ class Injector:
 MOST_LOST = 0.9  # largest share of a reading that a fault removes
 #: columns of the sensors other than the module's, by channel
 READS = {
-    "sensitivity": "poa_global",
-    "wind_gain": "wind_speed",
+    "irradiance_sensor": "poa_global",
+    "anemometer": "wind_speed",
     "air_offset": "temp_air",
-    "air_shelter": "temp_air",
+    "air_sensor_shield": "temp_air",
 }
 
 
@@ -158,7 +158,7 @@ def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) ->
 def whole_of(channel: str, coefficients: dict) -> Any:
     """Reference of a fault that scales its reading; None for other faults."""
     u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
-    return {"sensitivity": 1.0, "wind_gain": u1}.get(channel)
+    return {"irradiance_sensor": 1.0, "anemometer": u1}.get(channel)
 
 
 def add(data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray) -> None:

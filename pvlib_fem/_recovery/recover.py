@@ -33,6 +33,7 @@ from pvlib_fem._recovery.predict import predictions
 from pvlib_fem._recovery.recovery_result import Recovery
 from pvlib_fem._recovery.scramble import Scrambler
 from pvlib_fem._recovery.trial import trial_of
+from pvlib_fem._renamed_effects import keys_in_new_names
 from pvlib_fem.drivers import checked_place
 from pvlib_fem.drivers._mounts import plane_of_rows
 from pvlib_fem.effects import EffectLike
@@ -262,6 +263,7 @@ def plan(
         return [], {}
     ready, notes = chosen(search.case, loop, effects)
     if isinstance(sizes, Mapping):
+        sizes = keys_in_new_names(sizes)
         if unknown := {*sizes} - {effect.name for effect in ready}:
             name = min(unknown)
             why = notes.get(name, "it is not among the effects that are put in")

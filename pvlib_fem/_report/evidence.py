@@ -273,15 +273,15 @@ SUN = (by_sun,)
 POWER = (power_deficit,)
 #: pictures of a finding, by the channel or the name of its effect
 SHOWN = {
-    "sensitivity": (irradiance,),
+    "irradiance_sensor": (irradiance,),
     "soiling": (irradiance,),
     "sensor_covered": (power_deficit, irradiance),
-    "wind_gain": (anemometer, wind_by_date),
-    "wind_stall": (anemometer, wind_by_date),
+    "anemometer": (anemometer, wind_by_date),
+    "anemometer_stall": (anemometer, wind_by_date),
     "air_offset": (second("temp_air", False), at_night),
-    "air_shelter": (second("temp_air", True), temperature_rise),
+    "air_sensor_shield": (second("temp_air", True), temperature_rise),
     "air_shield": (second("temp_air", True), rise_by("wind_speed")),
-    "contact": (second("temp_module", True), temperature_rise),
+    "module_sensor_contact": (second("temp_module", True), temperature_rise),
     "mounting": (temperature_rise,),
     "module_offset": (second("temp_module", False), at_night),
     "temperature_gain": (night_by_air,),

@@ -120,7 +120,7 @@ def step_of(
     known = np.isfinite(over)
     if not known.any():
         return {}
-    channel = CHANGES["contact_step"]
+    channel = CHANGES["module_sensor_contact_step"]
     design = Design.of_columns(
         over[known] - share * others[known],
         {"level": others[known]},

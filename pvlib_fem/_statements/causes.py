@@ -72,13 +72,13 @@ ANEMOMETER = "Check the anemometer's bearing and surroundings, or recalibrate it
 SHIELD = "Check the radiation shield of the air temperature sensor"
 #: by channel, or by the name of the effect
 READS = {
-    "sensitivity": ReadingWords(
+    "irradiance_sensor": ReadingWords(
         "reads {} less", "reads {} more", IRRADIANCE, "has changed"
     ),
-    "wind_gain": ReadingWords(
+    "anemometer": ReadingWords(
         "reads {} less", "reads {} more", ANEMOMETER, "has changed"
     ),
-    "wind_stall": ReadingWords(
+    "anemometer_stall": ReadingWords(
         "reads too little in light wind",
         "reads too much in light wind",
         ANEMOMETER,
@@ -89,7 +89,7 @@ READS = {
         "reads {} too high",
         "Recalibrate the air temperature sensor",
     ),
-    "air_shelter": ReadingWords(
+    "air_sensor_shield": ReadingWords(
         "reads {} too low in full sun (at 1000 W/m²)",
         "reads {} too high in full sun (at 1000 W/m²)",
         SHIELD,
@@ -99,7 +99,7 @@ READS = {
         "reads {} too high in sun and calm air (at 1000 W/m², without wind)",
         SHIELD,
     ),
-    "contact": ReadingWords(
+    "module_sensor_contact": ReadingWords(
         "shows {} less of the temperature rise of the module over air",
         "shows {} more of the temperature rise of the module over air",
         "Check how the module temperature sensor is attached",

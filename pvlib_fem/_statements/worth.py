@@ -22,7 +22,7 @@ REFERENCE = 25.0  # °C, of the power that a kWp is
 #: findings by which the modules receive other irradiance than the sensor reads, by the
 #: channel or the name of the effect
 LIGHT = (
-    "sensitivity",
+    "irradiance_sensor",
     "soiling",
     "shading",
     "poa_misalignment",

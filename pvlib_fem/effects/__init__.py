@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import SENSOR_FAULTS
@@ -94,6 +95,8 @@ def find(effect: EffectLike, own: Iterable[Effect] = ()) -> Effect:
     known = EFFECTS | {effect.name: effect for effect in own}
     settings = dict(effect) if isinstance(effect, Mapping) else {"name": effect}
     name = settings.pop("name", None)
+    if isinstance(name, str) and name not in known:
+        name = in_new_names(name)
     if name not in known and "column" in settings:
         return of_column(**settings)
     if name not in known:

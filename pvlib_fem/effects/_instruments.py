@@ -11,7 +11,7 @@ import numpy as np
 from pvlib_fem.effects._effect import Effect, Parameter, Terms
 
 
-def sensitivity(poa_global: np.ndarray, *, change: float) -> Terms:
+def irradiance_sensor(poa_global: np.ndarray, *, change: float) -> Terms:
     r"""
     Irradiance that the module receives in addition to the sensor's reading [1]_.
 
@@ -52,7 +52,7 @@ def mounting(loss_base: np.ndarray, *, change: float) -> Terms:
     return Terms(loss=change * loss_base)
 
 
-def contact(temp_air: np.ndarray, *, change: float) -> Terms:
+def module_sensor_contact(temp_air: np.ndarray, *, change: float) -> Terms:
     r"""
     Share of the over-temperature that a sensor reads in addition [1]_.
 
@@ -71,7 +71,7 @@ def contact(temp_air: np.ndarray, *, change: float) -> Terms:
     return Terms(gain=change + 0.0 * temp_air)
 
 
-def wind_gain(wind_speed: np.ndarray, *, change: float) -> Terms:
+def anemometer(wind_speed: np.ndarray, *, change: float) -> Terms:
     r"""
     Additional loss per m/s of measured wind.
 
@@ -86,7 +86,9 @@ def wind_gain(wind_speed: np.ndarray, *, change: float) -> Terms:
     return Terms(loss=change * wind_speed)
 
 
-def wind_stall(wind_speed: np.ndarray, *, change: float, below: float = 1.5) -> Terms:
+def anemometer_stall(
+    wind_speed: np.ndarray, *, change: float, below: float = 1.5
+) -> Terms:
     r"""
     Loss by wind in which an anemometer no longer turns.
 
@@ -115,7 +117,7 @@ def air_offset(air_base: np.ndarray, *, change: float) -> Terms:
     return Terms(heat=change * air_base)
 
 
-def air_shelter(
+def air_sensor_shield(
     poa_global: np.ndarray, air_base: np.ndarray, *, change: float
 ) -> Terms:
     r"""
@@ -144,20 +146,26 @@ def module_offset(temp_air: np.ndarray, *, change: float) -> Terms:
 
 
 #: faults of the weather station, which all modules that share it have in common
-STATION = ("sensitivity", "wind_gain", "wind_stall", "air_offset", "air_shelter")
+STATION = (
+    "irradiance_sensor",
+    "anemometer",
+    "anemometer_stall",
+    "air_offset",
+    "air_sensor_shield",
+)
 
 #: channels whose constant part no coefficient of a steady model can absorb
-OF_NO_COEFFICIENT = ("wind_stall", "air_shelter")
+OF_NO_COEFFICIENT = ("anemometer_stall", "air_sensor_shield")
 
 SENSOR_FAULTS = (
     Effect(
-        "sensitivity",
-        sensitivity,
+        "irradiance_sensor",
+        irradiance_sensor,
         {"change": Parameter(0.0, -0.5, 1.0, "-")},
         decided_by="a recalibration of the irradiance sensor, or a comparison with "
         "power and a clear sky",
         confused_with=(
-            "contact",
+            "module_sensor_contact",
             "mounting",
             "season",
             "soiling",
@@ -165,29 +173,34 @@ SENSOR_FAULTS = (
         ),
     ),
     Effect(
-        "contact",
-        contact,
+        "module_sensor_contact",
+        module_sensor_contact,
         {"change": Parameter(0.0, -0.95, 1.0, "-")},
         decided_by="an inspection of the sensor at the module's back",
-        confused_with=("sensitivity", "mounting", "season", "a module that ages"),
+        confused_with=("irradiance_sensor", "mounting", "season", "a module that ages"),
     ),
     Effect(
         "mounting",
         mounting,
         {"change": Parameter(0.0, -0.6, 1.5, "-")},
         decided_by="an inspection of the mounting, and what was built or grew around",
-        confused_with=("sensitivity", "contact", "season", "a module that ages"),
+        confused_with=(
+            "irradiance_sensor",
+            "module_sensor_contact",
+            "season",
+            "a module that ages",
+        ),
     ),
     Effect(
-        "wind_gain",
-        wind_gain,
+        "anemometer",
+        anemometer,
         {"change": Parameter(0.0, -10.0, 40.0, "W s/(m³ K)")},
         decided_by="a second anemometer",
         confused_with=("wind_direction", "wind_shape"),
     ),
     Effect(
-        "wind_stall",
-        wind_stall,
+        "anemometer_stall",
+        anemometer_stall,
         {"change": Parameter(0.0, 0.0, 40.0, "W s/(m³ K)")},
         decided_by="a second anemometer",
         confused_with=("wind_shape", "natural_convection"),
@@ -200,8 +213,8 @@ SENSOR_FAULTS = (
         confused_with=("an offset of the module's thermometer",),
     ),
     Effect(
-        "air_shelter",
-        air_shelter,
+        "air_sensor_shield",
+        air_sensor_shield,
         {"change": Parameter(0.0, -10.0, 10.0, "K")},
         decided_by="a second, aspirated air temperature sensor",
         confused_with=("air_shield",),

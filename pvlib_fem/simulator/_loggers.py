@@ -126,7 +126,7 @@ def pyranometer(
     beam *= shade(weather, site, on["shading_sensor"])
     poa = lagged(beam + sky + ground, 8 / step)  # a thermopile takes 8 s
     poa *= 1 - on["soiling_sensor"] * dirt(weather, site)
-    aged = 0.05 * on["sensitivity_drift"] * years(times_of(weather))
+    aged = 0.05 * on["irradiance_sensor_drift"] * years(times_of(weather))
     poa *= 1 + 0.02 * on["irradiance_gain"] - aged
     black = SIGMA * (weather["temp_air"].to_numpy() + ZERO) ** 4
     net = black - weather["longwave_down"].to_numpy()

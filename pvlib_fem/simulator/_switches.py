@@ -61,7 +61,7 @@ SWITCHES = {
     "poa_misalignment": "irradiance sensor turned west by 1° (an amplitude in degrees)",
     "irradiance_gain": "irradiance sensor reads 2 % high",
     "irradiance_offset": "thermopile reads 5 % of the net longwave low",
-    "sensitivity_drift": "irradiance sensor loses 5 % a year",
+    "irradiance_sensor_drift": "irradiance sensor loses 5 % a year",
     "temperature_gain": "module sensor reads 3 % of its °C low",
     "temperature_drift": "module sensor gains 1 K a year",
     "air_shield": "air sensor is 2 K warm in full sun and calm; 0: aspirated",

@@ -14,6 +14,7 @@ PACKAGE = Path(pvlib_fem.__file__).parent
 ORDER = (
     "types",
     "_spelling",
+    "_renamed_effects",
     "_parallel",
     "simulator",
     "layers",

@@ -197,14 +197,14 @@ def test_what_is_as_large_as_detectable_is_seen(plant, noise):
 def test_a_drift_is_told_from_a_season_after_years_only(noise, days, found):
     """Within one season it bends as the year does; over two and a half it cannot."""
     data = datasets.synthetic(days, 1800, seed=7, noise=0)
-    data = record_with(data, noise, "sensitivity_drift")
-    row = fem.rank_effects(base_fit(data), data).loc["sensitivity_drift"]
+    data = record_with(data, noise, "irradiance_sensor_drift")
+    row = fem.rank_effects(base_fit(data), data).loc["irradiance_sensor_drift"]
     (drift,) = row["coefficients"].values()
     assert (row["gain"] > 0.1) == found
     if found:
         assert drift == pytest.approx(0.03, rel=0.2)
     else:
-        assert row["stderr"]["sensitivity_drift.per_year"] > 0.03
+        assert row["stderr"]["irradiance_sensor_drift.per_year"] > 0.03
 
 
 def test_what_cannot_be_told_apart_is_tied(plant, noise):

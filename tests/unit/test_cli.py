@@ -646,7 +646,7 @@ def test_a_corrected_file_has_the_names_of_its_own_and_is_read_again(fading, tmp
     same = [f"--map={word}" for word in maps[1::2] if "km/h" not in word]
     again = call("loop", out, *same)
     assert again.exit_code == 0, again.output
-    assert "sensitivity_step" not in again.output
+    assert "irradiance_sensor_step" not in again.output
     whole = pd.read_csv(out, index_col=0, parse_dates=True)
     given = pd.read_csv(path, index_col=0, sep=";", parse_dates=True)
     assert np.allclose(whole["poa_global_original"], given["Irr (W/m2)"])

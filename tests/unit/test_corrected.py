@@ -64,18 +64,18 @@ def faulty(true, effect, size):
     if kind == "air_shield":
         return true.assign(temp_air=air + size * poa / 1000.0 * np.exp(-wind / 1.2))
     now = size * weight(effect, true.index)
-    if kind == "sensitivity":
+    if kind == "irradiance_sensor":
         return true.assign(poa_global=poa / (1.0 + now))
-    if kind == "wind_gain":
+    if kind == "anemometer":
         return true.assign(wind_speed=wind / (1.0 + now))
-    if kind == "wind_stall":  # below 1.5 m/s it stands earlier
+    if kind == "anemometer_stall":  # below 1.5 m/s it stands earlier
         light = ((wind - 1.5 * now) / (1.0 - now)).clip(lower=0.0)
         return true.assign(wind_speed=light.where(wind < 1.5, wind))
     if kind == "air_offset":
         return true.assign(temp_air=air - now)
-    if kind == "air_shelter":
+    if kind == "air_sensor_shield":
         return true.assign(temp_air=air - now * poa / 1000.0)
-    if kind == "contact":  # the reading is T_air + (1 + gain) (T - T_air)
+    if kind == "module_sensor_contact":  # the reading is T_air + (1 + gain) (T - T_air)
         zero = air + TRUTH["bias"]
         return true.assign(temp_module=zero + (module - zero) / (1.0 + now))
     assert kind == "module_offset"
@@ -116,19 +116,19 @@ def named(fit, effect, loop):
 
 #: name of the effect: what a correction adds, a share or K
 FAULTS = {
-    "sensitivity_step": (0.12, -0.08),
-    "sensitivity_drift": (0.1, -0.1),
-    "sensitivity_episode": (0.15, -0.15),
+    "irradiance_sensor_step": (0.12, -0.08),
+    "irradiance_sensor_drift": (0.1, -0.1),
+    "irradiance_sensor_episode": (0.15, -0.15),
     "soiling": (0.004,),
-    "wind_gain_step": (0.4, -0.25),
-    "wind_gain_drift": (0.5,),
-    "wind_stall_step": (0.3,),
+    "anemometer_step": (0.4, -0.25),
+    "anemometer_drift": (0.5,),
+    "anemometer_stall_step": (0.3,),
     "air_offset_step": (1.5, -1.5),
     "air_offset_drift": (3.0,),
-    "air_shelter_step": (2.5, -2.5),
+    "air_sensor_shield_step": (2.5, -2.5),
     "air_shield": (3.0,),
-    "contact_step": (0.2, -0.12),
-    "contact_episode": (0.25,),
+    "module_sensor_contact_step": (0.2, -0.12),
+    "module_sensor_contact_episode": (0.25,),
     "module_offset_step": (1.5, -1.5),
     "module_offset_drift": (-3.0,),
 }
@@ -182,14 +182,14 @@ def power_of(true, seed=3):
 @pytest.fixture(scope="module")
 def ambiguous(true):
     """A sensor that loses an eighth, of a record that cannot tell that it does."""
-    data = faulty(true, effect_of("sensitivity_step"), 0.12)[list(COLUMNS)]
+    data = faulty(true, effect_of("irradiance_sensor_step"), 0.12)[list(COLUMNS)]
     return data, fem.close_loop(data)
 
 
 @pytest.fixture(scope="module")
 def named_one(true):
     """A sensor that loses an eighth, of a record whose power shows it."""
-    data = faulty(true, effect_of("sensitivity_step"), 0.12)[list(COLUMNS)]
+    data = faulty(true, effect_of("irradiance_sensor_step"), 0.12)[list(COLUMNS)]
     data["power_ac"] = power_of(true)
     return data, fem.close_loop(data)
 
@@ -198,7 +198,7 @@ def test_what_the_loop_names_is_taken_out(named_one, true):
     data, loop = named_one
     corrected = loop.corrected(data)
     (action,) = corrected.actions.itertuples()
-    assert action.cause == "sensitivity_step" and action.column == "poa_global"
+    assert action.cause == "irradiance_sensor_step" and action.column == "poa_global"
     assert action.low < 0.12 < action.high and action.unit == "-"
     (key,) = loop.finding_objects[0].coefficients
     assert action.stderr == pytest.approx(loop.finding_objects[0].stderr[key])
@@ -227,7 +227,7 @@ def test_a_corrected_record_shows_the_fault_no_more(named_one, ambiguous):
     kept = "poa_global_original is as it was measured, before a correction: not used"
     assert kept in again.notes
     data, loop = ambiguous
-    resolved = loop.corrected(data, resolve="sensitivity_step").data
+    resolved = loop.corrected(data, resolve="irradiance_sensor_step").data
     again = fem.close_loop(resolved)
     assert not any(finding.added for finding in again.finding_objects)
 
@@ -235,23 +235,28 @@ def test_a_corrected_record_shows_the_fault_no_more(named_one, ambiguous):
 def test_an_ambiguous_finding_changes_nothing_until_its_cause_is_given(ambiguous, true):
     data, loop = ambiguous
     (finding,) = (one for one in loop.finding_objects if one.added)
-    assert {"sensitivity_step", "contact_step", "mounting_step"} <= {
-        *finding.candidates
-    }
+    assert {
+        "irradiance_sensor_step",
+        "module_sensor_contact_step",
+        "mounting_step",
+    } <= {*finding.candidates}
     alone = loop.corrected(data)
     assert alone.data[list(COLUMNS)].equals(data)
     assert not alone.actions["applied"].any()
     assert "name the cause with resolve=" in str(alone)
-    columns = {"sensitivity_step": "poa_global", "contact_step": "temp_module"}
+    columns = {
+        "irradiance_sensor_step": "poa_global",
+        "module_sensor_contact_step": "temp_module",
+    }
     for cause, column in columns.items():
         resolved = loop.corrected(data, resolve=[cause])
         changed = [n for n in data if not data[n].equals(resolved.data[n])]
         assert changed == [column]
         (action,) = resolved.actions.itertuples()
         assert action.applied and action.cause == cause
-    assert loop.corrected(data, "sensitivity_step").actions["size"][0] == pytest.approx(
-        0.12, abs=0.01
-    )
+    assert loop.corrected(data, "irradiance_sensor_step").actions["size"][
+        0
+    ] == pytest.approx(0.12, abs=0.01)
     mounting = loop.corrected(data, "mounting_step")
     assert mounting.data[list(COLUMNS)].equals(data)
     assert "no fault of an instrument" in str(mounting)
@@ -262,7 +267,7 @@ def test_only_one_candidate_of_a_finding_is_its_cause(ambiguous):
     with pytest.raises(ValueError, match="'rain', which is no candidate of an amb"):
         loop.corrected(data, ["rain"])
     with pytest.raises(ValueError, match="candidates of one finding; give one"):
-        loop.corrected(data, ["sensitivity_step", "contact_step"])
+        loop.corrected(data, ["irradiance_sensor_step", "module_sensor_contact_step"])
 
 
 def test_a_loop_of_a_file_corrects_the_same(ambiguous, tmp_path):
@@ -270,7 +275,11 @@ def test_a_loop_of_a_file_corrects_the_same(ambiguous, tmp_path):
     loop.to_json(tmp_path / "loop.json")
     again = fem.Loop.from_json(tmp_path / "loop.json")
     assert again.finding_objects == loop.finding_objects
-    for cause in ("sensitivity_step", "contact_step", "air_shelter_step"):
+    for cause in (
+        "irradiance_sensor_step",
+        "module_sensor_contact_step",
+        "air_sensor_shield_step",
+    ):
         one, other = (each.corrected(data, cause) for each in (loop, again))
         assert one.data.equals(other.data) and one.actions.equals(other.actions)
 
@@ -318,7 +327,7 @@ def test_missing_values_stay_missing(named_one):
 
 
 def test_a_row_without_the_column_that_its_correction_needs_is_unknown(true, sound):
-    effect = effect_of("air_shelter_step")
+    effect = effect_of("air_sensor_shield_step")
     data = faulty(true, effect, 2.5)
     loop = found(sound, data, effect)
     holes = data.copy()
@@ -331,18 +340,18 @@ def test_a_row_without_the_column_that_its_correction_needs_is_unknown(true, sou
 
 
 def test_faults_of_one_sensor_are_taken_out_together(true, sound):
-    effects = effect_of("contact_step"), effect_of("module_offset_step")
+    effects = effect_of("module_sensor_contact_step"), effect_of("module_offset_step")
     data = faulty(faulty(true, effects[0], 0.2), effects[1], 1.5)
     corrected = found(sound, data, *effects).corrected(data)
     assert list(corrected.actions["column"]) == ["temp_module"] * 2
     error = corrected.data["temp_module"] - true["temp_module"]
     assert error.abs().mean() < 0.1 < (data - true)["temp_module"].abs().mean()
     both = corrected.data["corrected"].astype(str)["2023-09-15":]
-    assert (both == "contact_step, module_offset_step").mean() > 0.9
+    assert (both == "module_sensor_contact_step, module_offset_step").mean() > 0.9
 
 
 def test_an_anemometer_is_corrected_by_a_loss_that_is_proportional(true, sound):
-    effect = effect_of("wind_gain_step")
+    effect = effect_of("anemometer_step")
     data = faulty(true, effect, 0.3)
     loop = found(sound, data, effect)
     coefficients = {n: v for n, v in loop.fit.coefficients.items() if n != "u1"}

@@ -27,7 +27,7 @@ PLANTED = {
     "wind_direction": {"north": -0.9, "east": 0.4},
     "rain": {"film": 25.0},
     "soiling": {"per_day": 0.003},
-    "sensitivity_drift": {"per_year": 0.03},
+    "irradiance_sensor_drift": {"per_year": 0.03},
     "snow": {"share": 0.9, "stays": 0.4},
     "modules_covered": {"share": 0.8},
     "sensor_covered": {"share": 0.9},

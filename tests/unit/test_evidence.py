@@ -44,7 +44,7 @@ def ratio(daily):
 
 
 def test_a_second_irradiance_shows_what_the_first_reads_less(true, sound):  # noqa: F811
-    effect = effect_of("sensitivity_step")
+    effect = effect_of("irradiance_sensor_step")
     data = faulty(true, effect, 0.25).assign(poa_global_2=true["poa_global"])
     (one,) = pictures(sound, data, effect)
     series, words, marks = one.draw.args
@@ -54,7 +54,7 @@ def test_a_second_irradiance_shows_what_the_first_reads_less(true, sound):  # no
 
 
 def test_the_wind_before_and_after_has_the_share_that_is_lost(true, sound):  # noqa: F811
-    effect = effect_of("wind_gain_step")
+    effect = effect_of("anemometer_step")
     data = faulty(true, effect, 1.0)
     both, by_date = pictures(sound, data, effect)
     before, after = both.draw.args[0].values()
@@ -86,7 +86,7 @@ def test_a_second_thermometer_shows_what_the_first_reads_colder(
 
 
 def test_a_detached_sensor_shows_less_of_the_temperature_rise(true, sound):  # noqa: F811
-    effect = effect_of("contact_step")
+    effect = effect_of("module_sensor_contact_step")
     (rise,) = pictures(sound, faulty(true, effect, 1.0), effect)
     assert ratio(rise.draw.args[0]["rise"]) == pytest.approx(0.5, abs=0.05)
 
@@ -154,7 +154,7 @@ def test_every_effect_has_pictures_or_a_sentence(true, sound, name):  # noqa: F8
 
 
 def test_a_loop_of_a_file_says_that_it_has_no_rows(true, sound, tmp_path):  # noqa: F811
-    effect = effect_of("wind_gain_step")
+    effect = effect_of("anemometer_step")
     loop = found(sound, faulty(true, effect, 1.0), effect)
     loop.to_json(path := tmp_path / "loop.json")
     html = fem.Loop.from_json(path).to_html()

@@ -82,14 +82,18 @@ def test_what_needs_wind_is_refused_with_a_remedy(calm, how, words):
 
 def test_the_loop_tries_what_needs_no_wind(calm, loop):
     assert loop.fit.model == "ross" and not loop.effects
-    wind = [n for n, e in CHANGES.items() if e.channel in ("wind_gain", "wind_stall")]
+    wind = [
+        n for n, e in CHANGES.items() if e.channel in ("anemometer", "anemometer_stall")
+    ]
     wind += ["natural_convection", "wind_shape", "air_shield"]
     assert {str(loop.untestable[name]) for name in wind} == {"no wind_speed"}
     assert str(loop.untestable["wind_direction"]) == "no wind_direction, wind_speed"
     tried = {*EFFECTS, *CHANGES} - {*loop.untestable} - {"radiative_loss"}
-    assert {"thermal_storage", "sensitivity_step", "contact_step"} <= tried | {
-        *loop.ranking.index
-    }
+    assert {
+        "thermal_storage",
+        "irradiance_sensor_step",
+        "module_sensor_contact_step",
+    } <= tried | {*loop.ranking.index}
     assert "ross, balance; no wind_speed" in " ".join(str(loop).split())
     words = loop.report()
     assert "the wind's coefficient" not in words
@@ -496,7 +500,7 @@ def test_what_cannot_stand_in_is_refused(airport, names, words):
 @pytest.mark.parametrize(
     ("usual", "column", "effect"),
     [
-        ("wind_speed", "wind_speed_airport", "wind_gain_step"),
+        ("wind_speed", "wind_speed_airport", "anemometer_step"),
         ("temp_air", "temp_air_airport", "air_offset_step"),
     ],
 )

@@ -420,7 +420,10 @@ def rows_of(*found):
     return systems, pd.DataFrame(findings).assign(added=True)
 
 
-LOSES = ("contact_step", "sensitivity_step")  # of the module, and of the station
+LOSES = (
+    "module_sensor_contact_step",
+    "irradiance_sensor_step",
+)  # of the module, and of the station
 MARCH, MAY = ("2023-03-01", "2023-03-05"), ("2023-05-01", "2023-05-03")
 SEES = json.dumps({name: [0.0, 0.1] for name in (*LOSES, "soiling")})
 
@@ -430,9 +433,9 @@ def test_what_all_have_at_one_time_is_the_stations_and_what_one_has_its_modules(
         *((name, LOSES, 0.5, MARCH) for name in "abc"), ("b", LOSES, 0.4, MAY)
     )
     station, module = shared(systems.assign(weighed=SEES), findings)
-    assert station.everywhere and station.likely == ["sensitivity_step"]
+    assert station.everywhere and station.likely == ["irradiance_sensor_step"]
     assert "suspect the station" in station.words
-    assert module.alone and module.likely == ["contact_step"]
+    assert module.alone and module.likely == ["module_sensor_contact_step"]
     assert [*module.systems] == ["b"] and module.first == MAY[0]
 
 
@@ -461,9 +464,9 @@ def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
     """A class without a date that names it, or another course at that very time."""
     found = [(name, LOSES, 0.5, MARCH) for name in "ab"]
     for named, when in (
-        (("season", "contact_drift"), None),
-        (("contact_episode",), MARCH),
-        (("wind_gain_step",), MARCH),
+        (("season", "module_sensor_contact_drift"), None),
+        (("module_sensor_contact_episode",), MARCH),
+        (("anemometer_step",), MARCH),
     ):
         systems, findings = rows_of(*found, ("c", named, 0.5, when))
         groups = shared(systems.assign(weighed=SEES), findings)
@@ -471,17 +474,19 @@ def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
         assert group.everywhere and group.maybe == {"c"} and not group.without
         assert group.words.startswith("2 of 3, and perhaps 1 more: suspect the station")
     # at another time, or of another instrument and without one, it is another
-    for named, when in ((LOSES, MAY), (("wind_gain_drift",), None)):
+    for named, when in ((LOSES, MAY), (("anemometer_drift",), None)):
         systems, findings = rows_of(*found, ("c", named, 0.5, when))
         groups = shared(systems.assign(weighed=SEES), findings)
         assert [group.without for group in groups if group.have == 2] == [{"c"}]
     # one system is not alone if as many may have the cause as do not have it
-    systems, findings = rows_of(found[0], ("b", ["contact_episode"], 0.5, MARCH))
+    systems, findings = rows_of(
+        found[0], ("b", ["module_sensor_contact_episode"], 0.5, MARCH)
+    )
     (group, _) = shared(systems.assign(weighed=SEES), findings)
     assert (group.without, group.maybe) == ({"c"}, {"b"}) and not group.alone
     assert group.words == "1 of 3, and perhaps 1 more"
     # one system with many that may have it says nothing of the station
-    others = [(name, ["contact_episode"], 0.5, MARCH) for name in "bc"]
+    others = [(name, ["module_sensor_contact_episode"], 0.5, MARCH) for name in "bc"]
     systems, findings = rows_of(found[0], *others)
     groups = shared(systems.assign(weighed=SEES), findings)
     assert not any(group.everywhere and group.have == 1 for group in groups)

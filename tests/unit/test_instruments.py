@@ -23,13 +23,13 @@ from pvlib_fem.effects._time_profiles import number, weights_of
 
 #: sizes that are found outdoors
 SIZES = {
-    "sensitivity": 0.1,
-    "contact": -0.15,
+    "irradiance_sensor": 0.1,
+    "module_sensor_contact": -0.15,
     "mounting": -0.15,
-    "wind_gain": 3.0,
-    "wind_stall": 4.0,
+    "anemometer": 3.0,
+    "anemometer_stall": 4.0,
     "air_offset": 1.0,
-    "air_shelter": 2.0,
+    "air_sensor_shield": 2.0,
     "module_offset": 1.0,
 }
 #: dates amid the record of ``years``
@@ -70,7 +70,7 @@ def with_change(data, *names, seed=0, noise=0.4, **sizes):
     for name, effect in zip(names, effects):
         (key,) = effect.rows()
         values[key] = sizes.get(name, size(name))
-        if effect.channel == "wind_gain":  # so much less is read of the same wind
+        if effect.channel == "anemometer":  # so much less is read of the same wind
             days = (data.index.normalize() - pd.Timestamp(0)).days
             less = 1.0 + values[key] * weights_of(effect, days) / values["u1"]
             data = data.assign(wind_speed=data["wind_speed"] / less)
@@ -123,7 +123,7 @@ def test_a_change_of_known_dates_is_fitted(half_a_year, name):
 
 
 @pytest.mark.parametrize("size", [-0.2, 0.2, 0.4])
-@pytest.mark.parametrize("name", ["contact_step", "mounting_step"])
+@pytest.mark.parametrize("name", ["module_sensor_contact_step", "mounting_step"])
 def test_a_share_is_one_of_what_was_there_before(half_a_year, name, size):
     """Of the model's own over-temperature or loss, by a fit and by the loop."""
     data, values = with_change(half_a_year, name, **{name: size})
@@ -149,10 +149,17 @@ def test_it_is_found_again_by_its_name_and_its_dates(name):
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
-        ({"name": "contact_step", "at": "April"}, "'April' is no date"),
-        ({"name": "contact_step", "on": "2012-04-01"}, "has no setting on"),
+        ({"name": "module_sensor_contact_step", "at": "April"}, "'April' is no date"),
         (
-            {"name": "contact_episode", "start": "2012-04-02", "end": "2012-04-01"},
+            {"name": "module_sensor_contact_step", "on": "2012-04-01"},
+            "has no setting on",
+        ),
+        (
+            {
+                "name": "module_sensor_contact_episode",
+                "start": "2012-04-02",
+                "end": "2012-04-01",
+            },
             "is not before end",
         ),
     ],
@@ -163,9 +170,13 @@ def test_dates_that_are_none_are_refused(spec, words):
 
 
 def test_a_step_without_its_date_says_how_to_give_it(half_a_year):
-    with pytest.raises(ValueError, match="contact_step has no date; give at, as"):
+    with pytest.raises(
+        ValueError, match="module_sensor_contact_step has no date; give at, as"
+    ):
         fem.fit_fem(
-            *(half_a_year[n] for n in COLUMNS), model="faiman", effects="contact_step"
+            *(half_a_year[n] for n in COLUMNS),
+            model="faiman",
+            effects="module_sensor_contact_step",
         )
 
 
@@ -196,8 +207,8 @@ def test_a_stalled_anemometer_is_not_lost_in_the_shape_of_the_model():
     data["wind_speed"] = wind.where((wind >= 1.8) | (data.index < day), 0.0)
     loop = closed(data)
     first = loop.finding_objects[0]
-    assert first.added and "wind_stall_step" in first.candidates
-    (effect,) = (e for e in loop.fit.effects if e.name == "wind_stall_step")
+    assert first.added and "anemometer_stall_step" in first.candidates
+    (effect,) = (e for e in loop.fit.effects if e.name == "anemometer_stall_step")
     low, high = effect.settings["between"]
     assert low <= day <= high and number(high) - number(low) < 70
 
@@ -212,10 +223,10 @@ def of_a_world(seed, *change):
 
 def test_a_short_fault_is_no_other_one():
     """A pyranometer reads a seventh more for two months: found as that, or not."""
-    loop = of_a_world(21037, "sensitivity", "episode")
+    loop = of_a_world(21037, "irradiance_sensor", "episode")
     for found in loop.finding_objects:
         if found.added and {*found.candidates} & {*CHANGES}:
-            assert "sensitivity_episode" in found.candidates
+            assert "irradiance_sensor_episode" in found.candidates
 
 
 def test_snow_under_a_low_sun_is_not_named_an_obstacle():
@@ -224,7 +235,7 @@ def test_snow_under_a_low_sun_is_not_named_an_obstacle():
 
     What snow takes then is not there on the days of that window that have no snow.
     """
-    loop = of_a_world(21036, "contact", "episode")
+    loop = of_a_world(21036, "module_sensor_contact", "episode")
     named = {f.effect for f in loop.finding_objects if f.verdict is Verdict.NAMED}
     assert "shading" not in named
 
@@ -238,10 +249,10 @@ def test_an_episode_is_no_step(half_a_year):
 
 def test_a_drift_over_years_is_no_step():
     data = datasets.synthetic(800, 3600, seed=3, noise=0).tz_localize(None)
-    data, _ = with_change(data, "sensitivity_drift", sensitivity_drift=0.08)
+    data, _ = with_change(data, "irradiance_sensor_drift", irradiance_sensor_drift=0.08)
     first = closed(data).finding_objects[0]
-    assert first.added and "sensitivity_drift" in first.candidates
-    assert "sensitivity_step" not in first.candidates
+    assert first.added and "irradiance_sensor_drift" in first.candidates
+    assert "irradiance_sensor_step" not in first.candidates
 
 
 def test_where_nothing_changes_nothing_is_found():
@@ -257,7 +268,7 @@ def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
     """By temperatures alone: 19 % more over-temperature, an ambiguous finding."""
     loop = fem.close_loop(bolzano[list(COLUMNS)])
     first = loop.finding_objects[0]
-    assert {"contact_step", "mounting_step"} <= {*first.candidates}
+    assert {"module_sensor_contact_step", "mounting_step"} <= {*first.candidates}
     effect = next(e for e in loop.fit.effects if e.name == first.effect)
     assert abs(number(effect.settings["at"]) - number("2012-04-01")) < 14
     (change,) = first.coefficients.values()
@@ -268,7 +279,9 @@ def test_the_step_at_bolzano_is_of_the_spring_of_2012(bolzano):
     assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"]["fem"] - 0.1
 
 
-@pytest.mark.parametrize("name", ["mounting_step", "contact_step", "sensitivity_step"])
+@pytest.mark.parametrize(
+    "name", ["mounting_step", "module_sensor_contact_step", "irradiance_sensor_step"]
+)
 def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
     """By its tangent as by the fit: no other tangent, no misfit has a part of it."""
     data, _ = with_change(half_a_year, name, **{name: -0.3})
@@ -282,7 +295,7 @@ def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
 
 
 @pytest.mark.parametrize("source", ["measured longwave", "humidity"])
-@pytest.mark.parametrize("channel", ["air_offset", "air_shelter"])
+@pytest.mark.parametrize("channel", ["air_offset", "air_sensor_shield"])
 def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
     """With it the model has equal temperatures by the wrong and by the true air."""
     days = simulator.record(effects=simulator.PHYSICS, days=20, step=600)

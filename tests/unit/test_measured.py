@@ -54,13 +54,13 @@ def over_temperature(data):
 
 def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
     first = next(f for f in at_bolzano.finding_objects if f.witnesses)
-    assert "sensitivity_step" not in first.candidates
-    assert {"contact_step", "mounting_step"} <= {*first.candidates}
+    assert "irradiance_sensor_step" not in first.candidates
+    assert {"module_sensor_contact_step", "mounting_step"} <= {*first.candidates}
     said = {one.column: (one.effect, one.opinion) for one in first.witnesses}
-    against = ("sensitivity_step", CheckOutcome.CONTRADICTS)
+    against = ("irradiance_sensor_step", CheckOutcome.CONTRADICTS)
     assert said == {
         **dict.fromkeys(["power_dc", "power_ac", "clear sky"], against),
-        "usual wind": ("wind_gain_step", CheckOutcome.CONTRADICTS),
+        "usual wind": ("anemometer_step", CheckOutcome.CONTRADICTS),
     }
     # of the fifth that came with the step nothing else in the record is known
     assert 0.0 < first.probabilities["outside"] < 0.15
@@ -76,7 +76,9 @@ def test_at_bolzano_other_weeks_say_the_same(at_bolzano):
 
 
 def drift_of(loop):
-    return next(f for f in loop.finding_objects if f.effect == "sensitivity_drift")
+    return next(
+        f for f in loop.finding_objects if f.effect == "irradiance_sensor_drift"
+    )
 
 
 def test_at_golden_the_irradiance_sensor_is_named(at_golden):
@@ -118,7 +120,7 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     assert f"irradiance deviate by {size} where it would need {needed}." in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
     assert step.verdict is Verdict.CLASS
-    assert kinds == {"contact", "mounting", "air_shelter"}
+    assert kinds == {"module_sensor_contact", "mounting", "air_sensor_shield"}
     place = at_bolzano.place
     angles = [f"{place[n]:.0f} ± 5°" for n in ("surface_tilt", "surface_azimuth")]
     assert f"clear days have them at {angles[0]} and {angles[1]}" in text
@@ -257,7 +259,7 @@ def test_at_golden_the_drift_is_the_same_without_power(at_golden, golden):
     """A loss rate of the plant need not rest on its own power."""
     loop = closed(golden.drop(columns="power_ac"))
     (one,) = (f for f in loop.finding_objects if f.added)
-    assert one.effect == "sensitivity_drift" and one.verdict is Verdict.NAMED
+    assert one.effect == "irradiance_sensor_drift" and one.verdict is Verdict.NAMED
     (rate,), (other,) = (f.coefficients.values() for f in (one, drift_of(at_golden)))
     (error,) = one.stderr.values()
     assert abs(rate - other) < 2.0 * error

@@ -60,8 +60,8 @@ def injection(name, value, **settings):
     ("name", "value", "settings"),
     [
         ("sky_radiation", 0.4, {"source": "humidity, without clouds"}),
-        ("wind_gain_step", 2.0, DATES),
-        ("contact_drift", -0.2, {"since": "2023-02-01"}),
+        ("anemometer_step", 2.0, DATES),
+        ("module_sensor_contact_drift", -0.2, {"since": "2023-02-01"}),
     ],
 )
 def test_the_response_is_that_of_the_model_with_the_effect(
@@ -85,20 +85,22 @@ def test_the_response_is_that_of_the_model_with_the_effect(
 
 def test_nothing_is_put_in_at_no_size(record, done):
     injector = Injector.of(*done)
-    same = injector.into(record, injection("sensitivity_step", 0.0, **DATES))
+    same = injector.into(record, injection("irradiance_sensor_step", 0.0, **DATES))
     pd.testing.assert_frame_equal(same, record)
 
 
 def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     injector = Injector.of(*done)
     late = record.index.tz_localize(None) >= pd.Timestamp(DATES["at"])
-    faded = injector.into(record, injection("sensitivity_step", 0.1, **DATES))
+    faded = injector.into(record, injection("irradiance_sensor_step", 0.1, **DATES))
     fewer = np.where(late, 1.1, 1.0) * faded["poa_global"]
     np.testing.assert_allclose(fewer, record["poa_global"], atol=1e-9)
     # power and the module receive the true irradiance
     others = record.columns.drop("poa_global")
     pd.testing.assert_frame_equal(faded[others], record[others])
-    looser = injector.into(record, injection("contact_step", 0.1, **DATES))
+    looser = injector.into(
+        record, injection("module_sensor_contact_step", 0.1, **DATES)
+    )
     others = record.columns.drop("temp_module")
     pd.testing.assert_frame_equal(looser[others], record[others])
     changed = looser["temp_module"] != record["temp_module"]
@@ -112,7 +114,7 @@ def test_an_instrument_reads_something_at_any_size_that_is_put_in(record, done, 
     days = np.unique(search.case.record.dates)
     middle, first = (written(day) for day in (days[len(days) // 2], days[0]))
     dates = {"step": {"at": middle}, "drift": {"since": first}}[course]
-    effect = find({"name": f"wind_gain_{course}", **dates})
+    effect = find({"name": f"anemometer_{course}", **dates})
     (name,) = effect.rows()
     u1 = loop.fit.coefficients["u1"]
     most = readable(effect, {name: -1.0}, days, {"u1": u1})
@@ -125,10 +127,12 @@ def test_an_instrument_reads_something_at_any_size_that_is_put_in(record, done, 
 
 def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
     """Even if it also holds a change that the record itself shows."""
-    step = injection("sensitivity_step", 0.1, **DATES)
-    effect = find({"name": "sensitivity_step", **DATES})
-    told = finding("sensitivity_step", "sensitivity_drift", place=DATES["at"])
-    other = finding("sensitivity_drift")
+    step = injection("irradiance_sensor_step", 0.1, **DATES)
+    effect = find({"name": "irradiance_sensor_step", **DATES})
+    told = finding(
+        "irradiance_sensor_step", "irradiance_sensor_drift", place=DATES["at"]
+    )
+    other = finding("irradiance_sensor_drift")
     fit = SimpleNamespace(effects=(effect,), record=done[0].case.record)
     loop = SimpleNamespace(finding_objects=(told,), fit=fit)
     found = judged(step, effect, loop, baseline=(other,))
@@ -222,7 +226,7 @@ def test_what_cannot_be_put_in_is_said(record):
 
 def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
     search, loop = done
-    names = ["contact_step", "sky_radiation"]
+    names = ["module_sensor_contact_step", "sky_radiation"]
     first, _ = plan(search, loop, names[:1], [1.0], 1, 0)
     both, _ = plan(search, loop, names, [1.0], 2, 0)
     assert [one.key for one in first] == [one.key for one in both][:1]
@@ -230,7 +234,10 @@ def test_draws_differ_by_seed_and_not_by_what_else_is_put_in(record, done):
     # an effect without date and sign is there once
     assert [one.effect for one in both].count("sky_radiation") == 1
     days = np.unique(search.case.record.dates[search.case.searched])
-    steps = [drawn(find("contact_step"), days, 21, 3, seed)[0] for seed in (0, 1)]
+    steps = [
+        drawn(find("module_sensor_contact_step"), days, 21, 3, seed)[0]
+        for seed in (0, 1)
+    ]
     assert len({draw.effect.settings["at"] for some in steps for draw in some}) > 3
 
 

@@ -117,7 +117,11 @@ def test_weeks_are_those_of_other_years_with_all_columns(record, scrambler):
     columns = ["poa_global", "temp_air", "wind_direction"]
     rows = {*map(tuple, record[columns].round(6).to_numpy())}
     assert {*map(tuple, mixed[columns].round(6).to_numpy())} <= rows
-    assert {"contact_step", "wind_gain_drift", "air_offset_episode"} <= lost
+    assert {
+        "module_sensor_contact_step",
+        "anemometer_drift",
+        "air_offset_episode",
+    } <= lost
     assert not {"wind_direction", "sky_radiation"} & lost
     assert not mixed.equals(marked.scrambled("dates", 1, 0)[0])
     assert mixed.equals(marked.scrambled("dates", 0, 0)[0])
@@ -130,7 +134,7 @@ def test_quarters_stay_together_and_keep_episodes(record, scrambler):
     moves = [np.count_nonzero(np.diff(m[0]["day"] - day)) for m in (weeks, quarters)]
     assert moves[0] > 20 and 2 <= moves[1] <= 9
     assert "weeks" in weeks[3] and "quarters" in quarters[3]
-    steps = {"contact_step", "wind_gain_drift"}
+    steps = {"module_sensor_contact_step", "anemometer_drift"}
     assert steps <= quarters[2] and "air_offset_episode" not in quarters[2]
     assert quarters[2] < weeks[2]
 
@@ -184,16 +188,16 @@ def finding(verdict, *candidates, added=True):
 
 def test_only_what_is_lost_is_false():
     findings = [
-        finding(Verdict.NAMED, "contact_step"),
+        finding(Verdict.NAMED, "module_sensor_contact_step"),
         finding(Verdict.NAMED, "rain"),
-        finding(Verdict.CLASS, "mounting_step", "contact_step"),
+        finding(Verdict.CLASS, "mounting_step", "module_sensor_contact_step"),
         finding(Verdict.CLASS, "mounting_step", "soiling"),
-        finding(Verdict.SUGGESTIVE, "contact_step", added=False),
+        finding(Verdict.SUGGESTIVE, "module_sensor_contact_step", added=False),
     ]
-    lost = {"contact_step", "mounting_step"}
+    lost = {"module_sensor_contact_step", "mounting_step"}
     assert false_of(findings, lost) == (
-        ("contact_step",),
-        ("mounting_step | contact_step",),
+        ("module_sensor_contact_step",),
+        ("mounting_step | module_sensor_contact_step",),
     )
 
 
@@ -205,15 +209,18 @@ def test_reliability_is_the_share_of_trials_without_a_false_name():
     trials = (
         *(trial("drivers", i, ("rain",), *["rain"] * (i == 0)) for i in range(4)),
         trial("drivers", 4, ("rain",), refused="no"),
-        *(trial("dates", i, ("contact_step",)) for i in range(10)),
+        *(trial("dates", i, ("module_sensor_contact_step",)) for i in range(10)),
     )
     named = finding(Verdict.NAMED, "rain")
     found = Recovery({}, "0", "a", baseline=(named,), trials=trials, planned_trials=15)
     rows = found.reliability
     assert rows.loc["rain", ["trials", "false", "reliability"]].tolist() == [4, 1, 0.75]
     assert rows["named"].tolist() == [True, False]
-    assert rows.loc["contact_step", "reliability"] == 1.0
-    assert rows.loc["contact_step", "reliable_from"] == share_between(10, 10)[0]
+    assert rows.loc["module_sensor_contact_step", "reliability"] == 1.0
+    assert (
+        rows.loc["module_sensor_contact_step", "reliable_from"]
+        == share_between(10, 10)[0]
+    )
     assert np.isnan(rows["completeness"]).all()
     mean, ends = false_names(trials)
     assert mean == 0.25 and ends == rate_between(1, 4)

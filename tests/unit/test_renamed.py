@@ -17,6 +17,8 @@ from pvlib_fem._record.guess import guess
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import read_file
 from pvlib_fem._record.parquet import open_parquet
+from pvlib_fem._renamed_effects import in_new_names
+from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.fleet._systems_table import opened, systems_of
 
 NOW = "p_dc is called p_dc_per_area now.*power_dc for W of a module or a plant"
@@ -164,3 +166,42 @@ def test_power_of_a_plant_is_converted_and_its_codes_stay(unit, watt, plant, tmp
     data = read_file(path, {"power_ac": "p"}, {"power_ac": unit})["power_ac"]
     want = np.where(power == -9999.0, power, watt * power)
     np.testing.assert_allclose(data, want)
+
+
+OLD_FAULTS = {
+    "sensitivity_step": "irradiance_sensor_step",
+    "contact_drift": "module_sensor_contact_drift",
+    "wind_gain_episode": "anemometer_episode",
+    "wind_stall_step": "anemometer_stall_step",
+    "air_shelter_drift": "air_sensor_shield_drift",
+}
+
+
+@pytest.mark.parametrize(("before", "after"), OLD_FAULTS.items())
+def test_a_sensor_fault_has_its_old_name_until_the_next_release(before, after):
+    with pytest.warns(FutureWarning, match=f"{before} is called {after} now") as said:
+        assert find(before) is find(after)
+    assert {warning.filename for warning in said} == {__file__}
+
+
+def test_new_names_are_no_old_ones():
+    for name in CHANGES:
+        assert in_new_names(name) == name == in_new_names(f"{name}.change")[: len(name)]
+    for word in ("contact", "contact_sensor", "sensitivity", "my_contact_step"):
+        assert in_new_names(word) == word
+
+
+def test_a_file_with_old_names_is_read(tmp_path):
+    effect = {"name": "irradiance_sensor_step", "at": "2023-04-20"}
+    data = simulator.record(days=30, step=3600, start="2023-04-01")
+    inputs = [data[name] for name in COLUMNS]
+    held = {"sensitivity_step.change": 0.1}
+    with pytest.warns(FutureWarning, match="irradiance_sensor_step now"):
+        fit = fem.fit_fem(*inputs, effects=effect, fixed=held)
+    assert fit.coefficients["irradiance_sensor_step.change"] == 0.1
+    text = fit.to_json(tmp_path / "new.json")
+    old = tmp_path / "old.json"
+    old.write_text(text.replace("irradiance_sensor_step", "sensitivity_step"), "utf-8")
+    with pytest.warns(FutureWarning, match="sensitivity_step is called"):
+        again = fem.FemFit.from_json(old)
+    assert again.to_json() == text

@@ -69,8 +69,8 @@ def test_products_with_a_change_are_those_of_its_column(seed):
     random, (days, hours) = np.random.default_rng(seed), clock(70)
     one, other, rest = random.normal(size=(3, len(days)))
     made = design(rest, {"one": one, "other": other}, days, hours)
-    step = CHANGES["contact_step"].make(at="2023-02-10")
-    drift = CHANGES["contact_drift"].make(since="2023-01-05")
+    step = CHANGES["module_sensor_contact_step"].make(at="2023-02-10")
+    drift = CHANGES["module_sensor_contact_drift"].make(since="2023-01-05")
     changes = [Changed.of(3, effect) for effect in (step, drift)]
     found = made.by_week([1, *changes])
     columns = [made.cells[:, 0], made.cells[:, 1]]
@@ -157,7 +157,7 @@ def test_the_date_of_a_change_is_within_its_interval(course, dates):
 
 def test_the_more_a_change_could_be_the_less_it_is_believed():
     """Odds fall with the bounds of a size and the number of dates, and rise with it."""
-    effect = CHANGES["contact_step"].make(at="2023-02-10")
+    effect = CHANGES["module_sensor_contact_step"].make(at="2023-02-10")
     one = Candidate(effect, (), np.log(0.025))
     (row,) = effect.rows().values()
     wide = replace(row, lower=10.0 * row.lower, upper=10.0 * row.upper)
@@ -381,7 +381,7 @@ def test_a_change_is_whitened_as_any_column(seed):
         size, shares = np.bincount(one, minlength=many), random.uniform(0, 1, many)
         tables.append(Table((), one, 1.0, 9.0, size * 0.0, shares, size))
     white = made.whitened(tables)
-    step = Changed.of(3, CHANGES["contact_step"].make(at="2023-02-10"))
+    step = Changed.of(3, CHANGES["module_sensor_contact_step"].make(at="2023-02-10"))
     free = white.values(step)
     np.testing.assert_allclose(free, white.freed(made.values(step), tables))
     found = white.by_week([1, step]).sum(axis=0)

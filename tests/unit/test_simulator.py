@@ -360,7 +360,7 @@ EFFECTS = [
     ("poa_misalignment", 5, "poa_global", 0, 5.0, 30.0),
     ("irradiance_gain", 1, "poa_global", 1, 2.0, 10.0),
     ("irradiance_offset", 1, "poa_global", -1, 0.5, 3.0),
-    ("sensitivity_drift", 1, "poa_global", -1, 3.0, 15.0),
+    ("irradiance_sensor_drift", 1, "poa_global", -1, 3.0, 15.0),
     ("temperature_gain", 1, "temp_module", -1, 0.2, 0.6),
     ("temperature_drift", 1, "temp_module", 1, 0.28, 0.30),
     ("air_shield", 1, "temp_air", 1, 0.05, 0.5),

@@ -232,7 +232,7 @@ def test_a_sensor_that_reads_less_for_weeks_is_no_standstill(sound):
     data.loc[weeks, "poa_global"] *= 0.75
     loop = fem.close_loop(data[[*USUAL, "p_dc_per_area"]], location=WHERE)
     named = [f.effect for f in loop.finding_objects if f.verdict == "named"]
-    assert named == ["sensitivity_episode"]
+    assert named == ["irradiance_sensor_episode"]
     assert "tracker_stuck" not in loop.effects
 
 

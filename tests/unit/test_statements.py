@@ -49,7 +49,9 @@ def test_each_fault_has_its_device_direction_and_size(true, sound, name, size): 
     (column,) = [n for n in COLUMNS if not data[n].equals(true[n])]
     assert one.device == DEVICES[column]
     beyond = data[column] - true[column]
-    if effect.channel == "contact":  # of the over-temperature, which may be negative
+    if (
+        effect.channel == "module_sensor_contact"
+    ):  # of the over-temperature, which may be negative
         beyond *= np.sign(true[column] - true["temp_air"])
     less = beyond.sum() < 0
     assert (one.value < 0) == less
@@ -80,11 +82,15 @@ def test_the_range_of_a_step_holds_what_is_read_beyond_the_truth(
     (one,) = found(sound, data, effect).statements.itertuples()
     kind = effect.channel
     wanted = {
-        "sensitivity": 100.0 * (1.0 / (1.0 + size) - 1.0),
-        "wind_gain": 100.0 * (1.0 / (1.0 + size) - 1.0),
-        "contact": 100.0 * (1.0 / (1.0 + size) - 1.0),
+        "irradiance_sensor": 100.0 * (1.0 / (1.0 + size) - 1.0),
+        "anemometer": 100.0 * (1.0 / (1.0 + size) - 1.0),
+        "module_sensor_contact": 100.0 * (1.0 / (1.0 + size) - 1.0),
     }.get(kind, -size)
-    assert one.unit == ("%" if kind in ("sensitivity", "wind_gain", "contact") else "K")
+    assert one.unit == (
+        "%"
+        if kind in ("irradiance_sensor", "anemometer", "module_sensor_contact")
+        else "K"
+    )
     assert one.low <= wanted <= one.high
     assert one.since == DATES["step"]["at"] and one.until == ""
     assert f"From {one.since}" in one.text
@@ -92,7 +98,7 @@ def test_the_range_of_a_step_holds_what_is_read_beyond_the_truth(
 
 def test_a_drift_has_the_slope_of_the_reading(true, sound):  # noqa: F811
     """A sensor that loses a tenth a year of what it read at first."""
-    effect = effect_of("sensitivity_drift")
+    effect = effect_of("irradiance_sensor_drift")
     years = (true.index - true.index[0]).days / 365.2425
     data = true.assign(poa_global=true["poa_global"] * (1.0 - 0.1 * years))
     (one,) = found(sound, data, effect).statements.itertuples()

@@ -25,14 +25,14 @@ FAULTS = {
         "",
         "Set the clock of the module's logger back by 60 min",
     ),
-    "sensitivity_drift": (
+    "irradiance_sensor_drift": (
         "irradiance sensor",
         r"irradiance sensor reads [\d.]+ ± [\d.]+ % less each year since 2022-01-01",
         -100.0 * FADES,
         "2022-01-01",
         "Clean and recalibrate the irradiance sensor",
     ),
-    "wind_gain_step": (
+    "anemometer_step": (
         "anemometer",
         r"From 2022-09-\d\d \(.*\) on the anemometer reads [\d.]+ ± [\d.]+ % less",
         -100.0 * (1.0 - SLOW),
@@ -123,7 +123,7 @@ def test_what_the_sensor_of_irradiance_is_worth_is_what_it_lost(loop, record):
     loss = FADES * (record.index - record.index[0]).days / 365.2425
     light = record["poa_global"] * loss / (1.0 - loss)
     lost = light.sum() / 1000.0 * 0.5 * 365.2425 / 730.0
-    one = loop.statements.set_index("cause").loc["sensitivity_drift"]
+    one = loop.statements.set_index("cause").loc["irradiance_sensor_drift"]
     assert one["energy"] == pytest.approx(lost, rel=0.12)
     energies = loop.statements["energy"].to_numpy()[1:]  # after the clock
     known = energies[np.isfinite(energies)]

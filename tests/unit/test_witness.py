@@ -44,7 +44,7 @@ def test_power_names_the_irradiance_sensor(half_a_year):  # noqa: F811
     data = witnessed(data, 0.1)
     data["poa_global"] /= 1.0 + 0.1 * after(data)
     first = closed(data).finding_objects[0]
-    assert first.effect == "sensitivity_step" and first.verdict is Verdict.NAMED
+    assert first.effect == "irradiance_sensor_step" and first.verdict is Verdict.NAMED
     (witness,) = (one for one in first.witnesses if one.effect == first.effect)
     assert witness.column == "power_ac" and witness.opinion is CheckOutcome.AGREES
     assert witness.size == pytest.approx(np.log(1.1), abs=3 * witness.stderr + 0.005)
@@ -59,11 +59,11 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
     first = loop.finding_objects[0]
     assert first.verdict is Verdict.CLASS
     assert "mounting_step" in first.candidates
-    assert "sensitivity_step" not in first.candidates
+    assert "irradiance_sensor_step" not in first.candidates
     opinions = {
         (o.effect, o.opinion) for o in first.witnesses if o.column == "power_ac"
     }
-    assert opinions == {("sensitivity_step", CheckOutcome.CONTRADICTS)}
+    assert opinions == {("irradiance_sensor_step", CheckOutcome.CONTRADICTS)}
     assert "power_ac contradicts" in loop.report()
     assert "driver:power_ac" not in loop.ranking.index
 
@@ -71,10 +71,10 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
 @pytest.mark.parametrize(
     ("usual", "column", "channel", "size"),
     [
-        ("poa_global", "poa_global_2", "sensitivity", 0.1),
-        ("wind_speed", "wind_speed_mast", "wind_gain", 3.0),
+        ("poa_global", "poa_global_2", "irradiance_sensor", 0.1),
+        ("wind_speed", "wind_speed_mast", "anemometer", 3.0),
         ("temp_air", "temp_air_2", "air_offset", 1.5),
-        ("temp_module", "temp_module_2", "contact", -0.15),
+        ("temp_module", "temp_module_2", "module_sensor_contact", -0.15),
         ("temp_module", "temp_module_2", "module_offset", 1.5),
     ],
 )
@@ -190,7 +190,7 @@ def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
     size, error, _ = found.along(years)
     assert size == pytest.approx(np.log1p(2.0 * fading) / 2.0, abs=0.015)
     assert error > 0.01  # two years: turbidity alone could do as much
-    wanted = dated("sensitivity_drift", since="2021-01-01")
+    wanted = dated("irradiance_sensor_drift", since="2021-01-01")
     opinion = opinion_of(size, found.expected(wanted, 0.15, years, {}), error)
     assert opinion is (CheckOutcome.AGREES if fading else CheckOutcome.CONTRADICTS)
     if not fading:
@@ -256,7 +256,7 @@ def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa:
     data, _ = with_change(half_a_year)
     data["wind_speed"] /= 1.0 + 1.0 * after(data)
     first = closed(data).finding_objects[0]
-    assert first.effect == "wind_gain_step" and first.verdict is Verdict.NAMED
+    assert first.effect == "anemometer_step" and first.verdict is Verdict.NAMED
     said = {(one.column, one.opinion) for one in first.witnesses}
     assert said == {(USUAL_WIND, CheckOutcome.AGREES)}
     assert "usual wind deviate from the sensor" in first.why
@@ -284,7 +284,9 @@ def test_power_of_a_logger_that_is_off_is_held_to_the_right_time(own_logger):
         data["temp_module"] = data["temp_module"].shift(2)
     loop = close_loop(data)
     assert loop.corrections[0].applied
-    (drift,) = (f for f in loop.finding_objects if f.effect == "sensitivity_drift")
+    (drift,) = (
+        f for f in loop.finding_objects if f.effect == "irradiance_sensor_drift"
+    )
     (one,) = (w for w in drift.witnesses if w.column == "power_dc")
     assert one.opinion is CheckOutcome.AGREES and one.size == pytest.approx(
         0.1, abs=0.03

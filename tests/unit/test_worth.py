@@ -43,7 +43,7 @@ def yearly(change):
 @pytest.mark.parametrize("size", [-0.1, 0.12])
 def test_an_irradiance_sensor_costs_its_light_and_its_temperature(true, sound, size):  # noqa: F811
     """What is expected by the true irradiance, less that by what is read."""
-    effect = effect_of("sensitivity_step")
+    effect = effect_of("irradiance_sensor_step")
     data = faulty(true, effect, size)
     loop = found(sound, data, effect)
     (one,) = loop.statements.itertuples()
@@ -55,7 +55,7 @@ def test_an_irradiance_sensor_costs_its_light_and_its_temperature(true, sound, s
 
 
 @pytest.mark.parametrize(
-    "name, size", [("wind_gain_step", 4.0), ("air_offset_step", 2)]
+    "name, size", [("anemometer_step", 4.0), ("air_offset_step", 2)]
 )
 def test_another_sensor_costs_what_its_temperature_costs(true, sound, name, size):  # noqa: F811
     """The model by what is read, and by the truth, at the true irradiance."""
@@ -88,11 +88,15 @@ def test_it_scales_with_the_temperature_coefficient(true, sound):  # noqa: F811
 
 def test_the_most_valuable_comes_first_and_a_file_keeps_it(true, sound, tmp_path):  # noqa: F811
     """By energy, though another one takes more off the error."""
-    effects = [effect_of(n) for n in ("contact_step", "sensitivity_drift")]
+    effects = [
+        effect_of(n) for n in ("module_sensor_contact_step", "irradiance_sensor_drift")
+    ]
     data = faulty(faulty(true, effects[0], 0.15), effects[1], 0.2)
     loop = found(sound, data, *effects)
     first, second = loop.statements.itertuples()
-    assert first.cause == "sensitivity_drift" and first.energy > second.energy > 0.0
+    assert (
+        first.cause == "irradiance_sensor_drift" and first.energy > second.energy > 0.0
+    )
     text = loop.to_json(path := tmp_path / "loop.json")
     stored = [one["energy"] for one in json.loads(text)["statements"]]
     again = fem.Loop.from_json(path)
@@ -103,7 +107,7 @@ def test_the_most_valuable_comes_first_and_a_file_keeps_it(true, sound, tmp_path
 
 
 def test_statements_are_made_once(true, sound, monkeypatch):  # noqa: F811
-    effect = effect_of("contact_step")
+    effect = effect_of("module_sensor_contact_step")
     loop = found(sound, faulty(true, effect, 0.2), effect)
     made = []
     real = fem._loop.loop_result.statements_of

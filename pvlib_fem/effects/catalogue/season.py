@@ -45,7 +45,7 @@ EFFECT = Effect(
         "poa_misalignment",
         "rear_irradiance",
         "temperature_gain",
-        "sensitivity_drift",
+        "irradiance_sensor_drift",
         "soiling",
     ),
 )

@@ -31,7 +31,7 @@ EFFECT = Effect(
     {"share": Parameter(0.0, 0.0, 1.5, "-")},
     decided_by="a second irradiance sensor, or a camera",
     confused_with=(
-        "sensitivity_episode",
+        "irradiance_sensor_episode",
         "soiling",
         "shading",
         "power of a plant that has been extended",

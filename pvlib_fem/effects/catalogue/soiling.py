@@ -79,7 +79,7 @@ EFFECT = Effect(
     decided_by="a cleaning of the sensor and, on another day, of the module",
     confused_with=(
         "season",
-        "sensitivity_drift",
+        "irradiance_sensor_drift",
         "natural_convection",
         "poa_misalignment",
         "the steady model's coefficients, if soiling is constant",

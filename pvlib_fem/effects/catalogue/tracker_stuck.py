@@ -110,7 +110,7 @@ def standing(
         settings={k: v for k, v in settings.items() if v is not None},
         source="the light in the plane in which it stands",
         confused_with=(
-            "sensitivity_episode",
+            "irradiance_sensor_episode",
             "poa_misalignment",
             "shading",
             "modules_covered",

@@ -1,0 +1,51 @@
+"""Names of sensor faults that have changed, which work for one release."""
+
+import re
+import sys
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+RENAMED = {
+    "sensitivity": "irradiance_sensor",
+    "contact": "module_sensor_contact",
+    "wind_gain": "anemometer",
+    "wind_stall": "anemometer_stall",
+    "air_shelter": "air_sensor_shield",
+}
+OLD = re.compile(rf"(?<![a-z_])({'|'.join(RENAMED)})_(step|drift|episode)(?![a-z_])")
+PACKAGE = str(Path(__file__).parent)
+
+
+def in_new_names(text: str) -> str:
+    """
+    A text with the present names of sensor faults.
+
+    Warns
+    -----
+    FutureWarning
+        If it has an old name.
+    """
+    found = {old[0]: f"{RENAMED[old[1]]}_{old[2]}" for old in OLD.finditer(text)}
+    for old, new in found.items():
+        warnings.warn(
+            f"the effect {old} is called {new} now, and 0.2 will not know the old "
+            f"name: write {new}",
+            FutureWarning,
+            stacklevel=of_the_caller(),
+        )
+    return OLD.sub(lambda old: found[old[0]], text)
+
+
+def keys_in_new_names(named: Mapping[str, Any]) -> dict[str, Any]:
+    """A dict by effect or coefficient, with the present names."""
+    return {in_new_names(name): value for name, value in named.items()}
+
+
+def of_the_caller() -> int:
+    """Frames up to the first outside the package, as ``stacklevel`` counts them."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back and frame.f_code.co_filename.startswith(PACKAGE):
+        level, frame = level + 1, frame.f_back
+    return level
