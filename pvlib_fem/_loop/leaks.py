@@ -174,7 +174,7 @@ def is_one_piece(
     return (
         is_less(by_whole, by_model, dates)
         and is_less(by_whole, by_rest, dates)
-        and beyond < most * (by_model.sum() - by_parts.sum())
+        and bool(beyond < most * (by_model.sum() - by_parts.sum()))
     )
 
 

@@ -660,7 +660,7 @@ class Loop:
         """
         return written(LOOP, self.content(**cell), path)
 
-    def content(self, **cell: float) -> dict:
+    def content(self, **cell: float) -> dict[str, Any]:
         """What is in a file of the loop."""
         return loop_content(self, cell)
 
