@@ -66,7 +66,7 @@ def words(function):
 def forms(effect):
     """Functions of the effect's file that have an equation, its own first."""
     own = effect.terms.func if isinstance(effect.terms, partial) else effect.terms
-    if own in [channel.terms for channel in effects.SENSOR_FAULTS]:
+    if own in [sensor_fault.terms for sensor_fault in effects.SENSOR_FAULTS]:
         return [own]
     module = inspect.getmodule(own)
     others = [
@@ -165,7 +165,10 @@ def described(effect):
     yield from table(header, parameter_rows(effect), "40 30 30", kind="parameters")
     yield from drivers_of(effect)
     yield from settings(effect)
-    known = {*effects.PHYSICS, *(channel.name for channel in effects.SENSOR_FAULTS)}
+    known = {
+        *effects.PHYSICS,
+        *(sensor_fault.name for sensor_fault in effects.SENSOR_FAULTS),
+    }
     alike = "; ".join(
         f":ref:`{name} <effect-{name}>`" if name in known else name
         for name in effect.confused_with
@@ -283,8 +286,10 @@ def index():
         alike = [effect for effect in chosen if effect.confounder == confounder]
         yield from table(header, overview(alike), "25 45 30", "stacked needs")
     yield from titled("Instruments and mountings", CHANGES, "-")
-    yield from table(("Fault", "Meaning"), channels(), "25 75", "stacked needs")
-    yield from table(("Time profile", "Meaning"), courses(), "25 75", "stacked needs")
+    yield from table(("Fault", "Meaning"), sensor_faults(), "25 75", "stacked needs")
+    yield from table(
+        ("Time profile", "Meaning"), time_profiles(), "25 75", "stacked needs"
+    )
     yield from (".. toctree::", "   :hidden:", "")
     yield from (
         f"   effects/{name}"
@@ -296,18 +301,21 @@ def names(chosen):
     return [effect.name for effect in chosen]
 
 
-def channels():
+def sensor_faults():
     """Rows of what can change."""
-    for channel in effects.SENSOR_FAULTS:
-        link = f":ref:`{channel.name} <effect-{channel.name}>`"
-        yield link, words(channel.terms)[0].rstrip(".")
+    for sensor_fault in effects.SENSOR_FAULTS:
+        link = f":ref:`{sensor_fault.name} <effect-{sensor_fault.name}>`"
+        yield link, words(sensor_fault.terms)[0].rstrip(".")
 
 
-def courses():
+def time_profiles():
     """Rows of how it can."""
-    for course in effects.COURSES:
-        given = ", ".join(inspect.signature(course.weight).parameters)
-        yield f"``{course.name}``", f"{words(course.weight)[0]} Dates: ``{given}``."
+    for time_profile in effects.TIME_PROFILES:
+        given = ", ".join(inspect.signature(time_profile.weight).parameters)
+        yield (
+            f"``{time_profile.name}``",
+            f"{words(time_profile.weight)[0]} Dates: ``{given}``.",
+        )
 
 
 def columns():

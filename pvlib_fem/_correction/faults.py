@@ -67,4 +67,4 @@ def chosen(loop: Any, resolve: tuple) -> list:
 def is_of_instrument(finding: Finding) -> bool:
     """Whether a finding may be a fault of an instrument, or a change of a mounting."""
     known = [EFFECTS[name] for name in finding.candidates if name in EFFECTS]
-    return any(repair_of(effect) or effect.channel for effect in known)
+    return any(repair_of(effect) or effect.sensor_fault for effect in known)

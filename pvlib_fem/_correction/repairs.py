@@ -14,10 +14,10 @@ import numpy as np
 from pvlib_fem._report.document import with_error
 from pvlib_fem.effects._effect import Effect, Terms
 from pvlib_fem.effects._time_profiles import (
-    course_of,
     dates_in_words,
     is_dated,
     number,
+    time_profile_of,
     written,
 )
 
@@ -103,7 +103,7 @@ ANEMOMETER, SHIELD = "the anemometer", "the air temperature sensor"
 CONTACT = "the module temperature sensor"
 LESS, MORE = "reads less", "reads more"
 COLD, WARM = "reads too cold", "reads too warm"
-#: what the faults of instruments are, by channel or by the name of the effect
+#: what the faults of instruments are, by sensor fault or by the name of the effect
 REPAIRS = {
     "irradiance_sensor": Repair("poa_global", SENSOR, LESS, MORE, same, READING),
     "soiling": Repair(
@@ -156,7 +156,7 @@ REPAIRS = {
 
 def repair_of(effect: Effect) -> Any:
     """How the fault is taken out that an effect is, or None."""
-    return REPAIRS.get(effect.channel or effect.name)
+    return REPAIRS.get(effect.sensor_fault or effect.name)
 
 
 def obstacle(fault: Any, repair: Repair, coefficients: dict) -> str:
@@ -177,7 +177,7 @@ def unit_of(effect: Effect, repair: Repair) -> str:
     """Unit of what is added."""
     if effect.name == "soiling":
         return "1/day"
-    drifts = course_of(effect) == "drift"
+    drifts = time_profile_of(effect) == "drift"
     if repair.unit == "K":
         return "K/year" if drifts else "K"
     return "1/year" if drifts else "-"
@@ -199,7 +199,7 @@ def when(effect: Effect) -> str:
         "drift": f"from year to year since {words}",
         "episode": f"from {words}",
         "": "in the whole record",
-    }[course_of(effect)]
+    }[time_profile_of(effect)]
 
 
 def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
@@ -207,7 +207,7 @@ def sentence(effect: Effect, repair: Repair, added: tuple) -> str:
     what = repair.low if added[0] > 0 else repair.high
     times, unit = (1.0, "K") if repair.unit == "K" else (SHARE, "%")
     value, error, low, high = (times * n for n in added)
-    each = " for each year" if course_of(effect) == "drift" else ""
+    each = " for each year" if time_profile_of(effect) == "drift" else ""
     size = f"{with_error(value, error)} {unit}"
     of = f" {repair.of}" if repair.of else ""
     ends = f" ({RANGE} {low:.3g} to {high:.3g} {unit})" if np.isfinite(low) else ""

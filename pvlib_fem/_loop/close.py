@@ -413,7 +413,7 @@ class Search:
     def round(self, step: Step) -> Round:
         """What the remaining error of a step asks for, all effects taken back."""
         case = self.case
-        there = {e.name for e in step.model.effects if not e.channel}
+        there = {e.name for e in step.model.effects if not e.sensor_fault}
         wanted = [effect for effect in case.wanted if effect.name not in there]
         evidence = self.fits.gathered(step, wanted)
         lifted = [

@@ -182,7 +182,7 @@ def in_the_model(
 
 def relative_error(effect: Effect, criteria: Criteria) -> float:
     """Relative error of a coefficient by its law, or by that of the thermal model."""
-    if effect.channel:
+    if effect.sensor_fault:
         return SLACK
     return criteria.shape_error if effect.confounder else criteria.law_error
 
@@ -302,7 +302,7 @@ def not_seen(
 
 def has_date(effect: Effect) -> bool:
     """Whether an effect begins at a date, of which only the best one was weighed."""
-    return bool(effect.channel) and not is_drift(effect)
+    return bool(effect.sensor_fault) and not is_drift(effect)
 
 
 def better_sources(effect: Effect) -> list[str]:

@@ -83,8 +83,8 @@ class Design:
     own : dict of tuple of int
         Columns of each effect that has no date.
     effects : dict of Effect
-    channels : dict of int
-        Column of each channel along which instruments change.
+    sensor_faults : dict of int
+        Column of each sensor fault along which instruments change.
     changing : tuple of Effect
         Changes whose dates are to be found.
     places : dict of array
@@ -99,7 +99,7 @@ class Design:
     base: tuple[int, ...]
     own: dict[str, tuple[int, ...]]
     effects: dict[str, Effect]
-    channels: dict[str, int]
+    sensor_faults: dict[str, int]
     changing: tuple[Effect, ...]
     places: dict[str, np.ndarray] = field(repr=False)
     noise: tuple[Table, ...] = ()  # random effects by which the cells are whitened
@@ -132,19 +132,23 @@ class Design:
         """
         hours = Hours.of(record, found.rows)
         first, rows, means = hours.first, hours.count, hours.means
-        channels = {effect.channel: column for effect, column in found.changing}
+        sensor_faults = {
+            effect.sensor_fault: column for effect, column in found.changing
+        }
         residual, own, taken = found.residual, {}, set()
         for effect, coefficients in lifted:
             keys = [key for key in effect.rows() if key in found.columns]
             columns = {name: found.columns[name] for name in keys}
-            if effect.channel in channels:
+            if effect.sensor_fault in sensor_faults:
                 (name,), weights = effect.rows(), weights_of(effect, found.dates)
-                columns = {name: weights * found.columns[channels[effect.channel]]}
+                columns = {
+                    name: weights * found.columns[sensor_faults[effect.sensor_fault]]
+                }
             for name, column in columns.items():
                 size = coefficients[name] - effect.start.get(name, 0.0)
                 residual = residual + size * np.nan_to_num(column)
             taken |= {*keys}
-            if not effect.channel and keys:
+            if not effect.sensor_fault and keys:
                 own[effect.name] = tuple(keys)
         effects = {e.name: e for e, _ in lifted if e.name in own} | found.effects
         own |= found.own
@@ -153,7 +157,7 @@ class Design:
         wanted |= dict.fromkeys(found.misfits)
         for columns in own.values():
             wanted |= dict.fromkeys(columns)
-        wanted |= dict.fromkeys(channels.values())
+        wanted |= dict.fromkeys(sensor_faults.values())
         columns = [means(residual), *(means(found.columns[n]) for n in wanted)]
         cells = np.column_stack(columns)
         scale = np.sqrt(rows @ cells**2 / rows.sum())
@@ -176,7 +180,7 @@ class Design:
                 for n, columns in own.items()
             },
             effects=effects,
-            channels={n: order[c] for n, c in channels.items()},
+            sensor_faults={n: order[c] for n, c in sensor_faults.items()},
             changing=tuple(effect for effect, _ in found.changing),
             places=places,
         )
@@ -186,7 +190,7 @@ class Design:
         cls,
         residual: np.ndarray,
         columns: dict[str, np.ndarray],
-        channel: np.ndarray,
+        sensor_fault: np.ndarray,
         dates: np.ndarray,
         changing: Collection[Effect],
     ) -> Self:
@@ -198,7 +202,7 @@ class Design:
         residual : array, shape (rows,)
         columns : dict of array, shape (rows,)
             Without changes.
-        channel : array, shape (rows,)
+        sensor_fault : array, shape (rows,)
             The column that a change scales.
         dates : array of int, shape (rows,)
             In order, from 1970-01-01.
@@ -207,12 +211,12 @@ class Design:
         """
         first = np.flatnonzero(np.diff(dates, prepend=dates[:1] - 1))
         days = np.repeat(np.arange(len(first)), np.diff(first, append=len(dates)))
-        values = np.column_stack([residual, *columns.values(), channel])
+        values = np.column_stack([residual, *columns.values(), sensor_fault])
         scale = np.sqrt(np.mean(values**2, axis=0))
         scale[0] = 1.0
         size = len(columns)
         return cls(
-            names=("residual", *columns, "channel"),
+            names=("residual", *columns, "sensor_fault"),
             cells=values / scale,
             scale=scale,
             rows=np.ones(len(values)),
@@ -220,7 +224,7 @@ class Design:
             base=tuple(range(1, size + 1)),
             own={},
             effects={},
-            channels={effect.channel: size + 1 for effect in changing},
+            sensor_faults={effect.sensor_fault: size + 1 for effect in changing},
             changing=tuple(changing),
             places={"hour": np.arange(len(dates)) - first[days]},
         )

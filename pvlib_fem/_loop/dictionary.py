@@ -8,7 +8,7 @@ import numpy as np
 
 from pvlib_fem._statistics.weekly_sums import solve, steady
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import course_of, number, written
+from pvlib_fem.effects._time_profiles import number, time_profile_of, written
 
 if TYPE_CHECKING:
     from pvlib_fem._loop.design import Design
@@ -60,7 +60,7 @@ class Candidate:
 
     @property
     def change(self) -> Changed:
-        """The only column of a candidate that has a channel."""
+        """The only column of a candidate that has a sensor fault."""
         (column,) = self.columns
         return cast(Changed, column)
 
@@ -100,19 +100,19 @@ def dated(
     if days <= 2 * side:
         return
     scan = Scan.of(design, given, side)
-    for channel, place in design.channels.items():
+    for sensor_fault, place in design.sensor_faults.items():
         changes = {
-            course_of(effect): effect
+            time_profile_of(effect): effect
             for effect in design.changing
-            if effect.channel == channel
+            if effect.sensor_fault == sensor_fault
         }
         if not changes:
             continue
-        for course, dates in scan.along(place, *signs(changes)).items():
-            if course not in changes:
+        for time_profile, dates in scan.along(place, *signs(changes)).items():
+            if time_profile not in changes:
                 continue
-            effect = changes[course].dates(**dates)
-            many = DATED[course]
+            effect = changes[time_profile].dates(**dates)
+            many = DATED[time_profile]
             log_dates = many * np.log(days) - (np.log(2.0) if many == 2 else 0.0)
             yield Candidate(
                 effect,
@@ -123,7 +123,7 @@ def dated(
 
 
 def signs(changes: Mapping[str, Effect]) -> tuple[float, float]:
-    """Least and largest size that a channel can have, as signs."""
+    """Least and largest size that a sensor fault can have, as signs."""
     (row,) = next(iter(changes.values())).parameters.values()
     return np.sign(row.lower), np.sign(row.upper)
 

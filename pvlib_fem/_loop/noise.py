@@ -57,7 +57,7 @@ def prior_of(effect: Effect, outside: float) -> OutsidePrior:
     """The prior of a cause outside the catalogue as a rival of an effect."""
     if effect.settings.get("sensor"):  # a reflection onto the module looks the same
         return OutsidePrior(REFLECTION, 1.0)
-    dated = effect.channel or effect.turns  # a fault of one device from a date on
+    dated = effect.sensor_fault or effect.turns  # a fault of one device from a date on
     if dated or (own_columns(effect) and not effect.confounder):
         return OutsidePrior(outside, ALIKE)
     # what follows the sun and the usual inputs alone may be anything that does
@@ -118,7 +118,7 @@ def shares(
     own = one.beyond(given)
     plain = LeastSquares(design.by_week([*given, *own]), len(own))
     others = [within(design, given, own, t) for t in tables(design, one.effect)]
-    if one.effect.channel in OF_NO_COEFFICIENT:
+    if one.effect.sensor_fault in OF_NO_COEFFICIENT:
         # what the instrument has had all the time is no change
         others.append(design.by_week([*given, one.change.place, *own]))
     every = (kept(plain, LeastSquares(other, len(own))) for other in others)
@@ -139,7 +139,7 @@ def misfits(
     if not fall > 0.0 or one.effect.confounder:
         return []
     rest = design.left_by([*given, *one.beyond(given)])
-    if one.effect.channel:
+    if one.effect.sensor_fault:
         tables = [of_hours(design, one, rest)]
     else:
         mine = own_columns(one.effect)
@@ -265,7 +265,7 @@ def tables(design: "Design", effect: Effect) -> Iterator[np.ndarray]:
     axes = {axis.name: axis for axis in design.axes}
     for kind in usual_tables(axes):
         yield numbered(joined(kind)[0])
-    if not effect.channel and design.has_weeks:
+    if not effect.sensor_fault and design.has_weeks:
         yield design.weeks
     skip = {*USUAL, *effect.drivers, *needed_for(effect.drivers), *CLOCK, *GEOMETRY}
     for name, axis in axes.items():

@@ -2,7 +2,7 @@
 What is compared with an instrument: power, second sensors, a clear sky, usual wind.
 
 If the instrument has changed and not the quantity, the two deviate along the same
-course; where the change is elsewhere, they do not.
+time profile; where the change is elsewhere, they do not.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -22,7 +22,12 @@ from pvlib_fem._statistics.clusters import WEEK, cluster_sums
 from pvlib_fem.drivers import completed
 from pvlib_fem.drivers._mounts import angles_at
 from pvlib_fem.effects._effect import Effect
-from pvlib_fem.effects._time_profiles import course_of, is_dated, is_drift, weights_of
+from pvlib_fem.effects._time_profiles import (
+    is_dated,
+    is_drift,
+    time_profile_of,
+    weights_of,
+)
 from pvlib_fem.quality._clearsky import clear_sky
 
 if TYPE_CHECKING:
@@ -86,7 +91,7 @@ class Comparison:
     parts: Parts
     #: daily sums to the deviation of the two
     differ: Callable[[np.ndarray, np.ndarray], np.ndarray]
-    shows: dict[str, Shows]  # by channel, or effect
+    shows: dict[str, Shows]  # by sensor fault, or effect
     unit: str = "-"
     ages: bool = False  # whether it fades by itself
     wanders: float = 0.0  # by how much it differs from year to year by itself
@@ -273,10 +278,10 @@ class DailyDeviation:
 
     def profiles(self, effects: Iterable[Effect]) -> Iterator[tuple[str, float]]:
         """Log-likelihood of each time profile compared with the best of them."""
-        channels: dict[str, list[Effect]] = {}
+        sensor_faults: dict[str, list[Effect]] = {}
         for effect in effects:
-            channels.setdefault(effect.channel, []).append(effect)
-        for same in channels.values():
+            sensor_faults.setdefault(effect.sensor_fault, []).append(effect)
+        for same in sensor_faults.values():
             residuals = {}
             for effect in same:
                 weights = weights_of(effect, self.days)
@@ -325,7 +330,9 @@ class DailyDeviation:
         if not names or not np.ptp(weights) > 0:
             return None
         size, error, residual = self.along(weights)
-        if not first.channel:  # of days or weeks, which are less than a draw of months
+        if (
+            not first.sensor_fault
+        ):  # of days or weeks, which are less than a draw of months
             error = by_accident(weights > 0.0, residual)
         expected = {
             name: self.expected(
@@ -363,7 +370,7 @@ class DailyDeviation:
         shows = self.comparison.shows.get(kind(effect))
         if shows is None:
             return 0.0
-        if effect.channel:
+        if effect.sensor_fault:
             change = size * weights_of(effect, self.days)
         elif self.light is not None:
             change = self.light(effect, size)
@@ -478,7 +485,7 @@ def compared(
 
 def kind(effect: Effect) -> str:
     """What a comparison knows an effect by."""
-    return effect.channel or effect.name
+    return effect.sensor_fault or effect.name
 
 
 def usual(values: np.ndarray) -> np.ndarray:
@@ -576,7 +583,7 @@ def cross_checks(
         alike = [
             name
             for name in one.concerned(choice)
-            if course_of(choice.members[name].effect) == course_of(first)
+            if time_profile_of(choice.members[name].effect) == time_profile_of(first)
             and max(choice.probabilities[name], choice.weights[name]) >= WORTH
         ]
         shown = one.shown(choice, first, alike, coefficients) if alike else None

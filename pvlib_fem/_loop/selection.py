@@ -27,7 +27,7 @@ from pvlib_fem._statistics.weekly_sums import (
     steady,
 )
 from pvlib_fem.effects._effect import Effect, Parameter
-from pvlib_fem.effects._time_profiles import course_of
+from pvlib_fem.effects._time_profiles import time_profile_of
 
 BETTER = 1.02  # times as much as another explains a candidate has to, to replace it
 OVERLAP = 0.3  # share of the best one's part, from which another is its rival
@@ -187,7 +187,7 @@ class Selection:
             Columns of the base and of the other choices.
         """
         one, score = choice.members[name], choice.scores[name]
-        if not one.effect.channel:
+        if not one.effect.sensor_fault:
             return one.effect
         errors = float(np.abs(score.estimate[0]) / score.stderr[0])
         side = self.criteria.change_side
@@ -249,7 +249,7 @@ class Selection:
     ) -> np.ndarray:
         """:meth:`in_sample` of many candidates given the same columns, at once."""
         design, size, falls = self.design, len(given), np.zeros(len(candidates))
-        plain = [i for i, one in enumerate(candidates) if not one.effect.channel]
+        plain = [i for i, one in enumerate(candidates) if not one.effect.sensor_fault]
         places = dict.fromkeys(c for i in plain for c in candidates[i].columns)
         order = {c: i + 1 for i, c in enumerate(c for c in places if c not in given)}
         whole = design.whole([*given, *order])
@@ -266,7 +266,7 @@ class Selection:
             falls[i] = score @ np.linalg.solve(beyond[np.ix_(at, at)], score)
         falls /= design.count
         for i, one in enumerate(candidates):
-            if one.effect.channel:
+            if one.effect.sensor_fault:
                 falls[i] = self.in_sample(one, given)
         return falls
 
@@ -305,7 +305,7 @@ class Selection:
         if self.noise:
             whole = self.seen.fit_for([one.effect])
             whitened = LeastSquares(whole.by_week([*given, *own]), size)
-        if one.effect.channel:
+        if one.effect.sensor_fault:
             # other dates are no placebo of a date: whatever is slow has some
             null, freedom = whitened.by_all_weeks()
         else:
@@ -315,7 +315,7 @@ class Selection:
         there = existence(one, rows, seen, null, freedom)
         fits = possible(rows, estimate, np.sqrt(np.diag(covariance)))
         keys = tuple(one.effect.rows())
-        if not one.effect.channel:
+        if not one.effect.sensor_fault:
             keys = tuple(design.names[place_of(column)] for column in one.columns)
         gain = gain / design.count
         sizes = estimate, covariance
@@ -402,7 +402,7 @@ class Selection:
         groups: dict[str, list[int]] = {}
         logs = np.empty_like(parts)
         for i, one in enumerate(members.values()):
-            groups.setdefault(one.effect.channel or one.name, []).append(i)
+            groups.setdefault(one.effect.sensor_fault or one.name, []).append(i)
         costs = np.array([[dates_cost(one, sure)] for one in members.values()])
         for same in groups.values():
             within = 0.5 * sure**2 * parts[same] / most
@@ -458,16 +458,16 @@ def dates_cost(one: Candidate, sure: float) -> float:
     Away from its date a step loses what it explains in proportion to the days, so that
     of the days on one side a share of 8/z² is as good, by Laplace.
     """
-    if not one.effect.channel:
+    if not one.effect.sensor_fault:
         return 0.0
-    many = DATED[course_of(one.effect)]
+    many = DATED[time_profile_of(one.effect)]
     return many * max(float(np.log(sure**2 / DAYS_ALIKE)), 0.0)
 
 
 def rows_of(one: Candidate, design: Design) -> list[Parameter]:
     """Rows of the parameters of a candidate's columns."""
     rows = one.effect.rows()
-    if one.effect.channel:
+    if one.effect.sensor_fault:
         return [*rows.values()]
     return [rows[design.names[place_of(column)]] for column in one.columns]
 

@@ -137,8 +137,10 @@ def gather(
     temperature = model.temperature(inputs, coefficients)
     rows = np.flatnonzero(seen & np.isfinite(temperature))
     # two tangents that contain a change in part would explain it between them
-    changes = [effect for effect in model.effects if effect.channel]
-    lasting = replace(model, effects=tuple(e for e in model.effects if not e.channel))
+    changes = [effect for effect in model.effects if effect.sensor_fault]
+    lasting = replace(
+        model, effects=tuple(e for e in model.effects if not e.sensor_fault)
+    )
     at = Tangents.of(lasting, inputs, coefficients, rows)
     own = at.slopes()
     base = [n for n in lasting.free if n not in fixed and own[n].any()]
@@ -160,11 +162,11 @@ def gather(
             failed |= {name: because(Reason.NOT_A_NUMBER) for name in one.names}
         elif one.scan:
             scanned.append((one.scan, one.wide, own, known))
-        elif one.courses:
+        elif one.time_profiles:
             (column,) = own
             columns = evidence.columns | missing(own, known)
             evidence = replace(evidence, columns=columns)
-            changing += [(course, column) for course in one.courses]
+            changing += [(time_profile, column) for time_profile in one.time_profiles]
         else:
             evidence = evidence.with_effect(one.wide, own, known)
     for scan, wide, own, known in scanned:
@@ -177,7 +179,9 @@ def gather(
             evidence = evidence.with_effect(narrow, own, known)
     secants = {}
     for effect in changes:
-        column = next((c for e, c in changing if e.channel == effect.channel), None)
+        column = next(
+            (c for e, c in changing if e.sensor_fault == effect.sensor_fault), None
+        )
         if column is not None and coefficients[next(iter(effect.rows()))]:
             dates, tangent = record.dates[rows], evidence.columns[column]
             response = secant(lasting, inputs, effect, coefficients, dates, before)
@@ -217,25 +221,25 @@ def secant(
     -------
     array, shape (rows,)
     """
-    channel, (size,) = scaled_terms(effect).channel, effect.rows()
+    sensor_fault, (size,) = scaled_terms(effect).sensor_fault, effect.rows()
     weights = weights_of(effect, dates)
     there = coefficients[size] * float(np.mean(weights[weights > 0.0]))
-    (row,) = channel.rows()
-    with_it = replace(model, effects=(*model.effects, channel))
+    (row,) = sensor_fault.rows()
+    with_it = replace(model, effects=(*model.effects, sensor_fault))
     return (with_it.temperature(inputs, {**coefficients, row: there}) - before) / there
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """What is tried first of an effect, or of a channel along its courses."""
+    """What is tried first of an effect, or of a fault along its time profiles."""
 
     wide: Effect
     scan: Scan | None = None  # that takes the effect from the wide one
-    courses: tuple[Effect, ...] = ()  # whose dates are to be found
+    time_profiles: tuple[Effect, ...] = ()  # whose dates are to be found
 
     @property
     def names(self) -> list[str]:
-        return [one.name for one in self.courses or (self.wide,)]
+        return [one.name for one in self.time_profiles or (self.wide,)]
 
 
 def ready(
@@ -245,7 +249,7 @@ def ready(
     Inputs with the drivers of all effects, what is tried of them, and why not.
 
     An effect that is scanned enters as the wide one from which its scan takes it, and
-    all courses of a channel as the channel, whole.
+    all time profiles of a sensor fault as one constant fault.
     """
     tried: dict[str, Tried] = {}
     failed: dict[str, Because] = {}
@@ -256,14 +260,17 @@ def ready(
                 effect = effect.prepare(dated.columns, seen)
             wide, name = effect.scanned_from or effect, effect.name
             if effect.dates:
-                wide, name = replace(wide, name=effect.channel), effect.channel
+                wide, name = (
+                    replace(wide, name=effect.sensor_fault),
+                    effect.sensor_fault,
+                )
                 if name in tried:
-                    courses = (*tried[name].courses, effect)
-                    tried[name] = replace(tried[name], courses=courses)
+                    time_profiles = (*tried[name].time_profiles, effect)
+                    tried[name] = replace(tried[name], time_profiles=time_profiles)
                     continue
             inputs = replace(model, effects=(wide,)).with_drivers(inputs)
-            courses = (effect,) if effect.dates else ()
-            tried[name] = Tried(wide, effect.scan, courses)
+            time_profiles = (effect,) if effect.dates else ()
+            tried[name] = Tried(wide, effect.scan, time_profiles)
         except Exception as error:  # whatever an effect does, the others go on
             failed[effect.name] = broken(error)
     return inputs, [*tried.values()], failed

@@ -17,7 +17,7 @@ from pvlib_fem._stored import plain
 from pvlib_fem.effects import EFFECTS, find, several
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._time_profiles import (
-    COURSES,
+    TIME_PROFILES,
     TimeProfile,
     dates_in_words,
     weights_of,
@@ -170,10 +170,10 @@ def drawn(
     list of Draw, Because or None
     """
     random = generator(effect, seed)
-    if not effect.channel:
+    if not effect.sensor_fault:
         return [Draw(effect, number) for number in range(draws)], None
-    course = course_of(effect)
-    dates = [DATES[course.name](days, side, random) for _ in range(draws)]
+    time_profile = time_profile_of(effect)
+    dates = [DATES[time_profile.name](days, side, random) for _ in range(draws)]
     if None in dates:
         return [], because(Reason.NO_DATE)
     return [Draw(effect.make(**one), number) for number, one in enumerate(dates)], None
@@ -184,9 +184,13 @@ def generator(effect: Effect, seed: int) -> np.random.Generator:
     return np.random.default_rng([seed, zlib.crc32(effect.name.encode())])
 
 
-def course_of(effect: Effect) -> TimeProfile:
+def time_profile_of(effect: Effect) -> TimeProfile:
     """The time profile of a sensor fault."""
-    return next(one for one in COURSES if effect.name == f"{effect.channel}_{one.name}")
+    return next(
+        one
+        for one in TIME_PROFILES
+        if effect.name == f"{effect.sensor_fault}_{one.name}"
+    )
 
 
 def step(days: np.ndarray, side: int, random: np.random.Generator) -> dict | None:
@@ -248,15 +252,18 @@ def holds(finding: Finding, effect: Effect, effects: dict, days: np.ndarray) -> 
     if effect.name not in finding.candidates:
         return False
     leading = effects[finding.effect]
-    course = effect.name.removeprefix(effect.channel)
-    if not effect.channel or leading.name != f"{leading.channel}{course}":
+    time_profile = effect.name.removeprefix(effect.sensor_fault)
+    if (
+        not effect.sensor_fault
+        or leading.name != f"{leading.sensor_fault}{time_profile}"
+    ):
         return True
     return same_days(effect, leading, days)
 
 
 def same_days(one: Effect, other: Effect, days: np.ndarray) -> bool:
     """Whether two changes with one time profile are on mostly the same days."""
-    if course_of(one).name == "drift":
+    if time_profile_of(one).name == "drift":
         return True
     a, b = (weights_of(effect, days) > 0.0 for effect in (one, other))
     return bool((a & b).sum() >= SAME * (a | b).sum())

@@ -71,7 +71,7 @@ class Injector:
 
     def own_changes(self) -> Any:
         """Module temperature that the record's own faults add. [K]"""
-        changes = [effect for effect in self.model.effects if effect.channel]
+        changes = [effect for effect in self.model.effects if effect.sensor_fault]
         drivers = [name for one in self.model.effects for name in one.drivers]
         start = {name: value for one in changes for name, value in one.start.items()}
         return self.added(self.model, drivers, {}, start)
@@ -102,7 +102,7 @@ class Injector:
         """A copy of a frame with the effect added."""
         data, effect = data.copy(), self.effect(injection)
         labels = {printable(label): label for label in data}
-        name = READS.get(effect.channel)
+        name = READS.get(effect.sensor_fault)
         if name is None:
             change = {"temp_module": self.response(injection)}
         else:
@@ -118,7 +118,7 @@ class Injector:
 
 
 MOST_LOST = 0.9  # largest share of a reading that a fault removes
-#: columns of the sensors other than the module's, by channel
+#: columns of the sensors other than the module's, by sensor fault
 READS = {
     "irradiance_sensor": "poa_global",
     "anemometer": "wind_speed",
@@ -129,12 +129,12 @@ READS = {
 
 def reading(record: Record, effect: Effect, change: float, coefficients: dict) -> dict:
     """Readings of a sensor whose fault has this coefficient, by its column."""
-    name = READS[effect.channel]
+    name = READS[effect.sensor_fault]
     values, size = record[name], change * weights_of(effect, record.dates)
-    whole = whole_of(effect.channel, coefficients)
+    whole = whole_of(effect.sensor_fault, coefficients)
     if whole is not None:
         values = values / (1.0 + size / whole)
-    elif effect.channel == "air_offset":
+    elif effect.sensor_fault == "air_offset":
         values = values - size
     else:
         values = values + size * np.nan_to_num(record["poa_global"]) / 1000.0
@@ -147,7 +147,7 @@ def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) ->
 
     A sensor that reads a tenth of the true value, or ten times as much, has failed.
     """
-    whole = whole_of(effect.channel, coefficients)
+    whole = whole_of(effect.sensor_fault, coefficients)
     if whole is None:
         return np.inf
     (part,) = way.values()
@@ -155,10 +155,10 @@ def readable(effect: Effect, way: dict, days: np.ndarray, coefficients: dict) ->
     return MOST_LOST * whole / -least if least < 0.0 else np.inf
 
 
-def whole_of(channel: str, coefficients: dict) -> Any:
+def whole_of(sensor_fault: str, coefficients: dict) -> Any:
     """Reference of a fault that scales its reading; None for other faults."""
     u1 = coefficients.get("u1", np.inf)  # the true loss by wind does not change
-    return {"irradiance_sensor": 1.0, "anemometer": u1}.get(channel)
+    return {"irradiance_sensor": 1.0, "anemometer": u1}.get(sensor_fault)
 
 
 def add(data: pd.DataFrame, label: Any, rows: np.ndarray, values: np.ndarray) -> None:

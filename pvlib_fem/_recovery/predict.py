@@ -52,10 +52,10 @@ def predictions(
         planned, why = drawn(effect, days, case.criteria.change_side, draws, seed)
         if why is not None:
             return [], why
-        there = {one.name for one in step.model.effects if not one.channel}
+        there = {one.name for one in step.model.effects if not one.sensor_fault}
         wanted = [one for one in case.wanted if one.name not in there]
         evidence = fits.gathered(step, wanted)
-        name = effect.channel or effect.name
+        name = effect.sensor_fault or effect.name
         if effect.name in evidence.failed or name in evidence.failed:
             return [], evidence.failed.get(effect.name) or evidence.failed[name]
         record = fits.ready["coarse"][1]
@@ -84,8 +84,8 @@ def predictions(
 def candidate(design: Design, draw: Draw) -> Candidate:
     """A draw as a candidate of the design."""
     effect = draw.effect
-    if effect.channel:
-        columns = (Changed.of(design.channels[effect.channel], effect),)
+    if effect.sensor_fault:
+        columns = (Changed.of(design.sensor_faults[effect.sensor_fault], effect),)
     else:
         effect = design.effects.get(effect.name, effect)
         columns = design.own[effect.name]
@@ -124,7 +124,7 @@ class Look:
 
 def alike(one: Effect, other: Any, days: np.ndarray) -> Any:
     """Whether two effects of a name are on about the same days, if they have any."""
-    return not other.channel or same_days(other, one, days)
+    return not other.sensor_fault or same_days(other, one, days)
 
 
 def threshold(passes: Callable, least: float, most: float) -> float:

@@ -15,7 +15,7 @@ from pvlib_fem._loop.close import Search
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._record.checks import usual_step
 from pvlib_fem._record.column_names import ALIASES, ANGLES, GEOMETRY, RENAMED, printable
-from pvlib_fem._recovery.draw import course_of
+from pvlib_fem._recovery.draw import time_profile_of
 from pvlib_fem.drivers import geometry, needed_for
 from pvlib_fem.effects import EFFECTS
 
@@ -171,9 +171,9 @@ class Scrambler:
         record = self.record.assign(**{labels["temp_module"]: self.plain})
         record = record.iloc[rows[kept]].set_axis(self.record.index[kept])
         holdout = None if self.holdout is None else self.holdout[kept]
-        changes = [effect for effect in self.tried if effect.channel]
+        changes = [effect for effect in self.tried if effect.sensor_fault]
         if length == QUARTER:
-            changes = [one for one in changes if course_of(one).name != "episode"]
+            changes = [one for one in changes if time_profile_of(one).name != "episode"]
         words = f"{'weeks' if length == WEEK else 'quarters'} exchanged between years"
         return record, holdout, {one.name for one in changes}, words
 

@@ -271,7 +271,7 @@ def around(rows: Rows, event: pd.Series, columns: Mapping[str, np.ndarray]) -> P
 
 SUN = (by_sun,)
 POWER = (power_deficit,)
-#: pictures of a finding, by the channel or the name of its effect
+#: pictures of a finding, by the sensor fault or the name of its effect
 SHOWN = {
     "irradiance_sensor": (irradiance,),
     "soiling": (irradiance,),
@@ -326,7 +326,7 @@ def pictures_of(finding: Finding, loop: "Loop") -> list[Picture]:
         if (effect := own.get(name) or EFFECTS.get(name)) is None:
             continue
         rows = Rows(loop, settings if name == finding.effect else dates)
-        for picture in SHOWN.get(effect.channel or effect.name, (by_column,)):
+        for picture in SHOWN.get(effect.sensor_fault or effect.name, (by_column,)):
             if (one := picture(rows, effect)) is not None:
                 drawn.setdefault(one.words, one)
     return [*drawn.values()]

@@ -124,7 +124,7 @@ def pictures_of_fit(fit: "FemFit") -> list[tuple[str, str]]:
 
 
 def by_month(fit: "FemFit") -> Iterator[tuple[str, str]]:
-    """Coefficients through time, of a record that is long enough to have a course."""
+    """Coefficients through time, of a record that is long enough to show a change."""
     record = fit.summary
     if fit.daily is None or record.end - record.start <= pd.Timedelta(days=LONG):
         return
@@ -132,7 +132,7 @@ def by_month(fit: "FemFit") -> Iterator[tuple[str, str]]:
         table = fit.through_time()
     except ValueError:  # all of the model's are held or at a bound
         return
-    given = [effect.settings for effect in fit.effects if effect.channel]
+    given = [effect.settings for effect in fit.effects if effect.sensor_fault]
     names = ("at", "start", "end")
     dates = [dates[name] for dates in given for name in names if name in dates]
     words = (

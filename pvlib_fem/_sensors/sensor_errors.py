@@ -120,13 +120,13 @@ def step_of(
     known = np.isfinite(over)
     if not known.any():
         return {}
-    channel = CHANGES["module_sensor_contact_step"]
+    sensor_fault = CHANGES["module_sensor_contact_step"]
     design = Design.of_columns(
         over[known] - share * others[known],
         {"level": others[known]},
         others[known],
         dates[known],
-        (channel,),
+        (sensor_fault,),
     )
     selection = Selection(design, criteria)
     given = [*design.base]

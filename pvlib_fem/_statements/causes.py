@@ -22,7 +22,7 @@ from pvlib_fem._findings import Finding, Member
 from pvlib_fem._report.document import with_error
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._standstill import in_words
-from pvlib_fem.effects._time_profiles import YEAR, course_of, is_dated, number
+from pvlib_fem.effects._time_profiles import YEAR, is_dated, number, time_profile_of
 
 MODEL, MODULES = "model", "modules"
 PER_YEAR = " each year"
@@ -44,7 +44,7 @@ class Clause:
     unit: str = ""
     since: str = ""
     until: str = ""
-    course: str = ""
+    time_profile: str = ""
 
 
 class Estimate(TypedDict, total=False):
@@ -70,7 +70,7 @@ class ReadingWords:
 IRRADIANCE = "Clean and recalibrate the irradiance sensor"
 ANEMOMETER = "Check the anemometer's bearing and surroundings, or recalibrate it"
 SHIELD = "Check the radiation shield of the air temperature sensor"
-#: by channel, or by the name of the effect
+#: by sensor fault, or by the name of the effect
 READS = {
     "irradiance_sensor": ReadingWords(
         "reads {} less", "reads {} more", IRRADIANCE, "has changed"
@@ -140,7 +140,7 @@ def clause_of(
     -------
     Clause
     """
-    kind = effect.channel or effect.name
+    kind = effect.sensor_fault or effect.name
     if effect.column:
         clause = of_column(effect, numbers)
     elif kind in READS:
@@ -157,10 +157,14 @@ def dated(clause: Clause, effect: Effect, first: str, last: str) -> Clause:
     if not is_dated(effect):
         return clause
     since, until = dates_of(effect, first, last)
-    if course_of(effect) != "drift" and not effect.settings:  # a hint has no dates
+    if (
+        time_profile_of(effect) != "drift" and not effect.settings
+    ):  # a hint has no dates
         since, until = "", last
     until = "" if until == last else until
-    return replace(clause, since=since, until=until, course=course_of(effect))
+    return replace(
+        clause, since=since, until=until, time_profile=time_profile_of(effect)
+    )
 
 
 def of_instrument(
@@ -171,7 +175,7 @@ def of_instrument(
     last: str,
 ) -> Clause:
     """What an instrument reads beyond the truth."""
-    kind, repair = effect.channel or effect.name, repair_of(effect)
+    kind, repair = effect.sensor_fault or effect.name, repair_of(effect)
     reads = READS[kind]
     (key,) = effect.rows()
     if key not in numbers.coefficients or (
@@ -180,7 +184,7 @@ def of_instrument(
         words = f"{repair.device} {reads.unsized or 'has changed'}"
         return Clause(plain(repair.device), words, reads.action)
     added = repair.added(Fault.of(effect, numbers), coefficients)
-    drifts = course_of(effect) == "drift"
+    drifts = time_profile_of(effect) == "drift"
     years = (number(last) - number(first)) / YEAR if drifts else 1.0
     value, error, low, high = reading_of(added, repair.unit, max(years, 1e-9))
     size = f"{with_error(abs(value), error)} {'K' if repair.unit == 'K' else '%'}"
@@ -261,7 +265,7 @@ def mounting(effect: Effect, numbers: Numbers) -> Clause:
     estimate = sized(effect, numbers, SHARE)
     size = f"{spoken(estimate)} " if estimate else ""
     more, each = "more" if not estimate or estimate["value"] > 0 else "less", ""
-    if course_of(effect) == "drift":
+    if time_profile_of(effect) == "drift":
         estimate["unit"] = "%/year"
         size, each = size.replace("/year", ""), PER_YEAR
     action = "Inspect the mounting, and what was built or grew around the modules"

@@ -137,10 +137,10 @@ def sentence(finding: Finding, clauses: list[Clause]) -> str:
     first, *others = clauses
     parts = [words_of(first, finding.place)]
     for other in others:
-        same = (other.since, other.until, other.course) == (
+        same = (other.since, other.until, other.time_profile) == (
             first.since,
             first.until,
-            first.course,
+            first.time_profile,
         )
         parts.append(other.words if same else words_of(other))
     text = ", or ".join(parts)
@@ -149,13 +149,13 @@ def sentence(finding: Finding, clauses: list[Clause]) -> str:
 
 def words_of(clause: Clause, place: str = "") -> str:
     """A clause with its dates; ``place`` has the days between which it began."""
-    if clause.course == "step":
+    if clause.time_profile == "step":
         return f"from {place or clause.since or 'some date'} on {clause.words}"
-    if clause.course == "episode":
+    if clause.time_profile == "episode":
         dates = f"from {clause.since} until {clause.until}" if clause.since else ""
         dates = f"from {place}" if place else dates or "for some time"
         return f"{dates} {clause.words}"
-    if clause.course == "drift":
+    if clause.time_profile == "drift":
         return f"{clause.words} since {clause.since}"
     return clause.words
 

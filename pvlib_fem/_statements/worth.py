@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 STEP = 300.0  # s, over which shorter rows are averaged
 REFERENCE = 25.0  # °C, of the power that a kWp is
 #: findings by which the modules receive other irradiance than the sensor reads, by the
-#: channel or the name of the effect
+#: sensor fault or the name of the effect
 LIGHT = (
     "irradiance_sensor",
     "soiling",
@@ -82,7 +82,7 @@ def energies(loop: "Loop", gamma: float = GAMMA) -> dict[str, float]:
     usual, drivers = loop.inputs(frame)
     temperature = loop.fit.predict(*usual, **drivers).to_numpy()
     for effect in loop.fit.effects:
-        warmer, kind = parts[effect.name].to_numpy(), effect.channel or effect.name
+        warmer, kind = parts[effect.name].to_numpy(), effect.sensor_fault or effect.name
         if kind in LIGHT:
             heat = received(loop, usual, drivers, effect)
             more = kilowatt_hours(record.inputs.having({"poa_global": heat}))

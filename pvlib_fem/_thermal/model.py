@@ -162,7 +162,11 @@ class ThermalModel:
         for effect in self.effects:
             # a constant offset cancels in effects of past minus present air
             past = behind(remembered(effect.drivers))
-            if effect.channel or "temp_air" in past or not {*effect.rows()} <= {*base}:
+            if (
+                effect.sensor_fault
+                or "temp_air" in past
+                or not {*effect.rows()} <= {*base}
+            ):
                 continue
             if "temp_air" not in behind(effect.drivers):
                 continue
@@ -186,7 +190,7 @@ class ThermalModel:
         """
         if not any(is_share(effect) for effect in self.effects):
             return self
-        rows = [row for e in self.effects if not e.channel for row in e.rows()]
+        rows = [row for e in self.effects if not e.sensor_fault for row in e.rows()]
         names = dict.fromkeys([*self.base, *rows])
         return replace(self, base={name: coefficients[name] for name in names})
 
@@ -486,7 +490,7 @@ def as_read(
 def is_share(effect: Effect) -> bool:
     """Whether an effect scales the loss of the model without effects."""
     shares = {"loss_base", "air_base"}
-    return bool(effect.channel and shares & {*behind(effect.drivers)})
+    return bool(effect.sensor_fault and shares & {*behind(effect.drivers)})
 
 
 def as_in_a_fit(inputs: Any) -> Inputs:

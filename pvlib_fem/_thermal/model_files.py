@@ -47,7 +47,7 @@ def model_of(stored: Stored, own: Any = ()) -> Any:
     base = None
     if stored["base"] is not None:
         given = {*stored.read("base", dict)}  # with effects that faults may reverse
-        those = [e for e in effects if not e.channel and {*e.rows()} & given]
+        those = [e for e in effects if not e.sensor_fault and {*e.rows()} & given]
         base = coefficients_of(stored, "base", thermal_model(*names, those))
     fixed = stored.read("fixed", dict[str, float])
     model = thermal_model(*names, effects, base, fixed)

@@ -7,7 +7,7 @@ from pvlib_fem._renamed_effects import in_new_names
 from pvlib_fem._spelling import did_you_mean
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.effects._instruments import SENSOR_FAULTS
-from pvlib_fem.effects._time_profiles import COURSES, along_all
+from pvlib_fem.effects._time_profiles import TIME_PROFILES, along_all
 from pvlib_fem.effects._user_column import of_column
 from pvlib_fem.effects.catalogue.air_elsewhere import EFFECT as air_elsewhere
 from pvlib_fem.effects.catalogue.air_shield import EFFECT as air_shield
@@ -32,7 +32,7 @@ from pvlib_fem.effects.catalogue.tracker_stuck import EFFECT as tracker_stuck
 from pvlib_fem.effects.catalogue.wind_direction import EFFECT as wind_direction
 from pvlib_fem.effects.catalogue.wind_shape import EFFECT as wind_shape
 
-__all__ = ["CHANGES", "COURSES", "EFFECTS", "PHYSICS", "SENSOR_FAULTS", "find"]
+__all__ = ["CHANGES", "EFFECTS", "PHYSICS", "SENSOR_FAULTS", "TIME_PROFILES", "find"]
 
 #: a name, a name with its settings, or an effect
 EffectLike = str | Mapping[str, Any] | Effect
@@ -67,7 +67,9 @@ PHYSICS = {
 }
 #: faults of sensors and mountings: each fault with each time profile
 CHANGES = {
-    effect.name: effect for channel in SENSOR_FAULTS for effect in along_all(channel)
+    effect.name: effect
+    for sensor_fault in SENSOR_FAULTS
+    for effect in along_all(sensor_fault)
 }
 #: every effect by its name
 EFFECTS = PHYSICS | CHANGES

@@ -151,8 +151,8 @@ class Effect:
         Why it is not weighed if the scan finds nothing.
     turns : bool, default False
         Whether it is tried of planes only that turn about an axis.
-    channel : str, optional
-        Name of the sensor fault or change of mounting, for an effect with a course.
+    sensor_fault : str, optional
+        Name of the sensor fault or change of mounting that has a time profile.
     dates : object, optional
         ``dates(**dates)`` returns the effect with dates, for one that has none yet.
     """
@@ -175,7 +175,7 @@ class Effect:
     scanned_from: "Effect | None" = None
     not_found: Reason = Reason.NO_WINDOW
     turns: bool = False
-    channel: str = ""
+    sensor_fault: str = ""
     dates: Any = None
 
     @property

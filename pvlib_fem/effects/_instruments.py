@@ -1,7 +1,7 @@
 """
-Faults of sensors and changes of mountings: channels, each with every time profile.
+Faults of sensors and changes of mountings, each with every time profile.
 
-A channel is an effect of constant size with one parameter. A permanent fault is part of
+A fault is an effect of constant size with one parameter. A permanent fault is part of
 the coefficients of the steady model, except for :data:`OF_NO_COEFFICIENT`. A step, a
 trend or a temporary fault is not.
 """
@@ -154,7 +154,7 @@ STATION = (
     "air_sensor_shield",
 )
 
-#: channels whose constant part no coefficient of a steady model can absorb
+#: sensor faults whose constant part no coefficient of a steady model can absorb
 OF_NO_COEFFICIENT = ("anemometer_stall", "air_sensor_shield")
 
 SENSOR_FAULTS = (

@@ -1,8 +1,8 @@
 """
 Time profiles of faults: a step at a date, a trend, or a temporary change.
 
-A fault of a sensor or a mounting is an effect of constant size (its *channel*) times a
-time profile (its *course*). Each course is defined once and applies to every channel.
+A fault of a sensor or a mounting is an effect of constant size times a time profile.
+Each time profile is defined once and applies to every fault.
 """
 
 import inspect
@@ -60,11 +60,11 @@ class TimeProfile:
     weight: Callable  # from dates to a function of the day
     size: str  # name of the coefficient
     unit: str = ""
-    most: float = 1.0  # factor of the channel's bounds
+    most: float = 1.0  # factor of the fault's bounds
 
-    def name_of(self, channel: Effect) -> str:
-        """The name of a channel's change with this profile."""
-        return f"{channel.name}_{self.name}"
+    def name_of(self, sensor_fault: Effect) -> str:
+        """The name of a sensor fault with this time profile."""
+        return f"{sensor_fault.name}_{self.name}"
 
     def missing(self, dates: Mapping) -> list:
         """Names of required dates that are not given."""
@@ -72,7 +72,7 @@ class TimeProfile:
         return [p.name for p in taken if p.default is p.empty and p.name not in dates]
 
 
-COURSES = (
+TIME_PROFILES = (
     TimeProfile("step", step, "change"),
     TimeProfile("drift", drift, "per_year", "/year", 0.5),
     TimeProfile("episode", episode, "change"),
@@ -81,55 +81,57 @@ COURSES = (
 
 @dataclass(frozen=True, eq=False)
 class ScaledTerms:
-    """Terms of a channel, scaled by the weight of its course on each day."""
+    """Terms of a sensor fault, scaled by the weight of its time profile on each day."""
 
-    channel: Effect
-    course: TimeProfile
+    sensor_fault: Effect
+    time_profile: TimeProfile
     dates: Mapping
 
     @property
-    def __doc__(self) -> str | None:  # type: ignore[override]  # that of each channel
-        return self.channel.terms.__doc__
+    def __doc__(self) -> str | None:  # type: ignore[override]  # that of each sensor fault
+        return self.sensor_fault.terms.__doc__
 
     @property
     def __signature__(self) -> Any:
-        """Signature of the channel's terms, with the day and the course's size."""
-        own = inspect.signature(self.channel.terms).parameters.values()
-        size = {next(iter(self.channel.parameters)): self.course.size}
+        """Signature of the fault's terms, with the day and the size."""
+        own = inspect.signature(self.sensor_fault.terms).parameters.values()
+        size = {next(iter(self.sensor_fault.parameters)): self.time_profile.size}
         day = inspect.Parameter("day", inspect.Parameter.POSITIONAL_OR_KEYWORD)
         return inspect.Signature(
             [day, *(p.replace(name=size.get(p.name, p.name)) for p in own)]
         )
 
     def __call__(self, day: pd.Index, *drivers: np.ndarray, **given: float) -> Terms:
-        if missing := self.course.missing(self.dates):
-            name = self.course.name_of(self.channel)
+        if missing := self.time_profile.missing(self.dates):
+            name = self.time_profile.name_of(self.sensor_fault)
             raise ValueError(
                 f"{name} has no date; give {' and '.join(missing)}, as {{'name': "
                 f"'{name}', '{missing[0]}': '2012-04-01'}}"
             )
-        weight = self.course.weight(**self.dates)(np.asarray(day, dtype=float))
-        given[next(iter(self.channel.parameters))] = given.pop(self.course.size)
-        return Terms().plus(self.channel.terms(*drivers, **given), weight)
+        weight = self.time_profile.weight(**self.dates)(np.asarray(day, dtype=float))
+        given[next(iter(self.sensor_fault.parameters))] = given.pop(
+            self.time_profile.size
+        )
+        return Terms().plus(self.sensor_fault.terms(*drivers, **given), weight)
 
 
 @dataclass(frozen=True, eq=False)
 class DatedChange:
-    """Function that makes the effect of a channel along a course with given dates."""
+    """Function that makes the effect of a fault, with a time profile and its dates."""
 
-    channel: Effect
-    course: TimeProfile
+    sensor_fault: Effect
+    time_profile: TimeProfile
 
     @property
     def __signature__(self) -> Any:
-        return inspect.signature(self.course.weight)
+        return inspect.signature(self.time_profile.weight)
 
     def __call__(self, **dates: str) -> Effect:
-        if not self.course.missing(dates):
-            self.course.weight(**dates)  # refuses invalid dates
+        if not self.time_profile.missing(dates):
+            self.time_profile.weight(**dates)  # refuses invalid dates
         return replace(
             self.undated(),
-            terms=ScaledTerms(self.channel, self.course, dates),
+            terms=ScaledTerms(self.sensor_fault, self.time_profile, dates),
             settings=dates,
             source=dates_in_words(dates),
             dates=None,
@@ -138,20 +140,23 @@ class DatedChange:
 
     def undated(self) -> Effect:
         """The effect without dates, as in the registry; a search finds the dates."""
-        channel, course = self.channel, self.course
-        (row,), name = channel.parameters.values(), course.name_of(channel)
-        bounds = row.lower * course.most, row.upper * course.most
-        unit = f"{row.unit}{course.unit}".replace("-/", "1/")
+        sensor_fault, time_profile = self.sensor_fault, self.time_profile
+        (row,), name = (
+            sensor_fault.parameters.values(),
+            time_profile.name_of(sensor_fault),
+        )
+        bounds = row.lower * time_profile.most, row.upper * time_profile.most
+        unit = f"{row.unit}{time_profile.unit}".replace("-/", "1/")
         return replace(
-            channel,
+            sensor_fault,
             name=name,
-            terms=ScaledTerms(channel, course, {}),
-            parameters={course.size: Parameter(row.start, *bounds, unit)},
-            columns=("day", *channel.drivers),
-            channel=channel.name,
+            terms=ScaledTerms(sensor_fault, time_profile, {}),
+            parameters={time_profile.size: Parameter(row.start, *bounds, unit)},
+            columns=("day", *sensor_fault.drivers),
+            sensor_fault=sensor_fault.name,
             make=self,
             dates=self,
-            scanned_from=replace(channel, name=name),
+            scanned_from=replace(sensor_fault, name=name),
         )
 
 
@@ -166,34 +171,34 @@ def dates_in_words(dates: Mapping) -> str:
 
 
 def scaled_terms(effect: Effect) -> ScaledTerms:
-    """Terms of an effect that has a channel."""
+    """Terms of an effect that has a sensor fault."""
     return cast(ScaledTerms, effect.terms)
 
 
 def weights_of(effect: Effect, days: np.ndarray) -> np.ndarray:
-    """Weight of each day, from 1970-01-01, of an effect along a course."""
+    """Weight of each day, from 1970-01-01, of an effect along a time profile."""
     middle = np.asarray(days) + 0.5
-    if effect.channel:
+    if effect.sensor_fault:
         terms = scaled_terms(effect)
-        return terms.course.weight(**terms.dates)(middle)
+        return terms.time_profile.weight(**terms.dates)(middle)
     return episode(effect.settings["start"], effect.settings["end"])(middle)
 
 
 def is_dated(effect: Effect) -> bool:
     """Whether an effect acts from a date on, or until one."""
-    return bool(effect.channel) or "start" in effect.settings
+    return bool(effect.sensor_fault) or "start" in effect.settings
 
 
-def course_of(effect: Effect) -> str:
+def time_profile_of(effect: Effect) -> str:
     """How a fault comes and goes: ``"step"``, ``"drift"``, ``"episode"`` or ``""``."""
-    if effect.channel:
-        return scaled_terms(effect).course.name
+    if effect.sensor_fault:
+        return scaled_terms(effect).time_profile.name
     return "episode" if is_dated(effect) else ""
 
 
 def is_drift(effect: Effect) -> bool:
     """Whether an effect's time profile is a trend."""
-    return course_of(effect) == "drift"
+    return time_profile_of(effect) == "drift"
 
 
 def interval(effect: Effect) -> tuple[float, ...] | None:
@@ -205,6 +210,9 @@ def interval(effect: Effect) -> tuple[float, ...] | None:
     return tuple(number(day) for day in dates.get("between") or (begin, begin))
 
 
-def along_all(channel: Effect) -> tuple[Effect, ...]:
-    """The effects of a channel with every time profile."""
-    return tuple(DatedChange(channel, course).undated() for course in COURSES)
+def along_all(sensor_fault: Effect) -> tuple[Effect, ...]:
+    """The effects of a sensor fault with every time profile."""
+    return tuple(
+        DatedChange(sensor_fault, time_profile).undated()
+        for time_profile in TIME_PROFILES
+    )

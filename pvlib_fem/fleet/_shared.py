@@ -11,7 +11,7 @@ from pvlib_fem.effects import CHANGES, EFFECTS
 from pvlib_fem.effects._instruments import STATION
 from pvlib_fem.fleet._tasks import JOIN
 
-STATIONS = {name for name, effect in CHANGES.items() if effect.channel in STATION}
+STATIONS = {name for name, effect in CHANGES.items() if effect.sensor_fault in STATION}
 MODULES = {*CHANGES} - STATIONS
 FEW = 3  # names that are shown of a longer list
 
@@ -52,7 +52,7 @@ class Shared:
         Systems that would show it at the largest of these gains, and do not.
     maybe : set of str
         Systems with another finding that may have this cause: at that time, or of one
-        of its channels and without a date.
+        of its sensor faults and without a date.
     first, last : str
         Dates between which a change may have begun; None and "" without a date.
     """
@@ -89,7 +89,7 @@ class Shared:
     def may_be(self, finding: SystemFinding) -> bool:
         """Whether a finding of another group may still have this cause."""
         dated = None not in (self.first, finding.first)
-        same = channels(self.candidates) & channels(finding.candidates)
+        same = sensor_faults(self.candidates) & sensor_faults(finding.candidates)
         return self.meets(finding) and (dated or bool(same))
 
     def check(
@@ -164,7 +164,7 @@ def shared(systems: pd.DataFrame, findings: pd.DataFrame) -> list[Shared]:
     Findings have one cause if they share a candidate and, if they have dates, their
     intervals overlap. A system counts as without it only if its record would show an
     equal gain, and if it has no finding that may have this cause: at that time, or of
-    one of its channels and without a date.
+    one of its sensor faults and without a date.
 
     Parameters
     ----------
@@ -207,9 +207,9 @@ def grouped(site: str, findings: Sequence[SystemFinding]) -> list[Shared]:
     return groups
 
 
-def channels(names: Iterable[str]) -> set[str]:
-    """Channels of some candidates; effects without a channel by their names."""
-    return {CHANGES[name].channel if name in CHANGES else name for name in names}
+def sensor_faults(names: Iterable[str]) -> set[str]:
+    """Sensor faults of some candidates; other effects by their names."""
+    return {CHANGES[name].sensor_fault if name in CHANGES else name for name in names}
 
 
 def few(names: Iterable[str], apart: str = ", ", last: str = " and ") -> str:

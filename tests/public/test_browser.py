@@ -233,9 +233,10 @@ TEXTS = """() => {
 
 def luminance(colour):
     """Relative luminance of ``rgb(…)``, WCAG 2.1."""
-    channels = [int(c) / 255 for c in re.findall(r"\d+", colour)[:3]]
+    sensor_faults = [int(c) / 255 for c in re.findall(r"\d+", colour)[:3]]
     linear = [
-        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+        for c in sensor_faults
     ]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 

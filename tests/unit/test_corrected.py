@@ -46,14 +46,14 @@ def sound(true):
 def weight(effect, index):
     """How much of a change there is at each time."""
     terms = effect.terms
-    return terms.course.weight(**terms.dates)(
+    return terms.time_profile.weight(**terms.dates)(
         (index - pd.Timestamp(0)) / pd.Timedelta("1D")
     )
 
 
 def faulty(true, effect, size):
     """What the instruments write with a fault, by what each fault means."""
-    kind = effect.channel or effect.name
+    kind = effect.sensor_fault or effect.name
     poa, air, wind, module = (true[name] for name in COLUMNS)
     if kind == "soiling":
         inputs = completed(

@@ -83,7 +83,9 @@ def test_what_needs_wind_is_refused_with_a_remedy(calm, how, words):
 def test_the_loop_tries_what_needs_no_wind(calm, loop):
     assert loop.fit.model == "ross" and not loop.effects
     wind = [
-        n for n, e in CHANGES.items() if e.channel in ("anemometer", "anemometer_stall")
+        n
+        for n, e in CHANGES.items()
+        if e.sensor_fault in ("anemometer", "anemometer_stall")
     ]
     wind += ["natural_convection", "wind_shape", "air_shield"]
     assert {str(loop.untestable[name]) for name in wind} == {"no wind_speed"}

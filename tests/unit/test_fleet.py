@@ -461,7 +461,7 @@ def test_a_change_of_some_is_not_the_stations_where_others_found_no_date():
 
 
 def test_a_system_that_may_have_it_under_another_name_is_not_one_without_it():
-    """A class without a date that names it, or another course at that very time."""
+    """A class without a date that names it, or another profile at that very time."""
     found = [(name, LOSES, 0.5, MARCH) for name in "ab"]
     for named, when in (
         (("season", "module_sensor_contact_drift"), None),

@@ -41,7 +41,7 @@ DATES = {
 every = pytest.mark.parametrize("name", CHANGES)
 
 
-def course(name):
+def time_profile(name):
     return name.rsplit("_", 1)[1]
 
 
@@ -53,7 +53,7 @@ def size(name):
 
 
 def dated(name, **dates):
-    return find({"name": name, **(dates or DATES[course(name)])})
+    return find({"name": name, **(dates or DATES[time_profile(name)])})
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +70,7 @@ def with_change(data, *names, seed=0, noise=0.4, **sizes):
     for name, effect in zip(names, effects):
         (key,) = effect.rows()
         values[key] = sizes.get(name, size(name))
-        if effect.channel == "anemometer":  # so much less is read of the same wind
+        if effect.sensor_fault == "anemometer":  # so much less is read of the same wind
             days = (data.index.normalize() - pd.Timestamp(0)).days
             less = 1.0 + values[key] * weights_of(effect, days) / values["u1"]
             data = data.assign(wind_speed=data["wind_speed"] / less)
@@ -82,8 +82,8 @@ def with_change(data, *names, seed=0, noise=0.4, **sizes):
 
 @every
 def test_before_and_after_its_course_a_change_is_nothing_and_all(half_a_year, name):
-    """An episode of all days is the channel itself; at its start nothing is added."""
-    channel = next(c for c in SENSOR_FAULTS if name.rsplit("_", 1)[0] == c.name)
+    """An episode of all days is the fault itself; at its start nothing is added."""
+    sensor_fault = next(c for c in SENSOR_FAULTS if name.rsplit("_", 1)[0] == c.name)
     usual = [half_a_year[n] for n in DRIVERS]
     plain = model_with("balance").predict(*usual, coefficients("balance"))
 
@@ -94,16 +94,16 @@ def test_before_and_after_its_course_a_change_is_nothing_and_all(half_a_year, na
 
     np.testing.assert_allclose(answer(dated(name), 0.0), plain, rtol=1e-12)
     found = answer(dated(name), size(name))
-    if course(name) == "drift":
+    if time_profile(name) == "drift":
         year = answer(dated(name, since="2022-06-01"), size(name))
-        whole = answer(channel, size(name))
+        whole = answer(sensor_fault, size(name))
         at = pd.Timestamp("2023-06-01 18:00")
         assert year[at] - plain[at] == pytest.approx(whole[at] - plain[at], rel=0.02)
         return
-    first = number(next(iter(DATES[course(name)].values())))
+    first = number(next(iter(DATES[time_profile(name)].values())))
     before = (half_a_year.index - pd.Timestamp(0)) / pd.Timedelta("1D") < first
     np.testing.assert_allclose(found[before], plain[before], rtol=1e-12)
-    whole = answer(channel, size(name))
+    whole = answer(sensor_fault, size(name))
     inside = slice("2023-09-20", "2023-10-15")  # beyond the module's memory
     np.testing.assert_allclose(found[inside], whole[inside], atol=1e-6)
 
@@ -184,15 +184,15 @@ def closed(data, **options):
     return fem.close_loop(data, check_units=False, **options)
 
 
-@pytest.mark.parametrize("channel", SIZES)
-def test_a_step_is_found_with_its_date(half_a_year, channel):
-    name = f"{channel}_step"
+@pytest.mark.parametrize("sensor_fault", SIZES)
+def test_a_step_is_found_with_its_date(half_a_year, sensor_fault):
+    name = f"{sensor_fault}_step"
     data, _ = with_change(half_a_year, name)
     loop = closed(data)
     first = loop.finding_objects[0]
     assert first.added and name in first.candidates
     changes = [n for n in first.candidates if n in CHANGES]
-    assert {course(n) for n in changes} == {"step"}
+    assert {time_profile(n) for n in changes} == {"step"}
     effect = next(e for e in loop.fit.effects if e.name == first.effect)
     low, high = effect.settings["between"]
     assert low <= "2023-09-15" <= high
@@ -295,8 +295,8 @@ def test_a_change_in_the_model_explains_what_it_did_before(half_a_year, name):
 
 
 @pytest.mark.parametrize("source", ["measured longwave", "humidity"])
-@pytest.mark.parametrize("channel", ["air_offset", "air_sensor_shield"])
-def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
+@pytest.mark.parametrize("sensor_fault", ["air_offset", "air_sensor_shield"])
+def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(sensor_fault, source):
     """With it the model has equal temperatures by the wrong and by the true air."""
     days = simulator.record(effects=simulator.PHYSICS, days=20, step=600)
     site = simulator.RHINE
@@ -307,12 +307,12 @@ def test_a_fault_of_the_air_thermometer_is_undone_by_its_size(channel, source):
     true = ThermalModel(STEADY_MODELS["faiman"], "balance", (sky,))
     values = dict(u0=25.0, u1=4.0, capacity=17e3, bias=0.0)
     values |= {"sky_radiation.share": 1.2}
-    change = dated(f"{channel}_step", at="2022-12-31")
+    change = dated(f"{sensor_fault}_step", at="2022-12-31")
     changed = replace(true, effects=(sky, change), base=dict(values))
     (key,) = change.rows()
     drivers = {name: days[name] for name in true.drivers}
     light, air, wind = (days[name] for name in DRIVERS)
-    by = -1.0 if channel == "air_offset" else light / 1000.0
+    by = -1.0 if sensor_fault == "air_offset" else light / 1000.0
     expected = true.predict(light, air, wind, values, **drivers)
     wrong = true.predict(light, air + by, wind, values, **drivers)
     found = changed.predict(light, air + by, wind, values | {key: 1.0}, **drivers)

@@ -107,14 +107,16 @@ def test_an_instrument_that_changes_is_put_into_what_it_reads(record, done):
     assert changed[late].mean() > 0.4 and not changed[~late].any()
 
 
-@pytest.mark.parametrize("course", ["step", "drift"])
-def test_an_instrument_reads_something_at_any_size_that_is_put_in(record, done, course):
+@pytest.mark.parametrize("time_profile", ["step", "drift"])
+def test_an_instrument_reads_something_at_any_size_that_is_put_in(
+    record, done, time_profile
+):
     """An anemometer whose wind would be below nothing has failed, and not changed."""
     search, loop = done
     days = np.unique(search.case.record.dates)
     middle, first = (written(day) for day in (days[len(days) // 2], days[0]))
-    dates = {"step": {"at": middle}, "drift": {"since": first}}[course]
-    effect = find({"name": f"anemometer_{course}", **dates})
+    dates = {"step": {"at": middle}, "drift": {"since": first}}[time_profile]
+    effect = find({"name": f"anemometer_{time_profile}", **dates})
     (name,) = effect.rows()
     u1 = loop.fit.coefficients["u1"]
     most = readable(effect, {name: -1.0}, days, {"u1": u1})

@@ -131,10 +131,10 @@ def test_the_best_step_is_that_of_all_fits(seed):
 
 
 @pytest.mark.parametrize(
-    ("course", "dates"),
+    ("time_profile", "dates"),
     [("step", ("2023-05-01",)), ("episode", ("2023-04-01", "2023-06-20"))],
 )
-def test_the_date_of_a_change_is_within_its_interval(course, dates):
+def test_the_date_of_a_change_is_within_its_interval(time_profile, dates):
     """In thirty records; a step of one standard deviation of the noise of an hour."""
     right = 0
     for seed in range(30):
@@ -142,7 +142,7 @@ def test_the_date_of_a_change_is_within_its_interval(course, dates):
         first, *last = (number(day) - START for day in dates)
         there = (days >= first) & (days < (last[0] if last else np.inf))
         rest = 1.0 * there + noise(random, len(days), 0.9)
-        changing = [CHANGES[f"module_offset_{course}"]]
+        changing = [CHANGES[f"module_offset_{time_profile}"]]
         made = design(rest, {"one": random.normal(size=len(days))}, days, hours)
         made = replace(made, changing=tuple(changing))
         (found,) = dated(made, [1], 21, 0.025)

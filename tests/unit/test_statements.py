@@ -50,7 +50,7 @@ def test_each_fault_has_its_device_direction_and_size(true, sound, name, size): 
     assert one.device == DEVICES[column]
     beyond = data[column] - true[column]
     if (
-        effect.channel == "module_sensor_contact"
+        effect.sensor_fault == "module_sensor_contact"
     ):  # of the over-temperature, which may be negative
         beyond *= np.sign(true[column] - true["temp_air"])
     less = beyond.sum() < 0
@@ -80,7 +80,7 @@ def test_the_range_of_a_step_holds_what_is_read_beyond_the_truth(
     effect = effect_of(name)
     data = faulty(true, effect, size)
     (one,) = found(sound, data, effect).statements.itertuples()
-    kind = effect.channel
+    kind = effect.sensor_fault
     wanted = {
         "irradiance_sensor": 100.0 * (1.0 / (1.0 + size) - 1.0),
         "anemometer": 100.0 * (1.0 / (1.0 + size) - 1.0),
@@ -187,9 +187,9 @@ def test_a_file_in_another_zone_runs_ahead_or_behind(minutes, way):
 def test_every_effect_has_words(name):
     """Of its own title, or of its instrument's reading, in either direction."""
     effect = EFFECTS[name]
-    if effect.channel:
+    if effect.sensor_fault:
         effect = effect_of(name)
-    kind = effect.channel or effect.name
+    kind = effect.sensor_fault or effect.name
     assert kind in READS or kind in SPECIAL or effect.title
     for sign in (1, -1):
         ends = {

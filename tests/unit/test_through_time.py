@@ -27,16 +27,16 @@ MODELS = {
 STEPS = {60: (42, "W-MON"), 900: (180, "MS"), 3600: (360, "MS")}
 
 
-def world(days=120, step=900, seed=0, noise=0.3, start="2023-05-01", **courses):
-    """A record whose coefficients follow courses, and these as columns."""
+def world(days=120, step=900, seed=0, noise=0.3, start="2023-05-01", **time_profiles):
+    """A record whose coefficients follow time profiles, and these as columns."""
     data = datasets.synthetic(days, step, start, seed, noise=0)
     share = pd.Series(np.linspace(0.0, 1.0, len(data)), data.index)
     truth = pd.DataFrame({n: v + 0.0 * share for n, v in BASE.items()})
-    for name, course in courses.items():
+    for name, time_profile in time_profiles.items():
         if name == "gain":  # of the over-temperature
-            truth[["u0", "u1"]] = truth[["u0", "u1"]].div(course(share), axis=0)
+            truth[["u0", "u1"]] = truth[["u0", "u1"]].div(time_profile(share), axis=0)
         else:
-            truth[name] *= course(share)
+            truth[name] *= time_profile(share)
     r_eq = (1.0 / (truth["u0"] + truth["u1"] * data["wind_speed"])).to_numpy()
     target = data["temp_air"].to_numpy() + data["poa_global"].to_numpy() * r_eq
     module = relax(target, 1.0, truth["capacity"].to_numpy() * r_eq / step)
@@ -78,7 +78,7 @@ def episode_of(size):
     return lambda share: 1.0 + (size - 1.0) * share.between(0.3, 0.7)
 
 
-COURSES = {
+TIME_PROFILES = {
     "step": {"gain": step_of(1.2)},
     "drift": {"gain": drift_of(0.9)},
     "episode": {"gain": episode_of(0.8)},
@@ -88,10 +88,10 @@ COURSES = {
 
 
 @pytest.mark.parametrize("step", STEPS)
-@pytest.mark.parametrize("course", COURSES)
-def test_it_follows_what_changes(course, step):
+@pytest.mark.parametrize("time_profile", TIME_PROFILES)
+def test_it_follows_what_changes(time_profile, step):
     days, freq = STEPS[step]
-    data, truth = world(days, step, noise=0.02, **COURSES[course])
+    data, truth = world(days, step, noise=0.02, **TIME_PROFILES[time_profile])
     rows = against(fitted(data), truth, freq)
     # a period in which a step falls has no one truth
     moves = (rows["span"] / rows["truth"].abs()).groupby("start").transform("max")
@@ -102,7 +102,7 @@ def test_it_follows_what_changes(course, step):
     # of a drift it is the mean over the sunny days, somewhere in its span
     within = 0.008 * rows["truth"].abs() + 0.5 * rows["span"]
     assert (error < within).drop(index="bias").all()
-    size = {"wind": "u1", "sensor": "bias"}.get(course, "r_eq")
+    size = {"wind": "u1", "sensor": "bias"}.get(time_profile, "r_eq")
     told = rows["value"].loc[size]
     # the true change is far larger than the tolerance
     assert told.max() - told.min() > 0.05 * abs(told.mean())
@@ -144,11 +144,11 @@ def test_a_gain_of_a_fifth_is_found_whatever_the_model(model, dynamics):
 def test_intervals_hold_the_truth():
     held = []
     for seed in range(12):
-        course = list(COURSES)[seed % len(COURSES)]
-        data, truth = world(180, 1800, seed=seed, **COURSES[course])
+        time_profile = list(TIME_PROFILES)[seed % len(TIME_PROFILES)]
+        data, truth = world(180, 1800, seed=seed, **TIME_PROFILES[time_profile])
         rows = against(fitted(data), truth)
         moves = rows["span"].groupby("start").transform("max")
-        rows = rows[(moves < 1e-9) | (course == "drift")]
+        rows = rows[(moves < 1e-9) | (time_profile == "drift")]
         held.append(rows["truth"].between(rows["lower"], rows["upper"]))
     held = pd.concat(held)
     # five per cent are three standard errors of 250 that know nothing of each other
@@ -281,9 +281,11 @@ def test_an_effect_can_vary_too():
     fit = fitted(data, **how)
     name = next(n for n in fit.coefficients if n.endswith(".north"))
     assert name not in fit.through_time().index.unique("coefficient")
-    course = fit.through_time(coefficients=["u0", "u1", name]).loc[name]
-    assert abs(course["value"].iloc[0]) < 4.0 * course["stderr"].iloc[0] + 0.01
-    assert abs(course["value"].iloc[-1]) > 10.0 * course["stderr"].iloc[-1]
+    time_profile = fit.through_time(coefficients=["u0", "u1", name]).loc[name]
+    assert (
+        abs(time_profile["value"].iloc[0]) < 4.0 * time_profile["stderr"].iloc[0] + 0.01
+    )
+    assert abs(time_profile["value"].iloc[-1]) > 10.0 * time_profile["stderr"].iloc[-1]
 
 
 def test_the_picture_has_the_numbers_and_the_changes():

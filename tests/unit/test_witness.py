@@ -69,7 +69,7 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
 
 
 @pytest.mark.parametrize(
-    ("usual", "column", "channel", "size"),
+    ("usual", "column", "sensor_fault", "size"),
     [
         ("poa_global", "poa_global_2", "irradiance_sensor", 0.1),
         ("wind_speed", "wind_speed_mast", "anemometer", 3.0),
@@ -82,7 +82,7 @@ def test_a_second_sensor_names_the_first(
     half_a_year,  # noqa: F811
     usual,
     column,
-    channel,
+    sensor_fault,
     size,
 ):
     """The twin sees what was there; the usual column what its sensor made of it."""
@@ -90,7 +90,7 @@ def test_a_second_sensor_names_the_first(
     random = np.random.default_rng(2)
     twin = data[usual] * (1.0 + random.normal(0.0, 0.01, len(data)))
     there, air = after(data), data["temp_air"]
-    if channel == "module_offset":
+    if sensor_fault == "module_offset":
         data[usual] = data[usual] + size * there
     elif usual == "temp_module":
         data[usual] = air + (data[usual] - air) * (1.0 + size * there)
@@ -100,7 +100,7 @@ def test_a_second_sensor_names_the_first(
         share = size / 6.84 if usual == "wind_speed" else size  # of Faiman's u1
         data[usual] = data[usual] / (1.0 + share * there)
     first = closed(data.assign(**{column: twin})).finding_objects[0]
-    assert first.effect == f"{channel}_step" and first.verdict is Verdict.NAMED
+    assert first.effect == f"{sensor_fault}_step" and first.verdict is Verdict.NAMED
     mine = {one.opinion for one in first.witnesses if one.effect == first.effect}
     assert mine == {CheckOutcome.AGREES}
 
