@@ -347,7 +347,7 @@ def fleet(
             options["min_gain"] = min_gain
         results = run_fleet(systems, out, **options)
         say(results)
-        tell_failures(results)
+        report_failures(results)
         write(report, lambda path: fleet_report(out, path, title=systems.name))
 
 
@@ -390,7 +390,7 @@ def kept_in(out: Path, resume: bool) -> str:
     return f"{ran:,} of {len(states):,} systems are kept in {out}; {again}"
 
 
-def tell_failures(results: Results) -> None:
+def report_failures(results: Results) -> None:
     """Why systems failed, the first few of them; an error where none was done."""
     rows = results.systems
     failed = rows[rows["state"] == "failed"]

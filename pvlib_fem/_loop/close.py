@@ -39,7 +39,7 @@ from pvlib_fem._loop.threads import one_blas_thread
 from pvlib_fem._record.column_names import printable, with_aliases
 from pvlib_fem._record.parquet import ParquetRecord, as_source, is_data_set
 from pvlib_fem._renamed_effects import keys_in_new_names
-from pvlib_fem._report.loop_page import said_of
+from pvlib_fem._report.loop_page import written_argument
 from pvlib_fem._thermal.model import ThermalModel
 from pvlib_fem._thermal.steady_models import SteadyModel, steady_model
 from pvlib_fem.drivers import checked_place
@@ -226,7 +226,7 @@ def searched(
     -------
     Search, Loop
     """
-    given = {n: said_of(value) for n, value in arguments_of(how).items()}
+    given = {n: written_argument(value) for n, value in arguments_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
     with one_blas_thread(), telling(progress) as tell:

@@ -10,7 +10,7 @@ import pandas as pd
 from pvlib_fem._loop.loop_result import Loop
 from pvlib_fem._recovery.judge import Outcome
 from pvlib_fem._recovery.recovery_result import Recovery
-from pvlib_fem._report.loop_page import said_of
+from pvlib_fem._report.loop_page import written_argument
 
 
 def resumed(new: Recovery, path: Any) -> Recovery:
@@ -83,7 +83,7 @@ def said_all(
     said |= {"tried" if name == "effects" else name: v for name, v in how.items()}
     if (holdout := said["holdout"]) is not None:
         said["holdout"] = digest(holdout.to_frame())
-    return {name: said_of(value) for name, value in said.items()}
+    return {name: written_argument(value) for name, value in said.items()}
 
 
 def digest(data: pd.DataFrame) -> Any:

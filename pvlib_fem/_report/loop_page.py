@@ -566,7 +566,7 @@ def call(loop: "Loop") -> str:
     return f"loop = pvlib_fem.close_loop(\n{inside})"
 
 
-def said_of(value: Any) -> str:
+def written_argument(value: Any) -> str:
     """An argument as it is written, nothing where it is the default."""
     if value is None or value is True:
         return ""
@@ -581,5 +581,5 @@ def said_of(value: Any) -> str:
         ]
         return f"{type(value).__name__}({', '.join(changed)})" if changed else ""
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(said_of, value))}]"
+        return f"[{', '.join(map(written_argument, value))}]"
     return repr(getattr(value, "spec", value))

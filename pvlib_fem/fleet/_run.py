@@ -112,7 +112,7 @@ def run(
     work = Work(str(out), task, resume, pages, options)
     try:
         with ExitStack() as stack:
-            tell = reporter(stack, progress, len(table))
+            show = reporter(stack, progress, len(table))
             if workers == 0:
                 answers = serial(work, systems_of(table))
             else:
@@ -121,7 +121,7 @@ def run(
                 )
                 answers = on_dask(connected, work, systems_of(table))
             for answer in stack.enter_context(closing(answers)):
-                tell(answer)
+                show(answer)
     except KeyboardInterrupt:
         with suppress(OSError):
             compact(out, table, task)
@@ -149,12 +149,12 @@ def reporter(
     """The function to call with each answer."""
     if callable(progress):
         return progress
-    tell = stack.enter_context(counting(total, 0, progress, "systems"))
+    show = stack.enter_context(counting(total, 0, progress, "systems"))
     failed = 0
 
     def count(answer: dict) -> None:
         nonlocal failed
         failed += answer["state"] == "failed"
-        tell(f"{failed:,} failed")
+        show(f"{failed:,} failed")
 
     return count
