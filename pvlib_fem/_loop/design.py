@@ -110,7 +110,7 @@ class Design:
     @classmethod
     def of(
         cls,
-        found: "Evidence",
+        evidence: "Evidence",
         record: Record,
         lifted: Sequence[tuple[Effect, Mapping[str, float]]] = (),
         drivers: Iterable[str] = (),
@@ -120,68 +120,69 @@ class Design:
 
         Parameters
         ----------
-        found : Evidence
+        evidence : Evidence
             Row by row.
         record : Record
-            Of which ``found.rows`` are rows.
+            Of which ``evidence.rows`` are rows.
         lifted : sequence of (Effect, dict)
             Effects of the fitted model, with their coefficients, which the selection
             may take or leave: what they explain goes back into the residual.
         drivers : sequence of str
             Measured columns beyond the usual ones.
         """
-        hours = Hours.of(record, found.rows)
+        hours = Hours.of(record, evidence.rows)
         first, rows, means = hours.first, hours.count, hours.means
         sensor_faults = {
-            effect.sensor_fault: column for effect, column in found.changing
+            effect.sensor_fault: column for effect, column in evidence.changing
         }
-        residual, own, taken = found.residual, {}, set()
+        residual = evidence.residual
+        own: dict[str, tuple[str, ...]] = {}
+        taken: set[str] = set()
         for effect, coefficients in lifted:
-            keys = [key for key in effect.rows() if key in found.columns]
-            columns = {name: found.columns[name] for name in keys}
+            keys = [key for key in effect.rows() if key in evidence.columns]
+            tangents = {name: evidence.columns[name] for name in keys}
             if effect.sensor_fault in sensor_faults:
-                (name,), weights = effect.rows(), weights_of(effect, found.dates)
-                columns = {
-                    name: weights * found.columns[sensor_faults[effect.sensor_fault]]
-                }
-            for name, column in columns.items():
+                (name,), weights = effect.rows(), weights_of(effect, evidence.dates)
+                column = evidence.columns[sensor_faults[effect.sensor_fault]]
+                tangents = {name: weights * column}
+            for name, column in tangents.items():
                 size = coefficients[name] - effect.start.get(name, 0.0)
                 residual = residual + size * np.nan_to_num(column)
             taken |= {*keys}
             if not effect.sensor_fault and keys:
                 own[effect.name] = tuple(keys)
-        effects = {e.name: e for e, _ in lifted if e.name in own} | found.effects
-        own |= found.own
-        wanted = dict.fromkeys(n for n in found.base if n not in taken)
-        base = (*wanted, *found.misfits)
-        wanted |= dict.fromkeys(found.misfits)
-        for columns in own.values():
-            wanted |= dict.fromkeys(columns)
+        effects = {e.name: e for e, _ in lifted if e.name in own} | evidence.effects
+        own |= evidence.own
+        wanted = dict.fromkeys(n for n in evidence.base if n not in taken)
+        base = (*wanted, *evidence.misfits)
+        wanted |= dict.fromkeys(evidence.misfits)
+        for names in own.values():
+            wanted |= dict.fromkeys(names)
         wanted |= dict.fromkeys(sensor_faults.values())
-        columns = [means(residual), *(means(found.columns[n]) for n in wanted)]
+        columns = [means(residual), *(means(evidence.columns[n]) for n in wanted)]
         cells = np.column_stack(columns)
         scale = np.sqrt(rows @ cells**2 / rows.sum())
         scale[(scale == 0) | (np.arange(len(scale)) == 0)] = 1.0
         order = {name: i + 1 for i, name in enumerate(wanted)}
         places = {
             name: means(values)
-            for name, values in drivers_of(record, found.rows, drivers).items()
+            for name, values in drivers_of(record, evidence.rows, drivers).items()
         }
-        places |= calendar_of(record.index[found.rows][first])
+        places |= calendar_of(record.index[evidence.rows][first])
         return cls(
             names=("residual", *wanted),
             cells=cells / scale,
             scale=scale,
             rows=rows,
-            days=found.dates[first],
+            days=evidence.dates[first],
             base=tuple(order[name] for name in base),
             own={
-                n: independent(cells, rows, [order[c] for c in columns])
-                for n, columns in own.items()
+                n: independent(cells, rows, [order[c] for c in names])
+                for n, names in own.items()
             },
             effects=effects,
             sensor_faults={n: order[c] for n, c in sensor_faults.items()},
-            changing=tuple(effect for effect, _ in found.changing),
+            changing=tuple(effect for effect, _ in evidence.changing),
             places=places,
         )
 

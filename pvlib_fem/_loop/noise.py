@@ -301,14 +301,15 @@ def random_effects(
         Cells.of(kind, design.rows, design.weeks)
         for kind in usual_tables({axis.name: axis for axis in design.axes})
     ]
-    rest, found = design.left_by(given), []
-    while len(found) < MOST_TABLES:
+    rest = design.left_by(given)
+    tables: list[Table] = []
+    while len(tables) < MOST_TABLES:
         table = largest(kinds, rest, least)
         if table is None:
             break
         rest = rest - table.values
-        found.append(table)
-    return tuple(found)
+        tables.append(table)
+    return tuple(tables)
 
 
 def numbered(groups: np.ndarray) -> np.ndarray:
