@@ -121,8 +121,8 @@ def of_standstills(table):
         yield (
             f"The root mean square error of `tracker_stuck.share` is {off:.0%}. Its "
             "standard error has the noise of the fit alone, not the error of the "
-            "estimated light in the plane in which the modules stand. The range has "
-            "both (`law_error`)."
+            "estimated light in the plane in which the modules stand. Its range has "
+            "the 15 % of faults with dates, too."
         )
         yield ""
 

@@ -181,8 +181,13 @@ def in_the_model(
 
 
 def relative_error(effect: Effect, criteria: Criteria) -> float:
-    """Relative error of a coefficient by its law, or by that of the thermal model."""
-    if effect.sensor_fault:
+    """
+    Relative error of a coefficient by its law, or by that of the thermal model.
+
+    A fault with dates, as a sensor's or a standstill of a tracker, has no law of its
+    own: the same plant without it is the comparison.
+    """
+    if is_dated(effect):
         return SLACK
     return criteria.shape_error if effect.confounder else criteria.law_error
 

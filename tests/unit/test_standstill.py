@@ -143,6 +143,9 @@ def test_a_row_that_stands_still_is_found(angle, start, end, tmp_path):
     assert dates["surface_tilt"] == pytest.approx(abs(angle), abs=6.0)
     assert dates["surface_azimuth"] == pytest.approx(side, abs=2.0)
     assert loop.fit.coefficients["tracker_stuck.share"] == pytest.approx(1.0, abs=0.2)
+    (finding,) = (f for f in loop.finding_objects if f.effect == "tracker_stuck")
+    low, high = finding.ranges["tracker_stuck.share"]
+    assert low < 1.0 < high and high - low < 0.6
     assert loop.table["rmse_train"].iloc[-1] < 0.7 * loop.table["rmse_train"][loop.base]
     assert loop.table["rmse_test"].iloc[-1] < loop.table["rmse_test"][loop.base]
     statement = loop.statements.iloc[0]
