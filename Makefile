@@ -6,7 +6,7 @@ HUB ?= time-shift-validation-hub
 ORACLE = $(VENV)/oracle-study $(VENV)/oracle-instruments
 BIN = $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 
-.PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers recovery
+.PHONY: demo test test-all fuzz lint dist docs benchmark quality offsets energy study study-measured study-instruments study-trackers study-events recovery
 .PHONY: fleet gate ceiling reliability detectors oracle sweep coverage parameters periods episodes figure clean
 
 $(VENV)/.installed: pyproject.toml
@@ -78,6 +78,10 @@ study-instruments: $(VENV)/.installed
 # what it says of records of trackers
 study-trackers: $(VENV)/.installed
 	$(BIN)/python studies/study_trackers.py --out docs/study_trackers.md
+
+# outages and covers that are found in the two measured records of years
+study-events: $(VENV)/.installed
+	$(BIN)/python studies/study_events.py --out docs/study_events.md
 
 # how often the loop's probabilities are right, from the rows of both, and of the oracle
 gate: study study-instruments

@@ -1,13 +1,14 @@
 """Find outages and covers by power and the module's temperature."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.ndimage import median_filter
 
+from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._budget.unusual_days import AROUND
 from pvlib_fem._converter import AnyFloat
 from pvlib_fem.drivers._plant_irradiance import LEAST, NONE, agree, lost
@@ -19,7 +20,6 @@ MOST = 3.0  # largest temperature difference, over that of the cover
 #: differ, too: by chance both do so once in decades
 BOTH = 3.0
 SEEN = 2.0  # least difference of temperature, in standard deviations of means
-NORMAL = 1.4826  # standard deviation over median absolute deviation
 SHARES = {"modules_covered": 1.0, "sensor_covered": 1.0, "outage": 0.2}
 TIMES = ("start", "end")
 COLUMNS = ["effect", "start", "end", "hours", "size", "share", "power", "temp_air"]
@@ -151,9 +151,9 @@ class Deciding:
     apart: np.ndarray  # light by power beyond usual, over that by the sensor [-]
     shown: np.ndarray  # light by power, where it is near that beyond usual [W/m²]
     state: np.ndarray  # −1 where power shows less light, 1 where more
-    warmth: "Noise"  # of the residual [K]
-    strange: "Noise"  # of the residual beyond usual [K]
-    light: "Noise"  # of ``apart`` [-]
+    warmth: Noise  # of the residual [K]
+    strange: DayNoise  # residual beyond usual [K]
+    light: Noise  # of ``apart`` [-]
     shares: dict
 
     @classmethod
@@ -165,14 +165,14 @@ class Deciding:
         faint = np.abs(shown - seen) > np.maximum(max(FAINT, 2.0 * spread) * seen, DIM)
         state = np.where(far | faint, np.sign(shown - seen), 0.0).astype(int)
         usual = state == 0
+        for _ in range(2):
+            state = bridged(state, hours.days())
         strange = hours.beyond_usual(hours.residual)
-        noise = Noise(hours.residual[usual]), Noise(strange), Noise(apart)
-        state = bridged(state, hours.days())
-        return cls(
-            hours, far, apart, shown, bridged(state, hours.days()), *noise, shares
-        )
+        days = DayNoise(strange, hours.number, state == 0)
+        noise = Noise(hours.residual[usual]), days, Noise(apart)
+        return cls(hours, far, apart, shown, state, *noise, shares)
 
-    def kind(self, some: Any) -> str:
+    def kind(self, some: slice) -> str:
         """The effect of a stretch of hours; "" for none."""
         hours, length = self.hours, some.stop - some.start
         if self.far[some].mean() <= 0.5:
@@ -192,62 +192,46 @@ class Deciding:
             return "modules_covered" if size < 0.5 * (cold + warm) else "outage"
         return "outage" if hours.off[some].all() else ""
 
-    def follows(self, some: np.ndarray, length: int, made: float) -> bool:
+    def follows(self, some: slice, length: int, made: float) -> bool:
         """
         Whether the temperature is nearer to its value with a cover than without one.
 
-        The residual decides, or its difference from the days around.
+        The residual decides, or its difference from the days around and the rest of
+        the day.
         """
         size = self.hours.residual[some].mean() * np.sign(made)
-        beyond = self.strange.values[some].mean() * np.sign(made)
-        made, noise = abs(made), self.strange.of(length)
+        beyond, noise = self.strange.beyond(some)
+        beyond, made = beyond * np.sign(made), abs(made)
         within = beyond < MOST * made + SEEN * noise
         if size > max(0.5 * made, SEEN * self.warmth.of(length)):
             return made > SEEN * self.warmth.of(length) or within
         return max(0.5 * made, noise) < beyond and within
 
-    def faint(self, some: Any, length: int) -> str:
+    def faint(self, some: slice, length: int) -> str:
         """The effect if power deviates little, and so does the temperature."""
         sides = abs(self.apart[some].mean()) > BOTH * self.light.of(length)
-        size, sure = self.strange.values[some].mean(), SEEN * self.strange.of(length)
+        size, noise = self.strange.beyond(some)
+        sure = SEEN * noise
         warms = self.state[some.start] > 0
         made = self.hot(some) if warms else self.cold(some)
         along = size * np.sign(made)
-        if sides and along > sure and 0.5 * abs(made) < along < MOST * abs(made):
+        most = MOST * abs(made) + sure
+        if sides and along > sure and 0.5 * abs(made) < along < most:
             return "sensor_covered" if warms else "modules_covered"
         return ""
 
-    def hot(self, some: np.ndarray) -> float:
+    def hot(self, some: slice) -> float:
         """Temperature by irradiance that the sensor does not see. [K]"""
         unseen = np.maximum(self.shown - self.hours.seen, 0.0)
         return self.makes("sensor_covered", unseen, some)
 
-    def cold(self, some: np.ndarray) -> float:
+    def cold(self, some: slice) -> float:
         """Temperature by irradiance that the modules lose. [K]"""
         return -self.makes("modules_covered", lost(self.hours.seen, self.shown), some)
 
-    def makes(self, name: str, light: np.ndarray, some: np.ndarray) -> float:
+    def makes(self, name: str, light: np.ndarray, some: slice) -> float:
         """What so much light does to the module, over a stretch. [K]"""
         return self.shares[name] * float((light / self.hours.loss)[some].mean())
-
-
-@dataclass(frozen=True, eq=False)
-class Noise:
-    """Noise of means over hours."""
-
-    values: np.ndarray
-    known: dict = field(default_factory=dict)
-
-    def of(self, hours: int) -> float:
-        """Standard deviation of a mean over so many hours, by the median."""
-        if hours not in self.known:
-            self.known[hours] = np.inf
-            if len(self.values) > hours:
-                total = np.concatenate(([0.0], np.cumsum(self.values)))
-                means = (total[hours:] - total[:-hours]) / hours
-                off = np.abs(means - np.median(means))
-                self.known[hours] = NORMAL * float(np.median(off))
-        return self.known[hours]
 
 
 def bridged(state: np.ndarray, breaks: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 import pvlib_fem as fem
+from pvlib_fem._budget.stretch_noise import DayNoise, Noise
 from pvlib_fem._findings import Verdict
 from pvlib_fem.simulator import PHYSICS
 
@@ -93,6 +94,64 @@ def test_a_record_without_events_has_at_most_one_a_year(seed, effects):
     loop = fem.close_loop(record(seed, **effects))
     assert len(loop.events) <= 1
     assert not {*loop.effects} & {*HAPPENS}
+
+
+# ------------------------------------------------------------------ the noise
+def days_of_noise(of_days, of_hours, days=400, seed=3):
+    """A residual of ten hours a day with errors of whole days, and of hours. [K]"""
+    random = np.random.default_rng(seed)
+    number = (24 * np.arange(days)[:, None] + np.arange(7, 17)).ravel()
+    values = np.repeat(random.normal(0.0, of_days, days), 10)
+    return number, values + random.normal(0.0, of_hours, len(number))
+
+
+def test_noise_of_a_stretch_is_what_the_rest_of_its_day_leaves():
+    """By the variances of both: a conditional standard deviation of normal errors."""
+    number, values = days_of_noise(of_days := 1.5, of_hours := 1.0)
+    noise = DayNoise(values, number, np.ones(len(number), dtype=bool))
+    own, rest = (of_days**2 + of_hours**2 / n for n in (6, 4))
+    left = np.sqrt(own - of_days**4 / rest)
+    found = [noise.beyond(slice(10 * day + 2, 10 * day + 8)) for day in range(50)]
+    assert [sure for _, sure in found] == pytest.approx([left] * 50, rel=0.2)
+    assert np.std([size for size, _ in found]) == pytest.approx(left, rel=0.3)
+    assert left < 0.5 * np.sqrt(own)
+
+
+def test_an_event_is_no_part_of_what_is_expected_of_its_own_day():
+    number, values = days_of_noise(of_days=1.5, of_hours=0.5)
+    usual = np.ones(len(number), dtype=bool)
+    usual[100:110] = False  # all of one day
+    values[100:110] -= 5.0
+    size, noise = DayNoise(values, number, usual).beyond(slice(100, 110))
+    assert size == pytest.approx(values[100:110].mean())
+    assert noise == pytest.approx(np.hypot(1.5, 0.5 / np.sqrt(10)), rel=0.2)
+
+
+def test_few_days_have_the_noise_of_all_hours():
+    number, values = days_of_noise(1.0, 1.0, days=20)
+    noise = DayNoise(values, number, np.ones(len(number), dtype=bool))
+    some = slice(42, 46)
+    assert noise.beyond(some) == (values[some].mean(), Noise(values).of(4))
+
+
+def test_modules_that_are_covered_evenly_are_found_on_days_that_are_off(clean):
+    """A ninth of light and power; the model is off by kelvins on each day."""
+    data = clean.copy()
+    random = np.random.default_rng(2)
+    day = (data.index - data.index[0]).days.to_numpy()
+    off = random.normal(0.0, 1.2, day.max() + 1)[day]
+    data["temp_module"] += np.where(data["poa_global"] > 50.0, off, 0.0)
+    over, places = data["temp_module"] - data["temp_air"], [*bright_days(data, 20)]
+    for rows in places:
+        data.loc[rows, "temp_module"] -= 0.11 * over[rows]
+        data.loc[rows, "power_ac"] *= 0.89
+    events = fem.close_loop(data).events
+    found = sum(
+        bool(((events["start"] <= some[-1]) & (events["end"] >= some[0])).any())
+        for some in (data.index[rows] for rows in places)
+    )
+    assert set(events["effect"]) == {"modules_covered"}
+    assert found >= 0.8 * len(places) and len(events) <= len(places) + 1
 
 
 def test_power_alone_is_no_event(clean):
