@@ -181,7 +181,7 @@ if data is not None:
         color=BEFORE,
     )
     print(
-        *(one for finding in loop.finding_objects for one in finding.witnesses),
+        *(one for finding in loop.finding_objects for one in finding.cross_checks),
         sep="\n",
     )
 

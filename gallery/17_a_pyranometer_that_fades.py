@@ -172,7 +172,7 @@ if data is not None:
         ax.set_title(f"{name}: {slope:+.1f} ± {error:.1f} % a year", fontsize=10)
     axes[0, 0].set_ylim(-15, 25)
     figure.supylabel("per poa_global, over the mean of 2011 [%]", fontsize=10)
-    print(*drift.witnesses, sep="\n")
+    print(*drift.cross_checks, sep="\n")
 
 # %%
 # *Four columns per* ``poa_global``, *monthly, without the yearly cycle, while the clock

@@ -12,6 +12,8 @@ from typing import Annotated, Any, get_args, get_origin
 import numpy as np
 import pandas as pd
 
+from pvlib_fem._renamed_effects import warn_of_new_name
+
 #: a number that may be NaN or infinite; a float is finite
 AnyFloat = Annotated[float, "may be NaN or infinite"]
 
@@ -70,8 +72,9 @@ def converter() -> Any:
     Fields and annotations of a dataclass are its format, of which a file has null for
     NaN, "inf" for infinity, a list for a tuple and a text for a time. If a class has
     ``in_file``, these fields alone are in a file. Properties in ``also_in_file`` are
-    written and not read. A class with methods ``content`` and ``stored`` is converted
-    by these.
+    written and not read. ``renamed_in_file`` has former names of fields, which are read
+    with a warning. A class with methods ``content`` and ``stored`` is converted by
+    these.
     """
     from cattrs import Converter, IterableValidationError, IterableValidationNote
     from cattrs.gen import make_dict_structure_fn, override
@@ -90,7 +93,7 @@ def converter() -> Any:
         read_fields = make_dict_structure_fn(kind, made, **how)
 
         def read_object(value: Any, kind: Any) -> Any:
-            checked(value, "an object", dict)
+            value = in_new_keys(checked(value, "an object", dict), kind)
             for name in names:  # those with a default, too
                 if name not in value:
                     raise KeyError(name)
@@ -147,6 +150,14 @@ def converter() -> Any:
 def names_in_file(kind: Any) -> Iterable[str]:
     """The fields of a class, or of an object, that a file has."""
     return getattr(kind, "in_file", [one.name for one in fields(kind)])
+
+
+def in_new_keys(value: dict[str, Any], kind: Any) -> dict[str, Any]:
+    """An object of a file with the present names of the fields of a class."""
+    renamed = getattr(kind, "renamed_in_file", {})
+    for old in renamed.keys() & value.keys():
+        warn_of_new_name(f"{kind.__name__}.{old}", renamed[old])
+    return {renamed.get(key, key): part for key, part in value.items()}
 
 
 def is_a(*kinds: type) -> Callable[[Any], bool]:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pvlib_fem._converter import AnyFloat
+from pvlib_fem._renamed_effects import warn_of_new_name
 from pvlib_fem.effects import EFFECTS
 from pvlib_fem.effects._effect import Effect
 from pvlib_fem.reasons import Because
@@ -120,7 +121,7 @@ VERBS = {
 @dataclass(frozen=True)
 class CrossCheck:
     """
-    What something that sees the same says of a change of an instrument.
+    Comparison of an instrument that has changed with a series of the same quantity.
 
     Attributes
     ----------
@@ -130,11 +131,11 @@ class CrossCheck:
     effect : str
         The candidate that it checks.
     size, stderr : float
-        By how much it deviates from the instrument along the time profile, and the
+        Deviation of the column from the instrument along the time profile, and its
         standard error.
     expected : float
         The size if that candidate is the cause. With another cause it is about 0.
-    opinion : CheckOutcome
+    outcome : CheckOutcome
     unit : str
         ``"-"`` or ``"K"``, of a drift ``"-/year"`` or ``"K/year"``.
     """
@@ -144,8 +145,15 @@ class CrossCheck:
     size: float
     stderr: float
     expected: float
-    opinion: CheckOutcome
+    outcome: CheckOutcome
     unit: str = "-"
+    renamed_in_file: ClassVar = {"opinion": "outcome"}
+
+    @property
+    def opinion(self) -> CheckOutcome:
+        """The former name of ``outcome``."""
+        warn_of_new_name("CrossCheck.opinion", "outcome")
+        return self.outcome
 
     def __str__(self) -> str:
         unit = self.unit.replace("-", "%").replace("/year", " a year")
@@ -153,7 +161,7 @@ class CrossCheck:
         size, error, needed = (
             f"{times * n:.2g}" for n in (self.size, self.stderr, self.expected)
         )
-        verb = VERBS[self.opinion]
+        verb = VERBS[self.outcome]
         return (
             f"{self.column} {verb} {self.effect}: it deviates by {size} ± {error} "
             f"{unit} from the sensor; {needed} {unit} are expected"
@@ -209,7 +217,7 @@ class Finding:
         Of unknown structure: from and to of each driver.
     place : str
         Of unknown structure where it lives, of a change its dates, in words.
-    witnesses : tuple of CrossCheck
+    cross_checks : tuple of CrossCheck
         Cross-checks of a change of an instrument by other columns.
     ranges : dict
         From and to of each coefficient that was fitted: its scatter, ``stderr``, with
@@ -232,11 +240,12 @@ class Finding:
     kind: Kind = Kind.EFFECT
     where: dict[str, tuple[Any, ...]] = field(default_factory=dict)
     place: str = ""
-    witnesses: tuple[CrossCheck, ...] = ()
+    cross_checks: tuple[CrossCheck, ...] = ()
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     probabilities: dict[str, float] = field(default_factory=dict)
     members: dict[str, Member] = field(default_factory=dict)
     also_in_file: ClassVar = ("why",)
+    renamed_in_file: ClassVar = {"witnesses": "cross_checks"}
 
     @property
     def why(self) -> str:
@@ -253,11 +262,25 @@ class Finding:
         )
 
     @property
-    def heard(self) -> tuple:
-        """The cross-checks with a result."""
+    def conclusive_checks(self) -> tuple[CrossCheck, ...]:
+        """The cross-checks that agree or contradict."""
         return tuple(
-            one for one in self.witnesses if one.opinion is not CheckOutcome.CANNOT_TELL
+            check
+            for check in self.cross_checks
+            if check.outcome is not CheckOutcome.CANNOT_TELL
         )
+
+    @property
+    def witnesses(self) -> tuple[CrossCheck, ...]:
+        """The former name of ``cross_checks``."""
+        warn_of_new_name("Finding.witnesses", "cross_checks")
+        return self.cross_checks
+
+    @property
+    def heard(self) -> tuple[CrossCheck, ...]:
+        """The former name of ``conclusive_checks``."""
+        warn_of_new_name("Finding.heard", "conclusive_checks")
+        return self.conclusive_checks
 
     @property
     def failed(self) -> Check | None:
@@ -272,7 +295,7 @@ class Finding:
     def __str__(self) -> str:
         head = f"{' | '.join(self.candidates)}: {self.verdict.words}, {self.gain:.2f} K"
         shares = [f"probabilities: {self.shares}"] if self.shares else []
-        parts = [self.why, *shares, *self.checks, *self.witnesses]
+        parts = [self.why, *shares, *self.checks, *self.cross_checks]
         return "\n".join([head, *(f"  {part}" for part in parts)])
 
 

@@ -1,4 +1,4 @@
-"""Names of sensor faults that have changed, which work for one release."""
+"""Names of sensor faults and results that have changed, valid for one release."""
 
 import re
 import sys
@@ -41,6 +41,27 @@ def in_new_names(text: str) -> str:
 def keys_in_new_names(named: Mapping[str, Any]) -> dict[str, Any]:
     """A dict by effect or coefficient, with the present names."""
     return {in_new_names(name): value for name, value in named.items()}
+
+
+def warn_of_new_name(old: str, new: str) -> None:
+    """
+    Warn that an attribute of a result, or its key in a file, has a new name.
+
+    Parameters
+    ----------
+    old, new : str
+        The old name with its class, such as ``"Finding.witnesses"``; the new one
+        without.
+
+    Warns
+    -----
+    FutureWarning
+    """
+    warnings.warn(
+        f"{old} is called {new} now, and 0.2 will not know the old name: write {new}",
+        FutureWarning,
+        stacklevel=of_the_caller(),
+    )
 
 
 def of_the_caller() -> int:

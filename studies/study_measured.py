@@ -44,7 +44,7 @@ class Told:
     draw: str
     findings: tuple  # (effect, verdict, candidates, date, between)
     sizes: dict  # (effect, coefficient) to value, error and range
-    witnesses: tuple  # as they print
+    cross_checks: tuple  # as they print
     errors: dict  # on the test weeks [K]
     seconds: float
 
@@ -79,7 +79,7 @@ def told(name, seed=None):
     holdout = None if seed is None else drawn(data.index, seed)
     loop = close_loop(data, holdout=holdout, **place)
     settings = {effect.name: effect.settings for effect in loop.fit.effects}
-    found, sizes, witnesses = [], {}, []
+    found, sizes, cross_checks = [], {}, []
     for one in (f for f in loop.finding_objects if f.added):
         its = settings[one.effect]
         at, between = its.get("at", ""), its.get("between") or ()
@@ -87,7 +87,7 @@ def told(name, seed=None):
             at, between = f"{its['start']} until {its['end']}", ()
         candidates = frozenset(one.candidates)
         found.append((one.effect, str(one.verdict), candidates, at, tuple(between)))
-        witnesses += map(str, one.witnesses)
+        cross_checks += map(str, one.cross_checks)
         for part, value in one.coefficients.items():
             ends = one.ranges.get(part, (np.nan, np.nan))
             sizes[one.effect, part.split(".")[-1]] = value, one.stderr[part], ends
@@ -95,7 +95,7 @@ def told(name, seed=None):
     errors = {step: float(errors[step]) for step in ("steady", "fem", loop.last)}
     words = "every fifth" if seed is None else str(seed)
     seconds = time.perf_counter() - begin
-    return Told(words, tuple(found), sizes, tuple(witnesses), errors, seconds)
+    return Told(words, tuple(found), sizes, tuple(cross_checks), errors, seconds)
 
 
 def run(draws, processes):
@@ -170,9 +170,9 @@ def record_page(name, usual, *draws):
         f"from {before.mean():.2f} to {after.mean():.2f} K in the mean over draws. "
         f"A loop took {np.median([one.seconds for one in draws]):.0f} s (median).\n"
     )
-    if usual.witnesses:
+    if usual.cross_checks:
         yield "Cross-checks, with every fifth week for the test:\n"
-        yield from (f"* {words}" for words in usual.witnesses)
+        yield from (f"* {words}" for words in usual.cross_checks)
         yield ""
 
 

@@ -100,7 +100,7 @@ def finding_of(
     if agree := [
         one.column
         for one in cross_checks
-        if one.effect == effect.name and one.opinion is CheckOutcome.AGREES
+        if one.effect == effect.name and one.outcome is CheckOutcome.AGREES
     ]:
         agreed = because(Reason.CORROBORATED, columns=agree)
         why = replace(why, also=(*why.also, agreed))
@@ -115,7 +115,7 @@ def finding_of(
         checks=tuple(checks),
         kind=Kind.of(effect),
         place=dates_in_words(effect.settings) if is_dated(effect) else "",
-        witnesses=cross_checks,
+        cross_checks=cross_checks,
         probabilities={name: float(value) for name, value in order},
         members={
             name: member_of(choice, name, limits)

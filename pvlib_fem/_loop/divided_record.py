@@ -42,7 +42,7 @@ class Case:
     seen: np.ndarray  # rows of the whole that count
     parts: np.ndarray  # what each row of the whole is for
     drivers: tuple[str, ...]
-    witnesses: tuple[str, ...]  # columns that cross-check instruments
+    cross_check_columns: tuple[str, ...]  # of instruments
     wanted: tuple[Effect, ...]  # whose drivers are there
     untestable: dict[str, Because]
     site: dict[str, Any]  # if it gives the position of the sun

@@ -20,12 +20,12 @@ from pvlib_fem._record.column_names import (
     ALWAYS,
     COLUMNS,
     GEOMETRY,
+    is_cross_check,
     is_power,
     numeric,
     plant_power,
     twin_of,
     usable_drivers,
-    vouches,
 )
 from pvlib_fem._record.inputs import Record, as_record, with_columns
 from pvlib_fem._record.names import unmapped
@@ -62,7 +62,7 @@ class Look:
     whole: Record  # less what was not measured
     parts: np.ndarray  # what each row is for
     drivers: dict[str, pd.Series]
-    witnesses: tuple[str, ...]  # columns that cross-check others, and drive nothing
+    cross_check_columns: tuple[str, ...]  # they cross-check others, and drive nothing
     refused: dict[str, Because]  # further columns, and why they are not used
     faults: Faults
     odd: tuple[str, ...]  # what looks odd, in sentences
@@ -162,7 +162,10 @@ def prepared(
         seen=seen,
         parts=look.parts,
         drivers=tuple(look.drivers),
-        witnesses=(*look.witnesses, *(n for n in look.drivers if is_power(n))),
+        cross_check_columns=(
+            *look.cross_check_columns,
+            *(name for name in look.drivers if is_power(name)),
+        ),
         wanted=tuple(wanted),
         untestable=untestable,
         site=with_standings(site, look.whole.index, standings)
@@ -261,10 +264,10 @@ def looked(
         late=True,
     )
     taken = (*DERIVED, *MODELLED)
-    witnesses = tuple(name for name in numeric(columns) if vouches(name))
-    columns = {n: column for n, column in columns.items() if n not in witnesses}
+    comparing = tuple(filter(is_cross_check, numeric(columns)))
+    columns = {n: column for n, column in columns.items() if n not in comparing}
     drivers, refused = usable_drivers(columns, hidden, criteria.max_missing, taken)
-    hidden = hidden.only([*COLUMNS, *drivers, *witnesses])
+    hidden = hidden.only([*COLUMNS, *drivers, *comparing])
     light = filled.horizontal
     health = check(hidden, limits=limits, light=light, **filled.plane(site))
     for name, doubt in health.doubtful.items():
@@ -279,7 +282,7 @@ def looked(
         whole=whole,
         parts=purposes,
         drivers=drivers,
-        witnesses=witnesses,
+        cross_check_columns=comparing,
         refused=refused,
         faults=faults,
         odd=odd,
@@ -373,10 +376,10 @@ def notes_of(
             "a cause that it is not; if it is that, rename it "
             f"({' '.join(options_of(column, name, look.whole[column]))})"
         )
-    if look.witnesses:
-        alone = len(look.witnesses) == 1
+    if columns := look.cross_check_columns:
+        alone = len(columns) == 1
         yield (
-            f"{', '.join(look.witnesses)} cross-check{'s' * alone} the instruments and "
+            f"{', '.join(columns)} cross-check{'s' * alone} the instruments and "
             f"drive{'s' * alone} nothing"
         )
     yield from gaps(look.whole, look.drivers, wanted)
@@ -385,7 +388,7 @@ def notes_of(
 def twins(look: Look, limits: Limits) -> Iterator[str]:
     """Further irradiances whose clock is another than that of poa_global."""
     whole = look.whole
-    for name in (*look.drivers, *look.witnesses):
+    for name in (*look.drivers, *look.cross_check_columns):
         if name == "ghi" or twin_of(name) == "poa_global":
             first, second = whole["poa_global"], whole[name]
             if line := twin_clock(first, second, whole.index, limits).line:

@@ -401,7 +401,7 @@ def independent(values: np.ndarray, months: np.ndarray) -> float:
     return len(means) * (1.0 - memory) / (1.0 + memory)
 
 
-def opinion_of(size: float, expected: float, error: float) -> CheckOutcome:
+def outcome_of(size: float, expected: float, error: float) -> CheckOutcome:
     """Whether a size is nearer to what is expected than to nothing, if that is sure."""
     if expected == 0.0:
         return CheckOutcome.CANNOT_TELL
@@ -415,7 +415,7 @@ def opinion_of(size: float, expected: float, error: float) -> CheckOutcome:
 def compared_columns(case: "Case") -> dict[str, np.ndarray]:
     """All that is compared with instruments, by name: columns, sky and weather."""
     record, location = case.record, case.place["location"]
-    columns = {name: record[name] for name in case.witnesses}
+    columns = {name: record[name] for name in case.cross_check_columns}
     if "wind_speed" not in record.absent:
         columns[USUAL_WIND] = np.ones(len(record.index))
     if location is not None:
@@ -593,8 +593,8 @@ def cross_checks(
         unit = one.comparison.unit + ("/year" if is_drift(first) else "")
         for name in alike:
             value = expected[name] - aged
-            opinion = opinion_of(size, value, float(np.hypot(error, aged / SURE)))
+            outcome = outcome_of(size, value, float(np.hypot(error, aged / SURE)))
             checks.append(
-                CrossCheck(one.column, name, size, error, value, opinion, unit)
+                CrossCheck(one.column, name, size, error, value, outcome, unit)
             )
     return tuple(checks)

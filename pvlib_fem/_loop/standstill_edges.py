@@ -65,7 +65,7 @@ def without_power(case: Case) -> np.ndarray:
     record = case.record
     light = bright(record)
     shown = np.zeros_like(light)
-    for name in filter(is_power, case.witnesses):
+    for name in filter(is_power, case.cross_check_columns):
         shown |= np.isfinite(record[name])
     return np.setdiff1d(record.dates[light], record.dates[light & shown])
 
@@ -135,7 +135,7 @@ def daily_gains(
     heat = np.nan_to_num(effect.at(columns, dict.fromkeys(effect.rows(), size)).heat)
     poa = record["poa_global"]
     warm = 1.0 + GAMMA * (record["temp_air"] + WARMS * poa - 25.0)
-    for name in filter(is_power, case.witnesses):
+    for name in filter(is_power, case.cross_check_columns):
         kept = bright(record) & np.isfinite(record[name] + warm)
         every, place = np.unique(record.dates[kept], return_inverse=True)
         power, light, more = (

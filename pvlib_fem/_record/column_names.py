@@ -103,8 +103,12 @@ def plant_power(record: Any, most: float) -> dict:
     return found
 
 
-def vouches(name: str) -> bool:
-    """Whether a column sees what an instrument should, and drives nothing itself."""
+def is_cross_check(name: str) -> bool:
+    """
+    Whether a column cross-checks an instrument and drives no effect itself.
+
+    It measures the same quantity as the instrument, or it is a power.
+    """
     return twin_of(name) is not None or (is_power(name) and name != "p_dc_per_area")
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY, vouches
+from pvlib_fem._record.column_names import ALIASES, COLUMNS, GEOMETRY, is_cross_check
 from pvlib_fem._record.header_units import QUANTITIES
 
 #: column: names that loggers have for it, the surest first
@@ -124,7 +124,7 @@ def usual_name(column: str) -> Any:
 
 def is_own(column: str) -> bool:
     """Whether a column has a name that the package knows."""
-    return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or vouches(column)
+    return column in (*QUANTITIES, *ALIASES, *GEOMETRY) or is_cross_check(column)
 
 
 def unmapped(columns: dict) -> dict:

@@ -139,7 +139,7 @@ def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
             rule = f" [{criterion}]" if criterion else ""
             yield finding.verdict.words, f"{words}{rule}"
     for finding in loop.finding_objects:
-        yield from (("cross-check", str(one)) for one in finding.heard)
+        yield from (("cross-check", str(one)) for one in finding.conclusive_checks)
     for why, names in by_reason(loop.untestable).items():
         yield "not testable", f"{', '.join(names)} ({why})"
     for i, words in enumerate(never(loop.fit)):

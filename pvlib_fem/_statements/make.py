@@ -163,10 +163,10 @@ def words_of(clause: Clause, place: str = "") -> str:
 def certainty_of(finding: Finding) -> str:
     """How sure a finding is, in words."""
     checks = [
-        f"{witness.column} {'agrees' if agrees else 'contradicts ' + witness.effect}"
-        for witness in finding.heard
-        if (agrees := witness.opinion is CheckOutcome.AGREES) or not finding.added
-        if agrees or witness.effect == finding.effect
+        f"{check.column} {'agrees' if agrees else 'contradicts ' + check.effect}"
+        for check in finding.conclusive_checks
+        if (agrees := check.outcome is CheckOutcome.AGREES) or not finding.added
+        if agrees or check.effect == finding.effect
     ]
     agree = f"; {', '.join(dict.fromkeys(checks))}" if checks else ""
     if finding.verdict is Verdict.NAMED:

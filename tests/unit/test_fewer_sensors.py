@@ -11,7 +11,7 @@ from pvlib.location import Location
 import pvlib_fem as fem
 from pvlib_fem import datasets, fleet, simulator
 from pvlib_fem._record import parquet
-from pvlib_fem._record.column_names import twin_of, vouches
+from pvlib_fem._record.column_names import is_cross_check, twin_of
 from pvlib_fem.drivers._transposition import TRANSPOSITIONS
 from pvlib_fem.effects import CHANGES, EFFECTS, find
 
@@ -514,7 +514,7 @@ def test_another_source_is_a_cross_check_by_itself(airport, usual, column, effec
         data[usual] *= 1.0 - 0.35 * there
     first = fem.close_loop(data[[*USUAL, "wind_speed", column]]).finding_objects[0]
     assert first.effect == effect and str(first.verdict) == "named"
-    assert {one.column for one in first.heard} >= {column}
+    assert {one.column for one in first.conclusive_checks} >= {column}
 
 
 def test_the_command_takes_another_source(airport, tmp_path):
@@ -579,7 +579,7 @@ def test_a_fit_with_rear_irradiance_is_the_same_from_a_file(tmp_path):
 
 
 def test_rear_irradiance_is_no_second_sensor_of_the_front(tmp_path):
-    assert twin_of("poa_rear") is None and not vouches("poa_rear")
+    assert twin_of("poa_rear") is None and not is_cross_check("poa_rear")
     data = bifacial(rear_irradiance=0.0).iloc[: 48 * 40]
     loop = fem.close_loop(data)
     assert "driver:poa_rear" not in {*loop.ranking.index, *loop.untestable}

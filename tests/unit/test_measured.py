@@ -53,10 +53,10 @@ def over_temperature(data):
 
 
 def test_at_bolzano_power_speaks_for_the_irradiance_sensor(at_bolzano):
-    first = next(f for f in at_bolzano.finding_objects if f.witnesses)
+    first = next(f for f in at_bolzano.finding_objects if f.cross_checks)
     assert "irradiance_sensor_step" not in first.candidates
     assert {"module_sensor_contact_step", "mounting_step"} <= {*first.candidates}
-    said = {one.column: (one.effect, one.opinion) for one in first.witnesses}
+    said = {one.column: (one.effect, one.outcome) for one in first.cross_checks}
     against = ("irradiance_sensor_step", CheckOutcome.CONTRADICTS)
     assert said == {
         **dict.fromkeys(["power_dc", "power_ac", "clear sky"], against),
@@ -87,10 +87,12 @@ def test_at_golden_the_irradiance_sensor_is_named(at_golden):
     assert first.verdict is Verdict.NAMED
     (rate,) = first.coefficients.values()
     assert 0.015 < rate < 0.021
-    agreeing = {o.column for o in first.witnesses if o.opinion is CheckOutcome.AGREES}
+    agreeing = {
+        o.column for o in first.cross_checks if o.outcome is CheckOutcome.AGREES
+    }
     assert agreeing >= {"power_ac", "clear sky"}
-    assert CheckOutcome.CONTRADICTS not in {o.opinion for o in first.witnesses}
-    (sky,) = (one for one in first.witnesses if one.column == "clear sky")
+    assert CheckOutcome.CONTRADICTS not in {o.outcome for o in first.cross_checks}
+    (sky,) = (one for one in first.cross_checks if one.column == "clear sky")
     assert sky.size == pytest.approx(0.0185, abs=0.002) and 0.002 < sky.stderr < 0.005
     assert isinstance(at_golden.residual_before, pd.Series)
 
@@ -113,10 +115,8 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     share = over_temperature(bolzano)
     before, after = share["2011-04":"2012-03"], share["2012-04":"2013-03"]
     assert after.median() / before.median() == pytest.approx(1.2, abs=0.02)
-    (witness,) = (one for one in step.witnesses if one.column == "power_dc")
-    size, needed = re.findall(r"by (.+? %) from the sensor; (.+? %) are", str(witness))[
-        0
-    ]
+    (check,) = (one for one in step.cross_checks if one.column == "power_dc")
+    size, needed = re.findall(r"by (.+? %) from the sensor; (.+? %) are", str(check))[0]
     assert f"irradiance deviate by {size} where it would need {needed}." in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
     assert step.verdict is Verdict.CLASS
@@ -156,7 +156,7 @@ def test_the_page_of_golden_has_the_numbers_of_the_loop(at_golden, golden):
     assert f"{100 * rate:.1f} ± {100 * error:.1f} % a year" in text
     drifts = {
         one.column: f"{100 * one.size:.1f}"
-        for one in first.witnesses
+        for one in first.cross_checks
         if one.effect == first.effect
     }
     told = "power by {power_ac}, a modelled irradiance by {poa_modelled} and a second "

@@ -12,14 +12,17 @@ from click.testing import CliRunner
 import pvlib_fem as fem
 from pvlib_fem import simulator
 from pvlib_fem._cli import main
+from pvlib_fem._findings import CheckOutcome, CrossCheck, Finding, Verdict
 from pvlib_fem._record.column_names import COLUMNS, with_aliases
 from pvlib_fem._record.guess import guess
 from pvlib_fem._record.layout import Layout
 from pvlib_fem._record.logger_files import read_file
 from pvlib_fem._record.parquet import open_parquet
 from pvlib_fem._renamed_effects import in_new_names
+from pvlib_fem._stored import Stored, plain
 from pvlib_fem.effects import CHANGES, find
 from pvlib_fem.fleet._systems_table import opened, systems_of
+from pvlib_fem.reasons import Reason, because
 
 NOW = "p_dc is called p_dc_per_area now.*power_dc for W of a module or a plant"
 
@@ -205,3 +208,47 @@ def test_a_file_with_old_names_is_read(tmp_path):
     with pytest.warns(FutureWarning, match="sensitivity_step is called"):
         again = fem.FemFit.from_json(old)
     assert again.to_json() == text
+
+
+@pytest.fixture
+def finding():
+    """Its irradiance sensor is cross-checked twice, once with a result."""
+    size, error = 0.1, 0.01
+    power = ("power_dc", "irradiance_sensor_step", size, error, size)
+    sky = ("clear sky", "irradiance_sensor_step", size, 1.0, size)
+    return Finding(
+        "irradiance_sensor_step",
+        ("irradiance_sensor_step",),
+        Verdict.NAMED,
+        1.0,
+        {},
+        {},
+        because(Reason.CORROBORATED, columns=["power_dc"]),
+        cross_checks=(
+            CrossCheck(*power, CheckOutcome.AGREES),
+            CrossCheck(*sky, CheckOutcome.CANNOT_TELL),
+        ),
+    )
+
+
+def test_cross_checks_have_their_old_names_until_the_next_release(finding):
+    with pytest.warns(FutureWarning, match="witnesses is called cross_checks") as said:
+        assert finding.witnesses == finding.cross_checks
+    assert {warning.filename for warning in said} == {__file__}
+    first, second = finding.cross_checks
+    with pytest.warns(FutureWarning, match="heard is called conclusive_checks"):
+        assert finding.heard == finding.conclusive_checks == (first,)
+    with pytest.warns(FutureWarning, match="opinion is called outcome"):
+        assert second.opinion is CheckOutcome.CANNOT_TELL
+
+
+def test_cross_checks_of_an_old_file_are_read(finding):
+    content = plain(finding)
+    assert Stored(content, "new.json").whole(Finding) == finding
+    checks = content.pop("cross_checks")
+    old = [{**one, "opinion": one["outcome"]} for one in checks]
+    for one in old:
+        del one["outcome"]
+    with pytest.warns(FutureWarning, match=r"(witnesses|opinion) is called") as said:
+        again = Stored({**content, "witnesses": old}, "old.json").whole(Finding)
+    assert again == finding and len(said) == 3

@@ -165,10 +165,10 @@ def test_power_agrees_by_the_light_that_the_modules_miss():
     data = tracking(Stuck("2023-05-22", "2023-06-26", -40.0), "tracker_stuck")
     loop = fem.close_loop(data[[*USUAL, "p_dc_per_area"]], location=WHERE)
     (finding,) = (f for f in loop.finding_objects if f.effect == "tracker_stuck")
-    (heard,) = (w for w in finding.heard if w.effect == "tracker_stuck")
-    assert heard.opinion is CheckOutcome.AGREES
-    assert heard.expected < -0.05
-    assert heard.size == pytest.approx(heard.expected, rel=0.3)
+    (check,) = (w for w in finding.conclusive_checks if w.effect == "tracker_stuck")
+    assert check.outcome is CheckOutcome.AGREES
+    assert check.expected < -0.05
+    assert check.size == pytest.approx(check.expected, rel=0.3)
     assert finding.verdict == "named"
 
 

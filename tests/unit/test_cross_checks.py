@@ -18,14 +18,14 @@ from pvlib_fem._loop.references import (
     USUAL_WIND,
     DailyDeviation,
     apart,
-    opinion_of,
+    outcome_of,
     usual,
 )
-from pvlib_fem._record.column_names import COLUMNS, is_power, twin_of, vouches
+from pvlib_fem._record.column_names import COLUMNS, is_cross_check, is_power, twin_of
 from pvlib_fem._stored import Stored, plain
 
 
-def witnessed(data, step, **more):
+def with_power(data, step, **more):
     """The record with power and second sensors, which know of no change."""
     random = np.random.default_rng(5)
     share = 1.0 + random.normal(0.0, 0.02, len(data))
@@ -41,13 +41,13 @@ def after(data):
 def test_power_names_the_irradiance_sensor(half_a_year):  # noqa: F811
     """It reads a tenth less from a date on, and power does not."""
     data, _ = with_change(half_a_year)
-    data = witnessed(data, 0.1)
+    data = with_power(data, 0.1)
     data["poa_global"] /= 1.0 + 0.1 * after(data)
     first = closed(data).finding_objects[0]
     assert first.effect == "irradiance_sensor_step" and first.verdict is Verdict.NAMED
-    (witness,) = (one for one in first.witnesses if one.effect == first.effect)
-    assert witness.column == "power_ac" and witness.opinion is CheckOutcome.AGREES
-    assert witness.size == pytest.approx(np.log(1.1), abs=3 * witness.stderr + 0.005)
+    (check,) = (one for one in first.cross_checks if one.effect == first.effect)
+    assert check.column == "power_ac" and check.outcome is CheckOutcome.AGREES
+    assert check.size == pytest.approx(np.log(1.1), abs=3 * check.stderr + 0.005)
     assert "power_ac deviate from the sensor" in first.why
 
 
@@ -55,15 +55,15 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
     half_a_year,  # noqa: F811
 ):
     data, _ = with_change(half_a_year, "mounting_step")
-    loop = closed(witnessed(data, 0.0))
+    loop = closed(with_power(data, 0.0))
     first = loop.finding_objects[0]
     assert first.verdict is Verdict.CLASS
     assert "mounting_step" in first.candidates
     assert "irradiance_sensor_step" not in first.candidates
-    opinions = {
-        (o.effect, o.opinion) for o in first.witnesses if o.column == "power_ac"
+    outcomes = {
+        (o.effect, o.outcome) for o in first.cross_checks if o.column == "power_ac"
     }
-    assert opinions == {("irradiance_sensor_step", CheckOutcome.CONTRADICTS)}
+    assert outcomes == {("irradiance_sensor_step", CheckOutcome.CONTRADICTS)}
     assert "power_ac contradicts" in loop.report()
     assert "driver:power_ac" not in loop.ranking.index
 
@@ -101,15 +101,17 @@ def test_a_second_sensor_names_the_first(
         data[usual] = data[usual] / (1.0 + share * there)
     first = closed(data.assign(**{column: twin})).finding_objects[0]
     assert first.effect == f"{sensor_fault}_step" and first.verdict is Verdict.NAMED
-    mine = {one.opinion for one in first.witnesses if one.effect == first.effect}
+    mine = {one.outcome for one in first.cross_checks if one.effect == first.effect}
     assert mine == {CheckOutcome.AGREES}
 
 
-def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
+def test_a_finding_keeps_its_cross_checks_in_a_file(half_a_year):  # noqa: F811
     data, _ = with_change(half_a_year, "mounting_step")
-    first = closed(witnessed(data, 0.0)).finding_objects[0]
+    first = closed(with_power(data, 0.0)).finding_objects[0]
     content = plain(first)
-    assert Stored(content, "loop.json").whole(Finding).witnesses == first.witnesses
+    assert (
+        Stored(content, "loop.json").whole(Finding).cross_checks == first.cross_checks
+    )
 
 
 @pytest.mark.parametrize(
@@ -126,9 +128,11 @@ def test_a_finding_keeps_its_witnesses_in_a_file(half_a_year):  # noqa: F811
         ("pressure", None, False),
     ],
 )
-def test_a_name_says_what_a_column_vouches_for(name, usual, power):
+def test_a_name_says_what_a_column_cross_checks(name, usual, power):
     assert twin_of(name) == usual and is_power(name) == power
-    assert vouches(name) == (usual is not None or (power and name != "p_dc_per_area"))
+    assert is_cross_check(name) == (
+        usual is not None or (power and name != "p_dc_per_area")
+    )
 
 
 PLACE = Location(40.0, -105.0, "Etc/GMT+7", 1700.0)
@@ -173,7 +177,9 @@ def asked(poa, wind, place=PLACE, angles=(None, None), late=0.0, searched=None, 
     record = Record(columns)
     record.dates = dates
     others = tuple(name for name in more if not name.startswith("temp"))
-    case = SimpleNamespace(record=record, witnesses=others, place=places, late=late)
+    case = SimpleNamespace(
+        record=record, cross_check_columns=others, place=places, late=late
+    )
     case.searched = np.ones(len(poa), dtype=bool) if searched is None else searched
     return {one.column: one for one in apart(case)}
 
@@ -191,11 +197,11 @@ def test_a_clear_sky_shows_what_a_sensor_fades(fading, angles, late):
     assert size == pytest.approx(np.log1p(2.0 * fading) / 2.0, abs=0.015)
     assert error > 0.01  # two years: turbidity alone could do as much
     wanted = dated("irradiance_sensor_drift", since="2021-01-01")
-    opinion = opinion_of(size, found.expected(wanted, 0.15, years, {}), error)
-    assert opinion is (CheckOutcome.AGREES if fading else CheckOutcome.CONTRADICTS)
+    outcome = outcome_of(size, found.expected(wanted, 0.15, years, {}), error)
+    assert outcome is (CheckOutcome.AGREES if fading else CheckOutcome.CONTRADICTS)
     if not fading:
         little = found.expected(wanted, 0.03, years, {})
-        assert opinion_of(size, little, error) is CheckOutcome.CANNOT_TELL
+        assert outcome_of(size, little, error) is CheckOutcome.CANNOT_TELL
 
 
 def test_what_needs_no_module_is_compared_on_all_weeks():
@@ -257,7 +263,7 @@ def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa:
     data["wind_speed"] /= 1.0 + 1.0 * after(data)
     first = closed(data).finding_objects[0]
     assert first.effect == "anemometer_step" and first.verdict is Verdict.NAMED
-    said = {(one.column, one.opinion) for one in first.witnesses}
+    said = {(one.column, one.outcome) for one in first.cross_checks}
     assert said == {(USUAL_WIND, CheckOutcome.AGREES)}
     assert "usual wind deviate from the sensor" in first.why
 
@@ -287,8 +293,8 @@ def test_power_of_a_logger_that_is_off_is_held_to_the_right_time(own_logger):
     (drift,) = (
         f for f in loop.finding_objects if f.effect == "irradiance_sensor_drift"
     )
-    (one,) = (w for w in drift.witnesses if w.column == "power_dc")
-    assert one.opinion is CheckOutcome.AGREES and one.size == pytest.approx(
+    (one,) = (w for w in drift.cross_checks if w.column == "power_dc")
+    assert one.outcome is CheckOutcome.AGREES and one.size == pytest.approx(
         0.1, abs=0.03
     )
     actions = loop.corrected(data).actions
