@@ -89,7 +89,7 @@ for seed in range(3):
     for name, (columns, where) in buys.items():
         loop = fem.close_loop(spring[USUAL + columns], **where)
         reached[name].append(loop.table["rmse_test"].iloc[-1])
-        marks = {"named": "", "class": "?"}
+        marks = {"identified": "", "ambiguous": "?"}
         added = [
             f.effect + marks[f.verdict]
             for f in loop.finding_objects

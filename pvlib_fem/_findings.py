@@ -16,30 +16,17 @@ from pvlib_fem.reasons import Because
 class Verdict(StrEnum):
     """What a finding is worth."""
 
-    NAMED = "named"
-    CLASS = "class"
-    SUGGESTIVE = "suggestive"
-    UNKNOWN = "unknown"
-
-    @property
-    def words(self) -> str:
-        """The verdict as a report has it."""
-        return WORDS[self]
-
-
-WORDS = {
-    Verdict.NAMED: "identified",
-    Verdict.CLASS: "ambiguous",
-    Verdict.SUGGESTIVE: "hint",
-    Verdict.UNKNOWN: "unexplained",
-}
+    IDENTIFIED = "identified"
+    AMBIGUOUS = "ambiguous"
+    HINT = "hint"
+    UNEXPLAINED = "unexplained"
 
 
 OUTSIDE = "outside"  # among probabilities: none of the catalogue
 OUTSIDE_WORDS = "a cause outside the catalogue"
 LEAST = 0.01  # probability that is reported
 CORRECTED = "clock corrected"  # row of a table of errors
-ADDED = (Verdict.NAMED, Verdict.CLASS)  # what enters the model
+ADDED = (Verdict.IDENTIFIED, Verdict.AMBIGUOUS)  # what enters the model
 
 
 class Kind(Enum):
@@ -200,8 +187,8 @@ class Finding:
     candidates : tuple of str
         All names that the data cannot tell from it, itself included.
     verdict : Verdict
-        ``"named"``; ``"class"``, one of the candidates; ``"suggestive"``, not
-        added to the model; ``"unknown"``, which no effect explains.
+        ``"identified"``; ``"ambiguous"``, one of the candidates; ``"hint"``, not
+        added to the model; ``"unexplained"``, which no effect explains.
     gain : float
         What it takes off the error: root of the fall of the mean square, over
         fitting weeks left out in turn. [K]
@@ -293,7 +280,7 @@ class Finding:
         return self.verdict in ADDED
 
     def __str__(self) -> str:
-        head = f"{' | '.join(self.candidates)}: {self.verdict.words}, {self.gain:.2f} K"
+        head = f"{' | '.join(self.candidates)}: {self.verdict}, {self.gain:.2f} K"
         shares = [f"probabilities: {self.shares}"] if self.shares else []
         parts = [self.why, *shares, *self.checks, *self.cross_checks]
         return "\n".join([head, *(f"  {part}" for part in parts)])

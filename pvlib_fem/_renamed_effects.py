@@ -1,4 +1,4 @@
-"""Names of sensor faults and results that have changed, valid for one release."""
+"""Names of sensor faults, verdicts and results that have changed, for one release."""
 
 import re
 import sys
@@ -15,6 +15,13 @@ RENAMED = {
     "air_shelter": "air_sensor_shield",
 }
 OLD = re.compile(rf"(?<![a-z_])({'|'.join(RENAMED)})_(step|drift|episode)(?![a-z_])")
+VERDICTS = {
+    "named": "identified",
+    "class": "ambiguous",
+    "suggestive": "hint",
+    "unknown": "unexplained",
+}
+OLD_VERDICT = re.compile(rf'("verdict": *")({"|".join(VERDICTS)})"')
 PACKAGE = str(Path(__file__).parent)
 
 
@@ -36,6 +43,12 @@ def in_new_names(text: str) -> str:
             stacklevel=of_the_caller(),
         )
     return OLD.sub(lambda old: found[old[0]], text)
+
+
+def file_in_new_names(text: str) -> str:
+    """The text of a result's file with the present names and verdicts."""
+    text = OLD_VERDICT.sub(lambda old: f'{old[1]}{VERDICTS[old[2]]}"', text)
+    return in_new_names(text)
 
 
 def keys_in_new_names(named: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pvlib_fem._converter import converter, error_in_words
-from pvlib_fem._renamed_effects import in_new_names
+from pvlib_fem._renamed_effects import file_in_new_names
 
 VERSION = 4  # of the format; it changes when a key changes
 NEEDED = object()  # in place of the default of a key that has to be there
@@ -116,7 +116,7 @@ def content_of(path: Path, kinds: Sequence) -> dict:
 
     try:
         content = json.loads(
-            in_new_names(Path(path).read_text(encoding="utf-8")),
+            file_in_new_names(Path(path).read_text(encoding="utf-8")),
             parse_constant=refused,
             object_pairs_hook=once,
         )

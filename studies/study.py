@@ -183,7 +183,7 @@ def short_enough(row):
 
 
 def modest(row):
-    return not {"named", "class"} & set(row["verdicts"])
+    return not {"identified", "ambiguous"} & set(row["verdicts"])
 
 
 def long_enough(row):
@@ -368,7 +368,7 @@ of seeds 31000 to 31060.
 other seeds nothing was set.
 
 A confounder counts as found when it is a candidate of any ambiguous finding. Physics
-itself leaves such findings, so only a `named` finding can be a false name.
+itself leaves such findings, so only an `identified` finding can be a false name.
 
 The coefficient of shade is compared with the share of the beam that the drawn obstacle
 blocks. The effect estimates the beam by Erbs from irradiance in the plane alone. If a
@@ -458,9 +458,10 @@ def beyond(table):
     misled = sum(len(listed(names)) > 0 for names in table["class_wrong"])
     yield (
         f"These have no requirement. An unexplained pattern is reported in "
-        f"{share(null, 'unknown')} exact nulls and a class in {share(null, 'class')}; "
-        f"of the physics alone in {share(physics, 'unknown')} and "
-        f"{share(physics, 'class')}. A class none of whose candidates is there, in "
+        f"{share(null, 'unexplained')} exact nulls and a class in "
+        f"{share(null, 'ambiguous')}; "
+        f"of the physics alone in {share(physics, 'unexplained')} and "
+        f"{share(physics, 'ambiguous')}. A class none of whose candidates is there, in "
         f"physics or as a switch, is reported in {misled} records."
     )
     yield ""

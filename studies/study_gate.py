@@ -88,7 +88,7 @@ class Found:
     @property
     def wrong(self):
         """Whether it names what is not there."""
-        return self.verdict == "named" and self.effect not in self.known
+        return self.verdict == "identified" and self.effect not in self.known
 
     @property
     def right(self):

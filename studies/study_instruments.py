@@ -115,9 +115,13 @@ def looked(seed):
     truths = {f"{name}_{course}" for name in SAME.get(channel, (channel,))}
     told = [f for f in added if {*f.candidates} & {*CHANGES}]
     right = [f for f in added if truths & {*f.candidates}]
-    wrong = [f.effect for f in told if f.verdict == "named" and f.effect not in truths]
+    wrong = [
+        f.effect for f in told if f.verdict == "identified" and f.effect not in truths
+    ]
     there = PRESENT | {*CHANGES}
-    other = [f.effect for f in added if f.verdict == "named" and f.effect not in there]
+    other = [
+        f.effect for f in added if f.verdict == "identified" and f.effect not in there
+    ]
     misled = ["|".join(f.candidates) for f in told if not truths & {*f.candidates}]
     row = dict(seed=seed, channel=channel, course=course, size=size, power=power)
     row |= dict(days=world.days, found=bool(right), wrong=wrong, misled=misled)
@@ -269,7 +273,7 @@ def page(table, first):
     yield "| device | time profile | records | found | first | named |"
     yield "|---|---|---|---|---|---|"
     for (channel, course), part in there.groupby(["channel", "course"]):
-        named = (part["verdict"] == "named").sum()
+        named = (part["verdict"] == "identified").sum()
         yield (
             f"| {channel} | {course} | {len(part)} | {part['found'].sum()} | "
             f"{part['first'].sum()} | {named} |"

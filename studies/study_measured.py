@@ -237,7 +237,7 @@ def spelled(finding):
     """A finding as a cell: its verdict, and its candidates, the taken one first."""
     effect, verdict, candidates, *_ = finding
     others = sorted(candidates - {effect})
-    if verdict == Verdict.CLASS and len(others) > 4:
+    if verdict == Verdict.AMBIGUOUS and len(others) > 4:
         others = [f"{len(others)} others"]
     return f"{verdict} {' / '.join([f'`{effect}`', *others])}"
 

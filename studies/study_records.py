@@ -219,7 +219,9 @@ def looked(world, case, data, off=None):
 
 def said(loop, case, world):
     """What the loop found, and whether that is right."""
-    added = [f for f in loop.finding_objects if f.verdict in ("named", "class")]
+    added = [
+        f for f in loop.finding_objects if f.verdict in ("identified", "ambiguous")
+    ]
     # one of the whole file is none of the module's logger
     corrections = [c for c in loop.corrections if c.applied]
     clocks = [c for c in corrections if not c.fault.startswith("file_")]
@@ -229,19 +231,21 @@ def said(loop, case, world):
     known = set(case.truths)
     if world.generator == "fuentes":  # which has a sky that follows the air
         known |= {"sky_radiation"}
-    wrong = [f.effect for f in added if f.verdict == "named" and f.effect not in known]
+    wrong = [
+        f.effect for f in added if f.verdict == "identified" and f.effect not in known
+    ]
     wrong += ["clock_shift"] * (len(clocks) > 0 and "clock_shift" not in case.truths)
     misled = [
         "|".join(f.candidates)
         for f in added
-        if f.verdict == "class" and not set(f.candidates) & there
+        if f.verdict == "ambiguous" and not set(f.candidates) & there
     ]
     verdicts = [f.verdict for f in loop.finding_objects]
     first = added[0].effect if added else "nothing"
     if clocks:
         first = "clock_shift"
     elif not added and verdicts:
-        first = "unknown" if "unknown" in verdicts else "suggestive"
+        first = "unexplained" if "unexplained" in verdicts else "hint"
     return {
         "findings": "; ".join(
             f"{f.verdict} {'|'.join(f.candidates)} ({f.gain:.2f} K)"

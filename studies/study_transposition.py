@@ -75,7 +75,7 @@ def named(data, place):
     found = [
         f
         for f in close_loop(data, **angles).finding_objects
-        if str(f.verdict) == "named"
+        if str(f.verdict) == "identified"
     ]
     return {
         "loops": 1,

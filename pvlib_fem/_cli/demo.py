@@ -60,7 +60,7 @@ def answer(name: str, loop: Loop) -> str:
     for finding in loop.finding_objects:
         if name in finding.candidates and finding.kind is not Kind.STRUCTURE:
             under = "" if name == finding.effect else f", under {finding.effect}"
-            how = "a hint only" if finding.verdict is Verdict.SUGGESTIVE else "found"
+            how = "a hint only" if finding.verdict is Verdict.HINT else "found"
             return f"{how}{under}, {finding.gain:.2f} K"
     return "not found"
 

@@ -72,7 +72,7 @@ def finding_of(
     score, gain = choice.scores[effect.name], float(np.sqrt(choice.fall))
     outside = choice.probabilities[OUTSIDE]
     why = because(Reason.GAINED, gain=gain)
-    verdict = Verdict.NAMED if credible == [effect.name] else Verdict.CLASS
+    verdict = Verdict.IDENTIFIED if credible == [effect.name] else Verdict.AMBIGUOUS
     checks = [
         Check(
             "probability that it is there",
@@ -82,19 +82,19 @@ def finding_of(
         ),
         Check("gain", "min_gain", gain, float(np.sqrt(floor)), unit="K"),
     ]
-    if verdict is Verdict.CLASS:
+    if verdict is Verdict.AMBIGUOUS:
         measurements = deciding([choice.members[n].effect for n in names])
         if measurements:
             decided = because(Reason.WOULD_DECIDE, measurements=measurements)
             why = replace(why, also=(decided,))
     if outside > HALF:
-        verdict, why = Verdict.SUGGESTIVE, because(Reason.OUTSIDE, chance=outside)
+        verdict, why = Verdict.HINT, because(Reason.OUTSIDE, chance=outside)
         checks.append(
             Check("cause outside the catalogue", "outside", outside, HALF, most=True)
         )
     elif not case.enough:
         days, least = case.days, limits.enough_days
-        verdict = Verdict.SUGGESTIVE
+        verdict = Verdict.HINT
         why = because(Reason.TOO_SHORT, days=days, least=least)
         checks.append(Check("days", "enough_days", days, least))
     if agree := [
@@ -196,7 +196,7 @@ def refused(finding: Finding, check: Check, why: Because) -> Finding:
     """The finding where it does not pass a check after all."""
     return replace(
         finding,
-        verdict=Verdict.SUGGESTIVE,
+        verdict=Verdict.HINT,
         because=why,
         checks=(*finding.checks, check),
     )
@@ -246,7 +246,7 @@ def hints(
         yield Finding(
             name,
             (name, *row.ties),
-            Verdict.SUGGESTIVE,
+            Verdict.HINT,
             row.gain,
             score.coefficients,
             score.errors,

@@ -250,8 +250,8 @@ class Loop:
         -------
         DataFrame
             ``effect``, name of the effect, or the drivers of an unexplained pattern;
-            ``verdict``, ``"named"``, ``"class"`` (ambiguous), ``"suggestive"`` (a hint)
-            or ``"unknown"`` (an unexplained pattern); ``probability`` of the effect [-]
+            ``verdict``, ``"identified"``, ``"ambiguous"``, ``"hint"`` or
+            ``"unexplained"``; ``probability`` of the effect [-]
             and ``alternatives``, a tuple of the other candidates; ``value`` with its
             ``standard_error`` and the 90 % range ``low`` to ``high``, all in ``unit``;
             ``from`` and ``to``, the dates between which it acts, NaT where it acts from

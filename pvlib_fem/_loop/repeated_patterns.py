@@ -117,7 +117,7 @@ def pattern_findings(tables: list[Table], least: float) -> list[Finding]:
         Finding(
             table.name,
             table.drivers,
-            Verdict.UNKNOWN,
+            Verdict.UNEXPLAINED,
             table.gain,
             {"mean": table.size},
             {},

@@ -98,8 +98,8 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
     right = [f for f in added if holds(f, effect, effects, days)]
     new = [f for f in added if f in right or not any(same(f, one) for one in before)]
     others = [f for f in new if effect.name not in f.candidates]
-    names = [f.effect for f in others if f.verdict is Verdict.NAMED]
-    classes = [words(f) for f in others if f.verdict is Verdict.CLASS]
+    names = [f.effect for f in others if f.verdict is Verdict.IDENTIFIED]
+    classes = [words(f) for f in others if f.verdict is Verdict.AMBIGUOUS]
     lost = [words(f) for f in before if not any(same(f, other) for other in added)]
     sizes = {}
     if right and right[0].effect == effect.name:
@@ -107,7 +107,7 @@ def judged(injection: Injection, effect: Effect, loop: Any, baseline: tuple) -> 
     return Outcome(
         injection,
         found=bool(right),
-        named=any(f.verdict is Verdict.NAMED for f in right),
+        named=any(f.verdict is Verdict.IDENTIFIED for f in right),
         first=bool(right) and right[0] is new[0],
         told=tuple(", ".join(filter(None, (words(f), f.place))) for f in new),
         wrong=tuple(names),

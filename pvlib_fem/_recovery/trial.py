@@ -67,8 +67,8 @@ def trial_of(scrambler: Any, how: dict, seed: int, kind: Any, number: Any) -> An
 def false_of(findings: Sequence, lost: Any) -> Any:
     """Named effects that are lost, and classes of lost effects only."""
     added = [f for f in findings if f.added and {*f.candidates} <= lost]
-    named = tuple(f.effect for f in added if f.verdict is Verdict.NAMED)
-    classes = [f.candidates for f in added if f.verdict is Verdict.CLASS]
+    named = tuple(f.effect for f in added if f.verdict is Verdict.IDENTIFIED)
+    classes = [f.candidates for f in added if f.verdict is Verdict.AMBIGUOUS]
     return named, tuple(" | ".join(members) for members in classes)
 
 
@@ -87,7 +87,7 @@ def false_names(trials: Any) -> Any:
 
 def rates(outcomes: Any, trials: Any, baseline: tuple) -> Any:
     """Completeness and reliability by effect, see :attr:`Recovery.reliability`."""
-    named = {f.effect for f in baseline if f.added and f.verdict is Verdict.NAMED}
+    named = {f.effect for f in baseline if f.added and f.verdict is Verdict.IDENTIFIED}
     done = [trial for trial in trials if not trial.refused]
     lost = [name for trial in done for name in trial.lost]
     table = pd.DataFrame(columns=[*COLUMNS]).rename_axis("effect")

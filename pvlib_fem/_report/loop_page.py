@@ -69,13 +69,13 @@ WORTH = (
 )
 #: words of the page
 TERMS = (
-    ("identified (named)", "one cause has a probability of 95 % or more"),
+    ("identified", "one cause has a probability of 95 % or more"),
     (
-        "ambiguous (class)",
+        "ambiguous",
         "the listed causes together have a probability of 95 %; these data cannot "
         "distinguish them",
     ),
-    ("hint (suggestive)", "seen, and not added to the model, for the stated reason"),
+    ("hint", "seen, and not added to the model, for the stated reason"),
     (
         "unexplained pattern",
         "a part of the error that comes again, and that follows no known cause",
@@ -98,11 +98,11 @@ STEPS = {
     "+patterns": "unexplained patterns, without a known cause",
 }
 VERDICTS = {
-    "named": "no other tested cause explains it",
-    "class": "one of several causes that this record cannot distinguish",
+    "identified": "no other tested cause explains it",
+    "ambiguous": "one of several causes that this record cannot distinguish",
     "alone": "or a cause outside the catalogue that follows the same columns",
-    "suggestive": "a hint, not added to the model",
-    "unknown": "no effect of the catalogue follows it",
+    "hint": "a hint, not added to the model",
+    "unexplained": "no effect of the catalogue follows it",
 }
 
 
@@ -189,7 +189,7 @@ def could_be(loop: "Loop") -> Iterator[Section]:
 
 def to_do(statements: pd.DataFrame, gamma: float) -> list[Block]:
     """What was found and what to do about it, the most valuable first."""
-    hints = statements["verdict"] == Verdict.SUGGESTIVE
+    hints = statements["verdict"] == Verdict.HINT
     rows = [
         (
             one["text"],
@@ -341,8 +341,8 @@ def where(finding: Finding) -> str:
 
 def verdict(finding: Finding) -> str:
     """Its verdict in words."""
-    alone = finding.verdict is Verdict.CLASS and len(finding.candidates) == 1
-    return f"{finding.verdict.words}: {VERDICTS['alone' if alone else finding.verdict]}"
+    alone = finding.verdict is Verdict.AMBIGUOUS and len(finding.candidates) == 1
+    return f"{finding.verdict}: {VERDICTS['alone' if alone else finding.verdict]}"
 
 
 def errors(loop: "Loop", gamma: float = GAMMA) -> Table:
@@ -353,7 +353,7 @@ def errors(loop: "Loop", gamma: float = GAMMA) -> Table:
     which, end = part(loop)
     keys = [f"rmse_{end}", "rmse_test_day", "rmse_test_night", f"mbe_{end}"]
     keys += ["energy_error_test", "rmse_train"]
-    verdicts = {f"+{f.effect}": f.verdict.words for f in loop.finding_objects}
+    verdicts = {f"+{f.effect}": f.verdict for f in loop.finding_objects}
     rows = [
         (
             spaced(str(name)),
@@ -383,7 +383,7 @@ def errors(loop: "Loop", gamma: float = GAMMA) -> Table:
 
 def undecided(loop: "Loop", statements: pd.DataFrame) -> Paragraph | Listing:
     """Ties and hints, and what would decide."""
-    undecided = (Verdict.CLASS, Verdict.SUGGESTIVE)
+    undecided = (Verdict.AMBIGUOUS, Verdict.HINT)
     open_ = [f for f in loop.finding_objects if f.verdict in undecided]
     if not open_:
         none = "Nothing: all that was found has one name."

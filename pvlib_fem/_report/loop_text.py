@@ -44,7 +44,7 @@ STEPS = {
     "+radiative_loss": "longwave exchange, which every module has",
     "+patterns": "unexplained patterns, which repeat without a known cause",
 }
-OPEN = (Verdict.CLASS, Verdict.SUGGESTIVE)
+OPEN = (Verdict.AMBIGUOUS, Verdict.HINT)
 
 
 def never(fit: "FemFit") -> list[str]:
@@ -132,12 +132,12 @@ def remaining(loop: "Loop") -> Iterator[tuple[str, str]]:
     for finding in loop.finding_objects:
         if finding.verdict in OPEN:
             names = " | ".join(finding.candidates)
-            if finding.shares and finding.verdict is Verdict.CLASS:
+            if finding.shares and finding.verdict is Verdict.AMBIGUOUS:
                 names = finding.shares
             words = f"{names} ({finding.gain:.2f} K): {finding.why}"
             criterion = failed_criterion(finding)
             rule = f" [{criterion}]" if criterion else ""
-            yield finding.verdict.words, f"{words}{rule}"
+            yield finding.verdict, f"{words}{rule}"
     for finding in loop.finding_objects:
         yield from (("cross-check", str(one)) for one in finding.conclusive_checks)
     for why, names in by_reason(loop.untestable).items():
@@ -167,7 +167,7 @@ def verdict(finding: Finding, loop: "Loop") -> str:
         if key in finding.ranges:
             unit += f" (range {spanned(*finding.ranges[key])})"
         parts.append(f"{name}{number}{unit}")
-    words = f"{finding.verdict.words}  {', '.join(parts)}"
+    words = f"{finding.verdict}  {', '.join(parts)}"
     return words + (f", from {effect.source}" if effect.source else "")
 
 

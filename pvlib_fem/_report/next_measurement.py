@@ -50,7 +50,7 @@ def settling(loop: "Loop") -> list[tuple[str, str]]:
         if finding.kind is Kind.STRUCTURE:
             what = f"a column that records what happens {finding.place}"
             items.append((finding.gain, what, f"would name the cause of {gain}"))
-        elif finding.verdict in (Verdict.CLASS, Verdict.SUGGESTIVE):
+        elif finding.verdict in (Verdict.AMBIGUOUS, Verdict.HINT):
             names = [n for n in finding.candidates if n in catalogue]
             words = dict.fromkeys(catalogue[n].decided_by for n in names)
             if what := " or ".join(word for word in words if word):

@@ -97,10 +97,10 @@ def counted(loop: "Loop", statements: list[Statement]) -> str:
     counts = {
         "clock fault": sum(verdict.endswith("corrected") for verdict in verdicts),
         "irradiance sensor that was stuck": len(statements) - len(verdicts),
-        "identified cause": verdicts.count("named"),
-        "ambiguous finding": verdicts.count("class"),
+        "identified cause": verdicts.count("identified"),
+        "ambiguous finding": verdicts.count("ambiguous"),
         PATTERN: sum(one.device == PATTERN for one in statements),
-        "hint": verdicts.count("suggestive"),
+        "hint": verdicts.count("hint"),
     }
     parts = [f"{n} {words}{'s' * (n > 1)}" for words, n in counts.items() if n]
     words = f"Found: {', '.join(parts)}." if parts else "No cause was found."

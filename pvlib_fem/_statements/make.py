@@ -169,11 +169,11 @@ def certainty_of(finding: Finding) -> str:
         if agrees or check.effect == finding.effect
     ]
     agree = f"; {', '.join(dict.fromkeys(checks))}" if checks else ""
-    if finding.verdict is Verdict.NAMED:
+    if finding.verdict is Verdict.IDENTIFIED:
         share = finding.probabilities.get(finding.effect)
         words = f" (probability {share:.0%})" if share is not None else ""
         return f"Identified{words}{agree}"
-    if finding.verdict is Verdict.CLASS:
+    if finding.verdict is Verdict.AMBIGUOUS:
         return f"Ambiguous{shares_of(finding)}{agree}"
     return f"A hint, not in the model: {finding.why}"
 
@@ -189,9 +189,9 @@ def shares_of(finding: Finding) -> str:
 
 def action_of(finding: Finding, clauses: list[Clause], effects: list[Effect]) -> str:
     """What to do about a finding."""
-    if finding.verdict is Verdict.CLASS and len(clauses) > 1:
+    if finding.verdict is Verdict.AMBIGUOUS and len(clauses) > 1:
         return f"To decide: {', or '.join(deciding(effects))}"
-    if finding.verdict is Verdict.SUGGESTIVE:
+    if finding.verdict is Verdict.HINT:
         return ""
     return clauses[0].action
 
@@ -274,7 +274,7 @@ def date_statements(loop: "Loop") -> Iterator[Statement]:
         yield Statement(
             cause=DAYS,
             device=MODULES,
-            verdict="unknown",
+            verdict="unexplained",
             text=(
                 f"On {days} the modules were {words} ({row['share']:.1%} of the "
                 "squared error)"

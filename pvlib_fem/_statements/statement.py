@@ -19,8 +19,8 @@ class Statement:
     device : str
         The instrument, or ``"modules"``, ``"mounting"``, ``"model"``.
     verdict : str
-        ``"named"``, ``"class"`` (ambiguous), ``"suggestive"`` (a hint that is not in
-        the model), ``"event"`` or ``"unknown"``; of a clock ``"corrected"`` or
+        ``"identified"``, ``"ambiguous"``, ``"hint"`` (a hint that is not in
+        the model), ``"event"`` or ``"unexplained"``; of a clock ``"corrected"`` or
         ``"not corrected"``.
     text : str
         The finding in a sentence: device, direction, size and dates.

@@ -131,6 +131,8 @@ class Table:
     def where(self) -> str:
         """The places in words."""
         words = [place.words for place in self.places if place.words]
+        if len(words) == 2 and all(one.startswith("where ") for one in words):
+            words = [f"{words[0]}, and", words[1].removeprefix("where ")]
         return " ".join(words) or f"spread over {' and '.join(self.drivers)}"
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pvlib_fem._findings import Verdict
 from pvlib_fem._report.document import (
     Block,
     Link,
@@ -33,7 +32,6 @@ from pvlib_fem.fleet._tasks import CLOCK, TASKS
 from pvlib_fem.types import FilePath
 
 SHOWN = 50  # rows of each table of the page
-VERDICTS = {str(verdict) for verdict in Verdict}
 OWN = ("u0", "u1", "k", "d", "k_w", "tau", "capacity", "bias")
 
 
@@ -192,7 +190,7 @@ def by_effect(systems: pd.DataFrame, findings: pd.DataFrame) -> Paragraph | Tabl
                 -count,
                 (
                     effect,
-                    Verdict(verdict).words if verdict in VERDICTS else verdict,
+                    verdict,
                     f"{count:,}",
                     f"{100.0 * count / done:.0f}",
                     f"{len(sites):,}",

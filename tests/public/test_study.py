@@ -113,7 +113,7 @@ def test_a_short_record_is_never_better_than_suggestive(table):
     short = short[short["days"] < ENOUGH_DAYS]
     assert len(short) >= 2
     for verdicts in short["verdicts"]:
-        assert not {"named", "class"} & {*verdicts}
+        assert not {"identified", "ambiguous"} & {*verdicts}
 
 
 def test_the_error_of_test_weeks_hardly_ever_rises(table):

@@ -105,7 +105,7 @@ def named(fit, effect, loop):
     return Finding(
         effect.name,
         (effect.name,),
-        Verdict.NAMED,
+        Verdict.IDENTIFIED,
         1.0,
         {key: value},
         {key: error},

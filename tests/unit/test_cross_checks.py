@@ -44,7 +44,9 @@ def test_power_names_the_irradiance_sensor(half_a_year):  # noqa: F811
     data = with_power(data, 0.1)
     data["poa_global"] /= 1.0 + 0.1 * after(data)
     first = closed(data).finding_objects[0]
-    assert first.effect == "irradiance_sensor_step" and first.verdict is Verdict.NAMED
+    assert (
+        first.effect == "irradiance_sensor_step" and first.verdict is Verdict.IDENTIFIED
+    )
     (check,) = (one for one in first.cross_checks if one.effect == first.effect)
     assert check.column == "power_ac" and check.outcome is CheckOutcome.AGREES
     assert check.size == pytest.approx(np.log(1.1), abs=3 * check.stderr + 0.005)
@@ -57,7 +59,7 @@ def test_power_speaks_for_the_irradiance_sensor_where_the_mounting_changed(
     data, _ = with_change(half_a_year, "mounting_step")
     loop = closed(with_power(data, 0.0))
     first = loop.finding_objects[0]
-    assert first.verdict is Verdict.CLASS
+    assert first.verdict is Verdict.AMBIGUOUS
     assert "mounting_step" in first.candidates
     assert "irradiance_sensor_step" not in first.candidates
     outcomes = {
@@ -100,7 +102,9 @@ def test_a_second_sensor_names_the_first(
         share = size / 6.84 if usual == "wind_speed" else size  # of Faiman's u1
         data[usual] = data[usual] / (1.0 + share * there)
     first = closed(data.assign(**{column: twin})).finding_objects[0]
-    assert first.effect == f"{sensor_fault}_step" and first.verdict is Verdict.NAMED
+    assert (
+        first.effect == f"{sensor_fault}_step" and first.verdict is Verdict.IDENTIFIED
+    )
     mine = {one.outcome for one in first.cross_checks if one.effect == first.effect}
     assert mine == {CheckOutcome.AGREES}
 
@@ -262,7 +266,7 @@ def test_the_usual_wind_names_an_anemometer_and_clears_it(half_a_year):  # noqa:
     data, _ = with_change(half_a_year)
     data["wind_speed"] /= 1.0 + 1.0 * after(data)
     first = closed(data).finding_objects[0]
-    assert first.effect == "anemometer_step" and first.verdict is Verdict.NAMED
+    assert first.effect == "anemometer_step" and first.verdict is Verdict.IDENTIFIED
     said = {(one.column, one.outcome) for one in first.cross_checks}
     assert said == {(USUAL_WIND, CheckOutcome.AGREES)}
     assert "usual wind deviate from the sensor" in first.why

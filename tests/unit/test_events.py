@@ -183,7 +183,7 @@ def snowed(clean):
 
 def test_many_events_are_an_effect_of_the_model(snowed):
     finding = next(f for f in snowed.finding_objects if f.effect == "modules_covered")
-    assert finding.verdict is Verdict.NAMED
+    assert finding.verdict is Verdict.IDENTIFIED
     assert finding.coefficients["modules_covered.share"] == pytest.approx(1.0, abs=0.2)
     errors = snowed.table["rmse_test"]
     assert errors[snowed.last] < 0.6 * errors["fem"]
@@ -249,7 +249,7 @@ def test_curtailed_power_heats_without_an_area(clean):
 def test_curtailment_to_nothing_in_simulated_physics_is_an_outage():
     loop = fem.close_loop(record(electrical_output=1.0))
     finding = next(f for f in loop.finding_objects if f.effect == "outage")
-    assert finding.verdict is Verdict.NAMED
+    assert finding.verdict is Verdict.IDENTIFIED
     assert 0.1 < finding.coefficients["outage.share"] < 0.35
     assert set(loop.events["effect"]) == {"outage"} and len(loop.events) > 10
 

@@ -139,7 +139,7 @@ def test_contributions_are_drawn_at_times_that_are_corrected_once():
 def test_every_effect_has_pictures_or_a_sentence(true, sound, name):  # noqa: F811
     """Whatever columns there are; never an error, never an empty card."""
     why = because(Reason.GAINED, gain=1.0)
-    finding = Finding(name, (name,), Verdict.NAMED, 1.0, {}, {}, why)
+    finding = Finding(name, (name,), Verdict.IDENTIFIED, 1.0, {}, {}, why)
     fit = fem.fit_fem(
         *(true[n] for n in COLUMNS), model="faiman", dynamics="balance", night=True
     )

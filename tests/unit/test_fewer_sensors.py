@@ -513,7 +513,7 @@ def test_another_source_is_a_cross_check_by_itself(airport, usual, column, effec
     else:
         data[usual] *= 1.0 - 0.35 * there
     first = fem.close_loop(data[[*USUAL, "wind_speed", column]]).finding_objects[0]
-    assert first.effect == effect and str(first.verdict) == "named"
+    assert first.effect == effect and str(first.verdict) == "identified"
     assert {one.column for one in first.conclusive_checks} >= {column}
 
 

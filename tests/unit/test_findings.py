@@ -42,7 +42,7 @@ def test_a_check_passes_at_its_threshold(statistic, most, passed):
 def test_the_first_failure_is_the_rule_that_decided():
     checks = tuple(Check(n, n, s, 1.0) for n, s in (("a", 2.0), ("b", 0.5), ("c", 0.1)))
     why = because(Reason.NOT_MATERIAL, least=1.0)
-    finding = Finding("x", ("x",), Verdict.SUGGESTIVE, 0.5, {}, {}, why, checks)
+    finding = Finding("x", ("x",), Verdict.HINT, 0.5, {}, {}, why, checks)
     assert finding.failed.name == "b" and not finding.added
     assert [line.split()[0] for line in str(finding).splitlines()[2:]] == [
         "passed",

@@ -32,8 +32,8 @@ def measured(rows, words):
     return row[2], row[3]
 
 
-SNOW = ("snow", "named", {"snow": 0.97, OUTSIDE: 0.03})
-UNSURE = ("snow", "class", {"snow": 0.6, OUTSIDE: 0.4})
+SNOW = ("snow", "identified", {"snow": 0.97, OUTSIDE: 0.03})
+UNSURE = ("snow", "ambiguous", {"snow": 0.6, OUTSIDE: 0.4})
 
 
 def test_a_set_has_the_least_causes_that_have_it_together():
@@ -55,8 +55,10 @@ def test_a_name_is_wrong_unless_its_cause_is_there():
     some = [
         record(sets=[SNOW], sizes=("snow",), truths=("snow",)),
         record(sets=[SNOW, SNOW]),
-        record(sets=[("season", "named", {"season": 1.0})]),  # physics has it
-        record(sets=[("season", "named", {"season": 1.0})], generator="fitted form"),
+        record(sets=[("season", "identified", {"season": 1.0})]),  # physics has it
+        record(
+            sets=[("season", "identified", {"season": 1.0})], generator="fitted form"
+        ),
         record() | {"sets": np.nan},  # broken
     ]
     words = "records with a wrong name"
@@ -73,7 +75,7 @@ def test_open_and_closed_kinds_are_counted_apart():
 
 
 def test_a_stated_probability_is_held_against_what_is_there():
-    sets = [("snow", "class", {"snow": 0.9, OUTSIDE: 0.1})]
+    sets = [("snow", "ambiguous", {"snow": 0.9, OUTSIDE: 0.1})]
     some = [record(sets=sets, sizes=("snow",), truths=("snow",)) for _ in range(9)]
     some += [record(sets=sets, sizes=("fan",))]
     words, met = measured(gates(pd.DataFrame(some), []), "causes stated at 0.80")

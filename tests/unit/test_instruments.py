@@ -236,7 +236,7 @@ def test_snow_under_a_low_sun_is_not_named_an_obstacle():
     What snow takes then is not there on the days of that window that have no snow.
     """
     loop = of_a_world(21036, "module_sensor_contact", "episode")
-    named = {f.effect for f in loop.finding_objects if f.verdict is Verdict.NAMED}
+    named = {f.effect for f in loop.finding_objects if f.verdict is Verdict.IDENTIFIED}
     assert "shading" not in named
 
 

@@ -186,7 +186,9 @@ def test_where_nothing_is_hidden_nothing_is_named(noise, seed):
     data["temp_module"] = base - 1 + fem.ewm(random, 3 * 3600.0, step=300)
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects == []
-    assert not [f for f in loop.finding_objects if f.verdict in ("named", "class")]
+    assert not [
+        f for f in loop.finding_objects if f.verdict in ("identified", "ambiguous")
+    ]
     assert loop.table["rmse_test"]["balance"] == pytest.approx(0.7, rel=0.15)
 
 
@@ -199,7 +201,7 @@ def test_what_is_in_no_catalogue_is_said_to_be_unknown():
     low, high = first.where["hour"]
     assert 8 <= low <= 10 and 15 <= high <= 17
     assert "at weekends; no effect and no column explains it" in first.why
-    assert not [f for f in loop.finding_objects if f.verdict == "named"]
+    assert not [f for f in loop.finding_objects if f.verdict == "identified"]
     assert loop.table["rmse_test"].iloc[-1] <= loop.table["rmse_test"][loop.base]
 
 
@@ -288,7 +290,7 @@ def test_what_lacks_its_driver_is_not_testable():
     sky = loop.untestable["sky_radiation"]
     assert sky.reason is Reason.STAND_IN
     assert {"relative_humidity", "longwave_down"} == {*sky.values["columns"]}
-    assert not [f for f in loop.finding_objects if f.verdict == "named"]
+    assert not [f for f in loop.finding_objects if f.verdict == "identified"]
 
 
 def test_by_name_an_effect_takes_the_best_source_that_is_there():
@@ -298,7 +300,7 @@ def test_by_name_an_effect_takes_the_best_source_that_is_there():
     assert "from humidity" in " ".join(loop.report().split())
     fixed = {"name": "sky_radiation", "source": "air temperature alone"}
     loop = fem.close_loop(data, effects=[fixed], **PLACE)
-    assert "named" not in {f.verdict for f in loop.finding_objects}
+    assert "identified" not in {f.verdict for f in loop.finding_objects}
 
 
 @pytest.mark.parametrize("days", [20, 45])
@@ -306,7 +308,7 @@ def test_a_short_record_suggests_at_best(days):
     data = hidden("sky_radiation", "electrical_output", days=days)
     loop = fem.close_loop(data, **PLACE)
     assert loop.effects == []
-    assert {f.verdict for f in loop.finding_objects} <= {"suggestive", "unknown"}
+    assert {f.verdict for f in loop.finding_objects} <= {"hint", "unexplained"}
     if days > 30:
         assert any(
             "at least 60 days are needed to identify a cause" in f.why
@@ -390,7 +392,7 @@ def test_shade_is_found_in_its_window_and_on_its_side(switch, share, snowy):
     loop = fem.close_loop(data, **PLACE)
     first = loop.finding_objects[0]
     # what follows the sun alone may be another cause that does, or a reflection
-    assert (first.effect, first.verdict) == ("shading", "class")
+    assert (first.effect, first.verdict) == ("shading", "ambiguous")
     outside = first.probabilities["outside"]
     assert 0.05 < outside < 0.2 if switch == "shading" else 0.3 < outside < 0.6
     assert first.coefficients["shading.share"] == pytest.approx(share, rel=0.15)
@@ -621,7 +623,7 @@ def test_air_of_another_station_beside_a_pyrgeometer_is_not_the_sky(seed):
     data["temp_air"] += 1.5 * away / away.std()
     loop = fem.close_loop(data, **PLACE)
     assert "air_elsewhere" in loop.finding_objects[0].candidates
-    named = [f.effect for f in loop.finding_objects if f.verdict == "named"]
+    named = [f.effect for f in loop.finding_objects if f.verdict == "identified"]
     assert "sky_radiation" not in named
 
 

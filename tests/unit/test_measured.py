@@ -84,7 +84,7 @@ def drift_of(loop):
 def test_at_golden_the_irradiance_sensor_is_named(at_golden):
     """By 1.5 to 2.1 % a year: power, a clear sky and a modelled irradiance agree."""
     first = drift_of(at_golden)
-    assert first.verdict is Verdict.NAMED
+    assert first.verdict is Verdict.IDENTIFIED
     (rate,) = first.coefficients.values()
     assert 0.015 < rate < 0.021
     agreeing = {
@@ -119,13 +119,13 @@ def test_the_readme_opens_with_what_the_loop_says_of_bolzano(at_bolzano, bolzano
     size, needed = re.findall(r"by (.+? %) from the sensor; (.+? %) are", str(check))[0]
     assert f"irradiance deviate by {size} where it would need {needed}." in text
     kinds = {name.rsplit("_", 1)[0] for name in step.candidates}
-    assert step.verdict is Verdict.CLASS
+    assert step.verdict is Verdict.AMBIGUOUS
     assert kinds == {"module_sensor_contact", "mounting", "air_sensor_shield"}
     place = at_bolzano.place
     angles = [f"{place[n]:.0f} ± 5°" for n in ("surface_tilt", "surface_azimuth")]
     assert f"clear days have them at {angles[0]} and {angles[1]}" in text
     assert "ten draws of ten" in text
-    assert (sky.effect, sky.verdict) == ("sky_radiation", Verdict.CLASS)
+    assert (sky.effect, sky.verdict) == ("sky_radiation", Verdict.AMBIGUOUS)
     errors = at_bolzano.table["rmse_test"]
     paper, causes, last = errors["fem"], errors[at_bolzano.last], errors["+patterns"]
     words_of = (
@@ -259,7 +259,7 @@ def test_at_golden_the_drift_is_the_same_without_power(at_golden, golden):
     """A loss rate of the plant need not rest on its own power."""
     loop = closed(golden.drop(columns="power_ac"))
     (one,) = (f for f in loop.finding_objects if f.added)
-    assert one.effect == "irradiance_sensor_drift" and one.verdict is Verdict.NAMED
+    assert one.effect == "irradiance_sensor_drift" and one.verdict is Verdict.IDENTIFIED
     (rate,), (other,) = (f.coefficients.values() for f in (one, drift_of(at_golden)))
     (error,) = one.stderr.values()
     assert abs(rate - other) < 2.0 * error

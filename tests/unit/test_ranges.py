@@ -87,7 +87,7 @@ def _written(loop, folder):
 @pytest.mark.parametrize("ends", [[1.0], [1.0, "x"], [1.0, None], [1.0, True], 2.0])
 def test_a_range_that_is_none_is_refused(loop, ends):
     content = plain(first(loop)[0])
-    assert Stored(content, "x").whole(Finding).verdict is Verdict.NAMED
+    assert Stored(content, "x").whole(Finding).verdict is Verdict.IDENTIFIED
     content["ranges"]["sky_radiation.share"] = ends
     with pytest.raises(ValueError, match=r"ranges\.sky_radiation\.share"):
         Stored(content, "x").whole(Finding)

@@ -146,7 +146,7 @@ def test_a_class_that_holds_what_was_put_in_is_of_it(record, done):
 
 
 def finding(name, *others, place=""):
-    verdict = Verdict.CLASS if others else Verdict.NAMED
+    verdict = Verdict.AMBIGUOUS if others else Verdict.IDENTIFIED
     (row,) = find(name).rows()
     known = ({row: 0.1}, {row: 0.01}, because(Reason.NO_DATE), ())
     return Finding(name, (name, *others), verdict, 0.5, *known, place=place)

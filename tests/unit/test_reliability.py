@@ -188,11 +188,11 @@ def finding(verdict, *candidates, added=True):
 
 def test_only_what_is_lost_is_false():
     findings = [
-        finding(Verdict.NAMED, "module_sensor_contact_step"),
-        finding(Verdict.NAMED, "rain"),
-        finding(Verdict.CLASS, "mounting_step", "module_sensor_contact_step"),
-        finding(Verdict.CLASS, "mounting_step", "soiling"),
-        finding(Verdict.SUGGESTIVE, "module_sensor_contact_step", added=False),
+        finding(Verdict.IDENTIFIED, "module_sensor_contact_step"),
+        finding(Verdict.IDENTIFIED, "rain"),
+        finding(Verdict.AMBIGUOUS, "mounting_step", "module_sensor_contact_step"),
+        finding(Verdict.AMBIGUOUS, "mounting_step", "soiling"),
+        finding(Verdict.HINT, "module_sensor_contact_step", added=False),
     ]
     lost = {"module_sensor_contact_step", "mounting_step"}
     assert false_of(findings, lost) == (
@@ -211,7 +211,7 @@ def test_reliability_is_the_share_of_trials_without_a_false_name():
         trial("drivers", 4, ("rain",), refused="no"),
         *(trial("dates", i, ("module_sensor_contact_step",)) for i in range(10)),
     )
-    named = finding(Verdict.NAMED, "rain")
+    named = finding(Verdict.IDENTIFIED, "rain")
     found = Recovery({}, "0", "a", baseline=(named,), trials=trials, planned_trials=15)
     rows = found.reliability
     assert rows.loc["rain", ["trials", "false", "reliability"]].tolist() == [4, 1, 0.75]

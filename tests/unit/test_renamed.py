@@ -219,7 +219,7 @@ def finding():
     return Finding(
         "irradiance_sensor_step",
         ("irradiance_sensor_step",),
-        Verdict.NAMED,
+        Verdict.IDENTIFIED,
         1.0,
         {},
         {},
@@ -252,3 +252,17 @@ def test_cross_checks_of_an_old_file_are_read(finding):
     with pytest.warns(FutureWarning, match=r"(witnesses|opinion) is called") as said:
         again = Stored({**content, "witnesses": old}, "old.json").whole(Finding)
     assert again == finding and len(said) == 3
+
+
+def test_a_file_with_old_verdicts_is_read(tmp_path):
+    effects = simulator.PHYSICS | {"sky_radiation": 1.0, "wind_direction": 1.0}
+    data = simulator.record(effects=effects, days=120, step=1800, start="2023-04-01")
+    loop = fem.close_loop(data)
+    text = loop.to_json()
+    assert '"verdict": "identified"' in text
+    old = tmp_path / "old.json"
+    for now, before in (("identified", "named"), ("ambiguous", "class")):
+        text = text.replace(f'"verdict": "{now}"', f'"verdict": "{before}"')
+    old.write_text(text, "utf-8")
+    again = fem.Loop.from_json(old)
+    pd.testing.assert_frame_equal(again.findings, loop.findings)

@@ -111,7 +111,9 @@ def test_it_has_every_finding_and_what_is_not_testable(closed, page):
     assert len(verdicts) > 1
     for finding in closed.finding_objects:
         assert f"{finding.gain:.2f}" in page.text
-        names = finding.where if finding.verdict == "unknown" else finding.candidates
+        names = (
+            finding.where if finding.verdict == "unexplained" else finding.candidates
+        )
         assert names
         for name in names:
             assert name in page.text
@@ -317,7 +319,7 @@ def test_what_to_measure_next_is_what_is_open_the_largest_first(closed, page):
     once = dict.fromkeys(what for what, _ in items)
     shown = [page.texts.index(what, start) for what in once]
     assert shown == sorted(shown)
-    decided = ("class", "suggestive", "unknown")
+    decided = ("ambiguous", "hint", "unexplained")
     open_ = [f.gain for f in closed.finding_objects if f.verdict in decided]
     sizes = [re.search(r"([\d.]+) K$", why) for _, why in items]
     sizes = [float(size[1]) for size in sizes if size]

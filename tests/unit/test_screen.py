@@ -447,7 +447,7 @@ def test_light_at_the_end_of_its_range_is_no_shade():
     location = pvlib.location.Location(RHINE.latitude, RHINE.longitude, RHINE.tz)
     angles = RHINE.surface_tilt, RHINE.surface_azimuth
     loop = fem.close_loop(data, "faiman", location, *angles)
-    assert not [f for f in loop.finding_objects if f.verdict == "named"]
+    assert not [f for f in loop.finding_objects if f.verdict == "identified"]
     assert any("poa_global stays at 750" in note for note in loop.notes)
 
 

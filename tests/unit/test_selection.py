@@ -340,8 +340,8 @@ def test_every_finding_holds_a_cause_outside_and_its_shares_are_one():
         )
         held = sum(shares[n] for n in (*finding.candidates,))
         sure = loop.criteria.probability
-        assert (finding.verdict == "named") == (shares[finding.effect] >= sure)
-        if finding.verdict == "named":
+        assert (finding.verdict == "identified") == (shares[finding.effect] >= sure)
+        if finding.verdict == "identified":
             assert finding.candidates == (finding.effect,)
         else:
             assert held + shares[OUTSIDE] >= sure

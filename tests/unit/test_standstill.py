@@ -169,7 +169,7 @@ def test_power_agrees_by_the_light_that_the_modules_miss():
     assert check.outcome is CheckOutcome.AGREES
     assert check.expected < -0.05
     assert check.size == pytest.approx(check.expected, rel=0.3)
-    assert finding.verdict == "named"
+    assert finding.verdict == "identified"
 
 
 EDGE = Stuck("2023-05-31", "2023-06-14", -40.0)  # begins in a test week
@@ -234,7 +234,7 @@ def test_a_sensor_that_reads_less_for_weeks_is_no_standstill(sound):
     weeks = slice("2023-05-22", "2023-07-10")
     data.loc[weeks, "poa_global"] *= 0.75
     loop = fem.close_loop(data[[*USUAL, "p_dc_per_area"]], location=WHERE)
-    named = [f.effect for f in loop.finding_objects if f.verdict == "named"]
+    named = [f.effect for f in loop.finding_objects if f.verdict == "identified"]
     assert named == ["irradiance_sensor_episode"]
     assert "tracker_stuck" not in loop.effects
 

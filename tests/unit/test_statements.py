@@ -109,7 +109,7 @@ def test_a_drift_has_the_slope_of_the_reading(true, sound):  # noqa: F811
 def test_an_ambiguous_finding_names_all_causes_and_what_would_decide(ambiguous):  # noqa: F811
     _, loop = ambiguous
     one = loop.statements.iloc[0]
-    assert one["verdict"] == "class" and "Ambiguous" in one["certainty"]
+    assert one["verdict"] == "ambiguous" and "Ambiguous" in one["certainty"]
     assert ", or the " in one["text"] and one["action"].startswith("To decide")
     assert set(one["alternatives"]) == {*loop.finding_objects[0].members}
 
@@ -242,12 +242,12 @@ def test_a_hint_of_an_effect_that_no_registry_knows_has_a_statement(ambiguous, k
         loop.finding_objects[0],
         effect="driver:fan",
         candidates=("driver:fan", "rain"),
-        verdict=Verdict.SUGGESTIVE,
+        verdict=Verdict.HINT,
         kind=kind,
         members={},
     )
     seen = replace(loop, finding_objects=(hint,))
     (one,) = (s for s in seen.statements.itertuples() if s.cause == "driver:fan")
     assert "driver:fan" in one.text and "evaporating rain" in one.text
-    assert one.verdict == "suggestive" and one.alternatives == ("rain",)
+    assert one.verdict == "hint" and one.alternatives == ("rain",)
     assert "driver:fan" in str(seen) and "driver:fan" in seen.to_html()

@@ -1,5 +1,7 @@
 """Where a residual lives, against residuals that are put somewhere."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -142,3 +144,20 @@ def test_rows_without_a_driver_are_a_bin_of_their_own(name):
     assert axis.labels[last] == ("missing", "missing")
     assert len(axis.labels) == len(whole.labels) + 1
     assert "missing" in axis.words([last], 0.1)
+
+
+def test_a_pattern_of_the_past_says_that_in_words():
+    now = np.maximum(SUN, 0.0)
+    late = {
+        "poa_stored_1h": np.roll(now, 4) - now,
+        "air_stored": RANDOM.normal(size=len(now)),
+    }
+    both = (late["poa_stored_1h"] > 100.0) & (late["air_stored"] > 0.5)
+    table = strongest(3.0 * both + noise(), DRIVERS, late)
+    assert table.drivers == ("poa_stored_1h", "air_stored")
+    assert re.fullmatch(
+        r"where the irradiance of the past hour was [\d.]+ to [\d.]+ W/m² higher than "
+        r"now, and the air temperature of the past 3 h was [\d.]+ to [\d.]+ K higher "
+        r"than now",
+        table.where,
+    )

@@ -81,7 +81,7 @@ def test_the_file_has_each_fault(loop, cause):
     assert one["value"] == pytest.approx(size, rel=0.1)
     if since:
         assert abs(pd.Timestamp(one["since"]) - pd.Timestamp(since)).days <= 7
-        assert one["verdict"] == "named"
+        assert one["verdict"] == "identified"
     assert one["gain"] > 0.1 and one["energy"] > 1.0
 
 
@@ -114,7 +114,7 @@ def test_the_print_has_each_fault(loop, cause):
 
 
 def test_nothing_else_is_reported_as_a_fault(loop):
-    named = loop.statements["verdict"].isin(["named", "class", "corrected"])
+    named = loop.statements["verdict"].isin(["identified", "ambiguous", "corrected"])
     assert {*loop.statements["cause"][named]} == {*FAULTS}
 
 
