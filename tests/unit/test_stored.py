@@ -310,7 +310,7 @@ def test_a_wrong_value_deep_in_a_loop_is_named_by_its_place(
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
-        ("verdict", "sure", "0.verdict is .sure., where one of named, class, sugg"),
+        ("verdict", "sure", "0.verdict is .sure., where one of identified, ambig"),
         ("kind", "OTHER", "0.kind is .OTHER., where one of EFFECT, OWN, COLUMN, STR"),
         ("candidates", "rain", "0.candidates is .rain., where a list belongs"),
         ("ranges", {"a": [1.0]}, r"0.ranges.a is \[1.0\], where a list of 2 belongs"),
