@@ -295,4 +295,9 @@ def find_standstill(
     tried = len(days.dates) * len(lengths) * len(angles)
     if errors < np.sqrt(2.0 * np.log(tried)):
         return None
-    return (float(angle), *days.edges(total, first, last, errors))
+    start, end, *intervals = days.edges(total, first, last, errors)
+    # days that show nothing are no evidence of a length that is tried
+    if end - start < SHORTEST:
+        return None
+    began, ended = intervals
+    return float(angle), start, end, began, ended

@@ -16,7 +16,7 @@ from pvlib_fem._record.inputs import read
 from pvlib_fem.drivers import completed, geometry
 from pvlib_fem.drivers._solar import on_plane
 from pvlib_fem.effects import find
-from pvlib_fem.effects._standstill import rotations
+from pvlib_fem.effects._standstill import find_standstill, rotations
 from pvlib_fem.effects._time_profiles import number
 from pvlib_fem.quality._tracker_standstill import standing_of
 from pvlib_fem.reasons import Reason
@@ -114,6 +114,23 @@ def test_its_heat_is_the_light_that_is_missing_on_its_days(sound):
     assert (morning > 50.0).all() and (afternoon < -300.0).all()
     with pytest.raises(ValueError, match="is not before"):
         find({"name": "tracker_stuck", "start": "2023-07-05", "end": "2023-07-03"})
+
+
+@pytest.mark.parametrize("days", [2, 3, 4])
+def test_three_days_have_to_show_a_standstill(days):
+    """Not two, and a dull one beside them that shows nothing."""
+    day = np.repeat(np.arange(200), 24)
+    random = np.random.default_rng(4)
+    tangent = random.uniform(2.0, 4.0, len(day))
+    tangent[(day == 100 + days) | (day == 99)] = 0.0
+    there = (day >= 100) & (day < 100 + days)
+    rest = random.normal(0.0, 0.5, len(day)) + there * tangent
+    basis = np.full((len(day), 1), len(day) ** -0.5)
+    found = find_standstill(rest, [tangent], np.array([30.0]), basis, day, 0.05)
+    if days < 3:
+        assert found is None
+    else:
+        assert found[:3] == (30.0, 100, 100 + days)
 
 
 CASES = [(-35.0, "2023-06-12", "2023-06-26"), (20.0, "2023-04-17", "2023-05-15")]
