@@ -27,7 +27,7 @@ from pvlib_fem._loop.noise import with_outside
 from pvlib_fem._loop.parquet_loop import OwnSteps, in_means, on_days
 from pvlib_fem._loop.planes import with_given
 from pvlib_fem._loop.prepare import another_plane, is_before_the_sun, prepared
-from pvlib_fem._loop.progress import telling
+from pvlib_fem._loop.progress import reporting
 from pvlib_fem._loop.references import apart, cross_checks, log_likelihoods
 from pvlib_fem._loop.refit_checks import bounds
 from pvlib_fem._loop.refits import Fits, Step
@@ -229,7 +229,7 @@ def searched(
     given = {n: written_argument(value) for n, value in arguments_of(how).items()}
     # LAPACK's last bits depend on the number of threads, and its matrices here are
     # small
-    with one_blas_thread(), telling(progress) as tell:
+    with one_blas_thread(), reporting(progress) as report:
         own: OwnSteps | None = None
         replaced: dict[str, Any] = {}
         steady = steady_model(model)
@@ -240,7 +240,7 @@ def searched(
                     "surface_tilt and surface_azimuth as Series do not go with files; "
                     "write them into the files as columns"
                 )
-            tell("reading the files")
+            report("reading the files")
             instead, criteria = how.get("instead", Replacements()), how["criteria"]
             source = as_source(data)
             source, replaced = instead.of_files(source, place, criteria.limits)
@@ -256,15 +256,15 @@ def searched(
         frame, site = with_given(frame, place)
         spared: list[int] = []
         while True:
-            tell("checking the record")
+            report("checking the record")
             case = prepared(frame, site, **how, spared=spared)
-            search = Search(Fits(case), tell, own=own)
+            search = Search(Fits(case), report, own=own)
             last, base = search.run(steady)
             more = edge_weeks(search.case, last.model.effects, len(spared))
             if how["holdout"] is not None or not len(more):
                 break
             spared = sorted({*spared, *more.tolist()})
-        tell("measuring the errors of the test weeks")
+        report("measuring the errors of the test weeks")
         loop = outcome(search, last, base)
         if own is not None:
             loop = own.confirmed(loop)
@@ -318,7 +318,7 @@ class Search:
     """A case, and what was found in it so far."""
 
     fits: Fits
-    tell: Callable[[str], None]
+    report: Callable[[str], None]
     steps: dict[str, Step] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     #: findings that are not in the model
@@ -343,12 +343,12 @@ class Search:
         """The last step, and the name of the one before all effects."""
         self.untestable |= self.case.untestable
         self.corrections += self.case.corrections
-        self.tell("fitting the model without effects")
+        self.report("fitting the model without effects")
         self.steps |= self.fits.bases(steady)
         base = self.fits.better(self.steps)
         step = raw = self.steps[base] = self.steps[base].as_base()
         if self.case.clock.fault:
-            self.tell("correcting the clock")
+            self.report("correcting the clock")
             case = self.case
             self.fits, step, correction = module_clock(case, self.fits, raw, Fits)
             self.corrections.append(correction)
@@ -391,12 +391,12 @@ class Search:
         step = plain
         seen: list[set[Column]] = []
         for turn in range(MOST_ROUNDS):
-            self.tell(f"weighing effects, round {turn + 1}")
+            self.report(f"weighing effects, round {turn + 1}")
             this = self.round(step)
             key = {column for one in this.choices for column in one.top.columns}
             if key in seen:
                 break
-            self.tell(f"fitting {', '.join(this.names) or 'no further effect'}")
+            self.report(f"fitting {', '.join(this.names) or 'no further effect'}")
             fit = self.with_effects(plain, this.choices)
             bound = {*fit.at_bound}
             out = [
@@ -514,7 +514,7 @@ class Search:
         """The first finding that the own steps of files speak against, or None."""
         if self.own is None:
             return None
-        self.tell("fitting the record's own steps")
+        self.report("fitting the record's own steps")
         fitting, steps = self.case.fitting, [*self.steps]
         falls: list[tuple[Finding, float]] = []
         for finding in self.findings:

@@ -1,4 +1,4 @@
-"""How far a loop is: told to the log, and to whoever asks."""
+"""Progress of a loop: in the log, and to the caller."""
 
 import logging
 from collections.abc import Callable, Iterator
@@ -20,7 +20,7 @@ def line(disable: bool | None = None) -> tqdm:
 
 
 @contextmanager
-def telling(
+def reporting(
     progress: Callable[[str], object] | bool | None = None,
 ) -> Iterator[Callable[[str], None]]:
     """
@@ -36,12 +36,12 @@ def telling(
         if progress is True:
             show = stack.enter_context(line(disable=False)).set_description_str
 
-        def tell(words: str) -> None:
+        def report(words: str) -> None:
             LOG.info(words)
             if show:
                 show(words)
 
-        yield tell
+        yield report
 
 
 @contextmanager
@@ -63,9 +63,9 @@ def counting(
     hidden = None if shown is None else not shown
     with tqdm(total=whole, initial=done, disable=hidden, desc=words) as bar:
 
-        def tell(words: str) -> None:
+        def report(words: str) -> None:
             LOG.info("%s, %d of %d", words, bar.n, whole)
             bar.set_postfix_str(words, refresh=False)
             bar.update()
 
-        yield tell
+        yield report

@@ -206,12 +206,12 @@ def recover_effects(
     how |= {"model": model, **place}
     injector = Injector.of(search, loop)
     shared: tuple = (data, injector, loop.finding_objects, how)
-    with counting(len(planned), len(done), progress, "put in") as tell:
+    with counting(len(planned), len(done), progress, "put in") as report:
         for outcome in spread(recovered, tasks, processes, shared):
             result = with_outcome(result, outcome, planned)
             if path is not None:
                 result.to_json(path)
-            tell(outcome.injection.effect)
+            report(outcome.injection.effect)
     if not reliability:
         return result
     scrambler = Scrambler.of(search, loop, injector, data, holdout)
@@ -221,12 +221,12 @@ def recover_effects(
     done = {trial.key for trial in result.trials}
     tasks = [key for key in kept if key not in done]
     shared = (scrambler, how, seed)
-    with counting(len(kept), len(done), progress, "scrambled") as tell:
+    with counting(len(kept), len(done), progress, "scrambled") as report:
         for trial in spread(trial_of, tasks, processes, shared):
             result = with_trial(result, trial, kept)
             if path is not None:
                 result.to_json(path)
-            tell(trial.what)
+            report(trial.what)
     return result
 
 
@@ -271,9 +271,9 @@ def plan(
         ready = [effect for effect in ready if effect.name in sizes]
     shared, tasks = (search.case, step, draws, seed), [(e,) for e in ready]
     looked = spread(predictions, tasks, processes, shared)
-    with counting(len(tasks), 0, progress, "predicted") as tell:
+    with counting(len(tasks), 0, progress, "predicted") as report:
         for effect, (looks, why) in zip(ready, looked):
-            tell(effect.name)
+            report(effect.name)
             if why is not None:
                 notes[effect.name] = str(why)
             for draw, *known in looks:
