@@ -91,5 +91,5 @@ def did_you_mean(words: str | Iterable[str], known: Iterable[object]) -> str:
         return ""
     if len(words) == 1:
         return f" (did you mean {near[words[0]]}?)"
-    asked = ", and ".join(f"{names} for {word}" for word, names in near.items())
-    return f" (did you mean {asked}?)"
+    choices = ", and ".join(f"{names} for {word}" for word, names in near.items())
+    return f" (did you mean {choices}?)"

@@ -125,8 +125,8 @@ def twin(usual: str) -> Callable[[str], bool]:
     return lambda name: twin_of(name) == usual
 
 
-def beside(usual: str) -> Parts:
-    """The column itself, and the usual one."""
+def paired_with(usual: str) -> Parts:
+    """The column, and the usual column of the instrument."""
     return lambda record, values: (values, record[usual])
 
 
@@ -184,7 +184,7 @@ COMPARISONS = (
     Comparison(
         called(SKY),
         bright,
-        beside("poa_global"),
+        paired_with("poa_global"),
         logs,
         LIGHT,
         wanders=HAZE,
@@ -193,13 +193,13 @@ COMPARISONS = (
     Comparison(
         called(USUAL_WIND),
         always,
-        beside("wind_speed"),
+        paired_with("wind_speed"),
         logs,
         WIND,
         wanders=WINDINESS,
     ),
-    Comparison(twin("poa_global"), bright, beside("poa_global"), logs, LIGHT),
-    Comparison(twin("wind_speed"), windy, beside("wind_speed"), logs, WIND),
+    Comparison(twin("poa_global"), bright, paired_with("poa_global"), logs, LIGHT),
+    Comparison(twin("wind_speed"), windy, paired_with("wind_speed"), logs, WIND),
     Comparison(twin("temp_air"), dark, warmer, np.divide, AIR, "K"),
     Comparison(twin("temp_air"), bright, warmed, np.divide, SHELTER, "K"),
     Comparison(twin("temp_module"), bright, over, logs, CONTACT, module=True),

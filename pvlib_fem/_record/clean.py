@@ -89,7 +89,7 @@ class CleanRecord:
     names: tuple
     holes: dict = field(default_factory=dict)  # column to spans of rows, see spans
     clip: bool = False  # whether negative irradiance is 0
-    beside: tuple = ()  # of Alongside and Trailing: columns that the files do not hold
+    added: tuple = ()  # Alongside and Trailing: columns that the files do not hold
 
     def __len__(self) -> int:
         return len(self.source)
@@ -105,7 +105,7 @@ class CleanRecord:
 
     def with_columns(self, more: AddedColumns) -> "CleanRecord":
         """The record with columns that the files do not hold."""
-        return replace(self, beside=(*self.beside, more))
+        return replace(self, added=(*self.added, more))
 
     def of(self, name: str) -> Any:
         return self.holes.get(name, NONE)
@@ -116,11 +116,11 @@ class CleanRecord:
 
         What the files do not hold is there where no names are given.
         """
-        beside = [more.begun() for more in self.beside] if names is None else []
+        added = [more.begun() for more in self.added] if names is None else []
         for block in self.source.blocks(self.names if names is None else names):
             columns = self.cleaned(block.inputs.columns, block.start, len(block))
             inputs = replace(block.inputs, columns=columns)
-            for more in beside:
+            for more in added:
                 inputs = inputs.having(more.at(inputs))
             yield replace(block, inputs=inputs)
 

@@ -283,15 +283,15 @@ def by_evidence(found: Guess, files: Any, how: Mapping, check: Callable) -> None
     how = {**how, "convert": True, "module_area": how.get("module_area") or 1.0}
     headers = {name: found.columns.get(name, name) for name in QUANTITIES}
     for _ in QUANTITIES:
-        told = {**how.get("units", {}), **found.units}
+        units = {**how.get("units", {}), **found.units}
         try:
-            check(frame(files, found.layouts, found.columns, **how | {"units": told}))
+            check(frame(files, found.layouts, found.columns, **how | {"units": units}))
             return
         except SwappedTemperatures as odd:
             exchange(found, odd.why)
         except ForeignUnit as odd:
             by_header = {n for n, h in headers.items() if named_unit(n, h) == odd.unit}
-            if {*odd.columns} <= {*told} | by_header:
+            if {*odd.columns} <= {*units} | by_header:
                 return
             found.units |= dict.fromkeys(odd.columns, odd.unit)
             names = " and ".join(odd.columns)
@@ -303,8 +303,8 @@ def by_evidence(found: Guess, files: Any, how: Mapping, check: Callable) -> None
 def of_wind(found: Guess, data: dict) -> None:
     """Ask for mph where the temperatures are in °F and the wind says nothing."""
     wind = found.columns.get("wind_speed", "wind_speed")
-    told = wind not in data or named_unit("wind_speed", str(wind)) is not None
-    if "°F" in found.units.values() and "wind_speed" not in found.units and not told:
+    named = wind not in data or named_unit("wind_speed", str(wind)) is not None
+    if "°F" in found.units.values() and "wind_speed" not in found.units and not named:
         found.doubts.append(
             f"where temperatures are in °F, {wind!r} is mostly in mph: then add --unit "
             "wind_speed=mph"

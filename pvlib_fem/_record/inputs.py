@@ -309,14 +309,14 @@ class Record:
 
     def known(self, names: list) -> np.ndarray:
         """Rows that have all of some columns."""
-        asked = "rows", *names
-        if asked not in self.inputs.known:
+        key = "rows", *names
+        if key not in self.inputs.known:
             rows = np.ones(len(self.index), dtype=bool)
             for name in names:
                 rows &= known_values(name, self[name], self["poa_global"])
             rows.flags.writeable = False  # it is the same for all who ask
-            self.inputs.known[asked] = rows
-        return self.inputs.known[asked]
+            self.inputs.known[key] = rows
+        return self.inputs.known[key]
 
     def rows(self, holdout: pd.Series) -> np.ndarray:
         """Boolean array of a user's choice of rows."""

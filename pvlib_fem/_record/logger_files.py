@@ -140,9 +140,11 @@ def frame(
     for name in QUANTITIES:
         if name in data:
             refuse_text(data[name], name)
-    data, told = in_units(data, headers, convert, units or {}, check_units, module_area)
-    done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in told.items()]
-    data.attrs |= {"notes": notes + done, "converted": told}
+    data, file_units = in_units(
+        data, headers, convert, units or {}, check_units, module_area
+    )
+    done += [f"{n} converted from {u} to {own_unit(n)}" for n, u in file_units.items()]
+    data.attrs |= {"notes": notes + done, "converted": file_units}
     return data
 
 
@@ -337,8 +339,8 @@ def in_units(
     module_area: float | None,
 ) -> tuple[pd.DataFrame, dict]:
     """Columns in the package's units, if that is requested, and their own units."""
-    told = {name: unit_of(name, unit) for name, unit in units.items()}
-    if absent := [name for name in told if name not in data]:
+    requested = {name: unit_of(name, unit) for name, unit in units.items()}
+    if absent := [name for name in requested if name not in data]:
         raise ValueError(
             f"there is no column {absent[0]} to convert"
             f"{did_you_mean(absent[0], data.columns)}; name it with --map "
@@ -347,13 +349,13 @@ def in_units(
     done = {}
     for name, header in headers.items():
         # of a second sensor with no name of its own, temp_module_f, the end is no unit
-        second = name not in QUANTITIES and name not in told and name == header
+        second = name not in QUANTITIES and name not in requested and name == header
         if usual_name_of(name) is None or second:
             continue
-        own, unit = own_unit(name), told.get(name) or named_unit(name, str(header))
+        own, unit = own_unit(name), requested.get(name) or named_unit(name, str(header))
         if unit in (None, own):
             continue
-        if name in told or convert:
+        if name in requested or convert:
             hours = usual_step(data.index) / 3600.0
             column = converted(data[name], name, unit, hours, module_area)
             data = data.assign(**{name: column})

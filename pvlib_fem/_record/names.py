@@ -79,13 +79,13 @@ def mapped(data: dict, columns: dict, names: tuple, doubts: list) -> dict:
             if matching:
                 columns[name] = matching[0]
                 free.remove(matching[0])
-                told(name, matching, sure, doubts)
+                add_doubts(name, matching, sure, doubts)
                 break
     return columns
 
 
-def told(name: str, matching: list, sure: int, doubts: list) -> None:
-    """What a person should look at."""
+def add_doubts(name: str, matching: list, sure: int, doubts: list) -> None:
+    """Add what the user has to check in a guessed column."""
     if len(matching) > 1:
         doubts.append(
             f"{name} may also be {', '.join(repr(c) for c in matching[1:4])}"

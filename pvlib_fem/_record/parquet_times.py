@@ -60,15 +60,15 @@ def on_the_clock(
         )
     if tz is None:
         return found, notes
-    runs, told, pairs = [], [], changes(found, tz)
+    runs, localized, pairs = [], [], changes(found, tz)
     for near, run in itertools.groupby(found, lambda group: meets(group, pairs)):
         run = list(run)
         if near:
             run, *rows = in_the_zone(run, times_of, tz)
-            told.append(rows)
+            localized.append(rows)
         runs += run
-    if told:
-        index, there, once = (np.concatenate(part) for part in zip(*told))
+    if localized:
+        index, there, once = (np.concatenate(part) for part in zip(*localized))
         index = pd.DatetimeIndex(index)
         notes += [*skipped(index, tz, there), *once_only(index, tz, once)]
     return [group for group in runs if group.rows], notes

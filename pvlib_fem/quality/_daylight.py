@@ -107,7 +107,7 @@ def daylight_saving(
     moves is in ``left``.
     """
     limits = limits or Limits()
-    if reason := untold(index, noon):
+    if reason := why_no_zone(index, noon):
         return as_it_is(index, reason, noon)
     place = (location, surface_tilt, surface_azimuth, limits, mount)
     poa = np.asarray(poa_global)
@@ -182,7 +182,7 @@ def root_mean_square(days: pd.Series) -> float:
     return float(np.sqrt(np.mean(days.to_numpy() ** 2)))
 
 
-def untold(index: pd.DatetimeIndex, noon: SolarNoon) -> str:
+def why_no_zone(index: pd.DatetimeIndex, noon: SolarNoon) -> str:
     """Why no zone is tried; "" if zones are tried."""
     if not noon.jumps:
         return "no jump of the light was found: nothing is to be corrected"

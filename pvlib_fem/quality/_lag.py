@@ -67,7 +67,7 @@ def lag(
     even = grid(seconds + front, (poa, air, module), step, count)
     poa, air, module = map(changes, even)
     sums = Products(poa, air, module, count, round(ANSWER / step))
-    if not sums.told:
+    if not sums.informative:
         return None
     found = weighed(sums, step, limits)
     if base <= limits.coarsest_clock:  # whose onset is looked for
@@ -177,8 +177,8 @@ class Products:
         return Products(*columns, self.count, self.length)
 
     @property
-    def told(self) -> bool:
-        """Whether there is anything to tell."""
+    def informative(self) -> bool:
+        """Whether irradiance changes, and the module on more than one day."""
         return self.seen.sum() > 1 and self.own[0] > 0
 
     def whole(self, one: np.ndarray, other: np.ndarray, lag: int) -> float:
@@ -202,10 +202,11 @@ class Products:
         return (one * later).reshape(-1, self.count).sum(axis=1)
 
     def at(self, lag: int) -> tuple[np.ndarray, float]:
-        """What an answer from a lag on has to tell: with irradiance, and by itself."""
-        told = np.array([self.later(j) for j in range(lag, lag + self.length)])
+        """Products of the response after a lag: with irradiance, and with itself."""
+        products = np.array([self.later(j) for j in range(lag, lag + self.length)])
         square = self.module @ self.module + self.air @ self.air
-        return told - self.of_air, square - 2 * self.whole(self.air, self.module, lag)
+        square -= 2 * self.whole(self.air, self.module, lag)
+        return products - self.of_air, square
 
     def left(self, lag: int, answer: np.ndarray) -> np.ndarray:
         """Daily residual of a response that begins at a lag."""
@@ -250,12 +251,12 @@ def weighed(sums: Products, step: float, limits: Limits) -> Lag:
     fall = np.clip(fall, -1.0, 1.0)
     error = fall.std(ddof=1) / np.sqrt(fall.size)
     sure = float(fall.mean() / error) if error > 0 else 0.0
-    asked = student.ppf(norm.cdf(limits.sure), fall.size - 1)
+    critical = student.ppf(norm.cdf(limits.sure), fall.size - 1)
     left = tried[best][1] / tried[none][1] if tried[none][1] > 0 else 1.0
     changed = sums.module @ sums.module + sums.air @ sums.air
     share = float(1 - tried[best][1] / changed)
     most = limits.lag_left if abs(best) > 1 else limits.lag_next
-    holds = sure > asked and left < most and share > limits.lag_share
+    holds = sure > critical and left < most and share > limits.lag_share
     late = best * step if holds else 0.0
     return Lag(late, step, sure, share, float(left), best, tried[best][0])
 
@@ -270,7 +271,7 @@ def hours_by_days(sums: Products, found: Lag, limits: Limits) -> list:
     runs = []
     for first, end in pairwise(parts.astype(int)):
         part = sums.part(first, end)
-        one = weighed(part, found.step, limits) if part.told else None
+        one = weighed(part, found.step, limits) if part.informative else None
         if one is None or one.share < limits.lag_share or (one.best and not one.late):
             continue
         if not runs or runs[-1][-1][0] != one.best:

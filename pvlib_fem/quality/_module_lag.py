@@ -270,14 +270,14 @@ def line(x: np.ndarray, y: np.ndarray, stderr: np.ndarray, limits: Limits) -> tu
     weight, rest = stderr**-2, len(x) - 1
     centre, mean = (np.average(v, weights=weight) for v in (x, y))
     x, y = x - centre, y - mean
-    told = weight @ x**2
-    if rest < 2 or not told > 0:
+    squares = weight @ x**2
+    if rest < 2 or not squares > 0:
         spread = max(weight @ y**2 / max(rest, 1), 1.0)
         error = np.sqrt(spread / weight.sum())
         return mean, error, np.nan, np.nan, centre, rest
-    slope = weight @ (x * y) / told
+    slope = weight @ (x * y) / squares
     spread = max(weight @ (y - slope * x) ** 2 / (rest - 1), 1.0)
-    error, slope_error = np.sqrt(spread / weight.sum()), np.sqrt(spread / told)
+    error, slope_error = np.sqrt(spread / weight.sum()), np.sqrt(spread / squares)
     return mean, error, slope, slope_error, centre, rest
 
 

@@ -49,7 +49,7 @@ class NightLight:
 
     def dark(self) -> np.ndarray:
         """Whether light is an accident then, by that number."""
-        known, lit = beside(self.known), beside(self.lit)
+        known, lit = with_adjacent(self.known), with_adjacent(self.lit)
         there = known > 0
         lit = there & (lit > LIT * known)
         # a clock that was set for some days has many such nights, and its own are lit
@@ -67,7 +67,7 @@ class NightLight:
         return far > HALF_DAY + 1.0 / self.parts
 
 
-def beside(table: np.ndarray) -> np.ndarray:
+def with_adjacent(table: np.ndarray) -> np.ndarray:
     """Sums of a time of day and of the adjacent ones."""
     flat = np.cumsum(np.pad(table.ravel(), (NEAR + 1, NEAR)))
     return (flat[2 * NEAR + 1 :] - flat[: -2 * NEAR - 1]).reshape(table.shape)

@@ -169,10 +169,10 @@ def measure(sums: Sums, days: np.ndarray, limits: Any) -> dict | None:
     weights = weigh(onset)[0]
     if not weights.any():
         return None
-    stderr, told = error(sums, days, lags, onset, weights, normal)
+    stderr, information = error(sums, days, lags, onset, weights, normal)
     if not stderr < sums.step + limits.sensor_slack:
         return None
-    middle = np.average(sums.begin(days), weights=told) + sums.day / 2
+    middle = np.average(sums.begin(days), weights=information) + sums.day / 2
     return dict(day=days[0], seconds=middle, late=onset, stderr=stderr, coarse=coarse)
 
 
@@ -205,11 +205,11 @@ def error(
     own = sums.own[days][:, : len(lags)]
     found = np.einsum("ij,j->i", sums.later(lags[0], len(lags), days), slope)
     score = found - quadratic(own, slope, answer)
-    told = np.maximum(quadratic(own, slope, slope), 0.0)
-    if not told.sum() > 0:
-        return np.inf, told
+    information = np.maximum(quadratic(own, slope, slope), 0.0)
+    if not information.sum() > 0:
+        return np.inf, information
     spread = np.einsum("i,i->", score, score) * len(days) / (len(days) - 1)
-    return np.sqrt(spread) / told.sum(), told
+    return np.sqrt(spread) / information.sum(), information
 
 
 def quadratic(own: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -90,6 +90,6 @@ def screened_blocks(
     sample = found.sampled()
     if check_units:
         refuse_doubtful(sample.columns, limits)
-    faults, odd = tuple(found.told()), tuple(oddities(sample, limits, source.absent))
+    faults, odd = tuple(found.faults()), tuple(oddities(sample, limits, source.absent))
     found.look.forget()
     return Screened(found.clean, found.look, faults, odd, missing, clipped)

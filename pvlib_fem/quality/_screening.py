@@ -96,7 +96,7 @@ class Screener:
 
     clean: CleanRecord
     limits: Limits
-    asked: tuple  # columns
+    tested: tuple  # columns
     look: Look
     doubts: dict = field(default_factory=dict)  # columns in another unit, and why
     found: dict = field(default_factory=dict)  # kind to column to spans of rows
@@ -104,17 +104,17 @@ class Screener:
 
     @classmethod
     def of(
-        cls, clean: CleanRecord, limits: Limits, asked: tuple | None = None
+        cls, clean: CleanRecord, limits: Limits, tested: tuple | None = None
     ) -> "Screener":
         """The screening of a record, before any rule; of some columns or of all."""
         look = Look.of(clean, limits)
-        return cls(clean, limits, clean.names if asked is None else asked, look)
+        return cls(clean, limits, clean.names if tested is None else tested, look)
 
     def rules(self) -> int:
         """Every other rule that looks at one column; rows of offset by night."""
         sample, clipped = self.sampled(), 0
         self.doubts = doubtful(sample.columns, self.limits)
-        if "poa_global" in self.asked:
+        if "poa_global" in self.tested:
             clipped = self.negative_by_day()
         for kind in ("out of range", "spike"):
             for name, one in self.ruled():
@@ -123,7 +123,7 @@ class Screener:
             if possible(name) is None:  # of which a lone one is a spike
                 far = self.limits.far**3
                 self.note("spike", name, *one.beyond(self.clean, sample[name], far, 1))
-        if "poa_global" in self.asked and "poa_global" not in self.doubts:
+        if "poa_global" in self.tested and "poa_global" not in self.doubts:
             self.light_by_night()
         return clipped
 
@@ -145,7 +145,7 @@ class Screener:
     def ruled(self) -> Iterator:
         """Columns that the rules check."""
         for name, one in self.look.columns.items():
-            if name in self.asked and name not in self.doubts and name not in PLACED:
+            if name in self.tested and name not in self.doubts and name not in PLACED:
                 yield name, one
 
     def note(
@@ -216,7 +216,7 @@ class Screener:
 
     def refuse_empty(self) -> None:
         """Refuse one of the four columns without any remaining value."""
-        for row in self.told():
+        for row in self.faults():
             if row.column in POSSIBLE and not self.look.columns[row.column].known:
                 raise empty_error(row)
 
@@ -335,8 +335,8 @@ class Screener:
             calm = becalmed(clean, self.look.step, rest, self.limits)
             self.note("stuck", "wind_speed", *calm)
 
-    def told(self) -> Iterator:
-        """What was found, in the order of kinds and columns."""
+    def faults(self) -> Iterator:
+        """The faults, in the order of kinds and columns."""
         for kind in KINDS:
             for name in self.clean.names:
                 if name in self.found.get(kind, {}):

@@ -40,20 +40,20 @@ class Scene:
         # K that all of the beam is worth
         self.tangent = -25.0 * up**0.5 * (up > 0) * sky
         self.noise = random.normal(0, 0.5, len(index))
-        self.beside = [self.tangent, up, up * sky * up, np.ones(len(index))]
+        self.nuisance = [self.tangent, up, up * sky * up, np.ones(len(index))]
 
     def rest(self, windows, share):
         """Residual of a fit that has the other columns and not the windows."""
         inside = within_any(windows, self.azimuth, 90.0 - self.elevation)
         whole = share * self.tangent * inside + self.noise
-        known = np.column_stack(self.beside)
+        known = np.column_stack(self.nuisance)
         return whole - known @ np.linalg.lstsq(known, whole, rcond=None)[0]
 
     def find(self, rest, sign=1.0, tangent=None):
         return find_windows(
             rest,
             self.tangent if tangent is None else tangent,
-            orthonormal(self.beside),
+            orthonormal(self.nuisance),
             (self.azimuth, self.elevation),
             self.weeks,
             sign,
@@ -63,7 +63,7 @@ class Scene:
     def share(self, rest, windows):
         """Fit of a share for some windows."""
         inside = within_any(windows, self.azimuth, 90.0 - self.elevation)
-        columns = np.column_stack([self.tangent * inside, *self.beside])
+        columns = np.column_stack([self.tangent * inside, *self.nuisance])
         return np.linalg.lstsq(columns, rest, rcond=None)[0][0]
 
 
@@ -107,10 +107,10 @@ def test_what_lasts_for_some_days_is_no_obstacle(monkeypatch):
     scene.noise[50 * 288 :] = 0.0
     days = np.arange(len(scene.noise)) // 288
     first = (days < 10) & (abs(scene.azimuth - 180.0) < 20.0)
-    for column in (scene.tangent, *scene.beside[:1]):
+    for column in (scene.tangent, *scene.nuisance[:1]):
         column[days >= 50] = 0.0  # a record of winter and spring
     whole = 0.8 * scene.tangent * first + scene.noise
-    known = np.column_stack(scene.beside)
+    known = np.column_stack(scene.nuisance)
     rest = whole - known @ np.linalg.lstsq(known, whole, rcond=None)[0]
     assert scene.find(rest) == (0.0, ())
     monkeypatch.setattr(windows, "as_normal", lambda errors, draws: errors)
