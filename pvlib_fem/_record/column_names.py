@@ -97,8 +97,8 @@ def plant_power(record: Any, most: float) -> dict:
     for name in PLANT_POWER:
         if name in record.inputs.columns and light.any():
             values = record[name]
-            lacks = np.isnan(values[light]).mean()
-            if lacks <= most and np.nanmax(values) > np.nanmin(values):
+            missing = np.isnan(values[light]).mean()
+            if missing <= most and np.nanmax(values) > np.nanmin(values):
                 found[name] = pd.Series(values, record.index)
     return found
 
@@ -274,10 +274,10 @@ def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because
     if (there := np.isinf(values)).any():
         time = str(column.index[np.argmax(there)])
         return because(Reason.INFINITE, column=name, time=time)
-    lacks = int(np.count_nonzero(np.isnan(values)))
-    if lacks == len(values):
+    missing = int(np.count_nonzero(np.isnan(values)))
+    if missing == len(values):
         return because(Reason.EMPTY, column=name)
-    if (share := lacks / len(values)) > most_missing:
+    if (share := missing / len(values)) > most_missing:
         return because(Reason.MISSING, column=name, share=share)
     with np.errstate(over="ignore", invalid="ignore"):
         spread = values.std()
@@ -285,8 +285,10 @@ def unusable(name: str, column: Any, seen: dict, most_missing: float) -> Because
     if not 0 < spread < np.inf and name not in GEOMETRY:
         if column.nunique() < 2:
             return because(Reason.CONSTANT, column=name)
-        doubt = f"goes from {np.nanmin(values):.3g} to {np.nanmax(values):.3g}"
-        return because(Reason.DOUBTFUL, column=name, doubt=f"{doubt}, no measurement")
+        values_range = f"goes from {np.nanmin(values):.3g} to {np.nanmax(values):.3g}"
+        return because(
+            Reason.DOUBTFUL, column=name, doubt=f"{values_range}, no measurement"
+        )
     if copies := [other for other, usual in seen.items() if same(values, usual)]:
         return because(Reason.COPY, column=name, other=copies[0])
     return None

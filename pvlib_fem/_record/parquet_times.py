@@ -93,8 +93,8 @@ def meets(group: Any, pairs: Any) -> Any:
 def without_nulls(group: Any, times_of: Any) -> Any:
     if not group.nulls:
         return group
-    lacks = np.isnat(times_of(group))
-    left = tuple(np.flatnonzero(lacks).tolist())
+    missing = np.isnat(times_of(group))
+    left = tuple(np.flatnonzero(missing).tolist())
     return replace(group, rows=group.rows - len(left), left=left)
 
 

@@ -90,10 +90,10 @@ class Sums:
         """Add values of one column at the places of their steps."""
         sums, counts = self.sums.get(key, (np.zeros(0), np.zeros(0)))
         sums, counts = grown(sums, size), grown(counts, size)
-        lacks = np.isnan(values)
-        if lacks.any():
-            values = np.where(lacks, 0.0, values)
-            number = np.add.reduceat(~lacks, first, dtype=float)
+        missing = np.isnan(values)
+        if missing.any():
+            values = np.where(missing, 0.0, values)
+            number = np.add.reduceat(~missing, first, dtype=float)
         else:
             number = np.diff(first, append=len(values))
         part = slice(at[0], at[-1] + 1)

@@ -75,10 +75,10 @@ def doubtful(columns: Columns, limits: Limits | None = None) -> dict[str, str]:
         if not len(seen):
             continue
         kind = "temp_" if name.startswith("temp_") else name
-        known, doubt = range_of(name), DOUBTS.get(kind)
-        reason = doubt(seen, known, limits) if doubt else ""
+        known, check = range_of(name), UNIT_CHECKS.get(kind)
+        reason = check(seen, known, limits) if check else ""
         if name == "p_dc_per_area" and "poa_global" in columns:
-            reason = power_doubt(
+            reason = check_power(
                 values, np.asarray(columns["poa_global"], float), limits
             )
         if reason:
@@ -123,7 +123,7 @@ def options_of(column: Any, name: str, values: Any) -> Any:
     return options + ["--unit", f"{name}={unit}"] * bool(unit and not own)
 
 
-def humidity_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
+def check_humidity(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if unit := unit_of_driver("relative_humidity", seen, limits):
         return (
             f"is {seen.max():.2g} at most, a fraction; multiply it by 100 for % "
@@ -134,7 +134,7 @@ def humidity_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     return ""
 
 
-def longwave_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
+def check_longwave(seen: np.ndarray, known: Range, limits: Limits) -> str:
     odd = (seen < known.least) | (seen > known.most)
     if often(odd, limits):
         return (
@@ -146,7 +146,7 @@ def longwave_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     return ""
 
 
-def direction_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
+def check_direction(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if unit := unit_of_driver("wind_direction", seen, limits):
         return (
             f"is {seen.max():.2g} at most, radians; multiply it by 57.3 for ° "
@@ -157,25 +157,25 @@ def direction_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
     return ""
 
 
-def rain_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
+def check_rain(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if (seen < known.least).any():
         return f"is {seen.min():.3g} at least; a counter needs its resets taken out"
     return ""
 
 
-def snow_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
+def check_snow(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if often(seen < known.least, limits):
         return f"is {seen.min():.3g} at least; set the zero of the gauge"
     return ""
 
 
-def kelvin_doubt(seen: np.ndarray, known: Range, limits: Limits) -> str:
+def check_kelvin(seen: np.ndarray, known: Range, limits: Limits) -> str:
     if np.median(seen) > known.most:
         return f"has a median of {np.median(seen):.0f}, kelvin; subtract 273.15"
     return ""
 
 
-def power_doubt(power: np.ndarray, poa: np.ndarray, limits: Limits) -> str:
+def check_power(power: np.ndarray, poa: np.ndarray, limits: Limits) -> str:
     """What is odd of power by irradiance, in the sun."""
     sunny = (poa > limits.sunny) & np.isfinite(power)
     if not sunny.any():
@@ -199,13 +199,13 @@ def power_doubt(power: np.ndarray, poa: np.ndarray, limits: Limits) -> str:
 
 
 #: checks of a driver by its name
-DOUBTS = {
-    "relative_humidity": humidity_doubt,
-    "longwave_down": longwave_doubt,
-    "wind_direction": direction_doubt,
-    "precipitation": rain_doubt,
-    "snow_depth": snow_doubt,
-    "temp_": kelvin_doubt,
+UNIT_CHECKS = {
+    "relative_humidity": check_humidity,
+    "longwave_down": check_longwave,
+    "wind_direction": check_direction,
+    "precipitation": check_rain,
+    "snow_depth": check_snow,
+    "temp_": check_kelvin,
 }
 
 
