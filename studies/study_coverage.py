@@ -201,10 +201,10 @@ def page(table, records, shift, day):
             f"have\n{cell.min():.1f} to {cell.max():.1f} %. Without an interval: "
             f"{unknown}.\n"
         )
-    yield from lasting_page(slow[slow["known"]], records)
+    yield from memory_page(slow[slow["known"]], records)
 
 
-def lasting_page(known, records):
+def memory_page(known, records):
     """The table of errors that last for days."""
     spread = 196 * np.sqrt(0.95 * 0.05 / (2 * records))
     yield LASTING.format(noise=NOISE, records=records, spread=spread)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pvlib_fem._statistics.clusters import FEWEST_DAYS, ClusterSums
-from pvlib_fem._statistics.daily_memory import Lasting, lasting
+from pvlib_fem._statistics.daily_memory import DailyMemory, daily_memory
 from pvlib_fem._thermal.model import ThermalModel
 
 UNKNOWN = 1e-9  # share of the largest eigenvalue below which a direction is unknown
@@ -55,9 +55,9 @@ def errors(
     if tied := tied_names(names, unknown):
         notes.append(f"errors are NaN: {undetermined(tied)}")
         return stderr
-    alone, lasts = np.diag(sums.by_day()), lasting(sums)
-    error = np.sqrt(alone + lasts.variance)
-    notes += lasting_notes(names, error / np.sqrt(alone), lasts)
+    alone, memory = np.diag(sums.by_day()), daily_memory(sums)
+    error = np.sqrt(alone + memory.variance)
+    notes += memory_notes(names, error / np.sqrt(alone), memory)
     return {**stderr, **dict(zip(names, error.tolist()))}
 
 
@@ -89,17 +89,17 @@ def correlation(daily: Any, stderr: dict) -> pd.DataFrame:
     return pd.DataFrame((found + found.T) / 2.0, named, named)
 
 
-def lasting_notes(names: list, times: np.ndarray, lasts: Lasting) -> Iterator:
+def memory_notes(names: list, times: np.ndarray, memory: DailyMemory) -> Iterator:
     """A note on how much the autocorrelation between days enlarges the errors."""
     if not (more := [n for n, many in zip(names, times) if many >= SAID]):
         return
     note = (
-        f"the residual lasts for about {lasts.memory:.2g} fitted days: the error of "
+        f"the residual lasts for about {memory.memory:.2g} fitted days: the error of "
         f"{' and '.join(more)} is {max(times):.1f} times that of independent days"
     )
-    if not lasts.known:
+    if not memory.known:
         note += (
-            f", and may be larger, since {lasts.days} days are too few to tell how "
+            f", and may be larger, since {memory.days} days are too few to tell how "
             "long it lasts; fit a longer record"
         )
     yield note

@@ -138,13 +138,15 @@ def gather(
     rows = np.flatnonzero(seen & np.isfinite(temperature))
     # two tangents that contain a change in part would explain it between them
     changes = [effect for effect in model.effects if effect.sensor_fault]
-    lasting = replace(
+    without_faults = replace(
         model, effects=tuple(e for e in model.effects if not e.sensor_fault)
     )
-    at = Tangents.of(lasting, inputs, coefficients, rows)
+    at = Tangents.of(without_faults, inputs, coefficients, rows)
     own = at.slopes()
-    base = [n for n in lasting.free if n not in fixed and own[n].any()]
-    before = lasting.temperature(inputs, coefficients) if changes else temperature
+    base = [n for n in without_faults.free if n not in fixed and own[n].any()]
+    before = (
+        without_faults.temperature(inputs, coefficients) if changes else temperature
+    )
     wrong = misfits(before - coefficients["bias"], record, rows)
     evidence = Evidence(
         {name: own[name] for name in base} | wrong,
@@ -184,7 +186,9 @@ def gather(
         )
         if column is not None and coefficients[next(iter(effect.rows()))]:
             dates, tangent = record.dates[rows], evidence.columns[column]
-            response = secant(lasting, inputs, effect, coefficients, dates, before)
+            response = secant(
+                without_faults, inputs, effect, coefficients, dates, before
+            )
             secants[column] = np.where(np.isnan(tangent), np.nan, response[rows])
     columns = evidence.columns | secants
     return replace(evidence, columns=columns, changing=tuple(changing), failed=failed)
@@ -312,8 +316,8 @@ class Tangents:
             In order.
         """
         model = model.knowing(inputs, coefficients)
-        lasting = FADED * model.longest(inputs, coefficients)
-        read = remembered(rows, inputs.seconds, lasting)
+        reach = FADED * model.longest(inputs, coefficients)
+        read = remembered(rows, inputs.seconds, reach)
         names = (*COLUMNS[:3], *model.drivers)
         inputs = inputs.only(names).taken(read)
         places = np.searchsorted(read, rows)
@@ -339,12 +343,12 @@ class Tangents:
         return {name: slopes.pop(name)[self.places] for name in names}
 
 
-def remembered(rows: np.ndarray, seconds: np.ndarray, lasting: float) -> np.ndarray:
+def remembered(rows: np.ndarray, seconds: np.ndarray, reach: float) -> np.ndarray:
     """Some rows, and those before each that are no older than so long. [s]"""
     ahead = np.full(len(seconds), np.inf)
     ahead[rows] = seconds[rows]
     ahead = np.minimum.accumulate(ahead[::-1])[::-1]
-    return np.flatnonzero(ahead - seconds <= lasting)
+    return np.flatnonzero(ahead - seconds <= reach)
 
 
 def tangents(

@@ -12,7 +12,7 @@ KNOWN = 0.1  # longest memory that can be estimated, as a share of the days
 
 
 @dataclass(frozen=True, eq=False)
-class Lasting:
+class DailyMemory:
     """The variance to add to each coefficient, and the duration of the error."""
 
     variance: np.ndarray
@@ -25,7 +25,7 @@ class Lasting:
         return self.memory <= KNOWN * self.days
 
 
-def lasting(sums: ClusterSums) -> Lasting:
+def daily_memory(sums: ClusterSums) -> DailyMemory:
     r"""
     Estimate the variance that correlation between days adds to daily clustered errors.
 
@@ -51,7 +51,7 @@ def lasting(sums: ClusterSums) -> Lasting:
 
     Returns
     -------
-    Lasting
+    DailyMemory
 
     References
     ----------
@@ -75,7 +75,7 @@ def lasting(sums: ClusterSums) -> Lasting:
     moved = normals[:, place] @ inverse
     added = gamma * (between(moved, memory) - (moved**2).sum(axis=0))
     variance = np.maximum(added, 0.0) / sums.scale**2
-    return Lasting(variance, -1.0 / np.log(memory) if memory > 0.0 else 0.0, days)
+    return DailyMemory(variance, -1.0 / np.log(memory) if memory > 0.0 else 0.0, days)
 
 
 def between(columns: np.ndarray, memory: float) -> float | np.ndarray:

@@ -83,7 +83,7 @@ class LeastSquares:
         # collinear columns shift together
         plain = steady((weeks - 1) / weeks * shifts.T @ shifts)
         along = shifts @ np.linalg.solve(plain, self.estimate)
-        return plain * lasting(along)
+        return plain * memory_factor(along)
 
     @cached_property
     def mix(self) -> np.ndarray:
@@ -135,12 +135,12 @@ class LeastSquares:
         known = self.weights > SOME * self.weights.max()
         along = (self.scores @ self.mix)[known, 0] / np.sqrt(self.weights[known])
         many, few = max(len(along) - 1.0, 1.0), self.freedom
-        pooled = along @ along / many / self.weights.sum() * lasting(along)
+        pooled = along @ along / many / self.weights.sum() * memory_factor(along)
         both = (many * pooled + few * self.covariance) / (many + few)
         return both, many + few
 
 
-def lasting(scores: np.ndarray) -> float:
+def memory_factor(scores: np.ndarray) -> float:
     """Factor of a variance of means for the memory of scores of successive weeks."""
     memory, power = 0.0, scores @ scores
     if len(scores) > 3 and power > 0:

@@ -126,7 +126,7 @@ def smooth(
     state: np.ndarray,
     means: np.ndarray,
     by_tau: np.ndarray,
-    lefts: np.ndarray,
+    decays: np.ndarray,
 ) -> None:
     """Write a smoothed column, its slopes by tau, and the weight of the past."""
     since, begun, mean, slope = state[:4]
@@ -135,7 +135,7 @@ def smooth(
         step = steps[i]
         if step != last:
             last, fading = step, faded(step, tau, usual)
-        means[i], by_tau[i], lefts[i] = mean, slope, np.nan
+        means[i], by_tau[i], decays[i] = mean, slope, np.nan
         if np.isnan(values[i]):
             since += step
             continue
@@ -144,7 +144,7 @@ def smooth(
             decay = growth = 0.0
         slope = decay * slope + growth * (mean - values[i])
         mean = decay * mean + (1.0 - decay) * values[i]
-        means[i], by_tau[i], lefts[i] = mean, slope, decay
+        means[i], by_tau[i], decays[i] = mean, slope, decay
         since, begun = 0.0, 1.0
     keep(state, since, begun, mean, slope)
 
@@ -252,18 +252,18 @@ def ewm(
     (hot, by_heat), (lossy, by_loss), (aside, by_offset) = more
     (kept, shown, measured), rows = seen, len(air)
     counts, first, last = kept
-    felts, felts_by_tau, lefts = work[0, :rows], work[1, :rows], work[2, :rows]
+    felts, felts_by_tau, decays = work[0, :rows], work[1, :rows], work[2, :rows]
     winds, winds_by_tau = work[3, :rows], work[4, :rows]
     leaks, leaks_by_tau, stays = work[5, :rows], work[6, :rows], work[7, :rows]
     r_eq, by_line = work[8, :rows], work[9, :rows]
     if even(steps) and follows(heat, state[0]) and follows(wind, state[1]):
         into = (felts, felts_by_tau), (winds, winds_by_tau)
-        lefts[:] = smooth_both(heat, wind, steps[0], tau, usual, state, *into)
+        decays[:] = smooth_both(heat, wind, steps[0], tau, usual, state, *into)
     else:
-        smooth(heat, steps, tau, usual, state[0], felts, felts_by_tau, lefts)
+        smooth(heat, steps, tau, usual, state[0], felts, felts_by_tau, decays)
         smooth(wind, steps, tau, usual, state[1], winds, winds_by_tau, stays)
         for i in range(rows):
-            if np.isnan(lefts[i]) or np.isnan(stays[i]):
+            if np.isnan(decays[i]) or np.isnan(stays[i]):
                 felts[i] = np.nan
     if leaky:
         smooth(loss, steps, tau, usual, state[2], leaks, leaks_by_tau, stays)
@@ -289,11 +289,11 @@ def ewm(
             slopes[2, i] -= by_leak / unit if counts[i] else 0.0
     part, lost = state[0, 4:], state[1, 4:]
     for i in range(rows if len(hot) else 0):
-        left = lefts[i]
-        if np.isnan(left):
+        decay = decays[i]
+        if np.isnan(decay):
             continue
         for k in range(len(hot)):
-            part[k] = left * part[k] + (1.0 - left) * by_heat[k, i]
+            part[k] = decay * part[k] + (1.0 - decay) * by_heat[k, i]
             slopes[4 + hot[k], i] += part[k] * r_eq[i] if counts[i] else 0.0
     for i in range(rows if len(lossy) else 0):
         stay = stays[i]
@@ -463,14 +463,14 @@ def longest(dynamics: int, law: tuple, memory: tuple, losses: np.ndarray) -> flo
 
 @inlined
 def sought(
-    counts: np.ndarray, steps: np.ndarray, first: int, lasting: float
+    counts: np.ndarray, steps: np.ndarray, first: int, reach: float
 ) -> tuple[int, int]:
     """The next row that counts, or the end; and the first row that influences it."""
     ahead, rows = first, len(counts)
     while ahead < rows and not counts[ahead]:
         ahead += 1
     since, past = ahead, 0.0
-    while since > first and past < lasting:
+    while since > first and past < reach:
         since -= 1
         past += steps[since] if len(steps) == rows else steps[0]
     return ahead, since
@@ -504,23 +504,23 @@ def answer(
     wanted, end = len(total) + len(responses) > 0, len(air)
     slopes = np.zeros((state.shape[1], TILE + APART if wanted else 0))
     work = np.empty((WORK, TILE + APART))
-    lasting, ahead, since = np.inf, -1, 0
+    reach, ahead, since = np.inf, -1, 0
     if not (wanted and len(temperature) == end):
-        lasting = FADED * longest(dynamics, law, memory, loss)
+        reach = FADED * longest(dynamics, law, memory, loss)
     for part in range(len(edges) - 1):
         b = edges[part]
         while b < edges[part + 1]:
-            if b > ahead and lasting < np.inf:
-                ahead, since = sought(counts, steps, b, lasting)
+            if b > ahead and reach < np.inf:
+                ahead, since = sought(counts, steps, b, reach)
             a = max(b, since)
             b = min(a + TILE, edges[part + 1])
             if a >= b:
                 break
             low, high = 0, b - a
-            if wanted or lasting < np.inf:
+            if wanted or reach < np.inf:
                 low, high = span(counts[a:b])
-            if lasting < np.inf and a + high < b:
-                ahead, since = sought(counts, steps, a + high, lasting)
+            if reach < np.inf and a + high < b:
+                ahead, since = sought(counts, steps, a + high, reach)
                 b = min(b, a + high) if since > a + high else b
             low, high, rows = unsigned(low), unsigned(high), unsigned(b - a)
             shown = (low, high) if len(temperature) != end else (unsigned(0), rows)

@@ -163,7 +163,7 @@ LASTS = "the residual lasts for about"
 FEW = "are too few to tell how long it lasts"
 
 
-def under_lasting_error(days, half_life, seeds):
+def under_autocorrelated_error(days, half_life, seeds):
     """Fits to records whose sensor is off by 0.3 K, half of it after some days."""
     step, memory = 1800, half_life * 86_400.0 / np.log(2.0)
     truth = dict(model="faiman", u0=25.0, u1=6.84, tau=900.0, bias=-2.0)
@@ -186,7 +186,7 @@ def under_lasting_error(days, half_life, seeds):
 def test_the_interval_of_the_bias_holds_it_where_an_error_lasts(days, half_life, least):
     """By errors of independent days it does in 94, 89, 81 and 43 % of these."""
     held, seeds = 0, 80
-    for fit in under_lasting_error(days, half_life, seeds):
+    for fit in under_autocorrelated_error(days, half_life, seeds):
         low, high = fit.confidence_interval().loc["bias", ["lower", "upper"]]
         held += low < -2.0 < high
     assert held >= least * seeds
@@ -194,7 +194,7 @@ def test_the_interval_of_the_bias_holds_it_where_an_error_lasts(days, half_life,
 
 def test_a_fit_says_that_an_error_lasts_and_that_its_days_are_few():
     def said(days, half_life, words):
-        fits = under_lasting_error(days, half_life, 20)
+        fits = under_autocorrelated_error(days, half_life, 20)
         return sum(words in str(fit) for fit in fits)
 
     assert said(30, 1 / 48, LASTS) <= 2
